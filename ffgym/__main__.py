@@ -1,0 +1,5 @@
+"""`python -m ffgym` is the `ffgym` command."""
+
+from ffgym.cli import main
+
+main()

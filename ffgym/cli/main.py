@@ -1,0 +1,36 @@
+"""The `ffgym` command: subcommands, one-line errors, exit codes."""
+
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+from ffgym.errors import FFGymError
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run `ffgym` with the given arguments (None takes the process') and return its exit code.
+
+    0 is success, 1 a request that cannot be met (one line on stderr), 2 arguments that do not parse, 130 Ctrl-C.
+    """
+    try:
+        import tyro
+    except ImportError:
+        print("ffgym: error: the command line needs tyro and rich; pip install 'ffgym[cli]'", file=sys.stderr)
+        return 1
+    from ffgym.cli.demo import Demo
+    from ffgym.cli.export import Export
+
+    command = Annotated[
+        Annotated[Demo, tyro.conf.subcommand("demo")] | Annotated[Export, tyro.conf.subcommand("export")],
+        tyro.conf.OmitSubcommandPrefixes,
+    ]
+    try:
+        chosen: Demo | Export = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)  # type: ignore
+        chosen.run()
+    except FFGymError as error:
+        print(f"ffgym: error: {' '.join(str(error).split())}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("ffgym: interrupted; nothing was written", file=sys.stderr)
+        return 130
+    return 0

@@ -1,0 +1,21 @@
+"""A progress bar on stderr that stays silent where nobody looks."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from ffgym.simulation.simulate import Progress
+
+
+@contextmanager
+def progress_bar(title: str, unit: str) -> Iterator[Progress]:
+    """Yield a function of (done, total) that draws a bar while the block runs, if stderr is a terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    columns = (TextColumn(title), BarColumn(), TextColumn(f"{{task.completed:.0f}}/{{task.total:.0f}} {unit}"))
+    console = Console(file=sys.stderr)
+    with Bar(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task(title, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)

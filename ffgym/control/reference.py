@@ -1,0 +1,107 @@
+"""The reference a drive gets: joint motion sampled at the control step, checked against the robot's limits."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_shape
+from ffgym.paths import CartesianPath, JointPath
+from ffgym.recordings import Phase
+from ffgym.robot import RigidArm, RobotDescription, solve_path
+from ffgym.robot.inverse_kinematics import solve_twist
+from ffgym.types import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reference:
+    """Joint motion sampled at the control step, link side."""
+
+    name: str
+    robot: RobotDescription
+    t: Array
+    """Times [s], every `control_dt` from 0, shape (T,)."""
+    q: Array
+    """[rad], shape (T, N)."""
+    dq: Array
+    """[rad/s], shape (T, N)."""
+    ddq: Array
+    """[rad/s^2], shape (T, N)."""
+    phases: tuple[Phase, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("q", "dq", "ddq"):
+            check_shape(f"reference {name}", getattr(self, name), (len(self.t), self.robot.n_joints))
+        _check_step(self)
+        _check_limits(self)
+
+    @property
+    def motor_dq(self) -> Array:
+        """Motor speed [rad/s], shape (T, N)."""
+        return self.dq * self.robot.drive.gear_ratio
+
+    @property
+    def motor_ddq(self) -> Array:
+        """Motor acceleration [rad/s^2], shape (T, N)."""
+        return self.ddq * self.robot.drive.gear_ratio
+
+    @property
+    def duration(self) -> float:
+        """Time of the last sample [s]."""
+        return float(self.t[-1])
+
+
+def cartesian_reference(arm: RigidArm, path: CartesianPath, rotation: Array | None = None) -> Reference:
+    """Joint reference whose rigid arm follows a TCP path at fixed tool orientation.
+
+    Args:
+        arm: the robot.
+        path: the motion, sampled at the robot's control step.
+        rotation: orientation of tool0 in the world, shape (3, 3); None takes the work area's.
+
+    Raises:
+        FFGymError: if the path is unreachable, near a singularity, or beyond a joint or speed limit.
+    """
+    area = arm.robot.work_area
+    if area is None:
+        raise FFGymError(f"Robot {arm.robot.name!r} has no work area; give its motions in joint space.")
+    q = solve_path(arm, path.position, area.tool_rotation if rotation is None else rotation, area.home)
+    jacobian = arm.jacobian(q)
+    still = np.zeros_like(path.velocity)
+    dq = solve_twist(jacobian, np.hstack([path.velocity, still]))
+    ddq = solve_twist(jacobian, np.hstack([path.acceleration, still]) - arm.bias_acceleration(q, dq))
+    return Reference(name=path.name, robot=arm.robot, t=path.t, q=q, dq=dq, ddq=ddq, phases=path.phases)
+
+
+def joint_reference(robot: RobotDescription, path: JointPath) -> Reference:
+    """Reference for a motion that is given in joint space.
+
+    Raises:
+        FFGymError: if it has another number of joints, or is beyond a joint or speed limit.
+    """
+    return Reference(name=path.name, robot=robot, t=path.t, q=path.q, dq=path.dq, ddq=path.ddq, phases=path.phases)
+
+
+def _check_step(reference: Reference) -> None:
+    dt = reference.robot.servo.control_dt
+    if len(reference.t) < 2 or np.abs(np.diff(reference.t) - dt).max() > 1e-9:
+        raise FFGymError(
+            f"Reference {reference.name!r} must be sampled every control_dt = {dt} s; pass dt={dt} to the path."
+        )
+
+
+def _check_limits(reference: Reference) -> None:
+    kinematics, joints = reference.robot.kinematics, reference.robot.joints
+    beyond = np.argwhere((reference.q < kinematics.range[:, 0]) | (reference.q > kinematics.range[:, 1]))
+    if beyond.size:
+        row, j = (int(i) for i in beyond[0])
+        raise FFGymError(
+            f"Reference {reference.name!r}: joint {joints[j]} is at {reference.q[row, j]:.3f} rad at "
+            f"{reference.t[row]:.3f} s, must be within {np.round(kinematics.range[j], 3).tolist()} rad."
+        )
+    ratio = np.abs(reference.dq) / kinematics.max_speed
+    row, j = (int(i) for i in np.unravel_index(np.argmax(ratio), ratio.shape))
+    if ratio[row, j] > 1:
+        raise FFGymError(
+            f"Reference {reference.name!r}: joint {joints[j]} moves at {reference.dq[row, j]:.3f} rad/s at "
+            f"{reference.t[row]:.3f} s, must stay below {kinematics.max_speed[j]:.3f} rad/s. Slow the motion down."
+        )

@@ -1,0 +1,81 @@
+"""What the drive makes of samples that arrive every control step: set-points at every physics step.
+
+Positions and speeds are joined by cubic Hermite pieces, torques by straight lines, as the fine interpolator of a drive
+does. A torque that is computed for sample k + 1 is thus reached at t[k + 1]. (Chosen; the thesis sends samples at 4 ms
+and logs at 0.5 ms, and does not say what its drive does in between.)
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.errors import check_shape
+from ffgym.types import Array, IntArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Setpoints:
+    """Samples sent to the drives of B robots, motor side; each array has shape (B, T, N)."""
+
+    position: Array
+    """[rad]."""
+    velocity: Array
+    """[rad/s]."""
+    torque: Array
+    """Sum of all feed-forward torques [N m]."""
+    dt: float
+    """Time between samples [s]."""
+
+    def __post_init__(self) -> None:
+        check_shape("set-point position", self.position, (None, None, None))
+        for name in ("velocity", "torque"):
+            check_shape(f"set-point {name}", getattr(self, name), self.position.shape)
+
+    def between(self, robots: IntArray, start: int, stop: int, fractions: Array) -> tuple[Array, Array, Array]:
+        """Position, velocity and torque within control steps `start` to `stop` - 1.
+
+        Args:
+            robots: which robots, shape (B',).
+            start: first control step; step k runs from sample k to sample k + 1.
+            stop: control step after the last.
+            fractions: points within each step, 0 at its start and 1 at its end, shape (S,).
+
+        Returns:
+            Three arrays of shape (B', stop - start, S, N). Only elementwise arithmetic, so that a result does not
+            depend on how many robots or steps are computed together.
+        """
+        x = np.asarray(fractions)[:, None]
+        p0, p1 = _ends(self.position[robots, start : stop + 1])
+        v0, v1 = _ends(self.velocity[robots, start : stop + 1])
+        u0, u1 = _ends(self.torque[robots, start : stop + 1])
+        h, rise = self.dt, p1 - p0
+        bend = x * x * (3 - 2 * x)
+        position = p0 + bend * rise + (h * x * (1 - x) ** 2) * v0 + (h * x * x * (x - 1)) * v1
+        velocity = (6 * x * (1 - x) / h) * rise + ((1 - x) * (1 - 3 * x)) * v0 + (x * (3 * x - 2)) * v1
+        torque = u0 + x * (u1 - u0)
+        return position, velocity, torque
+
+    def at_rows(self, rows_per_step: int) -> tuple[Array, Array, Array]:
+        """Position, velocity, torque at `rows_per_step` points of each step and at the last sample, (B, R, N) each."""
+        robots, steps, n = self.position.shape
+        fractions = np.arange(rows_per_step) / rows_per_step
+        parts = self.between(np.arange(robots), 0, steps - 1, fractions)
+        lasts = (self.position, self.velocity, self.torque)
+        position, velocity, torque = (
+            np.concatenate([part.reshape(robots, -1, n), last[:, -1:]], axis=1)
+            for part, last in zip(parts, lasts, strict=True)
+        )
+        return position, velocity, torque
+
+
+def torque_at_rows(torque: Array, rows_per_step: int) -> Array:
+    """A torque (T, N) sampled every control step, at `rows_per_step` points of each step and at the last sample."""
+    fractions = (np.arange(rows_per_step) / rows_per_step)[:, None]
+    start, end = _ends(torque[None])
+    between = start + fractions * (end - start)
+    return np.concatenate([between.reshape(-1, torque.shape[1]), torque[-1:]])
+
+
+def _ends(samples: Array) -> tuple[Array, Array]:
+    """Values at the start and the end of each step, with an axis for the points in between."""
+    return samples[:, :-1, None], samples[:, 1:, None]

@@ -1,0 +1,64 @@
+"""One exception for everything a caller can get wrong, and the checks that raise it."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ffgym.types import Array
+
+
+class FFGymError(ValueError):
+    """A request that cannot be met; the message names the thing, its value, what is valid and the way out."""
+
+
+def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
+    """Return `value` as a finite float64 array of `shape`, where None stands for any length.
+
+    Raises:
+        FFGymError: if it is not numeric, has another shape, or holds NaN or infinity.
+    """
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise FFGymError(f"{name} must be numbers, got {value!r}.") from error
+    wanted = tuple(shape)
+    if array.ndim != len(wanted) or any(w is not None and w != s for w, s in zip(wanted, array.shape, strict=True)):
+        text = "(" + ", ".join("any" if w is None else str(w) for w in wanted) + ")"
+        raise FFGymError(f"{name} has shape {array.shape}, must be {text}.")
+    if not np.all(np.isfinite(array)):
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise FFGymError(f"{name} must be finite, but entry {index} is {array[index]}.")
+    return array
+
+
+def check_number(
+    name: str, value: Any, *, unit: str = "", low: float = -np.inf, high: float = np.inf, open_low: bool = False
+) -> float:
+    """Return `value` as a float within [low, high], or (low, high] with `open_low`.
+
+    Raises:
+        FFGymError: if it is not a finite number in the range.
+    """
+    suffix = f" {unit}" if unit else ""
+    try:
+        number = float(value)
+    except (TypeError, ValueError) as error:
+        raise FFGymError(f"{name} must be a number{f' in {unit}' if unit else ''}, got {value!r}.") from error
+    if not np.isfinite(number):
+        raise FFGymError(f"{name} must be finite, got {number}{suffix}.")
+    if number < low or number > high or (open_low and number == low):
+        bracket = "(" if open_low else "["
+        raise FFGymError(f"{name} = {number}{suffix} is out of range, must be in {bracket}{low}, {high}]{suffix}.")
+    return number
+
+
+def check_choice(name: str, value: str, available: Sequence[str]) -> str:
+    """Return `value` if it is one of `available`.
+
+    Raises:
+        FFGymError: if not; the message lists what is available.
+    """
+    if value not in available:
+        raise FFGymError(f"Unknown {name} {value!r}. Available: {', '.join(sorted(available))}.")
+    return value

@@ -1,0 +1,51 @@
+"""Files that appear whole or not at all."""
+
+import json
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from ffgym.errors import FFGymError
+
+
+def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write `data` beside `path` and move it there; whatever interrupts this, no half file is left.
+
+    Raises:
+        FFGymError: if the file cannot be written; an old file of that name stays as it was.
+    """
+    target = Path(os.path.realpath(path))  # through a link, as an ordinary write does
+    temporary = target.with_name(f".ffgym-{uuid4().hex}.tmp")
+    try:
+        with open(temporary, "xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, target)
+    except OSError as error:
+        raise FFGymError(
+            f"{path}: cannot be written: {error.strerror}. The folder must exist, be writable and have space left."
+        ) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a UTF-8 file, as `write_bytes`."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_json(path: str | os.PathLike[str], value: Any) -> None:
+    """Write a JSON file, as `write_bytes`.
+
+    Raises:
+        FFGymError: if the value has no JSON form (NaN and infinity have none), or the file cannot be written.
+    """
+    try:
+        text = json.dumps(value, indent=1, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise FFGymError(f"{path}: the result has no JSON form: {error}.") from error
+    write_text(path, text + "\n")

@@ -1,0 +1,3 @@
+"""Friction models, motor side."""
+
+from ffgym.friction.lugre import LuGreParameters as LuGreParameters

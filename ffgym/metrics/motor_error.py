@@ -1,0 +1,20 @@
+"""How far the motors stray from their references: thesis 2.2.5, quantity 4."""
+
+import numpy as np
+
+from ffgym.recordings import Recording
+from ffgym.types import Array
+
+
+def motor_error(recording: Recording) -> Array:
+    """Motor position error e = reference - measured, motor side [rad], shape (T, N)."""
+    error = recording.joint_array("reference.position") - recording.joint_array("motor.position")
+    if recording.header.position_side == "link":
+        error = error * np.asarray(recording.header.gear_ratio)
+    return error
+
+
+def motor_error_rms(recording: Recording) -> Array:
+    """RMS of the motor position error, motor side [rad], shape (N,); standstill does not count (thesis 4.3.2)."""
+    moving = ~recording.mask(kind="standstill")
+    return np.asarray(np.sqrt(np.mean(motor_error(recording)[moving] ** 2, axis=0)))

@@ -1,0 +1,10 @@
+"""Motions: circles with lead-in and lead-out, joint-space sine and constant speed."""
+
+from ffgym.paths.circles import DWELL as DWELL
+from ffgym.paths.circles import RADII as RADII
+from ffgym.paths.circles import SPEEDS as SPEEDS
+from ffgym.paths.circles import circle_test as circle_test
+from ffgym.paths.joint_space import constant_velocity as constant_velocity
+from ffgym.paths.joint_space import joint_sine as joint_sine
+from ffgym.paths.motion import CartesianPath as CartesianPath
+from ffgym.paths.motion import JointPath as JointPath

@@ -1,0 +1,154 @@
+"""The test motion of the thesis: circles around a common start point, each with lead-in and lead-out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_number, check_shape
+from ffgym.paths.lead import unit_lead
+from ffgym.paths.motion import CartesianPath, Segment, sample, standstill
+from ffgym.types import Array
+
+RADII = (0.001, 0.003, 0.005)
+"""Radii of the test motion [m], thesis 2.2.5."""
+SPEEDS = (0.010, 0.040, 0.100)
+"""TCP speeds of the tests [m/s], thesis (2.16)."""
+DWELL = 0.3
+"""Rest before, between and after the circles [s]; chosen: several times the decay of the servo (about 0.1 s)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Plane:
+    """Plane of a circle: an orthonormal pair, in which circles run from `first` towards `second`."""
+
+    first: Array
+    second: Array
+
+    def embed(self, flat: Array) -> Array:
+        """World vectors (T, 3) of plane vectors (T, 2)."""
+        return flat[:, [0]] * self.first + flat[:, [1]] * self.second
+
+
+def plane_of(normal: Sequence[float] | Array) -> Plane:
+    """Plane with a normal, shape (3,), any length; its first axis is the world's x, or y where x is along the normal.
+
+    Raises:
+        FFGymError: if the normal is zero.
+    """
+    normal = check_shape("normal", normal, (3,))
+    if np.linalg.norm(normal) < 1e-12:
+        raise FFGymError(f"normal = {normal.tolist()} must not be zero; (0, 0, 1) is a plane parallel to the ground.")
+    normal = normal / np.linalg.norm(normal)
+    guide = np.array([1.0, 0, 0]) if abs(normal[0]) < 0.9 else np.array([0, 1.0, 0])
+    first = guide - normal * (guide @ normal)
+    first /= np.linalg.norm(first)
+    return Plane(first=first, second=np.cross(normal, first))
+
+
+def circle_test(
+    centre: Sequence[float] | Array,
+    speed: float,
+    *,
+    radii: Sequence[float] = RADII,
+    normal: Sequence[float] | Array = (0.0, 0.0, 1.0),
+    start_angle: float = -np.pi / 2,
+    dwell: float = DWELL,
+    dt: float = 0.004,
+    name: str = "circles",
+) -> CartesianPath:
+    """Circles around `centre` at constant TCP speed, each led in from the centre and led out back to it.
+
+    Speed rises and falls on the leads only, with bounded jerk; on a circle it is `speed` exactly. Path, tangent and
+    curvature are continuous.
+
+    Args:
+        centre: common centre and start point [m], shape (3,).
+        speed: TCP speed on the circles [m/s], > 0.
+        radii: radii [m], > 0, in the order in which they run.
+        normal: normal of the plane, any length.
+        start_angle: where each circle is joined [rad], from the plane's first axis.
+        dwell: rest before, between and after the circles [s], > 0.
+        dt: sample time [s].
+        name: name of the motion.
+
+    Raises:
+        FFGymError: if an argument is out of range.
+    """
+    centre = check_shape("centre", centre, (3,))
+    speed = check_number("speed", speed, unit="m/s", low=0.0, open_low=True)
+    dwell = check_number("dwell", dwell, unit="s", low=0.0, open_low=True)
+    start_angle = check_number("start_angle", start_angle, unit="rad")
+    if len(radii) == 0:
+        raise FFGymError("radii is empty, must hold at least one radius in m.")
+    plane = plane_of(normal)
+    segments = [standstill("rest 0", centre, dwell)]
+    for i, radius in enumerate(radii):
+        radius = check_number("radius", radius, unit="m", low=0.0, open_low=True)
+        segments += _circle(centre, plane, radius, speed, start_angle)
+        segments.append(standstill(f"rest {i + 1}", centre, dwell))
+    t, position, velocity, acceleration, phases = sample(segments, dt)
+    return CartesianPath(name=name, t=t, position=position, velocity=velocity, acceleration=acceleration, phases=phases)
+
+
+def _circle(centre: Array, plane: Plane, radius: float, speed: float, start_angle: float) -> list[Segment]:
+    """Lead-in, circle and lead-out."""
+    length = unit_lead().length * radius
+    ramp = 2 * length / speed  # the smooth speed ramp covers half of speed x time
+
+    def lead_in(tau: Array) -> tuple[Array, Array, Array]:
+        return _on_lead(tau, 1.0)
+
+    def lead_out(tau: Array) -> tuple[Array, Array, Array]:
+        """The lead-in backwards in time, mirrored about the radius through the joint."""
+        position, velocity, acceleration = _on_lead(ramp - tau, -1.0)
+        return position, -velocity, acceleration
+
+    def _on_lead(tau: Array, mirror: float) -> tuple[Array, Array, Array]:
+        travelled, rate, change = smooth_ramp(tau, ramp, speed)
+        s = np.clip(travelled / radius, 0.0, unit_lead().length)
+        lead = unit_lead()
+        angle, bend = lead.heading(s), lead.bend(s) / radius
+        tangent = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        inward = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+        flat = (lead.point(s) - [0.0, 1.0]) * radius  # from the centre
+        moved = (flat, rate[:, None] * tangent, change[:, None] * tangent + (rate**2 * bend)[:, None] * inward)
+        return _place(moved, mirror)
+
+    def _place(flat: tuple[Array, Array, Array], mirror: float) -> tuple[Array, Array, Array]:
+        """Turn the unit picture (joint below the centre) to the start angle and put it into the world."""
+        cos, sin = np.cos(start_angle + np.pi / 2), np.sin(start_angle + np.pi / 2)
+        turn = np.array([[cos, -sin], [sin, cos]]) @ np.diag([mirror, 1.0])
+        position, velocity, acceleration = (plane.embed(part @ turn.T) for part in flat)
+        return centre + position, velocity, acceleration
+
+    def circle(tau: Array) -> tuple[Array, Array, Array]:
+        angle = start_angle + speed / radius * tau
+        outward = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        tangent = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+        flat = (radius * outward, speed * tangent, -(speed**2 / radius) * outward)
+        position, velocity, acceleration = (plane.embed(part) for part in flat)
+        return centre + position, velocity, acceleration
+
+    label = f"{radius * 1e3:g} mm"
+    return [
+        Segment(label=f"lead-in {label}", kind="lead_in", duration=ramp, evaluate=lead_in),
+        Segment(label=f"circle {label}", kind="circle", duration=2 * np.pi * radius / speed, evaluate=circle),
+        Segment(label=f"lead-out {label}", kind="lead_out", duration=ramp, evaluate=lead_out),
+    ]
+
+
+def smooth_ramp(tau: Array, duration: float, speed: float) -> tuple[Array, Array, Array]:
+    r"""Distance, speed and acceleration of a ramp from 0 to `speed`, :math:`3 x^2 - 2 x^3`: its jerk is bounded.
+
+    Args:
+        tau: times since the start [s], shape (T,), within [0, duration].
+        duration: length of the ramp [s].
+        speed: speed at its end, in any unit per second.
+    """
+    x = np.clip(tau / duration, 0.0, 1.0)
+    return (
+        speed * duration * (x**3 - 0.5 * x**4),
+        speed * (3 * x**2 - 2 * x**3),
+        speed / duration * 6 * x * (1 - x),
+    )

@@ -1,0 +1,72 @@
+r"""Lead-in from the centre of a circle onto it: a small circle that blends into the large one.
+
+The thesis (2.2.5, 4.3.2) starts each circle from its centre along a small circle that touches it. A half circle of half
+the radius does that, but its curvature jumps from 2 / r to 1 / r where it joins, which asks for infinite jerk. Here the
+second part of the lead is a clothoid, whose curvature runs linearly from that of the small circle to 1 / r. Small
+circle and total length follow from the two conditions that the lead starts at the centre and joins the circle in its
+tangent; for r = 1 they are numbers, found once.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from scipy.optimize import fsolve
+
+from ffgym.types import Array
+
+BLEND = 0.5
+"""Share of the lead's length that is clothoid; chosen: half keeps the small circle visible."""
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lead:
+    """The lead onto the unit circle around (0, 1), which it joins at the origin heading along x."""
+
+    curvature: float
+    """Curvature of the small circle, in units of 1 / r."""
+    length: float
+    """Arc length from the centre to the joint, in units of r."""
+
+    @property
+    def knot(self) -> float:
+        """Arc length at which the clothoid begins."""
+        return (1 - BLEND) * self.length
+
+    def bend(self, s: Array) -> Array:
+        """Curvature at arc length `s` from the centre, shape (T,)."""
+        ramp = np.clip((s - self.knot) / (self.length - self.knot), 0.0, 1.0)
+        return self.curvature + ramp * (1.0 - self.curvature)
+
+    def heading(self, s: Array) -> Array:
+        """Angle of the tangent [rad] at arc length `s`, 0 at the joint, shape (T,)."""
+        late = np.maximum(s, self.knot)
+        turned = 0.5 * (self.length - late) * (self.bend(late) + 1.0)
+        return -turned - self.curvature * np.maximum(self.knot - s, 0.0)
+
+    def point(self, s: Array) -> Array:
+        """Position at arc length `s`, shape (T, 2)."""
+        s = np.asarray(s, dtype=np.float64)
+        middle = np.maximum(s, self.knot)
+        return -(self._chord(s, middle) + self._chord(middle, np.full_like(s, self.length)))
+
+    def _chord(self, start: Array, end: Array) -> Array:
+        """Integral of the tangent from `start` to `end`, smooth in between, by Gauss-Legendre quadrature."""
+        half = 0.5 * (end - start)
+        s = 0.5 * (start + end)[:, None] + half[:, None] * _NODES
+        angle = self.heading(s)
+        return half[:, None] * np.stack([np.cos(angle) @ _WEIGHTS, np.sin(angle) @ _WEIGHTS], axis=1)
+
+
+@cache
+def unit_lead() -> Lead:
+    """The lead that starts at the centre (0, 1) of the unit circle."""
+
+    def miss(unknown: Array) -> Array:
+        lead = Lead(curvature=float(unknown[0]), length=float(unknown[1]))
+        return lead.point(np.zeros(1))[0] - np.array([0.0, 1.0])
+
+    curvature, length = fsolve(miss, [2.0, np.pi / 2], xtol=1e-14)
+    return Lead(curvature=float(curvature), length=float(length))

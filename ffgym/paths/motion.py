@@ -1,0 +1,94 @@
+"""A motion as a chain of segments that know their time law, and what comes out when it is sampled."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_number
+from ffgym.recordings import Phase, PhaseKind
+from ffgym.types import Array
+
+Evaluate = Callable[[Array], tuple[Array, Array, Array]]
+"""Position, velocity and acceleration, each (T, D), at times (T,) since the start of a segment."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Segment:
+    """One piece of a motion."""
+
+    label: str
+    kind: PhaseKind
+    duration: float
+    """[s], > 0."""
+    evaluate: Evaluate
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CartesianPath:
+    """Sampled TCP motion in the world frame, at fixed tool orientation."""
+
+    name: str
+    t: Array
+    """Times [s], uniform, from 0, shape (T,)."""
+    position: Array
+    """TCP [m], shape (T, 3)."""
+    velocity: Array
+    """TCP [m/s], shape (T, 3)."""
+    acceleration: Array
+    """TCP [m/s^2], shape (T, 3)."""
+    phases: tuple[Phase, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointPath:
+    """Sampled motion of the joints, link side."""
+
+    name: str
+    t: Array
+    """Times [s], uniform, from 0, shape (T,)."""
+    q: Array
+    """[rad], shape (T, N)."""
+    dq: Array
+    """[rad/s], shape (T, N)."""
+    ddq: Array
+    """[rad/s^2], shape (T, N)."""
+    phases: tuple[Phase, ...]
+
+
+def standstill(label: str, point: Array, duration: float) -> Segment:
+    """Rest at `point`, shape (D,), for `duration` [s]."""
+    point = np.asarray(point, dtype=np.float64)
+
+    def evaluate(tau: Array) -> tuple[Array, Array, Array]:
+        rest = np.zeros((len(tau), len(point)))
+        return rest + point, rest.copy(), rest.copy()
+
+    return Segment(label=label, kind="standstill", duration=duration, evaluate=evaluate)
+
+
+def sample(segments: Sequence[Segment], dt: float) -> tuple[Array, Array, Array, Array, tuple[Phase, ...]]:
+    """Times (T,), position, velocity, acceleration (T, D) every `dt` [s] from the start to the end, and the phases.
+
+    Segments last as long as they last; only the whole motion is sampled on the grid, so that no speed is rounded.
+
+    Raises:
+        FFGymError: if `dt` is not positive or the motion is shorter than one step.
+    """
+    dt = check_number("dt", dt, unit="s", low=0.0, open_low=True)
+    ends = np.cumsum([segment.duration for segment in segments])
+    starts = np.concatenate([[0.0], ends[:-1]])
+    count = int(np.ceil(ends[-1] / dt - 1e-9)) + 1  # the last sample may lie up to one step beyond the end
+    if count < 2:
+        raise FFGymError(f"The motion lasts {ends[-1]:.6g} s, shorter than one control step of {dt} s.")
+    t = np.arange(count, dtype=np.float64) * dt
+    which = np.minimum(np.searchsorted(ends, t, side="right"), len(segments) - 1)
+    parts = [s.evaluate(t[which == i] - starts[i]) for i, s in enumerate(segments)]
+    position: Array = np.concatenate([part[0] for part in parts])
+    velocity: Array = np.concatenate([part[1] for part in parts])
+    acceleration: Array = np.concatenate([part[2] for part in parts])
+    phases = tuple(
+        Phase(label=s.label, kind=s.kind, start=float(a), end=float(b))
+        for s, a, b in zip(segments, starts, ends, strict=True)
+    )
+    return t, position, velocity, acceleration, phases

@@ -1,0 +1,185 @@
+"""A recording: columns of one motion, simulated or measured, with a header that says what they mean."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, final
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_choice
+from ffgym.recordings.header import Header
+from ffgym.recordings.phase import PHASE_KINDS, Phase, PhaseKind
+from ffgym.recordings.schema import FAMILIES, USER_PREFIX, Family, family_named
+from ffgym.recordings.validation import check_phases, checked_columns, unit_of
+from ffgym.types import Array, BoolArray
+
+_READERS = {"one": "recording[{!r}]", "joint": "recording.joint_array({!r})", "xyz": "recording.vector({!r})"}
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One motion, one row per sample. Complete and valid once built; nothing in it changes afterwards.
+
+    Raises:
+        FFGymError: if the columns do not follow the schema, differ in length, hold values that are not finite, or do
+            not fit the header. NaN is allowed in `tcp.*` and `temperature.*` only, where it marks a missing sample.
+    """
+
+    columns: Mapping[str, Array]
+    """Column name -> samples, shape (T,), float64, read-only; T >= 2."""
+    header: Header
+    """What the columns mean."""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.header, Header):
+            raise FFGymError(f"header must be a Header, got {type(self.header).__name__}.")
+        if not isinstance(self.columns, Mapping):
+            raise FFGymError(f"columns must map names to arrays, got {type(self.columns).__name__}.")
+        columns = checked_columns(self.columns, self.header)
+        check_phases(self.header.phases, columns["timestamp"])
+        object.__setattr__(self, "columns", MappingProxyType(columns))
+
+    def __getitem__(self, column: str) -> Array:
+        """Samples of one column, shape (T,).
+
+        Raises:
+            FFGymError: if the recording has no such column.
+        """
+        if column not in self.columns:
+            raise FFGymError(f"No column {column!r} in this recording. {self._available()}")
+        return self.columns[column]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __repr__(self) -> str:
+        span = f"t = {self.t[0]:g} to {self.t[-1]:g} s"
+        return f"Recording({self.header.robot!r}, {self.header.segment!r}, {len(self)} rows, {span}, {self.families})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Recording, (dict(self.columns), self.header)  # a mapping proxy cannot be pickled
+
+    @property
+    def t(self) -> Array:
+        """Controller clock [s], shape (T,), strictly increasing."""
+        return self.columns["timestamp"]
+
+    @cached_property
+    def dt(self) -> float:
+        """Median sample period [s]."""
+        return float(np.median(np.diff(self.t)))
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """Families and user columns that are present, in the order of the schema."""
+        joints = self.header.joints
+        held = tuple(name for name, family in FAMILIES.items() if family.columns(joints)[0] in self.columns)
+        return held + tuple(name for name in self.columns if name.startswith(USER_PREFIX))
+
+    def has(self, family: str) -> bool:
+        """Whether the `family` (for example `motor.position`) or the user column of that name is present.
+
+        Raises:
+            FFGymError: if the schema knows no such family, so that a misspelt name is not taken for an absent one.
+        """
+        if family.startswith(USER_PREFIX):
+            return family in self.columns
+        return family_named(family).columns(self.header.joints)[0] in self.columns
+
+    def unit(self, column: str) -> str:
+        """Unit of a column that is present."""
+        self[column]
+        return unit_of(column, self.header.units)
+
+    def joint_array(self, family: str) -> Array:
+        """Columns of a per-joint `family` side by side, shape (T, N), in the order of `header.joints`.
+
+        Raises:
+            FFGymError: if the family is not per joint, or the recording does not have it.
+        """
+        return self._stacked(family_named(family), "joint")
+
+    def vector(self, family: str) -> Array:
+        """Columns x, y, z of a Cartesian `family` side by side, shape (T, 3).
+
+        Raises:
+            FFGymError: if the family is not Cartesian, or the recording does not have it.
+        """
+        return self._stacked(family_named(family), "xyz")
+
+    def phases_of(self, kind: PhaseKind) -> tuple[Phase, ...]:
+        """Phases of that `kind`, in order; none is an empty tuple."""
+        check_choice("phase kind", kind, PHASE_KINDS)
+        return tuple(phase for phase in self.header.phases if phase.kind == kind)
+
+    def mask(self, *, kind: PhaseKind | None = None, label: str | None = None) -> BoolArray:
+        """Rows in a phase, shape (T,): start <= t < end. With both, the phase must match both; with none, any will do.
+
+        Raises:
+            FFGymError: if `kind` is unknown, or no phase has this `label`. A kind that does not occur has no rows.
+        """
+        phases = self.header.phases if kind is None else self.phases_of(kind)
+        if label is not None:
+            check_choice("phase label", label, tuple(dict.fromkeys(phase.label for phase in self.header.phases)))
+            phases = tuple(phase for phase in phases if phase.label == label)
+        inside = np.zeros(len(self), dtype=np.bool_)
+        for phase in phases:
+            inside |= (self.t >= phase.start) & (self.t < phase.end)
+        return inside
+
+    def slice(self, start: float | None = None, end: float | None = None) -> "Recording":
+        """Rows with start <= t < end [s]; None leaves that side open. Phases are cut to what remains.
+
+        Raises:
+            FFGymError: if fewer than 2 rows remain.
+        """
+        low, high = (-np.inf if start is None else start), (np.inf if end is None else end)
+        rows = (self.t >= low) & (self.t < high)
+        if rows.sum() < 2:
+            span = f"[{self.t[0]}, {self.t[-1]}] s"
+            raise FFGymError(f"slice({start}, {end}) keeps {rows.sum()} rows of {span}, must keep at least 2.")
+        t = self.t[rows]
+        phases = _clipped(self.header.phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
+        columns = {name: values[rows] for name, values in self.columns.items()}
+        return Recording(columns, replace(self.header, phases=phases))
+
+    def with_columns(
+        self, columns: Mapping[str, Any] | None = None, /, *, units: Mapping[str, str] | None = None, **more: Any
+    ) -> "Recording":
+        """Return a recording with these columns added or replaced.
+
+        Args:
+            columns: column name -> samples, shape (T,).
+            units: units of new `user.` columns.
+            more: columns too, for names without a dot or as `**{"user.x": x}`.
+
+        Raises:
+            FFGymError: if the result is not a valid recording.
+        """
+        header = replace(self.header, units={**self.header.units, **(units or {})})
+        return Recording({**self.columns, **(columns or {}), **more}, header)
+
+    def equals(self, other: "Recording") -> bool:
+        """Whether headers are equal and columns have the same names and the same bits, in any order."""
+        return (
+            self.header == other.header
+            and self.columns.keys() == other.columns.keys()
+            and all(values.tobytes() == other.columns[name].tobytes() for name, values in self.columns.items())
+        )
+
+    def _stacked(self, family: Family, parts: str) -> Array:
+        if family.parts != parts:
+            raise FFGymError(f"{family.name} is read with {_READERS[family.parts].format(family.name)}.")
+        return np.stack([self[column] for column in family.columns(self.header.joints)], axis=1)
+
+    def _available(self) -> str:
+        return f"Available: {', '.join(self.families)} with joints {', '.join(self.header.joints)}."
+
+
+def _clipped(phases: tuple[Phase, ...], first: float, last: float) -> tuple[Phase, ...]:
+    """Phases cut to [first, last] s, without those that vanish."""
+    cut = ((phase, max(phase.start, first), min(phase.end, last)) for phase in phases)
+    return tuple(replace(phase, start=start, end=end) for phase, start, end in cut if start < end)

@@ -1,0 +1,14 @@
+"""Robots: descriptions with the origin of every number, their MuJoCo models, kinematics and rigid dynamics."""
+
+from ffgym.robot.arm import RigidArm as RigidArm
+from ffgym.robot.description import RobotDescription as RobotDescription
+from ffgym.robot.elasticity import resonances as resonances
+from ffgym.robot.elasticity import static_deflection as static_deflection
+from ffgym.robot.fingerprint import physics_fingerprint as physics_fingerprint
+from ffgym.robot.inverse_kinematics import solve_path as solve_path
+from ffgym.robot.load import builtin_robots as builtin_robots
+from ffgym.robot.load import load_robot as load_robot
+from ffgym.robot.load import parse_robot as parse_robot
+from ffgym.robot.spec import ModelOptions as ModelOptions
+from ffgym.robot.spec import build_spec as build_spec
+from ffgym.robot.spec import compile_model as compile_model

@@ -1,0 +1,186 @@
+"""Kinematics and rigid-body dynamics of the arm, link side, for whole trajectories at once."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import mujoco
+import numpy as np
+from mujoco import batch
+
+from ffgym.errors import FFGymError, check_shape
+from ffgym.robot.description import RobotDescription
+from ffgym.robot.spec import ModelOptions, compile_model
+from ffgym.types import Array
+
+_CHUNK = 1024
+"""Rows evaluated in one call: enough to keep the cores busy, small enough to stay in cache."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _ChainLink:
+    """A body between the world and the TCP, in the frame of the body before it."""
+
+    position: Array
+    rotation: Array
+    axis: Array | None = None
+    """Unit axis of its hinge in the body's frame; None if it has none."""
+    anchor: Array
+    """Point on the hinge axis in the body's frame [m]."""
+    joint: int = 0
+
+
+class RigidArm:
+    """The robot without elasticity, friction and motors, as MuJoCo computes it.
+
+    Joint angles `q` are link side, shape (T, N). All results are in the world frame, in SI units.
+    """
+
+    def __init__(self, robot: RobotDescription) -> None:
+        self.robot = robot
+        options = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
+        self._model = compile_model(robot, options)
+        self._batch = batch.Batch(self._model, nsim=_CHUNK)
+        self._gravity = self._batch.expand("opt.gravity")
+        self._tcp = self._model.site("tcp").id if robot.tool is not None else None
+        self._chain = () if self._tcp is None else _chain_to_site(self._model, self._tcp)
+        self._rows = np.repeat(np.arange(robot.n_joints), self._model.M_rownnz)
+        self._columns = self._model.M_colind
+
+    def tcp_position(self, q: Array) -> Array:
+        """TCP position [m], shape (T, 3), at joint angles `q` [rad]; ten times as fast as `tcp_pose`."""
+        self._tcp_id()
+        q = check_shape("q", q, (None, self.robot.n_joints))
+        point = np.zeros((len(q), 3))
+        for link in reversed(self._chain):
+            if link.axis is not None:
+                point = _rotate(point - link.anchor, link.axis, q[:, link.joint]) + link.anchor
+            point = point @ link.rotation.T + link.position
+        return point
+
+    def tcp_pose(self, q: Array) -> tuple[Array, Array]:
+        """TCP position [m], shape (T, 3), and tool0 orientation, shape (T, 3, 3), at joint angles `q` [rad]."""
+        tcp = self._tcp_id()
+        out = self._evaluate(("site_xpos", "site_xmat"), q)
+        return out["site_xpos"][:, tcp], out["site_xmat"][:, tcp].reshape(-1, 3, 3)
+
+    def jacobian(self, q: Array) -> Array:
+        """Geometric Jacobian of the TCP, rows linear [m/rad] then angular [1], shape (T, 6, N)."""
+        return self.pose_and_jacobian(q)[2]
+
+    def pose_and_jacobian(self, q: Array) -> tuple[Array, Array, Array]:
+        """TCP position (T, 3), tool0 orientation (T, 3, 3) and Jacobian (T, 6, N) in one evaluation."""
+        tcp = self._tcp_id()
+        out = self._evaluate(("site_xpos", "site_xmat", "xanchor", "xaxis"), q)
+        arms = out["site_xpos"][:, [tcp]] - out["xanchor"]
+        jacobian = np.concatenate([np.cross(out["xaxis"], arms), out["xaxis"]], axis=2).swapaxes(1, 2)
+        return out["site_xpos"][:, tcp], out["site_xmat"][:, tcp].reshape(-1, 3, 3), jacobian
+
+    def bias_acceleration(self, q: Array, dq: Array) -> Array:
+        r"""TCP acceleration :math:`\dot J \dot q` at constant speed, linear [m/s^2], angular [rad/s^2], (T, 6)."""
+        tcp_id = self._tcp_id()
+        out = self._evaluate(("site_xpos", "xanchor", "xaxis"), q)
+        axis, anchor, tcp = out["xaxis"], out["xanchor"], out["site_xpos"][:, tcp_id]
+        spin = axis * dq[:, :, None]  # angular velocity each joint adds, (T, N, 3)
+        total = np.cumsum(spin, axis=1)
+        axis_rate = np.cross(total, axis)
+        linear, angular = np.zeros_like(tcp), np.zeros_like(tcp)
+        tcp_velocity = _point_velocity(spin, anchor, tcp, self.robot.n_joints)
+        for i in range(self.robot.n_joints):
+            anchor_velocity = _point_velocity(spin, anchor, anchor[:, i], i)
+            linear += dq[:, [i]] * np.cross(axis_rate[:, i], tcp - anchor[:, i])
+            linear += dq[:, [i]] * np.cross(axis[:, i], tcp_velocity - anchor_velocity)
+            angular += dq[:, [i]] * axis_rate[:, i]
+        return np.concatenate([linear, angular], axis=1)
+
+    def mass_matrix(self, q: Array) -> Array:
+        """Joint inertia matrix of the links [kg m^2], without rotors, shape (T, N, N)."""
+        packed = self._evaluate(("M",), q)["M"]
+        n = self.robot.n_joints
+        matrix = np.zeros((len(packed), n, n))
+        matrix[:, self._rows, self._columns] = packed
+        matrix[:, self._columns, self._rows] = packed
+        return matrix
+
+    def gravity_torque(self, q: Array) -> Array:
+        """Torque [N m] that holds the links still at `q`, shape (T, N)."""
+        return self._evaluate(("qfrc_bias",), q, stage="velocity", gravity=True)["qfrc_bias"]
+
+    def inverse_dynamics(self, q: Array, dq: Array, ddq: Array, *, gravity: bool = False) -> Array:
+        """Joint torque [N m] of the rigid links for a motion, M(q) ddq + C(q, dq) dq (+ g(q)), shape (T, N)."""
+        ddq = check_shape("ddq", ddq, (len(q), self.robot.n_joints))
+        bias = self._evaluate(("qfrc_bias",), q, dq, stage="velocity", gravity=gravity)["qfrc_bias"]
+        return np.einsum("tij,tj->ti", self.mass_matrix(q), ddq) + bias
+
+    def _tcp_id(self) -> int:
+        if self._tcp is None:
+            raise FFGymError(
+                f"Robot {self.robot.name!r} has no tool, so it has no TCP; give its motions in joint space."
+            )
+        return int(self._tcp)
+
+    def _evaluate(
+        self,
+        fields: tuple[str, ...],
+        q: Array,
+        dq: Array | None = None,
+        *,
+        stage: Literal["position", "velocity"] = "position",
+        gravity: bool = False,
+    ) -> dict[str, Array]:
+        """Let MuJoCo compute `fields` at every row of `q` (and `dq`); returns arrays with T rows."""
+        n = self.robot.n_joints
+        q = check_shape("q", q, (None, n))
+        dq = np.zeros_like(q) if dq is None else check_shape("dq", dq, (len(q), n))
+        engine = self._batch
+        bound = {name: engine.bind(name) for name in fields}
+        out = {name: np.empty((len(q), *view.shape[1:])) for name, view in bound.items()}
+        self._gravity[:] = self.robot.gravity if gravity else 0.0
+        reach = mujoco.mjtStage.mjSTAGE_VEL if stage == "velocity" else mujoco.mjtStage.mjSTAGE_POS
+        for start in range(0, len(q), _CHUNK):
+            rows = slice(start, min(start + _CHUNK, len(q)))
+            count = rows.stop - rows.start
+            engine.qpos[:count] = q[rows]
+            engine.qvel[:count] = dq[rows]
+            engine.forward(None if count == _CHUNK else np.arange(count), stage=reach.value)
+            for name, view in bound.items():
+                out[name][rows] = view[:count]
+        return out
+
+
+def _point_velocity(spin: Array, anchor: Array, point: Array, n: int) -> Array:
+    """Velocity [m/s] that the first `n` joints give to `point`, shape (T, 3)."""
+    return np.cross(spin[:, :n], point[:, None] - anchor[:, :n]).sum(axis=1)
+
+
+def _chain_to_site(model: mujoco.MjModel, site: int) -> tuple[_ChainLink, ...]:
+    """Bodies from the world to a site, the site last."""
+    chain = [
+        _ChainLink(position=model.site_pos[site].copy(), rotation=_matrix(model.site_quat[site]), anchor=np.zeros(3))
+    ]
+    body = int(model.site_bodyid[site])
+    while body > 0:
+        joint = int(model.body_jntadr[body])
+        chain.append(
+            _ChainLink(
+                position=model.body_pos[body].copy(),
+                rotation=_matrix(model.body_quat[body]),
+                axis=model.jnt_axis[joint].copy() if joint >= 0 else None,
+                anchor=model.jnt_pos[joint].copy() if joint >= 0 else np.zeros(3),
+                joint=joint,
+            )
+        )
+        body = int(model.body_parentid[body])
+    return tuple(reversed(chain))
+
+
+def _matrix(quaternion: Array) -> Array:
+    matrix = np.zeros(9)
+    mujoco.mju_quat2Mat(matrix, quaternion)
+    return matrix.reshape(3, 3)
+
+
+def _rotate(points: Array, axis: Array, angle: Array) -> Array:
+    """Points (T, 3) turned by `angle` (T,) [rad] about a unit `axis` (3,), Rodrigues' formula."""
+    sine, cosine = np.sin(angle)[:, None], np.cos(angle)[:, None]
+    along = (points @ axis)[:, None] * axis
+    return along + cosine * (points - along) + sine * np.cross(axis, points)

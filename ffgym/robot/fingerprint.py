@@ -1,0 +1,15 @@
+"""A short name for the exact physics: equal fingerprints mean the same compiled model and engine."""
+
+import hashlib
+
+import mujoco
+import numpy as np
+
+
+def physics_fingerprint(model: mujoco.MjModel) -> str:
+    """Hash of the compiled model and the MuJoCo version, 16 hexadecimal digits."""
+    buffer = np.empty(mujoco.mj_sizeModel(model), dtype=np.uint8)
+    mujoco.mj_saveModel(model, None, buffer)
+    digest = hashlib.sha256(mujoco.__version__.encode())
+    digest.update(buffer.tobytes())
+    return digest.hexdigest()[:16]

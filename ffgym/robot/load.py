@@ -1,0 +1,233 @@
+"""Read a robot description from TOML; every number is checked for unit, side, shape, range and origin."""
+
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_choice
+from ffgym.friction import LuGreParameters
+from ffgym.robot.description import (
+    Drive,
+    Geom,
+    Kinematics,
+    Links,
+    RobotDescription,
+    Sensors,
+    Servo,
+    Tool,
+    WorkArea,
+)
+from ffgym.robot.quantity import Quantity, Rule, parse_quantity
+
+RULES: Mapping[str, Rule] = MappingProxyType(
+    {
+        "kinematics.position": Rule(shape=("N", 3), unit="m"),
+        "kinematics.axis": Rule(shape=("N", 3), unit="1"),
+        "kinematics.range": Rule(shape=("N", 2), unit="rad", side="link"),
+        "kinematics.max_speed": Rule(shape=("N",), unit="rad/s", side="link", low=0.0, open_low=True),
+        "base.mass": Rule(shape=(), unit="kg", low=0.0, open_low=True),
+        "base.com": Rule(shape=(3,), unit="m"),
+        "links.mass": Rule(shape=("N",), unit="kg", side="link", low=0.0, open_low=True),
+        "links.com": Rule(shape=("N", 3), unit="m", side="link"),
+        "links.inertia": Rule(shape=("N", 6), unit="kg m^2", side="link"),
+        "flange.rotation": Rule(shape=(3, 3), unit="1", default=()),
+        "tool.mass": Rule(shape=(), unit="kg", default=(), low=0.0, open_low=True),
+        "tool.com": Rule(shape=(3,), unit="m", default=()),
+        "tool.inertia": Rule(shape=(6,), unit="kg m^2", default=()),
+        "tool.tcp": Rule(shape=(3,), unit="m", default=()),
+        "drive.gear_ratio": Rule(shape=("N",), unit="1", low=0.0, open_low=True),
+        "drive.rotor_inertia": Rule(shape=("N",), unit="kg m^2", side="motor", low=0.0, open_low=True),
+        "drive.joint_stiffness": Rule(shape=("N",), unit="N m/rad", side="link", infinite=True, low=0.0, open_low=True),
+        "drive.joint_damping": Rule(shape=("N",), unit="N m s/rad", side="link", low=0.0),
+        "drive.peak_torque": Rule(shape=("N",), unit="N m", side="motor", low=0.0, open_low=True),
+        "friction.coulomb": Rule(shape=("N",), unit="N m", side="motor", low=0.0, open_low=True),
+        "friction.static": Rule(shape=("N",), unit="N m", side="motor", low=0.0, open_low=True),
+        "friction.viscous": Rule(shape=("N",), unit="N m s/rad", side="motor", low=0.0),
+        "friction.stribeck_velocity": Rule(shape=("N",), unit="rad/s", side="motor", low=0.0, open_low=True),
+        "friction.bristle_stiffness": Rule(shape=("N",), unit="N m/rad", side="motor", low=0.0, open_low=True),
+        "friction.bristle_damping": Rule(shape=("N",), unit="N m s/rad", side="motor", low=0.0),
+        "servo.position_gain": Rule(shape=("N",), unit="N m/rad", side="motor", low=0.0, open_low=True),
+        "servo.velocity_gain": Rule(shape=("N",), unit="N m s/rad", side="motor", low=0.0),
+        "servo.integral_gain": Rule(shape=("N",), unit="N m/(rad s)", side="motor", low=0.0),
+        "servo.control_dt": Rule(shape=(), unit="s", low=0.0, open_low=True),
+        "sensors.encoder_bits": Rule(shape=(), unit="bit/turn", side="motor", low=1.0),
+        "sensors.tracker_noise": Rule(shape=(), unit="m", low=0.0, default=0.0),
+        "sensors.tracker_period": Rule(shape=(), unit="s", default=0.0, low=0.0, open_low=True),
+        "simulation.physics_dt": Rule(shape=(), unit="s", low=0.0, open_low=True),
+        "simulation.gravity": Rule(shape=(3,), unit="m/s^2"),
+        "work_area.tool_rotation": Rule(shape=(3, 3), unit="1", default=()),
+        "work_area.home": Rule(shape=("N",), unit="rad", side="link", default=()),
+    }
+)
+"""What a description must contain; entries with a default may be left out."""
+
+_POINT = Rule(shape=(3,), unit="m")
+
+
+def builtin_robots() -> tuple[str, ...]:
+    """Names of the robots that ship with the package."""
+    folder = resources.files("ffgym.robot") / "data"
+    return tuple(sorted(Path(f.name).stem for f in folder.iterdir() if f.name.endswith(".toml")))
+
+
+def load_robot(robot: str | Path) -> RobotDescription:
+    """Read a built-in robot by name, or a description file by path (anything that ends in .toml).
+
+    Raises:
+        FFGymError: if there is no such robot or file, or the file does not describe a robot.
+    """
+    if str(robot).endswith(".toml"):
+        return parse_robot(_read_text(Path(robot)), where=str(robot))
+    name = check_choice("robot", str(robot), builtin_robots())
+    text = (resources.files("ffgym.robot") / "data" / f"{name}.toml").read_text(encoding="utf-8")
+    return parse_robot(text, where=f"{name}.toml")
+
+
+def parse_robot(text: str, where: str = "description") -> RobotDescription:
+    """Build a description from TOML text; `where` names the text in error messages.
+
+    Raises:
+        FFGymError: if the text is not TOML, or an entry is missing, unknown or invalid.
+    """
+    try:
+        tree = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise FFGymError(f"{where} is not valid TOML: {error}.") from error
+    try:
+        return _build(tree)
+    except FFGymError as error:
+        raise FFGymError(f"{where}: {error}") from error
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise FFGymError(
+            f"Cannot read robot description {path}: {error}. Built-in robots: {', '.join(builtin_robots())}."
+        ) from error
+
+
+def _build(tree: dict[str, Any]) -> RobotDescription:
+    head = tree.pop("robot", None)
+    if not isinstance(head, dict) or set(head) != {"name", "title", "joints", "links"}:
+        raise FFGymError("[robot] must have exactly name, title, joints and links.")
+    joints, links = tuple(head["joints"]), tuple(head["links"])
+    look = tree.pop("look", {})
+    quantities = _quantities(tree, len(joints))
+    get = {path: quantity.value for path, quantity in quantities.items()}
+    return RobotDescription(
+        name=head["name"],
+        title=head["title"],
+        joints=joints,
+        links=links,
+        kinematics=_group(Kinematics, "kinematics", get),
+        base_mass=float(get["base.mass"]),
+        base_com=get["base.com"],
+        bodies=_group(Links, "links", get),
+        tool=_tool(get),
+        drive=_group(Drive, "drive", get),
+        friction=_group(LuGreParameters, "friction", get),
+        servo=_group(Servo, "servo", get, scalars=("control_dt",)),
+        sensors=Sensors(
+            encoder_bits=int(get["sensors.encoder_bits"]),
+            tracker_noise=float(get.get("sensors.tracker_noise", 0.0)),
+            tracker_period=float(get.get("sensors.tracker_period", 0.0)),
+        ),
+        physics_dt=float(get["simulation.physics_dt"]),
+        gravity=get["simulation.gravity"],
+        work_area=_work_area(get),
+        geoms=_geoms(look, ("base", *links, "tool")),
+        quantities=MappingProxyType(quantities),
+    )
+
+
+def _quantities(tree: dict[str, Any], n_joints: int) -> dict[str, Quantity]:
+    """Parse every quantity of the tree; complain about what is missing and what is not known."""
+    points = tree.get("work_area", {}).pop("positions", {})
+    found = {f"{group}.{name}": table for group, entries in tree.items() for name, table in entries.items()}
+    unknown = sorted(set(found) - set(RULES))
+    if unknown:
+        raise FFGymError(f"Unknown entries {unknown}. Available: {', '.join(sorted(RULES))}.")
+    missing = sorted(path for path, rule in RULES.items() if rule.default is None and path not in found)
+    if missing:
+        raise FFGymError(f"Missing entries: {', '.join(missing)}.")
+    parsed = {path: parse_quantity(path, table, RULES[path], n_joints) for path, table in found.items()}
+    for name, table in points.items():
+        path = f"work_area.positions.{name}"
+        parsed[path] = parse_quantity(path, table, _POINT, n_joints)
+    return parsed
+
+
+def _group(cls: Any, prefix: str, get: Mapping[str, Any], scalars: tuple[str, ...] = ()) -> Any:
+    """Build a dataclass from the quantities below `prefix`."""
+    values = {path.removeprefix(prefix + "."): value for path, value in get.items() if path.startswith(prefix + ".")}
+    return cls(**{name: float(value) if name in scalars else value for name, value in values.items()})
+
+
+def _tool(get: Mapping[str, Any]) -> Tool | None:
+    wanted = ("flange.rotation", "tool.mass", "tool.com", "tool.inertia", "tool.tcp")
+    if not _all_or_none(wanted, get):
+        return None
+    return Tool(
+        rotation=_rotation("flange.rotation", get),
+        mass=float(get["tool.mass"]),
+        com=get["tool.com"],
+        inertia=get["tool.inertia"],
+        tcp=get["tool.tcp"],
+    )
+
+
+def _work_area(get: Mapping[str, Any]) -> WorkArea | None:
+    prefix = "work_area.positions."
+    points = {path.removeprefix(prefix): value for path, value in get.items() if path.startswith(prefix)}
+    wanted = ("work_area.tool_rotation", "work_area.home")
+    if not _all_or_none(wanted, get) and not points:
+        return None
+    return WorkArea(
+        positions=MappingProxyType(points),
+        tool_rotation=_rotation("work_area.tool_rotation", get),
+        home=get["work_area.home"],
+    )
+
+
+def _all_or_none(paths: tuple[str, ...], get: Mapping[str, Any]) -> bool:
+    present = [path in get for path in paths]
+    if any(present) and not all(present):
+        raise FFGymError(
+            f"{', '.join(paths)} belong together; {', '.join(p for p in paths if p not in get)} is missing."
+        )
+    return all(present)
+
+
+def _rotation(path: str, get: Mapping[str, Any]) -> Any:
+    matrix = get[path]
+    if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
+        raise FFGymError(f"{path} = {matrix.tolist()} is not a rotation matrix.")
+    return matrix
+
+
+def _geoms(look: dict[str, Any], bodies: tuple[str, ...]) -> tuple[Geom, ...]:
+    colours = look.get("colours", {})
+    return tuple(_geom(i, entry, colours, bodies) for i, entry in enumerate(look.get("geoms", [])))
+
+
+def _geom(index: int, entry: dict[str, Any], colours: dict[str, Any], bodies: tuple[str, ...]) -> Geom:
+    where = f"look.geoms[{index}]"
+    try:
+        body = check_choice(f"{where} body", entry["body"], bodies)
+        kind = check_choice(f"{where} type", entry["type"], ("box", "cylinder", "capsule", "sphere"))
+        colour = tuple(colours[check_choice(f"{where} colour", entry["colour"], list(colours))])
+        if kind in ("cylinder", "capsule"):
+            size, pos, end = (float(entry["radius"]),), tuple(entry["from"]), tuple(entry["to"])
+        else:
+            size = tuple(entry["half_size"]) if kind == "box" else (float(entry["radius"]),)
+            pos, end = tuple(entry["centre"]), None
+    except KeyError as error:
+        raise FFGymError(f"{where} ({entry}) lacks {error.args[0]!r}.") from error
+    return Geom(body=body, type=kind, size=size, pos=pos, end=end, colour=colour)

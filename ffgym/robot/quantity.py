@@ -1,0 +1,128 @@
+"""A number that carries its unit, its side of the gearbox and where it comes from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_shape
+from ffgym.types import Array
+
+ORIGINS = ("sourced", "derived", "chosen", "fitted")
+"""How a number came to be; `fitted` is written by a script, which keeps the number it replaced in `prior`."""
+
+SIDES = ("motor", "link")
+
+TO_SI = {"deg": np.pi / 180, "deg/s": np.pi / 180}
+"""Units that descriptions may use beside SI, with the factor that converts them."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Quantity:
+    """One entry of a robot description, in SI units."""
+
+    value: Array
+    """The numbers, any shape, converted to SI."""
+    unit: str
+    """SI unit as text, e.g. 'N m/rad'."""
+    side: str | None
+    """'motor' or 'link' side of the gearbox, None where the question does not arise."""
+    origin: tuple[str, ...]
+    """One of ORIGINS, for the whole entry or per joint."""
+    source: str
+    """Publication, derivation or reason."""
+    prior: Array | None = None
+    """The numbers that a fit replaced, None if nothing was fitted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rule:
+    """What a description must say about one quantity."""
+
+    shape: tuple[int | str, ...]
+    """Wanted shape; 'N' stands for the number of joints."""
+    unit: str
+    """SI unit."""
+    side: str | None = None
+    low: float = -np.inf
+    """Smallest valid number."""
+    open_low: bool = False
+    """True if `low` itself is not valid."""
+    infinite: bool = False
+    """True if +inf is valid (a rigid joint)."""
+    default: Any = None
+    """Value if the description has no such entry; None means the entry is required."""
+
+
+def parse_quantity(path: str, table: Any, rule: Rule, n_joints: int) -> Quantity:
+    """Check one table of a description against its rule and convert it to SI.
+
+    Args:
+        path: where the table stands, e.g. 'drive.gear_ratio', for messages.
+        table: the parsed TOML table with `value`, `unit`, `origin`, `source` and maybe `side`, `prior`.
+        rule: what is wanted.
+        n_joints: number of joints N.
+
+    Raises:
+        FFGymError: if anything is missing or invalid; the message names `path`.
+    """
+    if not isinstance(table, Mapping):
+        raise FFGymError(f"{path} must be a table with value, unit, origin and source, got {table!r}.")
+    unknown = sorted(set(table) - {"value", "unit", "side", "origin", "source", "prior", "prior_source"})
+    missing = sorted({"value", "unit", "origin", "source"} - set(table))
+    if unknown or missing:
+        raise FFGymError(
+            f"{path} lacks {missing} and has unknown keys {unknown}; it needs value, unit, origin, source."
+        )
+    factor = _unit_factor(path, table["unit"], rule.unit)
+    if table.get("side") != rule.side:
+        raise FFGymError(f"{path}: side is {table.get('side')!r}, must be {rule.side!r}.")
+    return Quantity(
+        value=_checked_value(path, table["value"], rule, n_joints) * factor,
+        unit=rule.unit,
+        side=rule.side,
+        origin=_origins(path, table["origin"], n_joints),
+        source=_text(path, table["source"]),
+        prior=_checked_value(path + ".prior", table["prior"], rule, n_joints) * factor if "prior" in table else None,
+    )
+
+
+def _unit_factor(path: str, unit: Any, wanted: str) -> float:
+    if unit == wanted:
+        return 1.0
+    converted = {"deg": "rad", "deg/s": "rad/s"}.get(unit)
+    if converted == wanted:
+        return TO_SI[unit]
+    raise FFGymError(f"{path}: unit is {unit!r}, must be {wanted!r}{_alternative(wanted)}.")
+
+
+def _alternative(wanted: str) -> str:
+    return {"rad": " or 'deg'", "rad/s": " or 'deg/s'"}.get(wanted, "")
+
+
+def _checked_value(path: str, value: Any, rule: Rule, n_joints: int) -> Array:
+    shape = tuple(n_joints if s == "N" else int(s) for s in rule.shape)
+    if rule.infinite:
+        raw = np.asarray(value, dtype=np.float64)
+        check_shape(path, np.where(np.isposinf(raw), 0.0, raw), shape)
+        array = raw
+    else:
+        array = check_shape(path, value, shape)
+    if np.any(array < rule.low) or (rule.open_low and np.any(array == rule.low)):
+        raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
+    array.flags.writeable = False
+    return array
+
+
+def _origins(path: str, origin: Any, n_joints: int) -> tuple[str, ...]:
+    origins = (origin,) if isinstance(origin, str) else tuple(origin)
+    if len(origins) not in (1, n_joints) or any(o not in ORIGINS for o in origins):
+        raise FFGymError(f"{path}: origin is {origin!r}, must be one of {ORIGINS}, once or once per joint.")
+    return origins
+
+
+def _text(path: str, source: Any) -> str:
+    if not isinstance(source, str) or not source.strip():
+        raise FFGymError(f"{path}: source is {source!r}, must say where the number comes from.")
+    return source

@@ -1,0 +1,8 @@
+"""Plant + controller + path (+ feed-forward) -> recording."""
+
+from ffgym.simulation.sensors import LaserTracker as LaserTracker
+from ffgym.simulation.sensors import Resolver as Resolver
+from ffgym.simulation.sensors import Sensor as Sensor
+from ffgym.simulation.simulate import RECORD_DT as RECORD_DT
+from ffgym.simulation.simulate import Run as Run
+from ffgym.simulation.simulate import simulate as simulate

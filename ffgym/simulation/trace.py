@@ -1,0 +1,149 @@
+"""The raw states of one simulation, and the recording made of them."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from ffgym.control import Reference, Setpoints, rigid_feedforward
+from ffgym.control.setpoints import torque_at_rows
+from ffgym.plant import Plant, PlantState
+from ffgym.recordings import Header, Recording
+from ffgym.robot import RigidArm, physics_fingerprint
+from ffgym.types import Array
+from ffgym.version import __version__
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trace:
+    """MuJoCo's states at the recorded instants, T rows, filled in from the front."""
+
+    dt: float
+    """Time between rows [s]."""
+    qpos: Array
+    qvel: Array
+    act: Array
+
+    @classmethod
+    def empty(cls, plant: Plant, length: int, dt: float) -> "Trace":
+        """Room for `length` rows."""
+        model = plant.model
+        return cls(
+            dt=dt,
+            qpos=np.empty((length, model.nq)),
+            qvel=np.empty((length, model.nv)),
+            act=np.empty((length, model.na)),
+        )
+
+    def write(self, row: int, qpos: Array, qvel: Array, act: Array) -> None:
+        """Store states from `row` on."""
+        rows = slice(row, row + len(qpos))
+        self.qpos[rows], self.qvel[rows], self.act[rows] = qpos, qvel, act
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ReferenceRows:
+    """What all runs of one reference share, at the recorded instants."""
+
+    reference: Reference
+    u_ff: Array
+    """Rigid feed-forward torque at the samples of the reference, motor side [N m], shape (S, N)."""
+    position: Array
+    """Set-point, motor side [rad], shape (T, N)."""
+    velocity: Array
+    """Set-point, motor side [rad/s], shape (T, N)."""
+    feedforward: Array
+    """Rigid feed-forward torque, motor side [N m], shape (T, N)."""
+    tcp: Array | None
+    """TCP of a rigid arm at the set-point [m], shape (T, 3); None for a robot without tool."""
+    rows_per_step: int
+    """Recorded rows in a control step."""
+
+    @classmethod
+    def of(cls, arm: RigidArm, reference: Reference, rows_per_step: int) -> "ReferenceRows":
+        """Evaluate the reference once."""
+        ratio = reference.robot.drive.gear_ratio
+        u_ff = rigid_feedforward(arm, reference)
+        setpoints = Setpoints(
+            position=(reference.q * ratio)[None],
+            velocity=reference.motor_dq[None],
+            torque=u_ff[None],
+            dt=reference.robot.servo.control_dt,
+        )
+        position, velocity, feedforward = (part[0] for part in setpoints.at_rows(rows_per_step))
+        tcp = None if reference.robot.tool is None else arm.tcp_position(position / ratio)
+        return cls(
+            reference=reference,
+            u_ff=u_ff,
+            position=position,
+            velocity=velocity,
+            feedforward=feedforward,
+            tcp=tcp,
+            rows_per_step=rows_per_step,
+        )
+
+
+def to_recording(
+    trace: Trace, rows: ReferenceRows, law: str, u_lff: Array, arm: RigidArm, plant: Plant, seed: int
+) -> Recording:
+    """Recording of one run: everything the drive knows, and the true link, friction and TCP states beside it."""
+    state = plant.unpack(trace.qpos, trace.qvel, trace.act)
+    columns: dict[str, Array] = {"timestamp": np.arange(len(trace.qpos), dtype=np.float64) * trace.dt}
+    for family, values in _signals(state, rows, u_lff, plant).items():
+        columns |= {f"{family}.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
+    if rows.tcp is not None:
+        tcp = {"tcp.position": arm.tcp_position(state.link_position), "tcp_reference.position": rows.tcp}
+        columns |= {f"{family}.{axis}": xyz[:, k] for family, xyz in tcp.items() for k, axis in enumerate("xyz")}
+    return Recording(columns=columns, header=_header(rows.reference, law, plant, seed))
+
+
+def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant) -> dict[str, Array]:
+    """Per-joint signals, motor side, (T, N) each; the servo's parts are what MuJoCo's `pid` adds up in each step."""
+    servo, drive = plant.robot.servo, plant.robot.drive
+    compensation = torque_at_rows(u_lff, rows.rows_per_step)
+    u_i = servo.integral_gain * state.integral
+    u_fb = (
+        servo.position_gain * (rows.position - state.motor_position)
+        + servo.velocity_gain * (rows.velocity - state.motor_velocity)
+        + u_i
+    )
+    command = u_fb + rows.feedforward + compensation
+    friction = plant.robot.friction.torque(state.bristle, state.motor_velocity)
+    return {
+        "motor.position": state.motor_position,
+        "motor.velocity": state.motor_velocity,
+        "motor.effort": np.clip(command, -drive.peak_torque, drive.peak_torque),
+        "reference.position": rows.position,
+        "reference.velocity": rows.velocity,
+        "feedforward.effort": rows.feedforward,
+        "feedback.effort": u_fb,
+        "feedback.integral": u_i,
+        "compensation.effort": compensation,
+        "command.effort": command,
+        "friction.effort": friction if plant.addresses.has_bristle.all() else np.zeros_like(friction),
+        "link.position": state.link_position,
+        "link.velocity": state.link_velocity,
+    }
+
+
+def _header(reference: Reference, law: str, plant: Plant, seed: int) -> Header:
+    robot = plant.robot
+    return Header(
+        robot=robot.name,
+        joints=robot.joints,
+        gear_ratio=tuple(robot.drive.gear_ratio.tolist()),
+        position_side="motor",
+        torque_semantics="motor_side",
+        hold="linear",
+        segment=reference.name,
+        phases=reference.phases,
+        provenance={
+            "simulated": True,
+            "seed": seed,
+            "ffgym": __version__,
+            "mujoco": mujoco.__version__,
+            "physics_fingerprint": physics_fingerprint(plant.model),
+            "physics_dt": plant.physics_dt,
+        },
+        meta={"feedforward_law": law},
+    )

@@ -1,0 +1,147 @@
+"""The circle test of the thesis on a simulated robot: every position, radius and speed, with each feed-forward law."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ffgym.control import (
+    DynamicLuGreExact,
+    FeedForwardLaw,
+    NoCompensation,
+    Reference,
+    StaticLuGre,
+    cartesian_reference,
+)
+from ffgym.errors import FFGymError
+from ffgym.metrics import motor_error_rms, path_errors
+from ffgym.paths import RADII, SPEEDS, circle_test
+from ffgym.recordings import Recording
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, physics_fingerprint
+from ffgym.simulation import Run, simulate
+from ffgym.simulation.simulate import Progress
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """One circle with one law: path error [mm] and motor error [rad]."""
+
+    agent: str
+    plant: str
+    position: str
+    radius_mm: float
+    speed_mm_s: float
+    rms_mm: float
+    """In the plane of the circle, as the thesis."""
+    max_mm: float
+    rms_3d_mm: float
+    """In space."""
+    max_3d_mm: float
+    motor_rms_rad: list[float]
+    """Per joint, motor side, over lead-in, circle and lead-out."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CircleStudy:
+    """Results of a circle test."""
+
+    robot: RobotDescription
+    cells: list[Cell]
+    recordings: dict[tuple[str, str, float], Recording] = field(repr=False)
+    """By law, position and speed [m/s]; each holds all radii."""
+    fingerprint: str
+
+    def select(self, **wanted: object) -> list[Cell]:
+        """Cells whose fields equal `wanted`, e.g. agent='none', speed_mm_s=10."""
+        return [cell for cell in self.cells if all(getattr(cell, key) == value for key, value in wanted.items())]
+
+
+def thesis_laws(robot: RobotDescription) -> list[FeedForwardLaw]:
+    """No compensation, static LuGre and dynamic LuGre with the robot's own friction parameters (chapter 4)."""
+    return [NoCompensation(), StaticLuGre(robot.friction), DynamicLuGreExact(robot.friction)]
+
+
+def circle_references(
+    arm: RigidArm,
+    positions: Sequence[str] | None = None,
+    speeds: Iterable[float] = SPEEDS,
+    radii: Sequence[float] = RADII,
+) -> dict[tuple[str, float], Reference]:
+    """References of the test motion by position and speed [m/s]; None takes every position of the work area.
+
+    Raises:
+        FFGymError: if the robot has no work area or no such position, or cannot follow the motion.
+    """
+    robot = arm.robot
+    if robot.work_area is None:
+        raise FFGymError(
+            f"Robot {robot.name!r} has no work area for circles; use ffgym.studies.one_axis_study for one axis."
+        )
+    names = list(robot.work_area.positions) if positions is None else list(positions)
+    dt = robot.servo.control_dt
+    return {
+        (name, speed): cartesian_reference(
+            arm, circle_test(robot.position(name), speed, radii=radii, dt=dt, name=f"{name}, {speed * 1e3:g} mm/s")
+        )
+        for speed in speeds
+        for name in names
+    }
+
+
+def circle_study(
+    robot: RobotDescription,
+    *,
+    laws: Sequence[FeedForwardLaw] | None = None,
+    positions: Sequence[str] | None = None,
+    speeds: Sequence[float] = SPEEDS,
+    radii: Sequence[float] = RADII,
+    options: ModelOptions | None = None,
+    n_threads: int = 0,
+    progress: Progress | None = None,
+) -> CircleStudy:
+    """Simulate and score the circle test.
+
+    Args:
+        robot: the robot; it is its own plant.
+        laws: feed-forward laws; None takes those of chapter 4.
+        positions: names in the robot's work area; None takes all.
+        speeds: TCP speeds [m/s].
+        radii: circle radii [m].
+        options: what to change in the plant.
+        n_threads: threads of the engine, 0 for all cores.
+        progress: called with the simulated seconds done and their total.
+    """
+    arm = RigidArm(robot)
+    references = circle_references(arm, positions, speeds, radii)
+    laws = thesis_laws(robot) if laws is None else laws
+    keys = [(law, *key) for key in references for law in laws]
+    runs = [Run(reference=references[position, speed], law=law) for law, position, speed in keys]
+    results = simulate(runs, arm=arm, options=options, n_threads=n_threads, progress=progress)
+    recordings = {
+        (law.name, position, speed): recording for (law, position, speed), recording in zip(keys, results, strict=True)
+    }
+    cells = [cell for key, recording in recordings.items() for cell in _cells(*key, radii, recording)]
+    fingerprint = physics_fingerprint(compile_model(robot, options or ModelOptions(looks=False)))
+    return CircleStudy(robot=robot, cells=cells, recordings=recordings, fingerprint=fingerprint)
+
+
+def _cells(agent: str, position: str, speed: float, radii: Sequence[float], recording: Recording) -> list[Cell]:
+    leads = zip(recording.phases_of("lead_in"), recording.phases_of("lead_out"), strict=True)
+    cells = []
+    for error, radius, (lead_in, lead_out) in zip(path_errors(recording), radii, leads, strict=True):
+        stretch = recording.slice(lead_in.start, lead_out.end)
+        cells.append(
+            Cell(
+                agent=agent,
+                plant="nominal",
+                position=position,
+                radius_mm=round(radius * 1e3, 6),
+                speed_mm_s=round(speed * 1e3, 6),
+                rms_mm=error.rms * 1e3,
+                max_mm=error.max * 1e3,
+                rms_3d_mm=error.rms_3d * 1e3,
+                max_3d_mm=error.max_3d * 1e3,
+                motor_rms_rad=[float(x) for x in np.asarray(motor_error_rms(stretch))],
+            )
+        )
+    return cells

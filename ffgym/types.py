@@ -1,0 +1,13 @@
+"""Array aliases. Shapes are written in docstrings with the letters T time, N joints, K parameters, B batch."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+"""Floating point numbers, SI units."""
+
+BoolArray = NDArray[np.bool_]
+"""One truth value per sample, a mask."""
+
+IntArray = NDArray[np.intp]
+"""Indices."""
