@@ -20,7 +20,7 @@ def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
     """
     try:
         array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise FFGymError(f"{name} must be numbers, got {value!r}.") from error
     wanted = tuple(shape)
     if array.ndim != len(wanted) or any(w is not None and w != s for w, s in zip(wanted, array.shape, strict=True)):
@@ -43,7 +43,7 @@ def check_number(
     suffix = f" {unit}" if unit else ""
     try:
         number = float(value)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise FFGymError(f"{name} must be a number{f' in {unit}' if unit else ''}, got {value!r}.") from error
     if not np.isfinite(number):
         raise FFGymError(f"{name} must be finite, got {number}{suffix}.")

@@ -10,6 +10,22 @@ from uuid import uuid4
 from ffgym.errors import FFGymError
 
 
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Check before long work that `path` can be written after it.
+
+    Raises:
+        FFGymError: if its folder does not exist or is not writable, or it is a folder itself.
+    """
+    target = Path(path)
+    folder = target.absolute().parent
+    if target.is_dir():
+        raise FFGymError(f"{path}: is a folder, must be a file.")
+    if not folder.is_dir():
+        raise FFGymError(f"{path}: the folder {folder} does not exist; create it, or choose another place.")
+    if not os.access(folder, os.W_OK):
+        raise FFGymError(f"{path}: the folder {folder} is not writable; choose another place.")
+
+
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     """Write `data` beside `path` and move it there; whatever interrupts this, no half file is left.
 

@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ffgym.errors import FFGymError
-from ffgym.files import write_json
+from ffgym.files import check_writable, write_json
 from ffgym.paths import SPEEDS
 from ffgym.provenance import installed, versions
 from ffgym.robot import load_robot
@@ -31,6 +31,9 @@ class Demo:
     def run(self) -> None:
         """Simulate, print, write."""
         _need_report_extra()
+        for path in (self.report, self.json):
+            if path is not None:
+                check_writable(path)
         from ffgym.cli.progress import progress_bar
         from ffgym.report import format_one_axis, format_text, write_report
 

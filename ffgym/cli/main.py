@@ -25,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         tyro.conf.OmitSubcommandPrefixes,
     ]
     try:
-        chosen: Demo | Export = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)  # type: ignore
+        chosen: Demo | Export = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
         chosen.run()
     except FFGymError as error:
         print(f"ffgym: error: {' '.join(str(error).split())}", file=sys.stderr)

@@ -10,4 +10,6 @@ from ffgym.control.reference import Reference as Reference
 from ffgym.control.reference import cartesian_reference as cartesian_reference
 from ffgym.control.reference import joint_reference as joint_reference
 from ffgym.control.rigid_feedforward import rigid_feedforward as rigid_feedforward
+from ffgym.control.servo import ServoTorque as ServoTorque
+from ffgym.control.servo import servo_torque as servo_torque
 from ffgym.control.setpoints import Setpoints as Setpoints

@@ -31,7 +31,9 @@ class Setpoints:
         for name in ("velocity", "torque"):
             check_shape(f"set-point {name}", getattr(self, name), self.position.shape)
 
-    def between(self, robots: IntArray, start: int, stop: int, fractions: Array) -> tuple[Array, Array, Array]:
+    def between(
+        self, robots: IntArray, start: int, stop: int, fractions: Array, out: tuple[Array, Array, Array] | None = None
+    ) -> tuple[Array, Array, Array]:
         """Position, velocity and torque within control steps `start` to `stop` - 1.
 
         Args:
@@ -39,6 +41,7 @@ class Setpoints:
             start: first control step; step k runs from sample k to sample k + 1.
             stop: control step after the last.
             fractions: points within each step, 0 at its start and 1 at its end, shape (S,).
+            out: arrays to write into, of the shape that is returned.
 
         Returns:
             Three arrays of shape (B', stop - start, S, N). Only elementwise arithmetic, so that a result does not
@@ -49,11 +52,15 @@ class Setpoints:
         v0, v1 = _ends(self.velocity[robots, start : stop + 1])
         u0, u1 = _ends(self.torque[robots, start : stop + 1])
         h, rise = self.dt, p1 - p0
-        bend = x * x * (3 - 2 * x)
-        position = p0 + bend * rise + (h * x * (1 - x) ** 2) * v0 + (h * x * x * (x - 1)) * v1
-        velocity = (6 * x * (1 - x) / h) * rise + ((1 - x) * (1 - 3 * x)) * v0 + (x * (3 * x - 2)) * v1
-        torque = u0 + x * (u1 - u0)
-        return position, velocity, torque
+        square, cube = 3 * rise - h * (2 * v0 + v1), h * (v0 + v1) - 2 * rise
+        if out is None:
+            shape = (len(robots), stop - start, len(x), self.position.shape[2])
+            out = (np.empty(shape), np.empty(shape), np.empty(shape))
+        position, velocity, torque = out
+        _horner(position, x, (cube, square, h * v0, p0))
+        _horner(velocity, x, (3 / h * cube, 2 / h * square, v0))
+        _horner(torque, x, (u1 - u0, u0))
+        return out
 
     def at_rows(self, rows_per_step: int) -> tuple[Array, Array, Array]:
         """Position, velocity, torque at `rows_per_step` points of each step and at the last sample, (B, R, N) each."""
@@ -72,8 +79,18 @@ def torque_at_rows(torque: Array, rows_per_step: int) -> Array:
     """A torque (T, N) sampled every control step, at `rows_per_step` points of each step and at the last sample."""
     fractions = (np.arange(rows_per_step) / rows_per_step)[:, None]
     start, end = _ends(torque[None])
-    between = start + fractions * (end - start)
+    between = np.empty((*start.shape[:2], rows_per_step, torque.shape[1]))
+    _horner(between, fractions, (end - start, start))
     return np.concatenate([between.reshape(-1, torque.shape[1]), torque[-1:]])
+
+
+def _horner(out: Array, x: Array, coefficients: tuple[Array, ...]) -> None:
+    """Write the polynomial in `x` with these coefficients, highest power first, into `out`."""
+    np.multiply(coefficients[0], x, out=out)
+    for coefficient in coefficients[1:-1]:
+        out += coefficient
+        out *= x
+    out += coefficients[-1]
 
 
 def _ends(samples: Array) -> tuple[Array, Array]:

@@ -107,12 +107,10 @@ class Plant:
             integral=integral,
         )
 
-    def control_rows(self, position: Array, velocity: Array, torque: Array) -> Array:
-        """Controls in MuJoCo's order from motor-side set-points of equal shape (..., N); shape (..., 3 N)."""
-        controls = np.empty((*position.shape[:-1], self.model.nu))
-        for values, columns in zip((position, velocity, torque), self.addresses.controls, strict=True):
-            controls[..., columns] = values
-        return controls
+    def split_controls(self, controls: Array) -> tuple[Array, Array, Array]:
+        """Set-points for position, velocity, torque (..., N) as views of MuJoCo's controls (..., 3 N), motor side."""
+        position, velocity, torque = (controls[..., k::3] for k in range(3))
+        return position, velocity, torque
 
     def advance(self, controls: Array, ids: IntArray | None = None) -> tuple[Array, Array, Array]:
         """Run physics steps with one row of `controls` (B, S, 3 N) each; returns qpos, qvel, act after every step.
@@ -152,8 +150,6 @@ class _Addresses:
     has_integral: BoolArray
     bristle: IntArray
     has_bristle: BoolArray
-    controls: tuple[IntArray, IntArray, IntArray]
-    """Columns of position, velocity and torque set-points."""
 
     @staticmethod
     def of(model: mujoco.MjModel, robot: RobotDescription) -> "_Addresses":
@@ -161,7 +157,6 @@ class _Addresses:
         elastic = np.array([deflection_joint(j) in names for j in robot.joints])
         integral = np.array([_activation(model, servo_actuator(j)) for j in robot.joints])
         bristle = np.array([_activation(model, friction_actuator(j)) for j in robot.joints])
-        first = np.array([int(model.actuator_ctrladr[model.actuator(servo_actuator(j)).id]) for j in robot.joints])
         return _Addresses(
             motor_qpos=np.array([int(model.joint(motor_joint(j)).qposadr[0]) for j in robot.joints]),
             deflection_qpos=np.array(
@@ -177,7 +172,6 @@ class _Addresses:
             has_integral=integral >= 0,
             bristle=bristle,
             has_bristle=bristle >= 0,
-            controls=(first, first + 1, first + 2),
         )
 
 

@@ -2,13 +2,12 @@
 
 import os
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
-from uuid import uuid4
 
 from ffgym.errors import FFGymError
+from ffgym.files import write_bytes
 from ffgym.recordings import csv, npz
 from ffgym.recordings.header import Header
 from ffgym.recordings.recording import Recording
@@ -35,7 +34,7 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     Raises:
         FFGymError: if the suffix is unknown or the file cannot be written.
     """
-    _replace_file(Path(path), _format_of(path).encode(recording))
+    write_bytes(path, _format_of(path).encode(recording))
 
 
 def read_recording(path: str | os.PathLike[str], header: Header | None = None) -> Recording:
@@ -75,22 +74,3 @@ def _read_file(path: Path) -> bytes:
     if not data:
         raise FFGymError(f"{path}: the file is empty. Copy or record it again.")
     return data
-
-
-def _replace_file(path: Path, data: bytes) -> None:
-    """Write `data` beside `path` and move it there; whatever interrupts this, no half file is left."""
-    target = Path(os.path.realpath(path))  # through a link, as an ordinary write does
-    temporary = target.with_name(f".ffgym-{uuid4().hex}.tmp")
-    try:
-        with open(temporary, "xb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, target)
-    except OSError as error:
-        raise FFGymError(
-            f"{path}: cannot be written: {error.strerror}. The folder must exist, be writable and have space left."
-        ) from error
-    finally:
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)

@@ -25,6 +25,12 @@ class Kinematics:
     max_speed: Array
     """Joint speed limit, link side [rad/s], shape (N,)."""
 
+    def __post_init__(self) -> None:
+        if np.any(np.abs(np.hypot.reduce(self.axis, axis=1) - 1) > 1e-6):
+            raise FFGymError(f"kinematics.axis = {self.axis.tolist()} must be unit vectors.")
+        if np.any(self.range[:, 0] >= self.range[:, 1]):
+            raise FFGymError(f"kinematics.range = {self.range.tolist()} rad must be lower before upper limit.")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Links:
@@ -36,6 +42,10 @@ class Links:
     """Centre of mass in the link frame [m], shape (N, 3)."""
     inertia: Array
     """About the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (N, 6)."""
+
+    def __post_init__(self) -> None:
+        for i, inertia in enumerate(self.inertia):
+            _check_inertia(f"links.inertia[{i}]", inertia)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,6 +62,9 @@ class Tool:
     """About the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (6,)."""
     tcp: Array
     """Tool centre point [m], shape (3,)."""
+
+    def __post_init__(self) -> None:
+        _check_inertia("tool.inertia", self.inertia)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,6 +168,9 @@ class RobotDescription:
             raise FFGymError(
                 f"{len(self.joints)} joints and {len(self.links)} links: a serial arm has one link a joint."
             )
+        bodies = ["world", "base", "tool", *self.links, *(f"{link}_rotor" for link in self.links)]
+        if len(set(bodies)) != len(bodies):
+            raise FFGymError(f"Link names {self.links} clash with the bodies world, base, tool or <link>_rotor.")
         substeps = self.servo.control_dt / self.physics_dt
         if abs(substeps - round(substeps)) > 1e-9 or substeps < 1:
             raise FFGymError(
@@ -181,3 +197,14 @@ class RobotDescription:
         if self.work_area is None:
             raise FFGymError(f"Robot {self.name!r} has no work area; its motions are given in joint space.")
         return self.work_area.positions[check_choice("position", name, list(self.work_area.positions))]
+
+
+def _check_inertia(name: str, inertia: Array) -> None:
+    """A rigid body has three positive principal moments, none above the sum of the others (to 1e-6, as printed)."""
+    xx, yy, zz, xy, xz, yz = inertia
+    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
+        raise FFGymError(
+            f"{name} = {inertia.tolist()} kg m^2 belongs to no body: principal moments {moments.tolist()} must be > 0, "
+            f"and none above the sum of the others."
+        )

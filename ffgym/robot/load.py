@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.friction import LuGreParameters
 from ffgym.robot.description import (
     Drive,
@@ -96,7 +96,7 @@ def parse_robot(text: str, where: str = "description") -> RobotDescription:
     """
     try:
         tree = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise FFGymError(f"{where} is not valid TOML: {error}.") from error
     try:
         return _build(tree)
@@ -117,13 +117,14 @@ def _build(tree: dict[str, Any]) -> RobotDescription:
     head = tree.pop("robot", None)
     if not isinstance(head, dict) or set(head) != {"name", "title", "joints", "links"}:
         raise FFGymError("[robot] must have exactly name, title, joints and links.")
-    joints, links = tuple(head["joints"]), tuple(head["links"])
+    joints, links = _names("joints", head["joints"]), _names("links", head["links"])
+    name, title = _names("name and title", [head["name"], head["title"]])
     look = tree.pop("look", {})
     quantities = _quantities(tree, len(joints))
     get = {path: quantity.value for path, quantity in quantities.items()}
     return RobotDescription(
-        name=head["name"],
-        title=head["title"],
+        name=name,
+        title=title,
         joints=joints,
         links=links,
         kinematics=_group(Kinematics, "kinematics", get),
@@ -135,7 +136,7 @@ def _build(tree: dict[str, Any]) -> RobotDescription:
         friction=_group(LuGreParameters, "friction", get),
         servo=_group(Servo, "servo", get, scalars=("control_dt",)),
         sensors=Sensors(
-            encoder_bits=int(get["sensors.encoder_bits"]),
+            encoder_bits=_whole("sensors.encoder_bits", get),
             tracker_noise=float(get.get("sensors.tracker_noise", 0.0)),
             tracker_period=float(get.get("sensors.tracker_period", 0.0)),
         ),
@@ -147,10 +148,19 @@ def _build(tree: dict[str, Any]) -> RobotDescription:
     )
 
 
+def _names(what: str, names: Any) -> tuple[str, ...]:
+    if not isinstance(names, list) or not all(isinstance(name, str) and name for name in names):
+        raise FFGymError(f"[robot] {what} must be non-empty text, got {names!r}.")
+    return tuple(names)
+
+
 def _quantities(tree: dict[str, Any], n_joints: int) -> dict[str, Quantity]:
     """Parse every quantity of the tree; complain about what is missing and what is not known."""
-    points = tree.get("work_area", {}).pop("positions", {})
-    found = {f"{group}.{name}": table for group, entries in tree.items() for name, table in entries.items()}
+    points = _table("work_area", tree.get("work_area", {})).pop("positions", {})
+    points = _table("work_area.positions", points)
+    found = {
+        f"{group}.{name}": table for group, entries in tree.items() for name, table in _table(group, entries).items()
+    }
     unknown = sorted(set(found) - set(RULES))
     if unknown:
         raise FFGymError(f"Unknown entries {unknown}. Available: {', '.join(sorted(RULES))}.")
@@ -162,6 +172,12 @@ def _quantities(tree: dict[str, Any], n_joints: int) -> dict[str, Quantity]:
         path = f"work_area.positions.{name}"
         parsed[path] = parse_quantity(path, table, _POINT, n_joints)
     return parsed
+
+
+def _table(path: str, value: Any) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise FFGymError(f"[{path}] must be a table, got {value!r}.")
+    return value
 
 
 def _group(cls: Any, prefix: str, get: Mapping[str, Any], scalars: tuple[str, ...] = ()) -> Any:
@@ -187,7 +203,9 @@ def _work_area(get: Mapping[str, Any]) -> WorkArea | None:
     prefix = "work_area.positions."
     points = {path.removeprefix(prefix): value for path, value in get.items() if path.startswith(prefix)}
     wanted = ("work_area.tool_rotation", "work_area.home")
-    if not _all_or_none(wanted, get) and not points:
+    if not _all_or_none(wanted, get):
+        if points:
+            raise FFGymError(f"work_area.positions need {' and '.join(wanted)}.")
         return None
     return WorkArea(
         positions=MappingProxyType(points),
@@ -205,29 +223,50 @@ def _all_or_none(paths: tuple[str, ...], get: Mapping[str, Any]) -> bool:
     return all(present)
 
 
+def _whole(path: str, get: Mapping[str, Any]) -> int:
+    number = float(get[path])
+    if number != round(number):
+        raise FFGymError(f"{path} = {number} must be a whole number.")
+    return round(number)
+
+
 def _rotation(path: str, get: Mapping[str, Any]) -> Any:
     matrix = get[path]
-    if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
+    bounded = np.all(np.abs(matrix) < 2)  # so that the product cannot overflow
+    if not bounded or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
         raise FFGymError(f"{path} = {matrix.tolist()} is not a rotation matrix.")
     return matrix
 
 
-def _geoms(look: dict[str, Any], bodies: tuple[str, ...]) -> tuple[Geom, ...]:
-    colours = look.get("colours", {})
-    return tuple(_geom(i, entry, colours, bodies) for i, entry in enumerate(look.get("geoms", [])))
+def _geoms(look: Any, bodies: tuple[str, ...]) -> tuple[Geom, ...]:
+    unknown = sorted(set(_table("look", look)) - {"colours", "geoms"})
+    if unknown:
+        raise FFGymError(f"[look] has unknown entries {unknown}, may have colours and geoms.")
+    colours = {
+        name: tuple(check_shape(f"look.colours.{name}", value, (4,)).tolist())
+        for name, value in _table("look.colours", look.get("colours", {})).items()
+    }
+    geoms = look.get("geoms", [])
+    if not isinstance(geoms, list):
+        raise FFGymError(f"look.geoms must be a list of tables, got {geoms!r}.")
+    return tuple(_geom(i, _table(f"look.geoms[{i}]", entry), colours, bodies) for i, entry in enumerate(geoms))
 
 
-def _geom(index: int, entry: dict[str, Any], colours: dict[str, Any], bodies: tuple[str, ...]) -> Geom:
+def _geom(index: int, entry: dict[str, Any], colours: Mapping[str, Any], bodies: tuple[str, ...]) -> Geom:
     where = f"look.geoms[{index}]"
+
+    def vector(key: str) -> Any:
+        return tuple(check_shape(f"{where} {key}", entry[key], (3,)).tolist())
+
     try:
         body = check_choice(f"{where} body", entry["body"], bodies)
         kind = check_choice(f"{where} type", entry["type"], ("box", "cylinder", "capsule", "sphere"))
-        colour = tuple(colours[check_choice(f"{where} colour", entry["colour"], list(colours))])
-        if kind in ("cylinder", "capsule"):
-            size, pos, end = (float(entry["radius"]),), tuple(entry["from"]), tuple(entry["to"])
-        else:
-            size = tuple(entry["half_size"]) if kind == "box" else (float(entry["radius"]),)
-            pos, end = tuple(entry["centre"]), None
+        colour = colours[check_choice(f"{where} colour", entry["colour"], list(colours))]
+        size = vector("half_size") if kind == "box" else (check_number(f"{where} radius", entry["radius"], unit="m"),)
+        long = kind in ("cylinder", "capsule")
+        pos, end = (vector("from"), vector("to")) if long else (vector("centre"), None)
     except KeyError as error:
         raise FFGymError(f"{where} ({entry}) lacks {error.args[0]!r}.") from error
+    if min(size) <= 0 or pos == end:
+        raise FFGymError(f"{where} has size {size} m from {pos} to {end} m; sizes and lengths must be > 0.")
     return Geom(body=body, type=kind, size=size, pos=pos, end=end, colour=colour)

@@ -91,8 +91,7 @@ def parse_quantity(path: str, table: Any, rule: Rule, n_joints: int) -> Quantity
 def _unit_factor(path: str, unit: Any, wanted: str) -> float:
     if unit == wanted:
         return 1.0
-    converted = {"deg": "rad", "deg/s": "rad/s"}.get(unit)
-    if converted == wanted:
+    if isinstance(unit, str) and {"deg": "rad", "deg/s": "rad/s"}.get(unit) == wanted:
         return TO_SI[unit]
     raise FFGymError(f"{path}: unit is {unit!r}, must be {wanted!r}{_alternative(wanted)}.")
 
@@ -103,20 +102,32 @@ def _alternative(wanted: str) -> str:
 
 def _checked_value(path: str, value: Any, rule: Rule, n_joints: int) -> Array:
     shape = tuple(n_joints if s == "N" else int(s) for s in rule.shape)
-    if rule.infinite:
-        raw = np.asarray(value, dtype=np.float64)
-        check_shape(path, np.where(np.isposinf(raw), 0.0, raw), shape)
-        array = raw
-    else:
-        array = check_shape(path, value, shape)
+    if not _only_numbers(value):
+        raise FFGymError(f"{path} must be numbers, got {value!r}.")
+    check_shape(path, _without_infinity(value) if rule.infinite else value, shape)
+    array = np.array(value, dtype=np.float64)
     if np.any(array < rule.low) or (rule.open_low and np.any(array == rule.low)):
         raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
     array.flags.writeable = False
     return array
 
 
+def _only_numbers(value: Any) -> bool:
+    """Whether nested lists hold nothing but numbers; NumPy would take the text '1' for one."""
+    if isinstance(value, list):
+        return all(_only_numbers(entry) for entry in value)
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _without_infinity(value: Any) -> Any:
+    """Nested lists of numbers with +inf replaced by 0, for a check that allows it."""
+    if isinstance(value, list):
+        return [_without_infinity(entry) for entry in value]
+    return 0.0 if value == np.inf else value
+
+
 def _origins(path: str, origin: Any, n_joints: int) -> tuple[str, ...]:
-    origins = (origin,) if isinstance(origin, str) else tuple(origin)
+    origins = tuple(origin) if isinstance(origin, list) else (origin,)
     if len(origins) not in (1, n_joints) or any(o not in ORIGINS for o in origins):
         raise FFGymError(f"{path}: origin is {origin!r}, must be one of {ORIGINS}, once or once per joint.")
     return origins

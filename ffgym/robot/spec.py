@@ -201,13 +201,22 @@ def _add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
         type=mujoco.mjtGeom.mjGEOM_PLANE,
         size=[3, 3, 0.1],
         pos=[0, 0, -0.2 if robot.tool is None else 0],
-        rgba=[0.93, 0.94, 0.95, 1],
+        rgba=[0.6, 0.62, 0.64, 1],
         contype=0,
         conaffinity=0,
     )
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.95, 0.96, 0.97],
+        rgb2=[0.75, 0.8, 0.85],
+        width=32,
+        height=192,
+    )
     spec.worldbody.add_light(pos=[1, -2, 4], dir=[-0.2, 0.4, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
-    spec.visual.headlight.ambient = [0.45, 0.45, 0.45]
-    spec.visual.headlight.diffuse = [0.45, 0.45, 0.45]
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
+    spec.visual.headlight.diffuse = [0.4, 0.4, 0.4]
     spec.visual.map.znear = 0.01
 
 

@@ -139,11 +139,11 @@ def _run(
     while done < total:
         active = np.flatnonzero(np.array(steps) > step)
         stop = min(step + _CHUNK, *(n for n in steps if n > step))
-        parts = setpoints.between(active, step, stop, fractions)
-        rows = [part.reshape(len(active), -1, plant.robot.n_joints) for part in parts]
-        history = plant.advance(plant.control_rows(*rows), ids=active)
-        for row, i in enumerate(active):
-            traces[i].write(step * per_step + 1, *(part[row, stride - 1 :: stride] for part in history))
+        controls = np.empty((len(active), stop - step, plant.n_substeps, plant.model.nu))
+        setpoints.between(active, step, stop, fractions, out=plant.split_controls(controls))
+        history = plant.advance(controls.reshape(len(active), -1, plant.model.nu), ids=active)
+        for row, trace in enumerate(traces[i] for i in active):
+            trace.write(step * per_step + 1, *(part[row, stride - 1 :: stride] for part in history))
         done += len(active) * (stop - step)
         step = stop
         if progress is not None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ffgym.control import Reference, Setpoints, rigid_feedforward
+from ffgym.control import Reference, Setpoints, rigid_feedforward, servo_torque
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.plant import Plant, PlantState
 from ffgym.recordings import Header, Recording
@@ -99,25 +99,21 @@ def to_recording(
 
 def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant) -> dict[str, Array]:
     """Per-joint signals, motor side, (T, N) each; the servo's parts are what MuJoCo's `pid` adds up in each step."""
-    servo, drive = plant.robot.servo, plant.robot.drive
+    servo, peak = plant.robot.servo, plant.robot.drive.peak_torque
     compensation = torque_at_rows(u_lff, rows.rows_per_step)
-    u_i = servo.integral_gain * state.integral
-    u_fb = (
-        servo.position_gain * (rows.position - state.motor_position)
-        + servo.velocity_gain * (rows.velocity - state.motor_velocity)
-        + u_i
-    )
-    command = u_fb + rows.feedforward + compensation
+    error, error_rate = rows.position - state.motor_position, rows.velocity - state.motor_velocity
+    feedback = servo_torque(servo, error, error_rate, state.integral)
+    command = feedback.u_fb + rows.feedforward + compensation
     friction = plant.robot.friction.torque(state.bristle, state.motor_velocity)
     return {
         "motor.position": state.motor_position,
         "motor.velocity": state.motor_velocity,
-        "motor.effort": np.clip(command, -drive.peak_torque, drive.peak_torque),
+        "motor.effort": np.clip(command, -peak, peak),
         "reference.position": rows.position,
         "reference.velocity": rows.velocity,
         "feedforward.effort": rows.feedforward,
-        "feedback.effort": u_fb,
-        "feedback.integral": u_i,
+        "feedback.effort": feedback.u_fb,
+        "feedback.integral": feedback.u_i,
         "compensation.effort": compensation,
         "command.effort": command,
         "friction.effort": friction if plant.addresses.has_bristle.all() else np.zeros_like(friction),

@@ -1,0 +1,41 @@
+"""What the documentation says runs, and what it copies from the code is current."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from ffgym.robot import builtin_robots, load_robot
+from scripts.robot_tables import page
+
+ROOT = Path(__file__).parent.parent
+EXECUTED = ["README.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs" / "tutorials").glob("*.md"))]
+
+
+@pytest.mark.parametrize("document", EXECUTED)
+def test_every_python_block_of_a_document_runs(document, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), flags=re.S)
+    assert blocks
+    names: dict[str, object] = {}
+    for block in blocks:
+        exec(compile(block, document, "exec"), names)  # the blocks of one document build on each other
+
+
+@pytest.mark.parametrize("robot", builtin_robots())
+def test_the_parameter_table_of_a_robot_is_current(robot):
+    text = (ROOT / "docs" / "robots" / f"{robot}.md").read_text(encoding="utf-8")
+    assert text == page(load_robot(robot)), "run: python -m scripts.robot_tables"
+
+
+def test_links_between_documents_lead_somewhere():
+    for document in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")]:
+        for target in re.findall(r"\]\((?!https?:)([^)#]+)", document.read_text(encoding="utf-8")):
+            assert (document.parent / target).exists(), f"{document.name} links to {target}"
+
+
+def test_every_room_of_the_package_is_in_the_architecture_page():
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    rooms = {p.stem for p in (ROOT / "ffgym").iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()}
+    missing = {room for room in rooms - {"__init__", "__main__"} if f"`ffgym.{room}`" not in text}
+    assert not missing
