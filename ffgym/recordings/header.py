@@ -112,10 +112,7 @@ class Header:
         phases = values.get("phases", [])
         if not isinstance(phases, list):
             raise FFGymError(f"header phases must be a list, got {phases!r}.")
-        try:
-            return cls(**{**values, "phases": tuple(Phase.from_dict(phase) for phase in phases)})
-        except OverflowError as error:  # JSON has integers of any size
-            raise FFGymError(f"The header holds a number that is too large: {error}.") from error
+        return cls(**{**values, "phases": tuple(Phase.from_dict(phase) for phase in phases)})
 
     @classmethod
     def required(cls) -> tuple[str, ...]:

@@ -15,7 +15,12 @@ from ffgym.recordings.schema import FAMILIES, USER_PREFIX, Family, family_named
 from ffgym.recordings.validation import check_phases, checked_columns, unit_of
 from ffgym.types import Array, BoolArray
 
-_READERS = {"one": "recording[{!r}]", "joint": "recording.joint_array({!r})", "xyz": "recording.vector({!r})"}
+_READERS = {
+    "one": "recording[{!r}]",
+    "joint": "recording.joint_array({!r})",
+    "xyz": "recording.vector({!r})",
+    "quaternion": "recording.quaternion({!r})",
+}
 
 
 @final
@@ -109,6 +114,14 @@ class Recording:
             FFGymError: if the family is not Cartesian, or the recording does not have it.
         """
         return self._stacked(family_named(family), "xyz")
+
+    def quaternion(self, family: str) -> Array:
+        """Columns qw, qx, qy, qz of an orientation `family` side by side, shape (T, 4).
+
+        Raises:
+            FFGymError: if the family is not an orientation, or the recording does not have it.
+        """
+        return self._stacked(family_named(family), "quaternion")
 
     def phases_of(self, kind: PhaseKind) -> tuple[Phase, ...]:
         """Phases of that `kind`, in order; none is an empty tuple."""

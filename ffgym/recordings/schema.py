@@ -30,8 +30,8 @@ class Family:
     """Where the quantity lives, unless the header field `decided_by` says otherwise."""
     meaning: str
     """One phrase for the documentation."""
-    parts: Literal["one", "joint", "xyz"] = "joint"
-    """One column, one per joint, or one per Cartesian axis."""
+    parts: Literal["one", "joint", "xyz", "quaternion"] = "joint"
+    """One column, one per joint, one per Cartesian axis, or the four of a unit quaternion, scalar first."""
     decided_by: str = ""
     """Header field that may move the quantity to another side; empty if the side is fixed."""
     may_miss: bool = False
@@ -41,7 +41,8 @@ class Family:
         """Names of all columns of this family on a robot with `joints`."""
         if self.parts == "one":
             return (self.name,)
-        return tuple(f"{self.name}.{part}" for part in (joints if self.parts == "joint" else "xyz"))
+        parts = {"joint": joints, "xyz": "xyz", "quaternion": ("qw", "qx", "qy", "qz")}[self.parts]
+        return tuple(f"{self.name}.{part}" for part in parts)
 
 
 def _position(name: str, unit: str, meaning: str) -> Family:
@@ -74,6 +75,14 @@ _FAMILIES = (
     Family(name="link.velocity", unit="rad/s", side="link", meaning="joint speed after the gearbox (arm side)"),
     Family(
         name="tcp.position", unit="m", side="tool", parts="xyz", may_miss=True, meaning="tool centre point, measured"
+    ),
+    Family(
+        name="tcp.orientation",
+        unit="1",
+        side="tool",
+        parts="quaternion",
+        may_miss=True,
+        meaning="orientation of tool0 in the world, measured",
     ),
     Family(name="tcp_reference.position", unit="m", side="tool", parts="xyz", meaning="tool centre point, set-point"),
     Family(
@@ -128,7 +137,7 @@ def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[st
 
 def markdown_table() -> str:
     """Return the schema as a Markdown table, as printed in docs/recordings.md."""
-    suffix = {"one": "", "joint": ".<joint>", "xyz": ".x/y/z"}
+    suffix = {"one": "", "joint": ".<joint>", "xyz": ".x/y/z", "quaternion": ".qw/qx/qy/qz"}
     lines = [
         "| column | unit | side | header field that decides | NaN allowed | meaning |",
         "|---|---|---|---|---|---|",

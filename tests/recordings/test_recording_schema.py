@@ -1,3 +1,4 @@
+import numpy as np
 import pytest
 from recording_samples import JOINTS, columns, header, refused
 
@@ -27,6 +28,7 @@ def test_only_header_fields_decide_the_side_of_a_family() -> None:
 def test_only_tool_measurements_and_temperatures_may_miss_samples() -> None:
     assert {name for name, family in FAMILIES.items() if family.may_miss} == {
         "tcp.position",
+        "tcp.orientation",
         "tcp.timestamp",
         "temperature",
     }
@@ -89,3 +91,12 @@ def test_very_long_name_is_cut_in_the_message() -> None:
     with pytest.raises(FFGymError) as error:
         check_columns(["x" * 100_000], JOINTS, {})
     assert len(str(error.value)) < 1500
+
+
+def test_an_orientation_is_read_as_scalar_first_quaternion() -> None:
+    parts = ("qw", "qx", "qy", "qz")
+    columns = {f"tcp.orientation.{part}": np.full(3, value) for part, value in zip(parts, (1.0, 0, 0, 0), strict=True)}
+    recording = Recording({"timestamp": np.arange(3.0)} | columns, header())
+    np.testing.assert_array_equal(recording.quaternion("tcp.orientation"), np.tile([1.0, 0, 0, 0], (3, 1)))
+    with pytest.raises(FFGymError, match="recording.quaternion"):
+        recording.vector("tcp.orientation")
