@@ -28,11 +28,10 @@ def page(robot: RobotDescription) -> str:
     lines = [
         f"# {robot.title} (`{robot.name}`)",
         "",
-        "Written by `python -m scripts.robot_tables` from the description in `ffgym/robot/data`; SI units, angles in rad.",
+        "Written by `python -m scripts.robot_tables` from the description in `ffgym/robot/data`; SI units, rad.",
         "",
         "- *sourced*: published; *derived*: computed from published numbers; *chosen*: an engineering choice;",
-        "- *fitted*: by `scripts/calibrate_nominal.py` (see [calibration](../calibration.md)); the number it replaced is "
-        "given as prior.",
+        "- *fitted*: see [calibration](../calibration.md); prior is what it replaced.",
         "",
         "| entry | value | unit | side | origin | source |",
         "|---|---|---|---|---|---|",

@@ -98,5 +98,5 @@ def test_an_orientation_is_read_as_scalar_first_quaternion() -> None:
     columns = {f"tcp.orientation.{part}": np.full(3, value) for part, value in zip(parts, (1.0, 0, 0, 0), strict=True)}
     recording = Recording({"timestamp": np.arange(3.0)} | columns, header())
     np.testing.assert_array_equal(recording.quaternion("tcp.orientation"), np.tile([1.0, 0, 0, 0], (3, 1)))
-    with pytest.raises(FFGymError, match="recording.quaternion"):
+    with pytest.raises(FFGymError, match=r"recording\.quaternion"):
         recording.vector("tcp.orientation")

@@ -1,0 +1,15 @@
+"""Tables, figures and a page of the studies; the only package of ffgym that draws."""
+
+from ffgym.report._matplotlib import save_figure as save_figure
+from ffgym.report.comparison import SpeedTable as SpeedTable
+from ffgym.report.comparison import circle_tables as circle_tables
+from ffgym.report.figures import ReportFigure as ReportFigure
+from ffgym.report.figures import circle_figures as circle_figures
+from ffgym.report.figures import one_axis_figures as one_axis_figures
+from ffgym.report.findings import Finding as Finding
+from ffgym.report.findings import findings as findings
+from ffgym.report.headline import headline as headline
+from ffgym.report.page import render_report as render_report
+from ffgym.report.page import write_report as write_report
+from ffgym.report.tables import format_one_axis as format_one_axis
+from ffgym.report.tables import format_text as format_text

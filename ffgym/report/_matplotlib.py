@@ -1,0 +1,90 @@
+"""The one door to matplotlib: imported when a figure is made, without pyplot, windows or lasting settings."""
+
+import io
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, Literal
+
+from ffgym.errors import FFGymError, check_choice
+from ffgym.files import check_writable, write_bytes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FIGURE_FORMATS = ("svg", "png", "pdf")
+"""What `save_figure` writes, by suffix."""
+
+_STYLE: dict[str, Any] = {
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.labelsize": 9.0,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#666666",
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.6,
+    "legend.fontsize": 9.0,
+    "legend.frameon": False,
+    "lines.linewidth": 1.3,
+    "lines.solid_joinstyle": "round",
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "svg.hashsalt": "ffgym",  # equal figures give equal bytes
+}
+
+
+def require_matplotlib() -> ModuleType:
+    """Return matplotlib.
+
+    Raises:
+        FFGymError: if it is not installed.
+    """
+    try:
+        import matplotlib
+        import matplotlib.figure
+    except ImportError as error:
+        raise FFGymError("A figure needs matplotlib; pip install 'ffgym[report]'.") from error
+    return matplotlib
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw in the style of the reports, whatever the user's matplotlibrc says; put the user's settings back."""
+    matplotlib = require_matplotlib()
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(_STYLE)
+        yield
+
+
+def new_figure(width: float, height: float) -> "Figure":
+    """Empty figure of that size [inch] that belongs to no window."""
+    figure: Figure = require_matplotlib().figure.Figure(figsize=(width, height), layout="constrained")
+    return figure
+
+
+def encode_figure(figure: "Figure", kind: Literal["svg", "png", "pdf"] = "svg", dpi: float = 110) -> bytes:
+    """Bytes of a picture file; `dpi` [pixel/inch] counts for png only."""
+    date = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
+    buffer = io.BytesIO()
+    with house_style():
+        figure.savefig(buffer, format=kind, dpi=dpi, metadata={date: None} if date else None)
+    return buffer.getvalue()
+
+
+def save_figure(figure: "Figure", path: str | os.PathLike[str], dpi: float = 150) -> Path:
+    """Write a figure to `path`, which ends in .svg, .png or .pdf, whole or not at all.
+
+    Raises:
+        FFGymError: if the suffix is unknown or the file cannot be written.
+    """
+    target = Path(path)
+    kind: Any = check_choice("figure format", target.suffix.lower().lstrip("."), FIGURE_FORMATS)
+    check_writable(target)
+    write_bytes(target, encode_figure(figure, kind, dpi))
+    return target

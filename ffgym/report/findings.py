@@ -1,0 +1,147 @@
+"""What of the published experiment the simulation shows too: questions with counted answers."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ffgym.report.comparison import FACTOR, Row, SpeedTable, circle_tables, nearness, percent, reduction
+from ffgym.report.laws import UNCOMPENSATED, law_styles
+from ffgym.studies import CircleStudy
+
+REPRODUCED, PARTLY = 0.75, 0.5
+"""Shares of circles that must agree with the real robot for 'reproduced' and for 'partly reproduced'; chosen."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One question to simulation and real robot."""
+
+    question: str
+    verdict: str
+    """'reproduced', 'partly reproduced', 'not reproduced' or 'not comparable'."""
+    text: str
+    """The numbers behind the verdict."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """RMS path error of two circles, simulated and published [mm]."""
+
+    where: str
+    simulated: tuple[float, float]
+    published: tuple[float, float]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the first is the smaller one in both, or in neither."""
+        return (self.simulated[0] < self.simulated[1]) == (self.published[0] < self.published[1])
+
+
+def findings(study: CircleStudy) -> list[Finding]:
+    """Questions and answers, speed by speed; questions that no published number answers are left out."""
+    tables = circle_tables(study)
+    found = [finding for table in tables for finding in _at_speed(table)]
+    found.append(_grows_with_speed(tables))
+    return [finding for finding in found if finding is not None]
+
+
+def _at_speed(table: SpeedTable) -> list[Finding | None]:
+    if not table.is_published:
+        return [_unpublished(table)]
+    others = [agent for agent in table.agents if agent != UNCOMPENSATED]
+    found = [_size(table, agent) for agent in table.agents]
+    found += [_better(table, agent, UNCOMPENSATED) for agent in others]
+    found += [_better(table, after, before) for before, after in pairwise(others)]
+    return [*found, _grows_with_radius(table)]
+
+
+def _size(table: SpeedTable, agent: str) -> Finding | None:
+    """Whether simulated and published errors are equally large."""
+    near = nearness(table.ratios(agent).values())
+    if near is None:
+        return None
+    return Finding(
+        question=f"{table.speed_mm_s:g} mm/s: size of the path error with {_label(table, agent)}",
+        verdict=_verdict(near.near, near.total),
+        text=f"{near.near} of {near.total} circles within a factor of {FACTOR:g}; median simulated / published "
+        f"{near.median:.2f}.",
+    )
+
+
+def _better(table: SpeedTable, law: str, than: str) -> Finding | None:
+    """Whether one law beats another on the same circles as on the real robot."""
+    question = f"{table.speed_mm_s:g} mm/s: is {_label(table, law)} better than {_label(table, than)}?"
+    finding = _answer(question, "circles", "smaller error", [_compare(row, law, row, than) for row in table.rows])
+    simulated = reduction(table.mean_rms(law), table.mean_rms(than))
+    published = reduction(table.mean_published_rms(law), table.mean_published_rms(than))
+    if finding is None or simulated is None or published is None:
+        return finding
+    means = f"Mean RMS {percent(simulated)} simulated, {percent(published)} published."
+    return Finding(question=finding.question, verdict=finding.verdict, text=f"{means} {finding.text}")
+
+
+def _grows_with_radius(table: SpeedTable) -> Finding | None:
+    pairs = [
+        _compare(small, UNCOMPENSATED, large, UNCOMPENSATED)
+        for large in table.rows
+        for small in table.rows
+        if small.position == large.position and small.radius_mm < large.radius_mm
+    ]
+    question = f"{table.speed_mm_s:g} mm/s: has the smaller circle the smaller error, without compensation?"
+    return _answer(question, "pairs of circles", "yes", pairs)
+
+
+def _grows_with_speed(tables: Sequence[SpeedTable]) -> Finding | None:
+    pairs = [
+        _compare(a, UNCOMPENSATED, b, UNCOMPENSATED)
+        for i, slow in enumerate(tables)
+        for fast in tables[i + 1 :]
+        for a in slow.rows
+        for b in fast.rows
+        if (a.position, a.radius_mm) == (b.position, b.radius_mm)
+    ]
+    question = "Has the slower motion the smaller error, without compensation?"
+    return _answer(question, "pairs of speeds", "yes", pairs)
+
+
+def _unpublished(table: SpeedTable) -> Finding:
+    means = {agent: table.mean_rms(agent) for agent in table.agents}
+    parts = ", ".join(f"{_label(table, agent)} {mean:.3f} mm" for agent, mean in means.items() if mean is not None)
+    return Finding(
+        question=f"{table.speed_mm_s:g} mm/s: path error",
+        verdict="not comparable",
+        text=f"No numbers were published for these circles at this speed. Simulated mean RMS: {parts}.",
+    )
+
+
+def _compare(first: Row, first_law: str, second: Row, second_law: str) -> Comparison | None:
+    """Two circles; None where one of the numbers is missing."""
+    a, b = first.entries.get(first_law), second.entries.get(second_law)
+    if a is None or b is None or a.published_rms is None or b.published_rms is None:
+        return None
+    radii = " and ".join(f"{radius:g}" for radius in sorted({first.radius_mm, second.radius_mm}))
+    where = f"{radii} mm at {first.position}"
+    return Comparison(where=where, simulated=(a.rms, b.rms), published=(a.published_rms, b.published_rms))
+
+
+def _answer(question: str, things: str, yes: str, pairs: Iterable[Comparison | None]) -> Finding | None:
+    """Count where the first is the smaller one; published ties do not count."""
+    known = [pair for pair in pairs if pair is not None and pair.published[0] != pair.published[1]]
+    if not known:
+        return None
+    simulated = sum(pair.simulated[0] < pair.simulated[1] for pair in known)
+    published = sum(pair.published[0] < pair.published[1] for pair in known)
+    agree = sum(pair.agrees for pair in known)
+    unlike = ", ".join(pair.where for pair in known if not pair.agrees)
+    text = f"Of {len(known)} {things}, {yes} on {simulated} simulated and {published} published."
+    differ = f" They differ on {unlike}." if unlike else " They agree on all."
+    return Finding(question=question, verdict=_verdict(agree, len(known)), text=text + differ)
+
+
+def _label(table: SpeedTable, agent: str) -> str:
+    return law_styles(table.agents)[agent].label if agent in table.agents else agent
+
+
+def _verdict(agree: int, total: int) -> str:
+    share = agree / total
+    return "reproduced" if share >= REPRODUCED else "partly reproduced" if share >= PARTLY else "not reproduced"

@@ -1,0 +1,97 @@
+"""Simulated over published path error, circle by circle: how near the simulation is to the real robot."""
+
+from typing import TYPE_CHECKING
+
+from ffgym.errors import FFGymError
+from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report.comparison import FACTOR, SpeedTable, circle_tables, nearness
+from ffgym.report.laws import LawStyle, law_styles
+from ffgym.studies import CircleStudy
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_TICKS = tuple(digit * 10.0**power for power in range(-4, 4) for digit in (1, 2, 5))
+
+
+def ratios_figure(study: CircleStudy) -> "Figure":
+    """One panel per speed with published numbers, one dot per circle and law; the band is a factor of FACTOR.
+
+    Raises:
+        FFGymError: if nothing was published for the circles of the study.
+    """
+    tables = [table for table in circle_tables(study) if table.is_published]
+    if not tables:
+        raise FFGymError(
+            "No published path error for any circle of this study; Tables 4.1 and 4.2 have 10 and 40 mm/s."
+        )
+    styles = law_styles(tables[0].agents)
+    with house_style():
+        figure = new_figure(max(0.42 * len(tables[0].rows), 2.5) * len(tables) + 1.0, 3.9)
+        row = figure.subplots(1, len(tables), squeeze=False, sharey=True)[0]
+        for axes, table in zip(row, tables, strict=True):
+            _draw(axes, table, styles)
+        _set_scale(row[0], [ratio for table in tables for agent in styles for ratio in table.ratios(agent).values()])
+        row[0].set_ylabel("RMS path error, simulated / published")
+        figure.legend(*row[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(styles) + 1)
+    return figure
+
+
+def ratios_caption(study: CircleStudy) -> str:
+    """What the figure shows, with the count inside the band for every speed and law."""
+    counts = []
+    for table in circle_tables(study):
+        for agent, style in law_styles(table.agents).items():
+            near = nearness(table.ratios(agent).values())
+            if near is not None:
+                counts.append(
+                    f"{style.label} at {table.speed_mm_s:g} mm/s {near.near} of {near.total} (median {near.median:.2f})"
+                )
+    return (
+        "RMS path error of the simulated robot over that published for the real one; logarithmic scale. On the line "
+        f"they are equal, in the band within a factor of {FACTOR:g}. In the band: {'; '.join(counts)}."
+    )
+
+
+def _draw(axes: "Axes", table: SpeedTable, styles: dict[str, LawStyle]) -> None:
+    places = {(radius, position): x for x, (position, radius) in enumerate(_order(table))}
+    axes.axhspan(1 / FACTOR, FACTOR, color="#e8e8e8", zorder=0, label=f"within a factor of {FACTOR:g}")
+    axes.axhline(1, color="#444444", linewidth=0.8, zorder=1)
+    for k, (agent, style) in enumerate(styles.items()):
+        ratios = table.ratios(agent)
+        x = [places[key] + 0.18 * (k - (len(styles) - 1) / 2) for key in ratios]
+        axes.plot(x, list(ratios.values()), style.marker, color=style.colour, label=style.label, zorder=3)
+    axes.set_xlim(-0.6, len(places) - 0.4)
+    axes.set_xticks(range(len(places)), [f"{radius:g}" for _, radius in _order(table)])
+    axes.grid(axis="x", visible=False)
+    axes.set_title(f"{table.speed_mm_s:g} mm/s")
+    _name_positions(axes, table)
+
+
+def _set_scale(axes: "Axes", ratios: list[float]) -> None:
+    """Logarithmic, with room for every ratio and for the band; other panels share it."""
+    low, high = min(*ratios, 1 / FACTOR) / 1.5, max(*ratios, FACTOR) * 1.5
+    ticks = [tick for tick in _TICKS if low <= tick <= high]
+    axes.set_yscale("log")
+    axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.minorticks_off()
+    axes.set_ylim(low, high)
+
+
+def _name_positions(axes: "Axes", table: SpeedTable) -> None:
+    """Position names below the radii, and a line between positions."""
+    n = len(table.radii)
+    for i, position in enumerate(table.positions):
+        middle = i * n + (n - 1) / 2
+        axes.annotate(
+            position, (middle, 0), (0, -22), xycoords=("data", "axes fraction"), textcoords="offset points", ha="center"
+        )
+        if i:
+            axes.axvline(i * n - 0.5, color="#bbbbbb", linewidth=0.8)
+    axes.set_xlabel("radius [mm], position", labelpad=18)
+
+
+def _order(table: SpeedTable) -> list[tuple[str, float]]:
+    """Circles along the axis: by position, then radius [mm]."""
+    return [(position, radius) for position in table.positions for radius in table.radii]
