@@ -32,6 +32,19 @@ def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
     return array
 
 
+def check_rotation(name: str, value: Any) -> Array:
+    """Return `value` as a rotation matrix, shape (3, 3).
+
+    Raises:
+        FFGymError: if it is none.
+    """
+    matrix = check_shape(name, value, (3, 3))
+    bounded = np.all(np.abs(matrix) < 2)  # so that the product cannot overflow
+    if not bounded or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
+        raise FFGymError(f"{name} = {matrix.tolist()} is not a rotation matrix.")
+    return matrix
+
+
 def check_number(
     name: str, value: Any, *, unit: str = "", low: float = -np.inf, high: float = np.inf, open_low: bool = False
 ) -> float:

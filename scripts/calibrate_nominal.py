@@ -172,9 +172,9 @@ def write_fitted(path: Path, before: RobotDescription, after: RobotDescription, 
             continue
         old, new = (np.asarray(getattr(getattr(robot, group), name)) for robot in (before, after))
         changed = old != new
-        if not changed.any():
-            continue
         table = document[group][name]
+        if not changed.any() and "prior" not in table:  # a fit that ends at the prior replaces an earlier one
+            continue
         quantity = before.quantities[entry]
         origin = quantity.origin * (len(old) if len(quantity.origin) == 1 else 1)
         table["value"] = [float(f"{x:.4g}") if c else float(x) for x, c in zip(new, changed, strict=True)]

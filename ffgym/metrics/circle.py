@@ -10,6 +10,9 @@ from ffgym.types import Array
 _ROUNDNESS = 1e-3
 """Largest deviation of a reference from a circle, in units of its radius, that still counts as one."""
 
+_SMALLEST = 1e-9
+"""Smallest radius of a circle [m]; below it points are one point."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Circle:
@@ -42,7 +45,7 @@ def fit_circle(points: Array) -> Circle:
     centre = middle + x * first + y * second
     distance = np.linalg.norm(points - centre, axis=1)
     worst = float(np.abs(distance - radius).max())
-    if not worst <= _ROUNDNESS * radius:
+    if not (worst <= _ROUNDNESS * radius and radius > _SMALLEST):
         raise FFGymError(
             f"The reference is no circle: it deviates by {worst:.3g} m from the best one, of radius {radius:.3g} m."
         )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ffgym.errors import FFGymError
 from ffgym.recordings import Recording
 from ffgym.types import Array
 
@@ -15,6 +16,14 @@ def motor_error(recording: Recording) -> Array:
 
 
 def motor_error_rms(recording: Recording) -> Array:
-    """RMS of the motor position error, motor side [rad], shape (N,); standstill does not count (thesis 4.3.2)."""
+    """RMS of the motor position error, motor side [rad], shape (N,); standstill does not count (thesis 4.3.2).
+
+    Raises:
+        FFGymError: if the recording is nothing but standstill.
+    """
     moving = ~recording.mask(kind="standstill")
+    if not moving.any():
+        raise FFGymError(
+            f"Recording {recording.header.segment!r} is all standstill, so it has no motor error to score."
+        )
     return np.asarray(np.sqrt(np.mean(motor_error(recording)[moving] ** 2, axis=0)))

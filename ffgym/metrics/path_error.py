@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.errors import FFGymError
 from ffgym.metrics.circle import Circle, fit_circle
 from ffgym.recordings import Phase, Recording
 from ffgym.types import Array
@@ -50,7 +50,7 @@ def standstill_offset(recording: Recording) -> Array:
     """Mean of TCP minus its reference while the robot first stands still [m], shape (3,).
 
     Raises:
-        FFGymError: if the recording does not begin with a standstill.
+        FFGymError: if the recording does not begin with a standstill, or has no TCP position there.
     """
     rests = recording.phases_of("standstill")
     circles = recording.phases_of("circle")
@@ -60,8 +60,8 @@ def standstill_offset(recording: Recording) -> Array:
             f"TCP cannot be removed. Record at least 0.1 s of rest first and mark it as a phase of kind 'standstill'."
         )
     rows = (recording.t >= rests[0].start) & (recording.t < rests[0].end)
-    offset = np.nanmean((recording.vector("tcp.position") - recording.vector("tcp_reference.position"))[rows], axis=0)
-    return check_shape("standstill offset", offset, (3,))
+    away = (recording.vector("tcp.position") - recording.vector("tcp_reference.position"))[rows]
+    return np.asarray(_seen(away, rests[0], recording).mean(axis=0))
 
 
 def circle_deviation(points: Array, circle: Circle) -> tuple[Array, Array]:
@@ -77,12 +77,19 @@ def circle_deviation(points: Array, circle: Circle) -> tuple[Array, Array]:
     return outward, height
 
 
+def _seen(points: Array, phase: Phase, recording: Recording) -> Array:
+    """Rows of `points` (T, 3) of a phase that the tracker has seen."""
+    seen = points[~np.isnan(points).any(axis=1)]
+    if len(seen) == 0:
+        raise FFGymError(f"Recording {recording.header.segment!r} has no TCP position in {phase.kind} {phase.label!r}.")
+    return seen
+
+
 def _on_circle(recording: Recording, phase: Phase, tcp: Array) -> PathError:
     rows = (recording.t >= phase.start) & (recording.t < phase.end)
     reference = recording.vector("tcp_reference.position")[rows]
     circle = fit_circle(reference)
-    points = tcp[rows]
-    outward, height = circle_deviation(points[~np.isnan(points).any(axis=1)], circle)
+    outward, height = circle_deviation(_seen(tcp[rows], phase, recording), circle)
     distance = np.hypot(outward, height)
     return PathError(
         label=phase.label,

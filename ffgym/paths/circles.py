@@ -37,13 +37,15 @@ def plane_of(normal: Sequence[float] | Array) -> Plane:
         FFGymError: if the normal is zero.
     """
     normal = check_shape("normal", normal, (3,))
-    if np.linalg.norm(normal) < 1e-12:
+    largest = np.abs(normal).max()
+    if largest < 1e-12:
         raise FFGymError(f"normal = {normal.tolist()} must not be zero; (0, 0, 1) is a plane parallel to the ground.")
-    normal = normal / np.linalg.norm(normal)
-    guide = np.array([1.0, 0, 0]) if abs(normal[0]) < 0.9 else np.array([0, 1.0, 0])
-    first = guide - normal * (guide @ normal)
+    scaled = normal / largest  # so that no square overflows
+    unit: Array = scaled / np.linalg.norm(scaled)
+    guide = np.array([1.0, 0, 0]) if abs(unit[0]) < 0.9 else np.array([0, 1.0, 0])
+    first = guide - unit * (guide @ unit)
     first /= np.linalg.norm(first)
-    return Plane(first=first, second=np.cross(normal, first))
+    return Plane(first=first, second=np.cross(unit, first))
 
 
 def circle_test(
@@ -79,12 +81,13 @@ def circle_test(
     speed = check_number("speed", speed, unit="m/s", low=0.0, open_low=True)
     dwell = check_number("dwell", dwell, unit="s", low=0.0, open_low=True)
     start_angle = check_number("start_angle", start_angle, unit="rad")
-    if len(radii) == 0:
+    sizes = check_shape("radii", radii, (None,))
+    if len(sizes) == 0:
         raise FFGymError("radii is empty, must hold at least one radius in m.")
     plane = plane_of(normal)
     segments = [standstill("rest 0", centre, dwell)]
-    for i, radius in enumerate(radii):
-        radius = check_number("radius", radius, unit="m", low=0.0, open_low=True)
+    for i, size in enumerate(sizes):
+        radius = check_number("radius", size, unit="m", low=0.0, open_low=True)
         segments += _circle(centre, plane, radius, speed, start_angle)
         segments.append(standstill(f"rest {i + 1}", centre, dwell))
     t, position, velocity, acceleration, phases = sample(segments, dt)

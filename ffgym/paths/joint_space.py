@@ -33,6 +33,8 @@ def joint_sine(
         FFGymError: if an argument is out of range.
     """
     amplitude = check_shape("amplitude", amplitude, (None,))
+    if amplitude.size == 0:
+        raise FFGymError("amplitude is empty, must hold one amplitude in rad for each joint.")
     middle = np.zeros_like(amplitude) if centre is None else check_shape("centre", centre, amplitude.shape)
     omega = 2 * np.pi * check_number("frequency", frequency, unit="Hz", low=0.0, open_low=True)
     duration = check_number("duration", duration, unit="s", low=0.0, open_low=True)

@@ -9,6 +9,9 @@ from ffgym.errors import FFGymError, check_number
 from ffgym.recordings import Phase, PhaseKind
 from ffgym.types import Array
 
+MAX_STEPS = 1e7
+"""Longest motion [steps]: 11 h at 4 ms; beyond it a speed or a step is surely a slip, and memory runs out."""
+
 Evaluate = Callable[[Array], tuple[Array, Array, Array]]
 """Position, velocity and acceleration, each (T, D), at times (T,) since the start of a segment."""
 
@@ -73,14 +76,17 @@ def sample(segments: Sequence[Segment], dt: float) -> tuple[Array, Array, Array,
     Segments last as long as they last; only the whole motion is sampled on the grid, so that no speed is rounded.
 
     Raises:
-        FFGymError: if `dt` is not positive or the motion is shorter than one step.
+        FFGymError: if `dt` is not positive, or the motion is shorter than one step or longer than MAX_STEPS.
     """
     dt = check_number("dt", dt, unit="s", low=0.0, open_low=True)
     ends = np.cumsum([segment.duration for segment in segments])
     starts = np.concatenate([[0.0], ends[:-1]])
-    count = int(np.ceil(ends[-1] / dt - 1e-9)) + 1  # the last sample may lie up to one step beyond the end
-    if count < 2:
-        raise FFGymError(f"The motion lasts {ends[-1]:.6g} s, shorter than one control step of {dt} s.")
+    steps = ends[-1] / dt
+    if not 1 - 1e-9 <= steps <= MAX_STEPS:
+        raise FFGymError(
+            f"The motion lasts {ends[-1]:.6g} s, must be from one step of dt = {dt} s to {MAX_STEPS:g} of them."
+        )
+    count = int(np.ceil(steps - 1e-9)) + 1  # the last sample may lie up to one step beyond the end
     t = np.arange(count, dtype=np.float64) * dt
     which = np.minimum(np.searchsorted(ends, t, side="right"), len(segments) - 1)
     parts = [s.evaluate(t[which == i] - starts[i]) for i, s in enumerate(segments)]

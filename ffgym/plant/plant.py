@@ -120,13 +120,15 @@ class Plant:
         """
         steps = controls.shape[1]
         fields = ("qpos", "qvel", "act")
-        before = self.batch.warning[:, _BAD, 1].sum(axis=1)
+        before, began = self.batch.warning[:, _BAD, 1].sum(axis=1), self.batch.time.copy()
         out = self.batch.rollout(steps, control=controls, record=fields, ids=ids)
         failed = np.flatnonzero(self.batch.warning[:, _BAD, 1].sum(axis=1) > before)
         if failed.size:
+            start, first = began[failed[0]], int(failed[0])
             raise FFGymError(
-                f"Simulation {int(failed[0])} of robot {self.robot.name!r} became unstable near t = "
-                f"{self.batch.time[failed[0]]:.3f} s. Lower servo gains, torques or physics_dt = {self.physics_dt} s."
+                f"Simulation {first} of robot {self.robot.name!r} became unstable between t = {start:.3f} s and "
+                f"{start + steps * self.physics_dt:.3f} s. Lower servo gains, torques or the physics step of "
+                f"{self.physics_dt} s."
             )
         return out["qpos"], out["qvel"], out["act"]
 

@@ -79,6 +79,7 @@ class RigidArm:
         r"""TCP acceleration :math:`\dot J \dot q` at constant speed, linear [m/s^2], angular [rad/s^2], (T, 6)."""
         tcp_id = self._tcp_id()
         out = self._evaluate(("site_xpos", "xanchor", "xaxis"), q)
+        dq = check_shape("dq", dq, (len(q), self.robot.n_joints))
         axis, anchor, tcp = out["xaxis"], out["xanchor"], out["site_xpos"][:, tcp_id]
         spin = axis * dq[:, :, None]  # angular velocity each joint adds, (T, N, 3)
         total = np.cumsum(spin, axis=1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.errors import FFGymError, check_rotation, check_shape
 from ffgym.robot.arm import RigidArm
 from ffgym.types import Array
 
@@ -33,7 +33,9 @@ def solve_path(arm: RigidArm, positions: Array, rotation: Array, seed: Array) ->
             or leaves the joint limits.
     """
     positions = check_shape("positions", positions, (None, 3))
-    rotation = check_shape("rotation", rotation, (3, 3))
+    if len(positions) == 0:
+        raise FFGymError("positions is empty, must hold at least one TCP position.")
+    rotation = check_rotation("rotation", rotation)
     seed = check_shape("seed", seed, (arm.robot.n_joints,))
     q = np.empty((len(positions), len(seed)))
     last = _first_pose(arm, positions[0], rotation, seed)
@@ -113,9 +115,14 @@ def rotation_error(wanted: Array, actual: Array) -> Array:
     axis = 0.5 * np.stack(
         [turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0], turn[:, 1, 0] - turn[:, 0, 1]], 1
     )
-    sine = np.linalg.norm(axis, axis=1)
-    angle = np.arctan2(sine, 0.5 * (np.trace(turn, axis1=1, axis2=2) - 1.0))
-    return axis * np.where(sine > 1e-9, angle / np.where(sine > 1e-9, sine, 1.0), 1.0)[:, None]
+    sine, cosine = np.linalg.norm(axis, axis=1), 0.5 * (np.trace(turn, axis1=1, axis2=2) - 1.0)
+    angle = np.arctan2(sine, cosine)
+    vector = axis * np.where(sine > 1e-9, angle / np.where(sine > 1e-9, sine, 1.0), 1.0)[:, None]
+    for i in np.flatnonzero((sine <= 1e-9) & (cosine < 0)):  # half a turn: its axis is what turn + 1 keeps
+        kept = turn[i] + np.eye(3)
+        longest = kept[:, np.argmax(np.linalg.norm(kept, axis=0))]
+        vector[i] = np.pi * longest / np.linalg.norm(longest)
+    return vector
 
 
 def _check_joint_limits(arm: RigidArm, q: Array) -> None:

@@ -7,9 +7,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
-from ffgym.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.errors import FFGymError, check_choice, check_number, check_rotation, check_shape
 from ffgym.friction import LuGreParameters
 from ffgym.robot.description import (
     Drive,
@@ -149,8 +147,8 @@ def _build(tree: dict[str, Any]) -> RobotDescription:
 
 
 def _names(what: str, names: Any) -> tuple[str, ...]:
-    if not isinstance(names, list) or not all(isinstance(name, str) and name for name in names):
-        raise FFGymError(f"[robot] {what} must be non-empty text, got {names!r}.")
+    if not isinstance(names, list) or not names or not all(isinstance(name, str) and name for name in names):
+        raise FFGymError(f"[robot] {what} must be names, non-empty text, got {names!r}.")
     return tuple(names)
 
 
@@ -191,7 +189,7 @@ def _tool(get: Mapping[str, Any]) -> Tool | None:
     if not _all_or_none(wanted, get):
         return None
     return Tool(
-        rotation=_rotation("flange.rotation", get),
+        rotation=check_rotation("flange.rotation", get["flange.rotation"]),
         mass=float(get["tool.mass"]),
         com=get["tool.com"],
         inertia=get["tool.inertia"],
@@ -209,7 +207,7 @@ def _work_area(get: Mapping[str, Any]) -> WorkArea | None:
         return None
     return WorkArea(
         positions=MappingProxyType(points),
-        tool_rotation=_rotation("work_area.tool_rotation", get),
+        tool_rotation=check_rotation("work_area.tool_rotation", get["work_area.tool_rotation"]),
         home=get["work_area.home"],
     )
 
@@ -228,14 +226,6 @@ def _whole(path: str, get: Mapping[str, Any]) -> int:
     if number != round(number):
         raise FFGymError(f"{path} = {number} must be a whole number.")
     return round(number)
-
-
-def _rotation(path: str, get: Mapping[str, Any]) -> Any:
-    matrix = get[path]
-    bounded = np.all(np.abs(matrix) < 2)  # so that the product cannot overflow
-    if not bounded or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
-        raise FFGymError(f"{path} = {matrix.tolist()} is not a rotation matrix.")
-    return matrix
 
 
 def _geoms(look: Any, bodies: tuple[str, ...]) -> tuple[Geom, ...]:

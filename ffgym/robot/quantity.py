@@ -79,12 +79,12 @@ def parse_quantity(path: str, table: Any, rule: Rule, n_joints: int) -> Quantity
     if table.get("side") != rule.side:
         raise FFGymError(f"{path}: side is {table.get('side')!r}, must be {rule.side!r}.")
     return Quantity(
-        value=_checked_value(path, table["value"], rule, n_joints) * factor,
+        value=_checked_value(path, table["value"], rule, n_joints, factor),
         unit=rule.unit,
         side=rule.side,
         origin=_origins(path, table["origin"], n_joints),
         source=_text(path, table["source"]),
-        prior=_checked_value(path + ".prior", table["prior"], rule, n_joints) * factor if "prior" in table else None,
+        prior=_checked_value(path + ".prior", table["prior"], rule, n_joints, factor) if "prior" in table else None,
     )
 
 
@@ -100,7 +100,8 @@ def _alternative(wanted: str) -> str:
     return {"rad": " or 'deg'", "rad/s": " or 'deg/s'"}.get(wanted, "")
 
 
-def _checked_value(path: str, value: Any, rule: Rule, n_joints: int) -> Array:
+def _checked_value(path: str, value: Any, rule: Rule, n_joints: int, factor: float) -> Array:
+    """Numbers in SI units, read-only."""
     shape = tuple(n_joints if s == "N" else int(s) for s in rule.shape)
     if not _only_numbers(value):
         raise FFGymError(f"{path} must be numbers, got {value!r}.")
@@ -108,6 +109,7 @@ def _checked_value(path: str, value: Any, rule: Rule, n_joints: int) -> Array:
     array = np.array(value, dtype=np.float64)
     if np.any(array < rule.low) or (rule.open_low and np.any(array == rule.low)):
         raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
+    array *= factor
     array.flags.writeable = False
     return array
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ffgym.errors import check_number
 from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
 
 
 class Sensor(ABC):
@@ -23,7 +24,8 @@ class Sensor(ABC):
 class Resolver(Sensor):
     """Motor angle in steps of a turn / 2^bits; speed is its backward difference, as on the thesis' platform."""
 
-    bits: int = 16
+    bits: int
+    """Resolution [bit/turn]."""
 
     def __post_init__(self) -> None:
         check_number("resolver bits", self.bits, unit="bit/turn", low=1, high=32)
@@ -49,10 +51,10 @@ class Resolver(Sensor):
 class LaserTracker(Sensor):
     """TCP position with white noise, at its own sample time; rows in between are NaN."""
 
-    noise: float = 20e-6
-    """Standard deviation of each coordinate [m], thesis 2.2.4."""
-    period: float = 0.001
-    """Sample time [s], thesis 2.2.4; a recording that is sampled more slowly keeps its own."""
+    noise: float
+    """Standard deviation of each coordinate [m]."""
+    period: float
+    """Sample time [s]; a recording that is sampled more slowly keeps its own."""
 
     def __post_init__(self) -> None:
         check_number("tracker noise", self.noise, unit="m", low=0.0)
@@ -68,3 +70,12 @@ class LaserTracker(Sensor):
             columns[f"tcp.position.{axis}"] = np.where(seen, noisy, np.nan)
         columns["tcp.timestamp"] = np.where(seen, recording.t, np.nan)
         return Recording(columns=dict(recording.columns) | columns, header=recording.header)
+
+
+def sensors_of(robot: RobotDescription) -> tuple[Sensor, ...]:
+    """The resolvers of a robot, and the laser tracker if its description has one."""
+    sensors = robot.sensors
+    resolver = Resolver(bits=sensors.encoder_bits)
+    if sensors.tracker_period == 0:
+        return (resolver,)
+    return (resolver, LaserTracker(noise=sensors.tracker_noise, period=sensors.tracker_period))

@@ -61,6 +61,18 @@ def thesis_laws(robot: RobotDescription) -> list[FeedForwardLaw]:
     return [NoCompensation(), StaticLuGre(robot.friction), DynamicLuGreExact(robot.friction)]
 
 
+def distinct(laws: Sequence[FeedForwardLaw]) -> Sequence[FeedForwardLaw]:
+    """Return `laws` if their names differ, since results are filed by name.
+
+    Raises:
+        FFGymError: if two share a name.
+    """
+    names = [law.name for law in laws]
+    if len(set(names)) < len(names):
+        raise FFGymError(f"Feed-forward laws {names} of one study must have different names.")
+    return laws
+
+
 def circle_references(
     arm: RigidArm,
     positions: Sequence[str] | None = None,
@@ -110,10 +122,13 @@ def circle_study(
         options: what to change in the plant.
         n_threads: threads of the engine, 0 for all cores.
         progress: called with the simulated seconds done and their total.
+
+    Raises:
+        FFGymError: if there is nothing to simulate, two laws share a name, or the robot cannot follow the motion.
     """
     arm = RigidArm(robot)
     references = circle_references(arm, positions, speeds, radii)
-    laws = thesis_laws(robot) if laws is None else laws
+    laws = distinct(thesis_laws(robot) if laws is None else laws)
     keys = [(law, *key) for key in references for law in laws]
     runs = [Run(reference=references[position, speed], law=law) for law, position, speed in keys]
     results = simulate(runs, arm=arm, options=options, n_threads=n_threads, progress=progress)

@@ -12,7 +12,7 @@ from ffgym.paths import joint_sine
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.simulation import Run, simulate
-from ffgym.studies.circle_study import thesis_laws
+from ffgym.studies.circle_study import distinct, thesis_laws
 
 AMPLITUDE = 1.0
 """A [rad], thesis (4.7)."""
@@ -57,13 +57,13 @@ def one_axis_study(
         frequencies: [Hz].
 
     Raises:
-        FFGymError: if the robot has more than one joint.
+        FFGymError: if the robot has more than one joint, there is nothing to simulate, or two laws share a name.
     """
     if robot.n_joints != 1:
         raise FFGymError(
             f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'."
         )
-    laws = thesis_laws(robot) if laws is None else laws
+    laws = distinct(thesis_laws(robot) if laws is None else laws)
     dt = robot.servo.control_dt
     references = {
         f: joint_reference(robot, joint_sine([AMPLITUDE], f, DURATION, dt=dt, name=f"sine {f:g} Hz"))

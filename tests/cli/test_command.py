@@ -1,0 +1,146 @@
+"""The `ffgym` command: exit codes, and the demo with its report and numbers."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+from ffgym.cli.demo import Demo
+from ffgym.cli.export import Export
+from ffgym.cli.main import main
+from ffgym.errors import FFGymError
+from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
+from ffgym.version import __version__
+
+ROW_KEYS = {
+    "agent", "plant", "position", "radius_mm", "speed_mm_s", "rms_mm", "max_mm", "rms_3d_mm", "max_3d_mm",
+    "motor_rms_rad",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory):
+    """Folder with what the demo wrote for one position and one speed."""
+    folder = tmp_path_factory.mktemp("demo")
+    pytest.importorskip("ffgym.report")
+    arguments = ["--positions", "p1", "--speeds-mm-s", "100", "--report", "page.html", "--json", "numbers.json"]
+    arguments = [str(folder / a) if a.endswith(("html", "json")) and "-" not in a else a for a in arguments]
+    assert main(["demo", *arguments]) == 0
+    return folder
+
+
+def test_the_demo_writes_a_report_and_every_number(demo):
+    assert {p.name for p in demo.iterdir()} == {"page.html", "numbers.json"}
+    assert "<html" in (demo / "page.html").read_text(encoding="utf-8")
+
+
+def test_the_numbers_have_rows_per_circle_and_law(demo, irb4600):
+    numbers = json.loads((demo / "numbers.json").read_text())
+    assert {"command", "robot", "seed", "versions", "physics_fingerprint", "rows", "one_axis"} <= numbers.keys()
+    assert numbers["seed"] is None
+    assert numbers["robot"] == irb4600.name
+    assert numbers["versions"].keys() == {"ffgym", "mujoco", "numpy", "scipy", "gymnasium", "python"}
+    assert numbers["physics_fingerprint"] == physics_fingerprint(compile_model(irb4600, ModelOptions(looks=False)))
+    rows = numbers["rows"]
+    cells = {(row["agent"], row["position"], row["radius_mm"], row["speed_mm_s"]) for row in rows}
+    agents = ("none", "lugre_static", "lugre_dynamic")
+    assert cells == {(agent, "p1", radius, 100.0) for agent in agents for radius in (1.0, 3.0, 5.0)}
+    assert len(rows) == 9
+    for row in rows:
+        assert row.keys() == ROW_KEYS
+        assert row["plant"] == "nominal"
+        assert len(row["motor_rms_rad"]) == 6
+        assert 0 < row["rms_mm"] <= row["max_mm"] <= row["max_3d_mm"]
+        assert row["rms_mm"] <= row["rms_3d_mm"] <= row["max_3d_mm"]
+    assert {(r["agent"], r["frequency_hz"]) for r in numbers["one_axis"]} == {
+        (a, f) for a in agents for f in (1.0, 3.0)
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--positions", "p9"], "Unknown position 'p9'. Available: p1, p2, p3, p4"),
+        (["--robot", "one_axis"], "Robot 'one_axis' has no work area"),
+        (["--speeds-mm-s", "0"], "speed = 0.0 m/s is out of range"),
+        (["--speeds-mm-s", "90000"], ""),
+    ],
+)
+def test_a_demo_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, capsys, tmp_path):
+    pytest.importorskip("ffgym.report")
+    assert main(["demo", "--report", str(tmp_path / "r.html"), *arguments]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("ffgym: error: ")
+    assert message in line
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_missing_extra_is_named(monkeypatch, capsys):
+    monkeypatch.setattr("ffgym.cli.demo.installed", lambda name: name != "jinja2")
+    assert main(["demo"]) == 1
+    assert "needs jinja2; pip install 'ffgym[cli,report]'" in capsys.readouterr().err
+
+
+def test_a_missing_tyro_is_named(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "tyro", None)
+    assert main(["export"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line == "ffgym: error: the command line needs tyro and rich; pip install 'ffgym[cli]'"
+
+
+def test_an_interrupt_is_exit_code_130(monkeypatch, capsys):
+    def interrupt(self):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Export, "run", interrupt)
+    assert main(["export"]) == 130
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("ffgym: interrupted")
+
+
+def test_an_error_of_several_lines_becomes_one(monkeypatch, capsys):
+    def fail(self):
+        raise FFGymError("first\n  second\tthird")
+
+    monkeypatch.setattr(Export, "run", fail)
+    assert main(["export"]) == 1
+    assert capsys.readouterr().err == "ffgym: error: first second third\n"
+
+
+@pytest.mark.parametrize("arguments", [["dance"], [], ["demo", "--colour", "red"], ["demo", "--threads", "many"]])
+def test_arguments_that_do_not_parse_are_exit_code_2(arguments, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert capsys.readouterr().err
+
+
+def test_help_is_exit_code_0(capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(["demo", "--help"])
+    assert caught.value.code == 0
+    assert "--speeds-mm-s" in capsys.readouterr().out
+
+
+def test_a_process_returns_the_exit_code(tmp_path):
+    def code(*arguments):
+        done = subprocess.run(
+            [sys.executable, "-W", "error", "-m", "ffgym", *arguments], capture_output=True, text=True, cwd=tmp_path
+        )
+        return done.returncode, done.stderr
+
+    assert code("export", "--robot", "one_axis", "--out", "arm.xml") == (0, "")
+    failed, message = code("export", "--robot", "absent")
+    assert failed == 1
+    assert len(message.splitlines()) == 1
+    assert code("dance")[0] == 2
+    assert [p.name for p in tmp_path.iterdir()] == ["arm.xml"]
+
+
+def test_the_demo_runs_every_position_and_speed_by_default():
+    assert Demo().positions == ()
+    assert Demo().speeds_mm_s == (10.0, 40.0, 100.0)
+    assert replace(Demo(), robot="one_axis").robot == load_robot("one_axis").name
+    assert __version__

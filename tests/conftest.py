@@ -1,0 +1,51 @@
+"""Robots that many tests share."""
+
+from dataclasses import replace
+
+import hypothesis
+import numpy as np
+import pytest
+
+from ffgym.robot import RigidArm, RobotDescription, load_robot, solve_path
+
+hypothesis.settings.register_profile("ffgym", deadline=None)  # the first example compiles a model
+hypothesis.settings.load_profile("ffgym")
+
+
+@pytest.fixture(scope="session")
+def irb4600() -> RobotDescription:
+    """The built-in six-axis robot."""
+    return load_robot("irb4600_60_205")
+
+
+@pytest.fixture(scope="session")
+def arm(irb4600: RobotDescription) -> RigidArm:
+    """Its rigid dynamics."""
+    return RigidArm(irb4600)
+
+
+@pytest.fixture(scope="session")
+def corners(irb4600: RobotDescription, arm: RigidArm) -> dict[str, np.ndarray]:
+    """Joint angles [rad], shape (N,), with the TCP at each position of the work area."""
+    area = irb4600.work_area
+    return {
+        name: solve_path(arm, point[None], area.tool_rotation, area.home)[0] for name, point in area.positions.items()
+    }
+
+
+@pytest.fixture(scope="session")
+def one_axis() -> RobotDescription:
+    """The built-in one-axis model."""
+    return load_robot("one_axis")
+
+
+@pytest.fixture(scope="session")
+def without_servo():
+    """Function that returns a copy of a robot whose servos do (almost) nothing but pass the feed-forward torque on."""
+
+    def weaken(robot: RobotDescription) -> RobotDescription:
+        nothing = np.zeros(robot.n_joints)
+        servo = replace(robot.servo, position_gain=nothing + 1e-12, velocity_gain=nothing, integral_gain=nothing)
+        return replace(robot, servo=servo)
+
+    return weaken

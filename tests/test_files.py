@@ -1,0 +1,91 @@
+"""A file is written whole or not at all, whatever goes wrong."""
+
+import errno
+import json
+import os
+
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.files import write_bytes, write_json, write_text
+
+
+def full(*_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def interrupted(*_):
+    raise KeyboardInterrupt
+
+
+@pytest.fixture
+def old(tmp_path):
+    path = tmp_path / "result.json"
+    path.write_text("old")
+    return path
+
+
+def test_bytes_text_and_json_arrive_as_given(tmp_path):
+    write_bytes(tmp_path / "b", b"\x00\xff\r\n")
+    write_text(tmp_path / "t", "Ångström\n")
+    write_json(tmp_path / "j", {"a": [1, 2.5, None], "b": "é"})
+    assert (tmp_path / "b").read_bytes() == b"\x00\xff\r\n"
+    assert (tmp_path / "t").read_bytes() == "Ångström\n".encode()
+    assert json.loads((tmp_path / "j").read_text()) == {"a": [1, 2.5, None], "b": "é"}
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_a_file_is_replaced(old):
+    write_text(old, "new")
+    assert old.read_text() == "new"
+    assert list(old.parent.iterdir()) == [old]
+
+
+@pytest.mark.parametrize("step", ["replace", "fsync"])
+def test_a_full_disk_is_one_clear_error_and_leaves_the_old_file(monkeypatch, old, step):
+    monkeypatch.setattr(os, step, full)
+    with pytest.raises(FFGymError, match=r"result\.json: cannot be written: No space left on device"):
+        write_json(old, {"a": 1})
+    assert old.read_text() == "old"
+    assert list(old.parent.iterdir()) == [old]
+
+
+@pytest.mark.parametrize("step", ["replace", "fsync"])
+def test_an_interrupt_leaves_the_old_file_and_nothing_else(monkeypatch, old, step):
+    monkeypatch.setattr(os, step, interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_text(old, "new")
+    assert old.read_text() == "old"
+    assert list(old.parent.iterdir()) == [old]
+
+
+def test_a_folder_that_does_not_exist_is_named(tmp_path):
+    with pytest.raises(FFGymError, match=r"absent.*cannot be written: No such file or directory"):
+        write_text(tmp_path / "absent" / "file", "text")
+
+
+def test_a_folder_is_not_overwritten(tmp_path):
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(FFGymError, match="folder: cannot be written"):
+        write_text(tmp_path / "folder", "text")
+    assert [p.name for p in tmp_path.iterdir()] == ["folder"]
+
+
+def test_a_link_is_written_through(tmp_path):
+    (tmp_path / "target").write_text("old")
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    write_text(tmp_path / "link", "new")
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "target").read_text() == "new"
+
+
+@pytest.mark.parametrize("value", [float("nan"), {"deep": [1, float("inf")]}, {"object": object()}, {(1, 2): 3}])
+def test_what_has_no_json_form_is_refused_before_anything_is_written(old, value):
+    with pytest.raises(FFGymError, match="no JSON form"):
+        write_json(old, value)
+    assert old.read_text() == "old"
+
+
+def test_a_name_that_is_too_long_is_refused(tmp_path):
+    with pytest.raises(FFGymError, match="cannot be written"):
+        write_text(tmp_path / ("x" * 300), "text")

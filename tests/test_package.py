@@ -1,0 +1,67 @@
+"""What the package needs, and what importing it loads."""
+
+import re
+import subprocess
+import sys
+from importlib import metadata, resources
+
+import pytest
+
+import ffgym
+from ffgym.provenance import installed, versions
+
+CORE = {"numpy", "scipy", "gymnasium", "mujoco"}
+EXTRAS = {"rl", "plot", "cli", "logs", "report", "cluster", "gpu", "dev", "all"}
+OPTIONAL = ("torch", "matplotlib", "tyro", "rich", "jinja2", "stable_baselines3", "tomlkit", "pyarrow", "ray")
+MODULES = ("simulation", "studies", "metrics", "recordings", "published", "files", "cli", "cli.demo", "provenance")
+
+
+def requirements():
+    """(distribution, its extras, extra that wants it or None) of every requirement."""
+    for line in metadata.requires("ffgym"):
+        name, extras = re.match(r"([\w-]+)(?:\[([\w,-]+)\])?", line).groups()
+        wanted_by = re.search(r"extra == ['\"](\w+)['\"]", line)
+        yield name, set((extras or "").split(",")) - {""}, wanted_by and wanted_by[1]
+
+
+def test_importing_the_core_loads_nothing_optional():
+    imports = ", ".join(f"ffgym.{module}" for module in MODULES)
+    code = f"import ffgym, {imports}, sys; print([m for m in {OPTIONAL} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+    assert done.stderr == ""
+
+
+def test_the_core_requires_four_packages():
+    assert {name for name, _, extra in requirements() if extra is None} == CORE
+
+
+def test_there_are_these_extras():
+    assert set(metadata.metadata("ffgym").get_all("Provides-Extra")) == EXTRAS
+
+
+def test_the_extra_all_covers_every_other_but_gpu():
+    covered = set().union(*(extras for name, extras, extra in requirements() if extra == "all" and name == "ffgym"))
+    assert covered == EXTRAS - {"all", "gpu"}
+
+
+def test_the_command_is_installed():
+    (command,) = metadata.entry_points(group="console_scripts", name="ffgym")
+    assert command.value == "ffgym.cli:main"
+
+
+@pytest.mark.parametrize(
+    "file", ["py.typed", "robot/data/irb4600_60_205.toml", "robot/data/one_axis.toml", "published/thesis_tables.json"]
+)
+def test_the_package_contains_its_data(file):
+    assert resources.files("ffgym").joinpath(*file.split("/")).is_file()
+
+
+def test_versions_name_everything_that_can_change_a_number():
+    assert versions().keys() == {"ffgym", "python", *CORE}
+    assert versions()["ffgym"] == ffgym.__version__ == metadata.version("ffgym")
+
+
+def test_installed_tells_without_importing():
+    assert installed("numpy")
+    assert not installed("no-such-distribution-at-all")
