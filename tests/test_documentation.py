@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from ffgym.robot import builtin_robots, load_robot
+from ffgym.robot.load import RULES
 from scripts.robot_tables import page
 
 ROOT = Path(__file__).parent.parent
@@ -39,3 +40,13 @@ def test_every_room_of_the_package_is_in_the_architecture_page():
     rooms = {p.stem for p in (ROOT / "ffgym").iterdir() if p.suffix == ".py" or (p / "__init__.py").exists()}
     missing = {room for room in rooms - {"__init__", "__main__"} if f"`ffgym.{room}`" not in text}
     assert not missing
+
+
+def test_the_format_page_lists_every_entry_of_a_description_with_unit_and_side():
+    text = (ROOT / "docs" / "robot_description.md").read_text(encoding="utf-8")
+    rows = {line.split("`")[1]: line.split(" | ") for line in text.splitlines() if line.startswith("| `")}
+    assert set(rows) == set(RULES)
+    for path, rule in RULES.items():
+        _, _, unit, side, required, _ = rows[path]
+        assert (unit.split(" or ")[0], side.strip() or None) == (rule.unit, rule.side)
+        assert required == ("yes" if not rule.optional else "no")

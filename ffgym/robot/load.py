@@ -33,11 +33,11 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         "links.mass": Rule(shape=("N",), unit="kg", side="link", low=0.0, open_low=True),
         "links.com": Rule(shape=("N", 3), unit="m", side="link"),
         "links.inertia": Rule(shape=("N", 6), unit="kg m^2", side="link"),
-        "flange.rotation": Rule(shape=(3, 3), unit="1", default=()),
-        "tool.mass": Rule(shape=(), unit="kg", default=(), low=0.0, open_low=True),
-        "tool.com": Rule(shape=(3,), unit="m", default=()),
-        "tool.inertia": Rule(shape=(6,), unit="kg m^2", default=()),
-        "tool.tcp": Rule(shape=(3,), unit="m", default=()),
+        "flange.rotation": Rule(shape=(3, 3), unit="1", optional=True),
+        "tool.mass": Rule(shape=(), unit="kg", optional=True, low=0.0, open_low=True),
+        "tool.com": Rule(shape=(3,), unit="m", optional=True),
+        "tool.inertia": Rule(shape=(6,), unit="kg m^2", optional=True),
+        "tool.tcp": Rule(shape=(3,), unit="m", optional=True),
         "drive.gear_ratio": Rule(shape=("N",), unit="1", low=0.0, open_low=True),
         "drive.rotor_inertia": Rule(shape=("N",), unit="kg m^2", side="motor", low=0.0, open_low=True),
         "drive.joint_stiffness": Rule(shape=("N",), unit="N m/rad", side="link", infinite=True, low=0.0, open_low=True),
@@ -54,15 +54,15 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         "servo.integral_gain": Rule(shape=("N",), unit="N m/(rad s)", side="motor", low=0.0),
         "servo.control_dt": Rule(shape=(), unit="s", low=0.0, open_low=True),
         "sensors.encoder_bits": Rule(shape=(), unit="bit/turn", side="motor", low=1.0),
-        "sensors.tracker_noise": Rule(shape=(), unit="m", low=0.0, default=0.0),
-        "sensors.tracker_period": Rule(shape=(), unit="s", default=0.0, low=0.0, open_low=True),
+        "sensors.tracker_noise": Rule(shape=(), unit="m", low=0.0, optional=True),
+        "sensors.tracker_period": Rule(shape=(), unit="s", optional=True, low=0.0, open_low=True),
         "simulation.physics_dt": Rule(shape=(), unit="s", low=0.0, open_low=True),
         "simulation.gravity": Rule(shape=(3,), unit="m/s^2"),
-        "work_area.tool_rotation": Rule(shape=(3, 3), unit="1", default=()),
-        "work_area.home": Rule(shape=("N",), unit="rad", side="link", default=()),
+        "work_area.tool_rotation": Rule(shape=(3, 3), unit="1", optional=True),
+        "work_area.home": Rule(shape=("N",), unit="rad", side="link", optional=True),
     }
 )
-"""What a description must contain; entries with a default may be left out."""
+"""What a description must contain; optional entries may be left out."""
 
 _POINT = Rule(shape=(3,), unit="m")
 
@@ -162,7 +162,7 @@ def _quantities(tree: dict[str, Any], n_joints: int) -> dict[str, Quantity]:
     unknown = sorted(set(found) - set(RULES))
     if unknown:
         raise FFGymError(f"Unknown entries {unknown}. Available: {', '.join(sorted(RULES))}.")
-    missing = sorted(path for path, rule in RULES.items() if rule.default is None and path not in found)
+    missing = sorted(path for path, rule in RULES.items() if not rule.optional and path not in found)
     if missing:
         raise FFGymError(f"Missing entries: {', '.join(missing)}.")
     parsed = {path: parse_quantity(path, table, RULES[path], n_joints) for path, table in found.items()}

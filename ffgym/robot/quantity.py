@@ -51,8 +51,8 @@ class Rule:
     """True if `low` itself is not valid."""
     infinite: bool = False
     """True if +inf is valid (a rigid joint)."""
-    default: Any = None
-    """Value if the description has no such entry; None means the entry is required."""
+    optional: bool = False
+    """True if a description may do without."""
 
 
 def parse_quantity(path: str, table: Any, rule: Rule, n_joints: int) -> Quantity:
