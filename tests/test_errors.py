@@ -8,8 +8,15 @@ from scipy.spatial.transform import Rotation
 
 from ffgym.errors import FFGymError, check_choice, check_number, check_rotation, check_shape
 
+damage = st.sampled_from([np.nan, np.inf, -np.inf, 10**400, [np.nan], [[1.0], [2.0, 3.0]], {}, "1"])
 anything = (
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=3) | st.lists(st.floats(), max_size=3)
+    damage
+    | st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text(max_size=3)
+    | st.lists(st.floats(), max_size=3)
 )
 
 

@@ -106,6 +106,7 @@ SLIPS = [
     (("kinematics", "range", "value", 0), [90.0, -90.0], "kinematics.range"),
     (("links", "inertia", "value", 0, 0), -5.8, "links.inertia[0]"),
     (("links", "inertia", "value", 0, 0), 58.2, "links.inertia[0] = "),
+    (("links", "inertia", "value", 5), [0.0, 1.0, 1.0, 0.0, 0.0, 0.0], "links.inertia[5] = "),
     (("tool", "inertia", "value", 3), 1.0, "tool.inertia = "),
     (("tool", "tcp"), None, "tool.tcp is missing"),
     (("flange",), None, "flange.rotation is missing"),

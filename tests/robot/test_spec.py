@@ -132,6 +132,13 @@ def test_names_come_from_the_description(irb4600):
     assert found == [name for j in joints for name in (motor_joint(j), deflection_joint(j))]
 
 
+def test_both_hinges_of_a_joint_turn_about_its_axis(irb4600):
+    model = compile_model(irb4600, BARE)
+    for joint, axis in zip(irb4600.joints, irb4600.kinematics.axis, strict=True):
+        for name in (motor_joint(joint), deflection_joint(joint)):
+            np.testing.assert_allclose(model.joint(name).axis, axis, atol=1e-15)
+
+
 def test_looks_change_no_motion(irb4600):
     states = []
     for looks in (True, False):

@@ -7,6 +7,7 @@ import pytest
 
 from ffgym.control import NoCompensation, StaticLuGre, cartesian_reference, joint_reference, rigid_feedforward
 from ffgym.errors import FFGymError
+from ffgym.metrics import motor_error_rms
 from ffgym.paths import CartesianPath, constant_velocity, joint_sine
 from ffgym.recordings import Phase
 from ffgym.robot import ModelOptions, RigidArm, compile_model, parse_robot, resonances
@@ -104,7 +105,7 @@ def test_an_arm_of_any_number_of_joints_follows_a_motion(n, stiffness):
     error = np.abs(plain.joint_array("reference.position") - plain.joint_array("motor.position"))
     assert np.ptp(plain.joint_array("motor.position"), axis=0).min() > 0.1 * 80 / n
     assert 1e-4 < error.max() < 1.0
-    assert not plain.equals(helped)
+    assert np.all(motor_error_rms(helped) < 0.7 * motor_error_rms(plain))
 
 
 def test_constant_speed_moves_only_the_joint_that_was_told_to():

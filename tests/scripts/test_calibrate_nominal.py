@@ -118,7 +118,8 @@ def test_a_second_fit_keeps_the_first_prior(copy):
     for factor in (2.0, 3.0):
         robot = load_robot(copy)
         write_fitted(copy, prior_robot(robot), apply(prior_robot(robot), np.full(len(FREE), factor)), "a test")
-    written = load_robot(copy)
+    written, table = load_robot(copy), tomllib.loads(copy.read_text(encoding="utf-8"))
+    assert "Absolute-Accuracy compliances" in table["drive"]["joint_stiffness"]["prior_source"]
     for path, quantity in original.quantities.items():
         if quantity.prior is not None:
             np.testing.assert_array_equal(written.quantities[path].prior, quantity.prior)

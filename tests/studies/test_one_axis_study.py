@@ -22,6 +22,7 @@ def test_there_is_one_result_per_law_and_frequency(study):
 
 
 def test_recordings_are_sines_of_the_thesis(study):
+    assert (AMPLITUDE, FREQUENCIES, DURATION) == (1.0, (1.0, 3.0), 10.0)
     for (_, frequency), recording in study.recordings.items():
         wanted = AMPLITUDE * np.sin(2 * np.pi * frequency * recording.t)
         np.testing.assert_allclose(recording["reference.position.j1"], wanted, atol=2e-4)
