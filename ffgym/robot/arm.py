@@ -182,6 +182,7 @@ def _matrix(quaternion: Array) -> Array:
 
 def _rotate(points: Array, axis: Array, angle: Array) -> Array:
     """Points (T, 3) turned by `angle` (T,) [rad] about a unit `axis` (3,), Rodrigues' formula."""
-    sine, cosine = np.sin(angle)[:, None], np.cos(angle)[:, None]
-    along = (points @ axis)[:, None] * axis
-    return along + cosine * (points - along) + sine * np.cross(axis, points)
+    cross = np.cross(axis, np.eye(3))  # points @ cross is axis x points
+    return (
+        points + np.sin(angle)[:, None] * (points @ cross) + (1 - np.cos(angle))[:, None] * (points @ (cross @ cross))
+    )

@@ -136,6 +136,8 @@ def _run(
         trace.write(0, plant.batch.qpos[i : i + 1], plant.batch.qvel[i : i + 1], plant.batch.act[i : i + 1])
     fractions = np.arange(plant.n_substeps) / plant.n_substeps
     done, total, step = 0, sum(steps), 0
+    if progress is not None:
+        progress(0.0, total * setpoints.dt)
     while done < total:
         active = np.flatnonzero(np.array(steps) > step)
         stop = min(step + _CHUNK, *(n for n in steps if n > step))
