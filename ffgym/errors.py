@@ -66,6 +66,18 @@ def check_number(
     return number
 
 
+def check_whole(name: str, value: Any, *, unit: str = "", low: int, high: int | None = None) -> int:
+    """Return `value` as an int within [low, high].
+
+    Raises:
+        FFGymError: if it is not a whole number in the range.
+    """
+    number = check_number(name, value, unit=unit, low=low, high=np.inf if high is None else high)
+    if number != round(number):
+        raise FFGymError(f"{name} = {number} must be a whole number.")
+    return round(number)
+
+
 def check_choice(name: str, value: str, available: Sequence[str]) -> str:
     """Return `value` if it is one of `available`.
 

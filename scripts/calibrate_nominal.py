@@ -5,8 +5,8 @@
 Objective: the sum over 24 cells (10 and 40 mm/s x 3 radii x 4 positions) of the squared logarithm of simulated over
 published RMS path error without compensation (thesis, Tables 4.1b and 4.2b), plus the squared distance of each
 parameter's logarithm from its prior in units of its spread, weighted by PRIOR_WEIGHT, plus a penalty where the lowest
-locked resonance leaves RESONANCE_HZ. Sourced numbers are not touched. The published results with static and dynamic
-LuGre, and all maxima, play no part: they stay a check.
+locked resonance leaves RESONANCE_HZ. Bounds: no logarithm moves by more than BOUND spreads. Sourced numbers are not
+touched. The published results with static and dynamic LuGre, and all maxima, play no part.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ import tomlkit
 import tyro
 from scipy.optimize import least_squares
 
-from ffgym.control import NoCompensation, Reference
+from ffgym.control import NoCompensation
 from ffgym.errors import FFGymError
 from ffgym.metrics import path_errors
 from ffgym.published import published_mm
@@ -30,10 +30,16 @@ from ffgym.types import Array
 SPEEDS = (0.010, 0.040)
 PRIOR_WEIGHT = 0.4
 """Chosen: a parameter that moves by its spread costs as much as one cell that is off by a factor 1.5."""
+BOUND = 3.0
+"""Chosen: no parameter moves by more than three spreads."""
 RESONANCE_HZ = (9.1, 10.9)
 """Lowest locked resonance of the design, 9-11 Hz, with a margin of 0.1 Hz."""
 RESONANCE_WEIGHT = 5.0
 """Chosen: 0.1 Hz outside costs like a cell that is off by a factor 1.65."""
+
+
+JOINTS = ("j1", "j2", "j3", "j4", "j5", "j6")
+"""Joints of the robot that FREE is written for: main motors first, then the wrist's."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +79,8 @@ class Config:
     """Random starts, drawn from the prior, before the local search."""
     seed: int = 0
     """Seed of the starts."""
-    iterations: int = 12
-    """Steps of the local search."""
+    iterations: int = 30
+    """Largest number of steps of the local search."""
     dry_run: bool = False
     """Print the result, but leave the file alone."""
 
@@ -144,9 +150,7 @@ class Objective:
     def __call__(self, logs: Array) -> Array:
         """Residuals, all in units of 'one'."""
         robot = apply(self.prior, np.exp(logs))
-        arm = RigidArm(robot)
-        lowest = np.array([resonances(arm, reference.q[0])[0] for reference in self._starts()])
-        low, high = RESONANCE_HZ
+        lowest, (low, high) = self.lowest_resonances(robot), RESONANCE_HZ
         outside = np.maximum(0, np.maximum(low - lowest, lowest - high))
         try:
             misfit = np.log(self.ratios(robot))
@@ -159,8 +163,11 @@ class Objective:
             print(f"  cost {cost:7.3f}  within 1.5: {(np.abs(misfit) < np.log(1.5)).sum()}/{misfit.size}", flush=True)
         return residuals
 
-    def _starts(self) -> list[Reference]:
-        return [reference for (_, speed), reference in self.references.items() if speed == SPEEDS[0]]
+    def lowest_resonances(self, robot: RobotDescription) -> Array:
+        """Lowest resonance with locked motors [Hz] at the start of each motion of the first speed."""
+        arm = RigidArm(robot)
+        starts = [reference.q[0] for (_, speed), reference in self.references.items() if speed == SPEEDS[0]]
+        return np.array([resonances(arm, q)[0] for q in starts])
 
 
 def write_fitted(path: Path, before: RobotDescription, after: RobotDescription, source: str) -> None:
@@ -188,26 +195,33 @@ def write_fitted(path: Path, before: RobotDescription, after: RobotDescription, 
 def main(config: Config) -> dict[str, object]:
     """Run the fit, print the outcome, and rewrite the description."""
     robot = load_robot(config.robot)
+    if robot.joints != JOINTS:
+        raise FFGymError(f"The free parameters are those of a robot with joints {JOINTS}, not {robot.joints}.")
     objective = Objective(robot)
     rng = np.random.default_rng(config.seed)
     print(f"{config.starts} starts from the prior, seed {config.seed}")
+    limit = BOUND * objective.spread
     objective(np.zeros(len(FREE)))
     for _ in range(config.starts):
-        objective(rng.normal(scale=objective.spread))
-    print("local search")
+        objective(np.clip(rng.normal(scale=objective.spread), -limit, limit))
     if config.iterations > 0:
-        least_squares(
+        print("local search")
+        search = least_squares(
             objective,
             objective.best,
+            bounds=(-limit, limit),
             diff_step=[0.03] * len(FREE),
             x_scale=objective.spread,
+            ftol=1e-4,
             max_nfev=config.iterations,
         )
+        print(f"  {search.nfev} steps: {search.message}")
     fitted = apply(objective.prior, np.exp(objective.best))
     ratios = objective.ratios(fitted)
     factors = {free.name: float(np.exp(x)) for free, x in zip(FREE, objective.best, strict=True)}
     for name, factor in factors.items():
         print(f"  {name:45s} prior x {factor:.3f}")
+    print(f"cost {objective.best_cost:.3f}; lowest locked resonance {objective.lowest_resonances(fitted).round(2)} Hz")
     print(f"cells within a factor 1.5: {(np.abs(np.log(ratios)) < np.log(1.5)).sum()} of {ratios.size}")
     if not config.dry_run:
         source = "scripts/calibrate_nominal.py: uncompensated RMS path error of the published robot at 10 and 40 mm/s"

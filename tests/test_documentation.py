@@ -3,10 +3,12 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from ffgym.cli.main import main
 from ffgym.robot import builtin_robots, load_robot
-from ffgym.robot.load import RULES
+from ffgym.robot.rules import RULES
 from scripts.robot_tables import page
 
 ROOT = Path(__file__).parent.parent
@@ -21,6 +23,18 @@ def test_every_python_block_of_a_document_runs(document, tmp_path, monkeypatch):
     names: dict[str, object] = {}
     for block in blocks:
         exec(compile(block, document, "exec"), names)  # the blocks of one document build on each other
+
+
+def test_the_exported_model_runs_in_plain_mujoco_as_its_page_says(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "--out", "robot.xml"]) == 0
+    (block,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "export.md").read_text(encoding="utf-8"), flags=re.S)
+    names: dict[str, object] = {}
+    exec(compile(block, "export.md", "exec"), names)
+    data = names["data"]
+    assert np.abs(data.qvel).max() < 1e-5  # it rests but for the digits that MJCF drops, although gravity acts
+    assert (tmp_path / "robot.xml").exists()
+    assert len(list(tmp_path.iterdir())) == 1
 
 
 @pytest.mark.parametrize("robot", builtin_robots())

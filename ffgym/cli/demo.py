@@ -31,9 +31,11 @@ class Demo:
     def run(self) -> None:
         """Simulate, print, write."""
         _need_report_extra()
-        for path in (self.report, self.json):
-            if path is not None:
-                check_writable(path)
+        check_writable(self.report)
+        if self.json is not None:
+            check_writable(self.json)
+            if self.json.resolve() == self.report.resolve():
+                raise FFGymError(f"--report and --json are both {self.json}; they need two files.")
         from ffgym.cli.progress import progress_bar
         from ffgym.report import format_one_axis, format_text, write_report
 
@@ -49,7 +51,7 @@ class Demo:
             one_axis = one_axis_study(load_robot("one_axis"))
         print(format_text(circles))
         print(format_one_axis(one_axis))
-        info = provenance(circles)
+        info = self.provenance(circles)
         page = write_report(self.report, circles, one_axis, info)
         print(f"report: {page}")
         if self.json is not None:
@@ -57,16 +59,17 @@ class Demo:
             write_json(self.json, info | {"rows": rows, "one_axis": [asdict(result) for result in one_axis.results]})
             print(f"numbers: {self.json}")
 
-
-def provenance(study: CircleStudy) -> dict[str, object]:
-    """Origin of the numbers of a study. Nothing in it is random, so that the seed is null."""
-    return {
-        "command": "ffgym demo",
-        "robot": study.robot.name,
-        "seed": None,
-        "versions": versions(),
-        "physics_fingerprint": study.fingerprint,
-    }
+    def provenance(self, study: CircleStudy) -> dict[str, object]:
+        """Origin of the numbers of a study. Nothing in it is random, so that the seed is null."""
+        config = {name: str(value) if isinstance(value, Path) else value for name, value in asdict(self).items()}
+        return {
+            "command": "ffgym demo",
+            "config": config,
+            "robot": study.robot.name,
+            "seed": None,
+            "versions": versions(),
+            "physics_fingerprint": study.fingerprint,
+        }
 
 
 def _need_report_extra() -> None:

@@ -8,7 +8,8 @@ import numpy as np
 
 from ffgym.errors import FFGymError
 from ffgym.files import write_bytes
-from ffgym.robot import ModelOptions, build_spec, load_robot
+from ffgym.plant import Plant
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, build_spec, load_robot
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Export:
     def run(self) -> None:
         """Build the model and write it."""
         options = ModelOptions(flexible=self.flexible, friction=self.friction)
-        spec = build_spec(load_robot(self.robot), options)
+        spec = spec_with_home(load_robot(self.robot), options)
         model = spec.compile()
         if self.out.suffix == ".xml":
             data = spec.to_xml().encode()
@@ -41,3 +42,15 @@ class Export:
         print(
             f"wrote {self.out}: {model.nv} degrees of freedom, {model.nu} controls (position, velocity, torque a motor)"
         )
+
+
+def spec_with_home(robot: RobotDescription, options: ModelOptions) -> mujoco.MjSpec:
+    """The model with a keyframe 'home': at rest in the home pose, springs and integrals carrying gravity."""
+    spec = build_spec(robot, options)
+    pose = np.zeros(robot.n_joints) if robot.work_area is None else robot.work_area.home
+    plant = Plant(robot, 1, options=options)
+    plant.rest(RigidArm(robot), pose[None])
+    controls = np.zeros(plant.model.nu)
+    plant.split_controls(controls)[0][:] = pose * robot.drive.gear_ratio
+    spec.add_key(name="home", qpos=plant.batch.qpos[0], act=plant.batch.act[0], ctrl=controls)
+    return spec

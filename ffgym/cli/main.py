@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Annotated
 
 from ffgym.errors import FFGymError
+from ffgym.provenance import installed
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -13,10 +14,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0 is success, 1 a request that cannot be met (one line on stderr), 2 arguments that do not parse, 130 Ctrl-C.
     """
     try:
-        import tyro
-    except ImportError:
-        print("ffgym: error: the command line needs tyro and rich; pip install 'ffgym[cli]'", file=sys.stderr)
+        missing = [name for name in ("tyro", "rich") if not installed(name)]
+        if missing:
+            raise FFGymError(f"The command line needs {' and '.join(missing)}; pip install 'ffgym[cli]'.")
+        return _run(arguments)
+    except FFGymError as error:
+        print(f"ffgym: error: {' '.join(str(error).split())}", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("ffgym: interrupted; files that were finished before stay, none is half-written", file=sys.stderr)
+        return 130
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    import tyro
+
     from ffgym.cli.demo import Demo
     from ffgym.cli.export import Export
 
@@ -24,13 +36,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Annotated[Demo, tyro.conf.subcommand("demo")] | Annotated[Export, tyro.conf.subcommand("export")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    try:
-        chosen: Demo | Export = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
-        chosen.run()
-    except FFGymError as error:
-        print(f"ffgym: error: {' '.join(str(error).split())}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("ffgym: interrupted; nothing was written", file=sys.stderr)
-        return 130
+    chosen: Demo | Export = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
+    chosen.run()
     return 0

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.control.reference import Reference
-from ffgym.errors import FFGymError, check_number
+from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.friction import LuGreParameters
 from ffgym.types import Array
 
@@ -51,6 +51,10 @@ class StaticLuGre(FeedForwardLaw):
     """beta [s/rad], thesis 4.1."""
     name: ClassVar[str] = "lugre_static"
 
+    def __post_init__(self) -> None:
+        _check_friction(self.friction)
+        check_number("steepness", self.steepness, unit="s/rad", low=0.0, open_low=True)
+
     def torque(self, reference: Reference) -> Array:
         """Friction at the reference speed, motor side [N m], shape (T, N)."""
         return self.at_speed(_motor_dq(reference, self.friction))
@@ -70,6 +74,9 @@ class DynamicLuGre(FeedForwardLaw):
 
     friction: LuGreParameters
     name: ClassVar[str] = "lugre_dynamic"
+
+    def __post_init__(self) -> None:
+        _check_friction(self.friction)
 
     @abstractmethod
     def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
@@ -117,7 +124,8 @@ class DynamicLuGreEuler(DynamicLuGre):
     n_substeps: int = 40
 
     def __post_init__(self) -> None:
-        check_number("n_substeps", self.n_substeps, low=1)
+        super().__post_init__()
+        check_whole("n_substeps", self.n_substeps, low=1)
 
     def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
         """See base class."""
@@ -136,12 +144,18 @@ class DynamicLuGreExact(DynamicLuGre):
     """Chosen: within 0.2 % of the breakaway torque of a stiff ODE solution on all test motions (see tests)."""
 
     def __post_init__(self) -> None:
-        check_number("n_substeps", self.n_substeps, low=1)
+        super().__post_init__()
+        check_whole("n_substeps", self.n_substeps, low=1)
 
     def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
         """See base class."""
         speed = _between(dq, next_dq, (np.arange(self.n_substeps) + 0.5) / self.n_substeps)
         return _chained(*self.friction.exact_bristle_factors(speed, dt / self.n_substeps))
+
+
+def _check_friction(friction: LuGreParameters) -> None:
+    if not isinstance(friction, LuGreParameters):
+        raise FFGymError(f"friction must be LuGreParameters, e.g. robot.friction, got {friction!r}.")
 
 
 def _between(start: Array, end: Array, fractions: Array) -> Array:

@@ -33,8 +33,8 @@ def path_errors(recording: Recording) -> list[PathError]:
     """Path error of every circle of a recording; lead-in and lead-out do not count.
 
     The deviation is the distance to the nearest point of the circle: a tool that runs late on the right path makes no
-    error. The offset between TCP and its reference at the first standstill (gravity sag, tracker frame) is removed
-    before.
+    error. (Our reading of "path error"; the thesis does not say how it pairs measured and reference points.) The offset
+    between TCP and its reference at the first standstill (gravity sag, tracker frame) is removed before.
 
     Raises:
         FFGymError: if the recording has no TCP, no standstill before its first circle, or no circle.

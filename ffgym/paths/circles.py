@@ -14,6 +14,8 @@ RADII = (0.001, 0.003, 0.005)
 """Radii of the test motion [m], thesis 2.2.5."""
 SPEEDS = (0.010, 0.040, 0.100)
 """TCP speeds of the tests [m/s], thesis (2.16)."""
+MIN_SAMPLES = 10
+"""Fewest samples on a circle: with them the drive's interpolation stays within 5e-4 of the radius (see tests)."""
 DWELL = 0.3
 """Rest before, between and after the circles [s]; chosen: several times the decay of the servo (about 0.1 s)."""
 
@@ -88,10 +90,21 @@ def circle_test(
     segments = [standstill("rest 0", centre, dwell)]
     for i, size in enumerate(sizes):
         radius = check_number("radius", size, unit="m", low=0.0, open_low=True)
+        _check_samples(radius, speed, dt)
         segments += _circle(centre, plane, radius, speed, start_angle)
         segments.append(standstill(f"rest {i + 1}", centre, dwell))
     t, position, velocity, acceleration, phases = sample(segments, dt)
     return CartesianPath(name=name, t=t, position=position, velocity=velocity, acceleration=acceleration, phases=phases)
+
+
+def _check_samples(radius: float, speed: float, dt: float) -> None:
+    dt = check_number("dt", dt, unit="s", low=0.0, open_low=True)
+    turn = 2 * np.pi * radius
+    if turn < MIN_SAMPLES * speed * dt:
+        raise FFGymError(
+            f"speed = {speed} m/s is too fast for radius = {radius} m: a turn takes {turn / speed / dt:.1f} samples of "
+            f"{dt} s, must be {MIN_SAMPLES} or more, so at most {turn / MIN_SAMPLES / dt:.4g} m/s."
+        )
 
 
 def _circle(centre: Array, plane: Plane, radius: float, speed: float, start_angle: float) -> list[Segment]:

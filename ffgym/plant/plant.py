@@ -6,10 +6,13 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.errors import FFGymError, check_shape, check_whole
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, static_deflection
 from ffgym.robot.spec import deflection_joint, friction_actuator, motor_joint, servo_actuator
 from ffgym.types import Array, BoolArray, IntArray
+
+MAX_THREADS = 1024
+"""More threads than any machine has cores; a larger number is a slip."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -42,6 +45,8 @@ class Plant:
         options = options or ModelOptions(looks=False)
         if not options.servo:
             raise FFGymError("A plant needs its servos; leave ModelOptions.servo at True.")
+        n_robots = check_whole("n_robots", n_robots, low=1)
+        n_threads = check_whole("n_threads", n_threads, low=0, high=MAX_THREADS)
         self.robot = robot
         self.model = compile_model(robot, options)
         self.batch = batch.Batch(self.model, nsim=n_robots, nthread=n_threads)

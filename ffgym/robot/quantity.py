@@ -34,6 +34,8 @@ class Quantity:
     """Publication, derivation or reason."""
     prior: Array | None = None
     """The numbers that a fit replaced, None if nothing was fitted."""
+    prior_source: str | None = None
+    """Where those came from."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,13 +80,18 @@ def parse_quantity(path: str, table: Any, rule: Rule, n_joints: int) -> Quantity
     factor = _unit_factor(path, table["unit"], rule.unit)
     if table.get("side") != rule.side:
         raise FFGymError(f"{path}: side is {table.get('side')!r}, must be {rule.side!r}.")
+    origin = _origins(path, table["origin"], n_joints)
+    fitted = "fitted" in origin
+    if fitted != ("prior" in table) or fitted != ("prior_source" in table):
+        raise FFGymError(f"{path}: prior and prior_source belong to origin 'fitted', and to no other, got {origin}.")
     return Quantity(
         value=_checked_value(path, table["value"], rule, n_joints, factor),
         unit=rule.unit,
         side=rule.side,
-        origin=_origins(path, table["origin"], n_joints),
-        source=_text(path, table["source"]),
-        prior=_checked_value(path + ".prior", table["prior"], rule, n_joints, factor) if "prior" in table else None,
+        origin=origin,
+        source=_text(path, "source", table["source"]),
+        prior=_checked_value(path + ".prior", table["prior"], rule, n_joints, factor) if fitted else None,
+        prior_source=_text(path, "prior_source", table["prior_source"]) if fitted else None,
     )
 
 
@@ -135,7 +142,7 @@ def _origins(path: str, origin: Any, n_joints: int) -> tuple[str, ...]:
     return origins
 
 
-def _text(path: str, source: Any) -> str:
+def _text(path: str, key: str, source: Any) -> str:
     if not isinstance(source, str) or not source.strip():
-        raise FFGymError(f"{path}: source is {source!r}, must say where the number comes from.")
+        raise FFGymError(f"{path}: {key} is {source!r}, must say where the number comes from.")
     return source

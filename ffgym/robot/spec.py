@@ -11,17 +11,13 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ffgym.robot.description import Geom, RobotDescription
+from ffgym.errors import check_number
+from ffgym.robot.description import RobotDescription
+from ffgym.robot.looks import add_looks
 
 MASSLESS = 1e-9
 """Mass [kg] and inertia [kg m^2] of the rotor bodies: MuJoCo wants a moving body to weigh something."""
 
-_GEOM_TYPES = {
-    "box": mujoco.mjtGeom.mjGEOM_BOX,
-    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
-    "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
-    "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
-}
 _SERVO_INPUTS = mujoco.mjtCtrlInput.mjINPUT_POS | mujoco.mjtCtrlInput.mjINPUT_VEL | mujoco.mjtCtrlInput.mjINPUT_FF
 
 
@@ -41,6 +37,10 @@ class ModelOptions:
     """Physics step [s]; None takes the description's."""
     looks: bool = True
     """Geoms, lights and a floor."""
+
+    def __post_init__(self) -> None:
+        if self.physics_dt is not None:
+            check_number("physics_dt", self.physics_dt, unit="s", low=0.0, open_low=True)
 
 
 def motor_joint(joint: str) -> str:
@@ -83,7 +83,7 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
     if robot.tool is not None:
         _add_tool(body, robot)
     if options.looks:
-        _add_looks(spec, robot)
+        add_looks(spec, robot)
     return spec
 
 
@@ -191,45 +191,3 @@ def _set_inertial(body: mujoco.MjsBody, mass: float, com: np.ndarray, inertia: n
     body.ipos = com
     if np.any(inertia):
         body.fullinertia = inertia
-
-
-def _add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
-    for geom in robot.geoms:
-        _add_geom(spec.body(geom.body), geom)
-    spec.worldbody.add_geom(
-        name="floor",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=[3, 3, 0.1],
-        pos=[0, 0, -0.2 if robot.tool is None else 0],
-        rgba=[0.6, 0.62, 0.64, 1],
-        contype=0,
-        conaffinity=0,
-    )
-    spec.add_texture(
-        name="sky",
-        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=[0.95, 0.96, 0.97],
-        rgb2=[0.75, 0.8, 0.85],
-        width=32,
-        height=192,
-    )
-    spec.worldbody.add_light(pos=[1, -2, 4], dir=[-0.2, 0.4, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
-    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
-    spec.visual.headlight.diffuse = [0.4, 0.4, 0.4]
-    spec.visual.map.znear = 0.01
-
-
-def _add_geom(body: mujoco.MjsBody, geom: Geom) -> None:
-    common = {
-        "type": _GEOM_TYPES[geom.type],
-        "rgba": geom.colour,
-        "contype": 0,
-        "conaffinity": 0,
-        "mass": 0.0,
-        "group": 1,
-    }
-    if geom.end is None:
-        body.add_geom(size=[*geom.size, 0, 0][:3], pos=geom.pos, **common)
-    else:
-        body.add_geom(size=[geom.size[0], 0, 0], fromto=[*geom.pos, *geom.end], **common)

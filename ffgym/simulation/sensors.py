@@ -1,18 +1,25 @@
 """What the machine and the laser tracker see of the true state."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.errors import check_number
+from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
+
+TRUTH = ("friction.effort", "link.position", "link.velocity", "tcp.position")
+"""What no machine knows by itself: a measured recording has it only if a sensor measures it."""
 
 
 class Sensor(ABC):
     """Turns exact columns of a recording into measured ones."""
+
+    measures: ClassVar[tuple[str, ...]] = ()
+    """Families of TRUTH that this sensor makes visible."""
 
     @abstractmethod
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
@@ -28,7 +35,7 @@ class Resolver(Sensor):
     """Resolution [bit/turn]."""
 
     def __post_init__(self) -> None:
-        check_number("resolver bits", self.bits, unit="bit/turn", low=1, high=32)
+        check_whole("resolver bits", self.bits, unit="bit/turn", low=1, high=32)
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
         """See base class; there is no random part."""
@@ -51,6 +58,7 @@ class Resolver(Sensor):
 class LaserTracker(Sensor):
     """TCP position with white noise, at its own sample time; rows in between are NaN."""
 
+    measures: ClassVar[tuple[str, ...]] = ("tcp.position",)
     noise: float
     """Standard deviation of each coordinate [m]."""
     period: float
@@ -63,6 +71,11 @@ class LaserTracker(Sensor):
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
         """See base class."""
         every = max(1, round(self.period / recording.dt))
+        if self.period > recording.dt and abs(every * recording.dt - self.period) > 1e-9:
+            raise FFGymError(
+                f"The tracker period of {self.period} s must be a multiple of the recording's sample time of "
+                f"{recording.dt:g} s; choose another record_dt."
+            )
         seen = np.arange(len(recording.t)) % every == 0
         columns = {}
         for axis in "xyz":
@@ -70,6 +83,18 @@ class LaserTracker(Sensor):
             columns[f"tcp.position.{axis}"] = np.where(seen, noisy, np.nan)
         columns["tcp.timestamp"] = np.where(seen, recording.t, np.nan)
         return Recording(columns=dict(recording.columns) | columns, header=recording.header)
+
+
+def measure(recording: Recording, sensors: Sequence[Sensor], rng: np.random.Generator) -> Recording:
+    """What sensors and drive know of an exact recording: measured columns, no hidden truth; none leaves it exact."""
+    for sensor in sensors:
+        recording = sensor.apply(recording, rng)
+    if not sensors:
+        return recording
+    seen = {family for sensor in sensors for family in sensor.measures}
+    hidden = tuple(f"{family}." for family in TRUTH if family not in seen)
+    columns = {name: values for name, values in recording.columns.items() if not name.startswith(hidden)}
+    return Recording(columns=columns, header=recording.header)
 
 
 def sensors_of(robot: RobotDescription) -> tuple[Sensor, ...]:

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ffgym.control import FeedForwardLaw, NoCompensation, Reference, Setpoints
-from ffgym.errors import FFGymError, check_shape
+from ffgym.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.plant import Plant
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
-from ffgym.simulation.sensors import Sensor
+from ffgym.simulation.sensors import Sensor, measure
 from ffgym.simulation.trace import ReferenceRows, Trace, to_recording
 from ffgym.types import Array
 
@@ -31,6 +31,12 @@ class Run:
     reference: Reference
     law: FeedForwardLaw = field(default_factory=NoCompensation)
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.reference, Reference):
+            raise FFGymError(f"reference must be a Reference, see ffgym.control, got {self.reference!r}.")
+        if not isinstance(self.law, FeedForwardLaw):
+            raise FFGymError(f"law must be a feed-forward law, e.g. NoCompensation(), got {self.law!r}.")
+
 
 def simulate(
     runs: Sequence[Run],
@@ -49,7 +55,8 @@ def simulate(
         runs: what to simulate; all references must be for the same robot description.
         arm: the robot's rigid dynamics, if the caller has them already.
         options: what to leave out of the plant, or another physics step.
-        sensors: models of what is measured, applied in order; none gives the exact state.
+        sensors: models of what is measured, applied in order; what neither they nor the drive know is left out.
+            None gives the exact state.
         seed: seed of the sensor noise; run i uses the i-th stream spawned from it.
         record_dt: sample time of the recordings [s]; a multiple of the physics step that divides the control step.
         n_threads: threads of the engine, 0 for all cores.
@@ -59,6 +66,7 @@ def simulate(
         FFGymError: if there is nothing to simulate, robots differ, times do not fit, or a simulation becomes unstable.
     """
     robot = _one_robot(runs)
+    seed = check_whole("seed", seed, low=0)
     arm = arm or RigidArm(robot)
     plant = Plant(robot, len(runs), options=options, n_threads=n_threads)
     stride = _stride(plant, record_dt)
@@ -72,10 +80,8 @@ def simulate(
     generators = np.random.default_rng(seed).spawn(len(runs))
     recordings = []
     for run, trace, u_lff, rng in zip(runs, traces, added, generators, strict=True):
-        recording = to_recording(trace, shared[id(run.reference)], run.law.name, u_lff, arm, plant, seed)
-        for sensor in sensors:
-            recording = sensor.apply(recording, rng)
-        recordings.append(recording)
+        exact = to_recording(trace, shared[id(run.reference)], run.law.name, u_lff, arm, plant, seed)
+        recordings.append(measure(exact, sensors, rng))
     return recordings
 
 
@@ -91,6 +97,7 @@ def _one_robot(runs: Sequence[Run]) -> RobotDescription:
 
 def _stride(plant: Plant, record_dt: float) -> int:
     """Physics steps between recorded samples."""
+    record_dt = check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
     stride = round(record_dt / plant.physics_dt)
     if stride < 1 or abs(stride * plant.physics_dt - record_dt) > 1e-9 or plant.n_substeps % stride:
         raise FFGymError(

@@ -13,7 +13,7 @@ from ffgym.control import (
     StaticLuGre,
     cartesian_reference,
 )
-from ffgym.errors import FFGymError
+from ffgym.errors import FFGymError, check_shape
 from ffgym.metrics import motor_error_rms, path_errors
 from ffgym.paths import RADII, SPEEDS, circle_test
 from ffgym.recordings import Recording
@@ -90,6 +90,10 @@ def circle_references(
             f"Robot {robot.name!r} has no work area for circles; use ffgym.studies.one_axis_study for one axis."
         )
     names = list(robot.work_area.positions) if positions is None else list(positions)
+    speeds = check_shape("speeds", list(speeds), (None,)).tolist()
+    _check_distinct("positions", names)
+    _check_distinct("speeds [mm/s]", [_in_mm(speed) for speed in speeds])
+    _check_distinct("radii [mm]", [_in_mm(radius) for radius in check_shape("radii", radii, (None,))])
     dt = robot.servo.control_dt
     return {
         (name, speed): cartesian_reference(
@@ -100,6 +104,16 @@ def circle_references(
     }
 
 
+def _in_mm(length: float) -> float:
+    """Millimetres as cells carry them, without the rounding of binary fractions."""
+    return round(float(length) * 1e3, 6)
+
+
+def _check_distinct(what: str, values: Sequence[object]) -> None:
+    if not values or len(set(values)) < len(values):
+        raise FFGymError(f"{what} of one study must be at least one, and all different, got {list(values)}.")
+
+
 def circle_study(
     robot: RobotDescription,
     *,
@@ -107,6 +121,7 @@ def circle_study(
     positions: Sequence[str] | None = None,
     speeds: Sequence[float] = SPEEDS,
     radii: Sequence[float] = RADII,
+    plant: str = "nominal",
     options: ModelOptions | None = None,
     n_threads: int = 0,
     progress: Progress | None = None,
@@ -119,6 +134,7 @@ def circle_study(
         positions: names in the robot's work area; None takes all.
         speeds: TCP speeds [m/s].
         radii: circle radii [m].
+        plant: what to call the plant in the cells.
         options: what to change in the plant.
         n_threads: threads of the engine, 0 for all cores.
         progress: called with the simulated seconds done and their total.
@@ -135,12 +151,14 @@ def circle_study(
     recordings = {
         (law.name, position, speed): recording for (law, position, speed), recording in zip(keys, results, strict=True)
     }
-    cells = [cell for key, recording in recordings.items() for cell in _cells(*key, radii, recording)]
+    cells = [cell for key, recording in recordings.items() for cell in _cells(*key, plant, radii, recording)]
     fingerprint = physics_fingerprint(compile_model(robot, options or ModelOptions(looks=False)))
     return CircleStudy(robot=robot, cells=cells, recordings=recordings, fingerprint=fingerprint)
 
 
-def _cells(agent: str, position: str, speed: float, radii: Sequence[float], recording: Recording) -> list[Cell]:
+def _cells(
+    agent: str, position: str, speed: float, plant: str, radii: Sequence[float], recording: Recording
+) -> list[Cell]:
     leads = zip(recording.phases_of("lead_in"), recording.phases_of("lead_out"), strict=True)
     cells = []
     for error, radius, (lead_in, lead_out) in zip(path_errors(recording), radii, leads, strict=True):
@@ -148,10 +166,10 @@ def _cells(agent: str, position: str, speed: float, radii: Sequence[float], reco
         cells.append(
             Cell(
                 agent=agent,
-                plant="nominal",
+                plant=plant,
                 position=position,
-                radius_mm=round(radius * 1e3, 6),
-                speed_mm_s=round(speed * 1e3, 6),
+                radius_mm=_in_mm(radius),
+                speed_mm_s=_in_mm(speed),
                 rms_mm=error.rms * 1e3,
                 max_mm=error.max * 1e3,
                 rms_3d_mm=error.rms_3d * 1e3,

@@ -84,10 +84,10 @@ def test_a_missing_extra_is_named(monkeypatch, capsys):
 
 
 def test_a_missing_tyro_is_named(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "tyro", None)
+    monkeypatch.setattr("ffgym.cli.main.installed", lambda name: name != "tyro")
     assert main(["export"]) == 1
     (line,) = capsys.readouterr().err.splitlines()
-    assert line == "ffgym: error: the command line needs tyro and rich; pip install 'ffgym[cli]'"
+    assert line == "ffgym: error: The command line needs tyro; pip install 'ffgym[cli]'."
 
 
 def test_an_interrupt_is_exit_code_130(monkeypatch, capsys):
@@ -144,3 +144,10 @@ def test_the_demo_runs_every_position_and_speed_by_default():
     assert Demo().speeds_mm_s == (10.0, 40.0, 100.0)
     assert replace(Demo(), robot="one_axis").robot == load_robot("one_axis").name
     assert __version__
+
+
+def test_report_and_numbers_need_two_files(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["demo", "--report", "a.html", "--json", str(tmp_path / "a.html")]) == 1
+    assert "they need two files" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -4,8 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 
+from ffgym.cli.export import spec_with_home
 from ffgym.cli.main import main
-from ffgym.robot import ModelOptions, build_spec, builtin_robots, load_robot, physics_fingerprint
+from ffgym.robot import ModelOptions, builtin_robots, load_robot, physics_fingerprint
 
 
 @pytest.fixture(autouse=True)
@@ -38,7 +39,7 @@ def test_mjcf_runs_in_plain_mujoco_without_warnings_or_stray_files(robot, tmp_pa
     out = tmp_path / "robot.xml"
     assert main(["export", "--robot", robot, "--out", str(out)]) == 0
     model = mujoco.MjModel.from_xml_path(str(out))
-    own = build_spec(load_robot(robot), ModelOptions()).compile()
+    own = spec_with_home(load_robot(robot), ModelOptions()).compile()
     assert (model.nv, model.nu, model.na, model.ngeom) == (own.nv, own.nu, own.na, own.ngeom)
     np.testing.assert_allclose(stepped(model), stepped(own), rtol=1e-3, atol=1e-6)  # MJCF has 6 digits
     assert sorted(p.name for p in tmp_path.rglob("*")) == ["robot.xml", "work"]
@@ -49,7 +50,7 @@ def test_a_binary_model_is_bit_identical(robot, tmp_path):
     out = tmp_path / "robot.mjb"
     assert main(["export", "--robot", robot, "--out", str(out)]) == 0
     model = mujoco.MjModel.from_binary_path(str(out))
-    own = build_spec(load_robot(robot), ModelOptions()).compile()
+    own = spec_with_home(load_robot(robot), ModelOptions()).compile()
     assert physics_fingerprint(model) == physics_fingerprint(own)
     np.testing.assert_array_equal(stepped(model), stepped(own))
 

@@ -5,6 +5,7 @@ import pytest
 
 from ffgym.errors import FFGymError
 from ffgym.simulation import LaserTracker, Resolver, Run, sensors_of, simulate
+from ffgym.simulation.sensors import TRUTH
 from ffgym.studies import circle_references
 
 RESOLVER, TRACKER = Resolver(bits=16), LaserTracker(noise=20e-6, period=0.001)
@@ -51,9 +52,17 @@ def test_resolver_speed_is_the_backward_difference_of_its_angle(arm, references)
 
 def test_resolver_leaves_what_the_drive_does_exact(arm, references, exact):
     recording = measured(arm, references[:1], RESOLVER)[0]
-    for column in exact[0].columns:
+    for column in recording.columns:
         if not column.startswith(("motor.position", "motor.velocity")):
             np.testing.assert_array_equal(recording[column], exact[0][column])
+
+
+@pytest.mark.parametrize(
+    ("sensors", "hidden"), [((RESOLVER,), {*TRUTH}), ((RESOLVER, TRACKER), {*TRUTH} - {"tcp.position"}), ((), set())]
+)
+def test_a_measured_recording_holds_no_truth_that_no_sensor_sees(arm, references, exact, sensors, hidden):
+    recording = measured(arm, references[:1], *sensors)[0]
+    assert {*exact[0].families} - {*recording.families} == hidden
 
 
 @pytest.mark.parametrize("scale", [20e-6, 1e-3])

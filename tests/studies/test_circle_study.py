@@ -96,10 +96,12 @@ def test_references_cover_positions_and_speeds(arm):
     [
         ({"positions": ["p5"]}, "Unknown position 'p5'. Available: p1, p2, p3, p4"),
         ({"speeds": [0.0]}, "speed = 0.0 m/s"),
-        ({"radii": []}, "radii is empty"),
-        ({"speeds": [50.0], "radii": [0.2]}, "joint j"),
+        ({"radii": []}, r"radii \[mm\] of one study"),
+        ({"speeds": [20.0], "radii": [0.2]}, "joint j"),
         ({"laws": []}, "nothing to simulate"),
-        ({"positions": []}, "nothing to simulate"),
+        ({"positions": []}, "positions of one study"),
+        ({"speeds": [0.01, 0.0100000000001]}, r"speeds \[mm/s\] of one study"),
+        ({"radii": [0.001, 0.001]}, r"radii \[mm\] of one study"),
     ],
 )
 def test_a_study_that_cannot_run_is_refused(irb4600, changes, message):

@@ -1,0 +1,55 @@
+"""What a robot looks like: primitives, a floor, a sky and light."""
+
+import mujoco
+
+from ffgym.robot.description import Geom, RobotDescription
+
+_GEOM_TYPES = {
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
+    "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+}
+
+
+def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
+    """Add the primitives of the description, a floor, a sky and light; they weigh nothing and touch nothing."""
+    for geom in robot.geoms:
+        _add_geom(spec.body(geom.body), geom)
+    spec.worldbody.add_geom(
+        name="floor",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[3, 3, 0.1],
+        pos=[0, 0, -0.2 if robot.tool is None else 0],
+        rgba=[0.6, 0.62, 0.64, 1],
+        contype=0,
+        conaffinity=0,
+    )
+    spec.add_texture(
+        name="sky",
+        type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
+        rgb1=[0.95, 0.96, 0.97],
+        rgb2=[0.75, 0.8, 0.85],
+        width=32,
+        height=192,
+    )
+    spec.worldbody.add_light(pos=[1, -2, 4], dir=[-0.2, 0.4, -1], type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL)
+    spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
+    spec.visual.headlight.diffuse = [0.4, 0.4, 0.4]
+    spec.visual.map.znear = 0.01
+
+
+def _add_geom(body: mujoco.MjsBody, geom: Geom) -> None:
+    common = {
+        "type": _GEOM_TYPES[geom.type],
+        "rgba": geom.colour,
+        "contype": 0,
+        "conaffinity": 0,
+        "mass": 0.0,
+        "group": 1,
+    }
+    if geom.end is None:
+        body.add_geom(size=[*geom.size, 0, 0][:3], pos=geom.pos, **common)
+    else:
+        body.add_geom(size=[geom.size[0], 0, 0], fromto=[*geom.pos, *geom.end], **common)

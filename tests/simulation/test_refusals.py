@@ -1,0 +1,81 @@
+"""Every bad argument of simulation, laws, plant and sensors is one clear error."""
+
+import numpy as np
+import pytest
+
+from ffgym.control import DynamicLuGreEuler, DynamicLuGreExact, NoCompensation, StaticLuGre
+from ffgym.errors import FFGymError
+from ffgym.plant import Plant
+from ffgym.robot import ModelOptions
+from ffgym.simulation import LaserTracker, Resolver, Run, simulate
+from ffgym.studies import circle_references
+
+
+@pytest.fixture(scope="module")
+def run(arm):
+    return Run(reference=circle_references(arm, ["p1"], [0.1], [0.001])["p1", 0.1])
+
+
+REFUSED = {
+    "a fraction of a sub-step": (lambda r: DynamicLuGreExact(r.friction, n_substeps=1.5), "n_substeps = 1.5"),
+    "no sub-step": (lambda r: DynamicLuGreEuler(r.friction, n_substeps=0), "n_substeps = 0"),
+    "a law without friction": (lambda r: DynamicLuGreExact(None), "friction must be LuGreParameters"),
+    "a static law without friction": (lambda r: StaticLuGre("much"), "friction must be LuGreParameters"),
+    "a steepness that is not a number": (
+        lambda r: StaticLuGre(r.friction, steepness=np.nan),
+        "steepness must be finite",
+    ),
+    "a falling sign": (lambda r: StaticLuGre(r.friction, steepness=-5), "steepness = -5"),
+    "half a bit": (lambda r: Resolver(bits=1.5), "resolver bits = 1.5"),
+    "no physics step": (lambda r: ModelOptions(physics_dt=0), "physics_dt = 0"),
+    "an unknown physics step": (lambda r: ModelOptions(physics_dt=np.nan), "physics_dt must be finite"),
+    "no robot": (lambda r: Plant(r, 0), "n_robots = 0"),
+    "a fraction of a thread": (lambda r: Plant(r, 1, n_threads=1.5), "n_threads = 1.5"),
+    "negative threads": (lambda r: Plant(r, 1, n_threads=-1), "n_threads = -1"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_bad_part_is_refused_when_it_is_built(irb4600, name):
+    build, message = REFUSED[name]
+    with pytest.raises(FFGymError, match=message):
+        build(irb4600)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"seed": -1}, "seed = -1"),
+        ({"seed": 0.5}, "seed = 0.5"),
+        ({"record_dt": np.nan}, "record_dt must be finite"),
+        ({"record_dt": 0.003}, "record_dt = 0.003 s must be a multiple"),
+        ({"n_threads": -1}, "n_threads = -1"),
+        ({"sensors": [LaserTracker(noise=0.0, period=1.5e-3)]}, "tracker period of 0.0015 s must be a multiple"),
+    ],
+)
+def test_a_bad_option_of_a_simulation_is_refused(arm, run, options, message):
+    with pytest.raises(FFGymError, match=message):
+        simulate([run], arm=arm, **options)
+
+
+def test_a_law_that_is_a_class_and_a_reference_that_is_none_are_refused(run):
+    with pytest.raises(FFGymError, match="law must be a feed-forward law"):
+        Run(reference=run.reference, law=NoCompensation)
+    with pytest.raises(FFGymError, match="reference must be a Reference"):
+        Run(reference=None)
+    with pytest.raises(FFGymError, match="runs is empty"):
+        simulate([])
+
+
+def test_a_circle_with_too_few_samples_is_refused_with_the_fastest_speed(arm):
+    with pytest.raises(FFGymError, match=r"a turn takes 5\.2 samples of 0\.004 s.*at most 0\.1571 m/s"):
+        circle_references(arm, ["p1"], [0.3], [0.001])
+
+
+def test_the_drive_keeps_circles_with_the_fewest_samples_round(arm):
+    reference = circle_references(arm, ["p1"], [0.157], [0.001])["p1", 0.157]
+    recording = simulate([Run(reference=reference)], arm=arm)[0]
+    rows = recording.mask(kind="circle")
+    points = recording.vector("tcp_reference.position")[rows]
+    centre = recording.vector("tcp_reference.position")[0]
+    assert np.abs(np.linalg.norm(points - centre, axis=1) - 0.001).max() < 5e-4 * 0.001

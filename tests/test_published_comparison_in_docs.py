@@ -1,0 +1,42 @@
+"""Figures that documents quote are those of the simulation."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ffgym.published import published_mm
+from ffgym.studies import circle_study
+
+DOCS = Path(__file__).parent.parent
+LAWS = {"none (RMS fitted)": "none", "static LuGre": "lugre_static", "dynamic LuGre": "lugre_dynamic"}
+
+
+@pytest.fixture(scope="module")
+def study(irb4600):
+    return circle_study(irb4600, speeds=(0.010, 0.040))
+
+
+def nearness(study, law: str, speed: float, statistic: str) -> tuple[int, float]:
+    cells = study.select(agent=law, speed_mm_s=speed)
+    ratios = [
+        getattr(c, f"{statistic}_mm") / published_mm(law, statistic, speed / 1e3, c.radius_mm / 1e3, c.position)
+        for c in cells
+    ]
+    return int((np.abs(np.log(ratios)) < np.log(1.5)).sum()), float(np.median(ratios))
+
+
+@pytest.mark.parametrize("speed", [10.0, 40.0])
+@pytest.mark.parametrize("label", LAWS)
+def test_the_calibration_page_quotes_the_nearness_that_is_simulated(study, label, speed):
+    text = (DOCS / "docs" / "calibration.md").read_text(encoding="utf-8")
+    row = next(line for line in text.splitlines() if line.startswith(f"| {label} |"))
+    quoted = re.findall(r"(\d+) \((\d+)\) of 12, median ([\d.]+)", row)[[10.0, 40.0].index(speed)]
+    (rms, median), (largest, _) = (nearness(study, LAWS[label], speed, statistic) for statistic in ("rms", "max"))
+    assert quoted == (str(rms), str(largest), f"{median:.2f}")
+
+
+def test_the_readme_quotes_how_many_cells_are_near(study):
+    near = sum(nearness(study, "none", speed, "rms")[0] for speed in (10.0, 40.0))
+    assert f"{near} of 24 cells within a factor 1.5" in (DOCS / "README.md").read_text(encoding="utf-8")
