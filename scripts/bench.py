@@ -68,7 +68,7 @@ def main(config: Config) -> list[Pair]:
     runs = [
         Run(reference=reference, law=law) for reference in circle_references(arm).values() for law in thesis_laws(robot)
     ]
-    simulate(runs[:3], arm=arm, n_threads=config.threads)  # warm up
+    measure(robot, arm, runs, config.threads)  # warm up: caches, and memory that later runs find in place
     pairs = [measure(robot, arm, runs, config.threads) for _ in range(config.repeats)]
     print(f"batch simulation: {len(runs)} runs, {sum(run.reference.duration for run in runs):.0f} s of robot time")
     print(f"{'bare engine':>14} {'stepping':>14} {'ratio':>6} {'whole':>14} {'ratio':>6}   (1000 physics steps/s)")
