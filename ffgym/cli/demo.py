@@ -62,6 +62,7 @@ class Demo:
     def provenance(self, study: CircleStudy) -> dict[str, object]:
         """Origin of the numbers of a study. Nothing in it is random, so that the seed is null."""
         config = {name: str(value) if isinstance(value, Path) else value for name, value in asdict(self).items()}
+        config["positions"] = list(dict.fromkeys(cell.position for cell in study.cells))
         return {
             "command": "ffgym demo",
             "config": config,

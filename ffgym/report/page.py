@@ -90,11 +90,13 @@ def provenance(
 
 
 def _lines(info: Mapping[str, Any]) -> dict[str, str]:
-    """Names and values as text; the entries of a dict become lines of their own."""
+    """Names and values as text; the entries of a dict become lines, those of a list stand in one."""
     lines: dict[str, str] = {}
     for name, value in info.items():
         if isinstance(value, Mapping):
             lines |= _lines(value)
+        elif isinstance(value, list | tuple):
+            lines[name.replace("_", " ")] = ", ".join(str(entry) for entry in value) or "none"
         else:
             lines[name.replace("_", " ")] = "none" if value is None else str(value)
     return lines

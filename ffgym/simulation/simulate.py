@@ -18,7 +18,7 @@ RECORD_DT = 0.001
 """Default sample time of recordings [s]: the laser tracker's (thesis 2.2.4)."""
 
 _CHUNK = 32
-"""Control steps in one call of the engine: its overhead vanishes, and the arrays still fit into cache."""
+"""Control steps in one call of the engine; chosen: from 4 to 32 the engine's time changes by less than 3 %."""
 
 Progress = Callable[[float, float], None]
 """Called with the simulated seconds done and their total."""

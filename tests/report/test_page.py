@@ -8,6 +8,7 @@ import pytest
 from ffgym.control import NoCompensation
 from ffgym.errors import FFGymError
 from ffgym.report import circle_figures, findings, one_axis_figures, render_report, write_report
+from ffgym.report.page import provenance
 from ffgym.studies import circle_study, one_axis_study
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
@@ -117,3 +118,8 @@ def test_missing_packages_are_explained(circle, sine, tmp_path, monkeypatch, mis
     monkeypatch.setitem(sys.modules, missing, None)
     with pytest.raises(FFGymError, match=rf"needs {missing}; pip install 'ffgym\[report\]'"):
         write_report(tmp_path / "report.html", circle, sine, {})
+
+
+def test_lists_in_the_provenance_are_read_as_words(circle, sine):
+    lines = provenance(circle, sine, {"config": {"positions": ["p1", "p2"], "none_given": ()}})
+    assert (lines["positions"], lines["none given"]) == ("p1, p2", "none")
