@@ -29,7 +29,7 @@ class Demo:
     """Threads of the simulation, 0 for all cores; results are the same at any number."""
 
     def run(self) -> None:
-        """Simulate, print, write."""
+        """Simulate, write, print."""
         _need_report_extra()
         check_writable(self.report)
         if self.json is not None:
@@ -49,14 +49,15 @@ class Demo:
                 progress=progress,
             )
             one_axis = one_axis_study(load_robot("one_axis"))
-        print(format_text(circles))
-        print(format_one_axis(one_axis))
         info = self.provenance(circles)
-        page = write_report(self.report, circles, one_axis, info)
-        print(f"report: {page}")
+        page = write_report(self.report, circles, one_axis, info)  # files first: nobody may read what is printed
         if self.json is not None:
             rows = [asdict(cell) for cell in circles.cells]
             write_json(self.json, info | {"rows": rows, "one_axis": [asdict(result) for result in one_axis.results]})
+        print(format_text(circles))
+        print(format_one_axis(one_axis))
+        print(f"report: {page}")
+        if self.json is not None:
             print(f"numbers: {self.json}")
 
     def provenance(self, study: CircleStudy) -> dict[str, object]:

@@ -1,5 +1,6 @@
 """The `ffgym` command: subcommands, one-line errors, exit codes."""
 
+import os
 import sys
 from collections.abc import Sequence
 from typing import Annotated
@@ -17,10 +18,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         missing = [name for name in ("tyro", "rich") if not installed(name)]
         if missing:
             raise FFGymError(f"The command line needs {' and '.join(missing)}; pip install 'ffgym[cli]'.")
-        return _run(arguments)
+        code = _run(arguments)
+        sys.stdout.flush()
+        return code
     except FFGymError as error:
         print(f"ffgym: error: {' '.join(str(error).split())}", file=sys.stderr)
         return 1
+    except BrokenPipeError:  # the reader, e.g. head, has seen enough; keep Python from complaining at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except KeyboardInterrupt:
         print("ffgym: interrupted; files that were finished before stay, none is half-written", file=sys.stderr)
         return 130

@@ -1,0 +1,31 @@
+"""The command as a process: a reader that leaves early, and Ctrl-C in the middle."""
+
+import signal
+import subprocess
+import sys
+import time
+
+COMMAND = [sys.executable, "-m", "ffgym"]
+
+
+def test_a_reader_that_has_seen_enough_loses_nothing(tmp_path):
+    demo = [*COMMAND, "demo", "--positions", "p1", "--speeds-mm-s", "100", "--json", "n.json"]
+    with subprocess.Popen(demo, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stderr is not None
+        errors = process.stderr.read()
+        assert (process.wait(timeout=60), errors) == (0, "")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["n.json", "report.html"]
+
+
+def test_ctrl_c_in_the_middle_is_one_line_and_leaves_no_half_file(tmp_path):
+    process = subprocess.Popen(
+        [*COMMAND, "demo"], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+    time.sleep(2.5)  # imports take less, the simulation alone more
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert errors == "ffgym: interrupted; files that were finished before stay, none is half-written\n"
+    assert not list(tmp_path.iterdir())
