@@ -77,13 +77,13 @@ def lugre_errors(robot: RobotDescription, steps: Sequence[float], duration: floa
 
     The motor gets a sinusoidal torque; truth is Radau's implicit Runge-Kutta method at a relative tolerance of 1e-10.
     """
-    robot, arm = free_of_servo(robot), RigidArm(robot)
+    robot = free_of_servo(robot)
     t = np.arange(1.0, round(duration / max(steps)) + 1) * max(steps)
     truth = _lugre_truth(robot, t)
     errors = []
     for step in steps:
         plant = Plant(robot, 1, options=ModelOptions(physics_dt=step, looks=False))
-        plant.rest(arm, np.zeros((1, 1)))
+        plant.rest(np.zeros((1, 1)))
         n = round(duration / step)
         controls = np.zeros((1, n, plant.model.nu))
         _, _, torque = plant.split_controls(controls)
@@ -126,7 +126,7 @@ def energy_drift(robot: RobotDescription, steps: Sequence[float], duration: floa
     drifts = []
     for step in steps:
         plant = Plant(robot, 1, options=ModelOptions(friction=False, physics_dt=step, looks=False))
-        plant.rest(arm, start)
+        plant.rest(start)
         signs = np.resize([1.0, -1.0, 1.0, 1.0, -1.0, 1.0], robot.n_joints)
         plant.batch.qpos[:, plant.addresses.deflection_qpos] += BENT * signs
         first = plant.batch.qpos.copy(), plant.batch.qvel.copy()

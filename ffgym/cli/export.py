@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.errors import FFGymError
 from ffgym.files import write_bytes
 from ffgym.plant import Plant
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription, build_spec, load_robot
+from ffgym.robot import ModelOptions, RobotDescription, build_spec, load_robot
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def spec_with_home(robot: RobotDescription, options: ModelOptions) -> mujoco.MjS
     spec = build_spec(robot, options)
     pose = np.zeros(robot.n_joints) if robot.work_area is None else robot.work_area.home
     plant = Plant(robot, 1, options=options)
-    plant.rest(RigidArm(robot), pose[None])
+    plant.rest(pose[None])
     controls = np.zeros(plant.model.nu)
     plant.split_controls(controls)[0][:] = pose * robot.drive.gear_ratio
     spec.add_key(name="home", qpos=plant.batch.qpos[0], act=plant.batch.act[0], ctrl=controls)

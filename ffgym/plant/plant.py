@@ -1,15 +1,17 @@
 """Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any
 
 import mujoco
 import numpy as np
 from mujoco import batch
 
 from ffgym.errors import FFGymError, check_shape, check_whole
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, static_deflection
-from ffgym.robot.spec import deflection_joint, friction_actuator, motor_joint, servo_actuator
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.plant.addresses import Addresses
+from ffgym.robot import ModelOptions, RobotDescription, compile_model
+from ffgym.types import Array, IntArray
 
 MAX_THREADS = 1024
 """More threads than any machine has cores; a larger number is a slip."""
@@ -48,6 +50,9 @@ class Plant:
         n_robots = check_whole("n_robots", n_robots, low=1)
         n_threads = check_whole("n_threads", n_threads, low=0, high=MAX_THREADS)
         self.robot = robot
+        self.robots = [robot] * n_robots
+        """What each simulation is: `robot`, or what it was made to `become`."""
+        self._options = options
         self.model = compile_model(robot, options)
         self.batch = batch.Batch(self.model, nsim=n_robots, nthread=n_threads)
         self.physics_dt = float(self.model.opt.timestep)
@@ -56,38 +61,86 @@ class Plant:
             raise FFGymError(
                 f"physics_dt = {self.physics_dt} s must divide control_dt = {robot.servo.control_dt} s exactly."
             )
-        self.addresses = _Addresses.of(self.model, robot)
+        self.addresses = Addresses.of(self.model, robot)
 
     @property
     def n_robots(self) -> int:
         """Number of simulations B."""
         return int(self.batch.nsim)
 
-    def rest(self, arm: RigidArm, motor_q: Array, motor_dq: Array | None = None, ids: IntArray | None = None) -> None:
+    def become(self, ids: Sequence[int] | IntArray, robots: Sequence[RobotDescription]) -> None:
+        """Give simulations `ids` other physics: masses, stiffness, friction, ... of `robots`; then put them to `rest`.
+
+        Raises:
+            FFGymError: if a robot differs in what its controller knows: joints, gear ratios, servo, or sample times.
+        """
+        for i, robot in zip(ids, robots, strict=True):
+            if robot is self.robots[i]:
+                continue
+            _check_same_controller(self.robot, robot)
+            model = compile_model(robot, self._options)
+            if (model.nq, model.nu, model.na) != (self.model.nq, self.model.nu, self.model.na):
+                raise FFGymError(
+                    f"Robot {robot.name!r} has other elastic joints or actuators than {self.robot.name!r} in the same "
+                    f"batch; simulate it in a batch of its own."
+                )
+            for name in batch.MODEL_FIELDS:
+                own = _field(model, name)
+                if self.batch.expanded(name) is not None or not np.array_equal(own, _field(self.model, name)):
+                    self.batch.expand(name)[i] = own
+            self.robots[i] = robot
+
+    def rest(self, motor_q: Array, motor_dq: Array | None = None, ids: IntArray | None = None) -> None:
         """Put robots into static equilibrium: springs and servo integrals carry gravity, bristles are relaxed.
 
         Args:
-            arm: the same robot's rigid dynamics.
             motor_q: motor angle / gear ratio [rad], shape (B, N).
             motor_dq: motor speed / gear ratio [rad/s], shape (B, N); None is at rest.
             ids: which robots, shape (B,); None is all.
+
+        Raises:
+            FFGymError: if a robot is so soft that it finds no equilibrium under gravity.
         """
-        n, at = self.robot.n_joints, self.addresses
+        n, at, engine = self.robot.n_joints, self.addresses, self.batch
         rows = np.arange(self.n_robots) if ids is None else np.asarray(ids)
         motor_q = check_shape("motor_q", motor_q, (len(rows), n))
         speed = np.zeros_like(motor_q) if motor_dq is None else check_shape("motor_dq", motor_dq, (len(rows), n))
-        has_gravity = bool(np.any(self.model.opt.gravity))
-        deflection = static_deflection(arm, motor_q) if has_gravity else np.zeros_like(motor_q)
-        deflection[:, ~at.is_elastic] = 0.0
-        torque = arm.gravity_torque(motor_q + deflection) if has_gravity else np.zeros_like(motor_q)
-        gain = self.robot.servo.integral_gain * self.robot.drive.gear_ratio
-        self.batch.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-        engine = self.batch
+        engine.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         engine.qpos[np.ix_(rows, at.motor_qpos)] = motor_q
-        engine.qpos[np.ix_(rows, at.deflection_qpos)] = deflection[:, at.is_elastic]
+        load = self._sag(rows) if np.any(self.model.opt.gravity) else np.zeros_like(motor_q)
         engine.qvel[np.ix_(rows, at.motor_qpos)] = speed
-        integral = np.divide(torque, gain, out=np.zeros_like(torque), where=gain > 0)
+        gain = self.robot.servo.integral_gain * self.robot.drive.gear_ratio
+        integral = np.divide(load, gain, out=np.zeros_like(load), where=gain > 0)
         engine.act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
+
+    def _sag(self, rows: IntArray) -> Array:
+        """Bend the springs of resting robots until they carry gravity; returns its torque, link side [N m], (B, N).
+
+        Solves K delta = -g(q + delta) by fixed-point iteration in the engine, where each robot has its own masses;
+        each row stops on its own, whatever the others do.
+        """
+        engine, at = self.batch, self.addresses
+        gravity = engine.bind("qfrc_bias")
+        stiffness = np.stack([self.robots[i].drive.joint_stiffness for i in rows])[:, at.is_elastic]
+        moving = np.arange(len(rows))
+        for _ in range(100):
+            engine.forward(rows[moving], stage=mujoco.mjtStage.mjSTAGE_VEL.value)
+            if not at.is_elastic.any():
+                break
+            here = np.ix_(rows[moving], at.deflection_qpos)
+            update = -gravity[here] / stiffness[moving]
+            change = np.abs(update - engine.qpos[here]).max(axis=1)
+            engine.qpos[here] = update
+            moving = moving[change >= _TOLERANCE]
+            if not moving.size:
+                break
+        else:
+            robot = self.robots[rows[moving[0]]]
+            raise FFGymError(
+                f"Robot {robot.name!r} finds no equilibrium under gravity: joint_stiffness = "
+                f"{robot.drive.joint_stiffness} N m/rad is too soft for its masses."
+            )
+        return gravity[np.ix_(rows, at.motor_qpos)]
 
     def state(self) -> PlantState:
         """State of all robots now, arrays of shape (B, N), copies."""
@@ -123,66 +176,54 @@ class Plant:
         Raises:
             FFGymError: if a simulation becomes unstable.
         """
+        out = self._roll(controls, ("qpos", "qvel", "act"), ids)
+        return out["qpos"], out["qvel"], out["act"]
+
+    def drive(self, controls: Array, ids: IntArray | None = None) -> None:
+        """As `advance`, and keep nothing but the state at the end."""
+        self._roll(controls, (), ids)
+
+    def _roll(self, controls: Array, record: tuple[str, ...], ids: IntArray | None) -> dict[str, Array]:
         steps = controls.shape[1]
-        fields = ("qpos", "qvel", "act")
-        before, began = self.batch.warning[:, _BAD, 1].sum(axis=1), self.batch.time.copy()
-        out = self.batch.rollout(steps, control=controls, record=fields, ids=ids)
-        failed = np.flatnonzero(self.batch.warning[:, _BAD, 1].sum(axis=1) > before)
+        warnings = self.batch.warning[:, _BAD, 1]  # a copy
+        began = self.batch.time.copy()
+        out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
+        failed = np.flatnonzero((self.batch.warning[:, _BAD, 1] > warnings).any(axis=1))
         if failed.size:
             start, first = began[failed[0]], int(failed[0])
             raise FFGymError(
-                f"Simulation {first} of robot {self.robot.name!r} became unstable between t = {start:.3f} s and "
-                f"{start + steps * self.physics_dt:.3f} s. Lower servo gains, torques or the physics step of "
+                f"Simulation {first} of robot {self.robots[first].name!r} became unstable between t = {start:.3f} s "
+                f"and {start + steps * self.physics_dt:.3f} s. Lower servo gains, torques or the physics step of "
                 f"{self.physics_dt} s."
             )
-        return out["qpos"], out["qvel"], out["act"]
+        return out
 
+
+def _field(model: mujoco.MjModel, name: str) -> Any:
+    """Field of a model by its name in `mujoco.batch.MODEL_FIELDS`."""
+    return getattr(model.opt, name[4:]) if name.startswith("opt.") else getattr(model, name)
+
+
+def _check_same_controller(own: RobotDescription, other: RobotDescription) -> None:
+    """Raise if a plant does not fit the controller of a robot."""
+    pairs: dict[str, tuple[Any, Any]] = {
+        "joints": (own.joints, other.joints),
+        "drive.gear_ratio": (own.drive.gear_ratio, other.drive.gear_ratio),
+        "simulation.physics_dt": (own.physics_dt, other.physics_dt),
+    }
+    pairs |= {f"servo.{f.name}": (getattr(own.servo, f.name), getattr(other.servo, f.name)) for f in fields(own.servo)}
+    for name, (mine, theirs) in pairs.items():
+        if not np.array_equal(mine, theirs):
+            raise FFGymError(
+                f"Plant {other.name!r} has {name} = {theirs}, the controller was made for {mine}; the two must agree."
+            )
+
+
+_TOLERANCE = 1e-14
+"""Change of deflection [rad] at which the search for equilibrium stops: rounding of angles of order 1 rad."""
 
 _BAD = [
     int(mujoco.mjtWarning.mjWARN_BADQPOS),
     int(mujoco.mjtWarning.mjWARN_BADQVEL),
     int(mujoco.mjtWarning.mjWARN_BADQACC),
 ]
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Addresses:
-    """Where each joint's quantities stand in MuJoCo's arrays."""
-
-    motor_qpos: IntArray
-    deflection_qpos: IntArray
-    """One per elastic joint."""
-    is_elastic: BoolArray
-    integral: IntArray
-    has_integral: BoolArray
-    bristle: IntArray
-    has_bristle: BoolArray
-
-    @staticmethod
-    def of(model: mujoco.MjModel, robot: RobotDescription) -> "_Addresses":
-        names = {model.joint(i).name for i in range(model.njnt)}
-        elastic = np.array([deflection_joint(j) in names for j in robot.joints])
-        integral = np.array([_activation(model, servo_actuator(j)) for j in robot.joints])
-        bristle = np.array([_activation(model, friction_actuator(j)) for j in robot.joints])
-        return _Addresses(
-            motor_qpos=np.array([int(model.joint(motor_joint(j)).qposadr[0]) for j in robot.joints]),
-            deflection_qpos=np.array(
-                [
-                    int(model.joint(deflection_joint(j)).qposadr[0])
-                    for j, e in zip(robot.joints, elastic, strict=True)
-                    if e
-                ],
-                dtype=int,
-            ),
-            is_elastic=elastic,
-            integral=integral,
-            has_integral=integral >= 0,
-            bristle=bristle,
-            has_bristle=bristle >= 0,
-        )
-
-
-def _activation(model: mujoco.MjModel, actuator: str) -> int:
-    """Address of an actuator's activation, -1 if it has none or does not exist."""
-    names = {model.actuator(i).name for i in range(model.nactuator)}
-    return int(model.actuator(actuator).actadr[0]) if actuator in names else -1

@@ -108,9 +108,11 @@ def _stride(plant: Plant, record_dt: float) -> int:
 
 
 def _added_torque(run: Run) -> Array:
-    """Torque that the law adds, motor side [N m], (T, N)."""
+    """Torque that the law adds, motor side [N m], (T, N); it starts at 0, as no torque is computed before t = 0."""
     name = f"torque of feed-forward law {run.law.name!r}"
-    return check_shape(name, run.law.torque(run.reference), run.reference.q.shape)
+    torque = check_shape(name, run.law.torque(run.reference), run.reference.q.shape).copy()
+    torque[0] = 0.0
+    return torque
 
 
 def _setpoints(runs: Sequence[Run], torques: Sequence[Array]) -> Setpoints:
@@ -138,7 +140,7 @@ def _run(
     traces = [Trace.empty(plant, n * per_step + 1, stride * plant.physics_dt) for n in steps]
     start_q = np.stack([run.reference.q[0] for run in runs])
     start_dq = np.stack([run.reference.dq[0] for run in runs])
-    plant.rest(arm, start_q, start_dq)
+    plant.rest(start_q, start_dq)
     for i, trace in enumerate(traces):
         trace.write(0, plant.batch.qpos[i : i + 1], plant.batch.qvel[i : i + 1], plant.batch.act[i : i + 1])
     fractions = np.arange(plant.n_substeps) / plant.n_substeps

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.plant import Plant
-from ffgym.robot import ModelOptions, RigidArm
+from ffgym.robot import ModelOptions
 from tests.plant.driving import controls
 from tests.robot.independent_arm import IndependentArm
 
@@ -17,7 +17,7 @@ BENT = 2e-3 * np.array([1, -1, 1, 1, -1, 1])
 def swing(robot, corner, physics_dt):
     """States at t = 0 and then every millisecond, of an arm that is let go with bent springs."""
     plant = Plant(robot, 1, options=ModelOptions(friction=False, physics_dt=physics_dt, looks=False))
-    plant.rest(RigidArm(robot), corner[None])
+    plant.rest(corner[None])
     plant.batch.qpos[:, plant.addresses.deflection_qpos] += BENT
     n, every = round(DURATION / physics_dt), round(0.001 / physics_dt)
     first = plant.batch.qpos.copy(), plant.batch.qvel.copy(), plant.batch.act.copy()
@@ -62,7 +62,7 @@ def test_joint_damping_only_takes_energy(irb4600, without_servo, corners):
 def test_power_of_the_motors_is_the_change_of_energy(loose, corners):
     """Work of a known torque on every motor against the change of total energy."""
     plant = Plant(loose, 1, options=ModelOptions(friction=False, physics_dt=0.0000625, looks=False))
-    plant.rest(RigidArm(loose), corners["p1"][None])
+    plant.rest(corners["p1"][None])
     n = round(DURATION / plant.physics_dt)
     torque = np.array([6.0, 10, 6, 0.5, 0.5, 0.5]) * np.sin(2 * np.pi * 5 * np.arange(n) * plant.physics_dt)[:, None]
     state = plant.unpack(*(x[0] for x in plant.advance(controls(plant, torque=torque[None]))))

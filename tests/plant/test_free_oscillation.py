@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import eigh
 
 from ffgym.plant import Plant
-from ffgym.robot import ModelOptions, RigidArm, resonances, static_deflection
+from ffgym.robot import ModelOptions, resonances, static_deflection
 from tests.plant.driving import controls
 
 
@@ -39,7 +39,7 @@ def test_each_mode_of_the_simulated_arm_swings_at_its_resonance(irb4600, arm, wi
     shapes = eigh(stiffness, np.linalg.inv(inertia))[1]
     quiet = ModelOptions(friction=False, gravity=False, physics_dt=0.0000625, looks=False)
     plant = Plant(robot, 6, options=quiet)
-    plant.rest(RigidArm(robot), np.tile(q, (6, 1)))
+    plant.rest(np.tile(q, (6, 1)))
     plant.batch.qpos[:, plant.addresses.deflection_qpos] = 1e-4 * (shapes / np.abs(shapes).max(axis=0)).T
     state = plant.unpack(*plant.advance(np.zeros((6, 8000, plant.model.nu))))
     deflection = state.link_position - state.motor_position / drive.gear_ratio
@@ -56,7 +56,7 @@ def test_damping_of_the_springs_decays_the_lowest_mode_as_described(irb4600, arm
     stiffness = np.diag(drive.joint_stiffness)
     squares, shapes = eigh(stiffness, arm.mass_matrix(q[None])[0])
     plant = Plant(robot, 1, options=ModelOptions(friction=False, gravity=False, physics_dt=0.0000625, looks=False))
-    plant.rest(RigidArm(robot), q[None])
+    plant.rest(q[None])
     plant.batch.qpos[:, plant.addresses.deflection_qpos] = 1e-4 * shapes[:, 0] / np.abs(shapes[:, 0]).max()
     state = plant.unpack(*(x[0] for x in plant.advance(np.zeros((1, 8000, plant.model.nu)))))
     swing = (state.link_position - state.motor_position / drive.gear_ratio) @ stiffness @ shapes[:, 0]

@@ -10,7 +10,6 @@ import pytest
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, joint_reference
 from ffgym.paths import joint_sine
 from ffgym.plant import Plant
-from ffgym.robot import RigidArm
 from ffgym.robot.spec import friction_actuator, servo_actuator
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
@@ -123,7 +122,7 @@ def test_recorded_friction_is_what_resists_in_mujoco(irb4600, fast_circle, recor
     """MuJoCo's bristle part plus its viscous damping, at states of the plant itself, is LuGre's formula."""
     plant = Plant(irb4600, 1)
     model, ratio = plant.model, irb4600.drive.gear_ratio
-    plant.rest(RigidArm(irb4600), fast_circle.q[:1])
+    plant.rest(fast_circle.q[:1])
     push = np.array([6.0, 8.0, 6.0, 1.0, 1.5, 1.5])
     n = 400
     torque = push * np.sin(np.arange(n) * 0.05)[None, :, None]
@@ -158,7 +157,7 @@ def test_inertia_times_acceleration_is_motor_torque_minus_friction(one_axis):
 def test_at_rest_the_integral_holds_gravity_and_nothing_moves(irb4600, arm, corners):
     q = np.array(list(corners.values()))
     plant = Plant(irb4600, 4)
-    plant.rest(arm, q)
+    plant.rest(q)
     n = round(0.5 / plant.physics_dt)
     position = (q * irb4600.drive.gear_ratio)[:, None]
     state = plant.unpack(*plant.advance(controls(plant, position, shape=(4, n, 6))))

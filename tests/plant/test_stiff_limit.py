@@ -18,7 +18,7 @@ def pushed(robot, corner, friction):
     """Motor and link angles, link side [rad], under the same torques: rigid gravity and a sine on every motor."""
     plant = Plant(robot, 1, options=ModelOptions(friction=friction, physics_dt=PHYSICS_DT, looks=False))
     arm = RigidArm(robot)
-    plant.rest(arm, corner[None])
+    plant.rest(corner[None])
     n = round(DURATION / PHYSICS_DT)
     phase = 2 * np.pi * np.arange(n) / n
     torque = arm.gravity_torque(corner[None]) / robot.drive.gear_ratio
@@ -58,7 +58,7 @@ def test_a_rigid_robot_has_one_hinge_per_joint(irb4600):
 
 def test_a_flexible_robot_built_rigid_rests_undeflected_and_its_integral_holds_gravity(irb4600, arm, corners):
     plant = Plant(irb4600, 1, options=ModelOptions(flexible=False, looks=False))
-    plant.rest(arm, corners["p2"][None])
+    plant.rest(corners["p2"][None])
     state = plant.state()
     np.testing.assert_allclose(state.link_position[0], corners["p2"], atol=1e-15)
     held = irb4600.servo.integral_gain * state.integral * irb4600.drive.gear_ratio
@@ -70,7 +70,7 @@ def test_robots_may_mix_rigid_and_elastic_joints(irb4600, corners):
     stiffness[[0, 3]] = np.inf
     mixed = replace(irb4600, drive=replace(irb4600.drive, joint_stiffness=stiffness))
     plant = Plant(mixed, 1)
-    plant.rest(RigidArm(mixed), corners["p1"][None])
+    plant.rest(corners["p1"][None])
     state = plant.state()
     deflection = (state.link_position - state.motor_position / mixed.drive.gear_ratio)[0]
     np.testing.assert_allclose(deflection[[0, 3]], 0, atol=1e-16)

@@ -104,7 +104,7 @@ def test_a_batch_stepped_in_parts_has_the_bits_of_one_call(irb4600, arm, runs):
     rows = (reference.q * irb4600.drive.gear_ratio, reference.motor_dq, np.zeros_like(reference.q))
     plants = [Plant(irb4600, 1) for _ in range(2)]
     for plant in plants:
-        plant.rest(arm, reference.q[:1])
+        plant.rest(reference.q[:1])
     sent = controls(plants[0], *(row[None] for row in rows))
     whole = plants[0].advance(sent)
     parts = [plants[1].advance(sent[:, a:b]) for a, b in ((0, 7), (7, 20), (20, sent.shape[1]))]
@@ -115,7 +115,7 @@ def test_a_batch_stepped_in_parts_has_the_bits_of_one_call(irb4600, arm, runs):
 def test_the_simulation_that_becomes_unstable_is_named(irb4600, arm, corners, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # MuJoCo writes its log to the working directory
     plant = Plant(irb4600, 3)
-    plant.rest(arm, np.tile(corners["p1"], (3, 1)))
+    plant.rest(np.tile(corners["p1"], (3, 1)))
     plant.batch.qvel[1, 0] = 1e11
     held = controls(plant, corners["p1"] * irb4600.drive.gear_ratio, shape=(3, 10, 6))
     with pytest.raises(FFGymError, match=r"Simulation 1 of robot 'irb4600_60_205' became unstable between t = "):

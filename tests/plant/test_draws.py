@@ -1,0 +1,142 @@
+"""Draws of robots, and simulations that become them."""
+
+from dataclasses import fields, replace
+
+import mujoco.batch
+import numpy as np
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.plant import LogUniform, Plant, PlantDistribution, Uniform, with_payload
+from ffgym.plant.plant import _field
+from ffgym.robot import ModelOptions, RigidArm, compile_model, static_deflection
+from tests.plant.driving import controls
+
+
+def hold(plant, q, steps):
+    """Controls that hold joint angles (B, N) for a number of physics steps."""
+    position = np.repeat((q * plant.robot.drive.gear_ratio)[:, None], steps, axis=1)
+    return controls(plant, position, shape=position.shape)
+
+
+@pytest.fixture
+def drawn(irb4600):
+    return [PlantDistribution().draw(irb4600, np.random.default_rng(seed)) for seed in range(3)]
+
+
+def test_a_simulation_that_becomes_a_robot_has_exactly_its_compiled_model(irb4600, drawn):
+    plant = Plant(irb4600, 4)
+    plant.become([1, 3], drawn[:2])
+    plant.become([3], drawn[2:])  # a second draw leaves nothing of the first
+    nominal = compile_model(irb4600, ModelOptions(looks=False))
+    wanted = [nominal, compile_model(drawn[0], ModelOptions(looks=False)), nominal]
+    wanted.append(compile_model(drawn[2], ModelOptions(looks=False)))
+    for i, model in enumerate(wanted):
+        own = plant.batch.get_model(i)
+        for name in mujoco.batch.MODEL_FIELDS:
+            np.testing.assert_array_equal(_field(own, name), _field(model, name), err_msg=f"{i} {name}")
+
+
+def test_a_drawn_robot_rests_under_its_own_gravity_and_stays_there(irb4600, drawn, corners):
+    plant = Plant(irb4600, 3)
+    plant.become(range(3), drawn)
+    start = np.tile(corners["p2"], (3, 1))
+    plant.rest(start)
+    for i, robot in enumerate(drawn):
+        sag = static_deflection(RigidArm(robot), start[:1])[0]
+        np.testing.assert_allclose(plant.state().link_position[i], start[0] + sag, atol=1e-12)
+    before = plant.state()
+    plant.drive(hold(plant, start, 200))
+    np.testing.assert_allclose(plant.state().link_position, before.link_position, atol=1e-10)
+
+
+def test_a_simulation_in_a_batch_of_drawn_robots_equals_the_robot_alone(irb4600, drawn, corners):
+    start = np.tile(corners["p1"], (3, 1))
+    together = Plant(irb4600, 3)
+    together.become(range(3), drawn)
+    alone = Plant(drawn[1], 1)
+    for plant, rows in ((together, start), (alone, start[:1])):
+        plant.rest(rows)
+        plant.drive(hold(plant, rows + 1e-3, 400))
+    np.testing.assert_array_equal(together.batch.state[1], alone.batch.state[0])
+
+
+def test_going_back_to_the_nominal_robot_restores_every_bit(irb4600, drawn, corners):
+    changed, fresh = Plant(irb4600, 1), Plant(irb4600, 1)
+    changed.become([0], drawn[:1])
+    changed.become([0], [irb4600])
+    for plant in (changed, fresh):
+        plant.rest(corners["p1"][None])
+        plant.drive(hold(plant, corners["p1"][None] + 1e-3, 100))
+    np.testing.assert_array_equal(changed.batch.state, fresh.batch.state)
+
+
+def test_draws_stay_within_their_distributions_and_follow_the_seed(irb4600):
+    same = [PlantDistribution().draw(irb4600, np.random.default_rng(7)) for _ in range(2)]
+    np.testing.assert_array_equal(same[0].friction.viscous, same[1].friction.viscous)
+    ratios = []
+    for seed in range(200):
+        robot = PlantDistribution().draw(irb4600, np.random.default_rng(seed))
+        ratios.append(robot.friction.coulomb / irb4600.friction.coulomb)
+        np.testing.assert_allclose(
+            robot.friction.static / robot.friction.coulomb, irb4600.friction.static / irb4600.friction.coulomb
+        )
+        damping = robot.drive.joint_damping / np.sqrt(robot.drive.joint_stiffness)
+        np.testing.assert_allclose(damping, irb4600.drive.joint_damping / np.sqrt(irb4600.drive.joint_stiffness))
+    ratios = np.array(ratios)
+    assert ratios.min() >= 0.7
+    assert ratios.max() <= 1.4
+    assert 0.9 < np.exp(np.log(ratios).mean()) < 1.1
+    assert np.abs(np.corrcoef(np.log(ratios).T) - np.eye(6)).max() < 0.3  # joints are independent
+
+
+@pytest.mark.parametrize("group", [f.name for f in fields(PlantDistribution)])
+def test_each_group_changes_its_own_parameters_only(irb4600, group):
+    nothing = {f.name: None for f in fields(PlantDistribution)}
+    robot = PlantDistribution(**(nothing | {group: Uniform(1.3, 1.3)})).draw(irb4600, np.random.default_rng(0))
+    changed = set()
+    for part in ("friction", "drive", "bodies", "tool"):
+        for f in fields(getattr(robot, part)):
+            if not np.array_equal(getattr(getattr(robot, part), f.name), getattr(getattr(irb4600, part), f.name)):
+                changed.add(f.name)
+    wanted = {
+        "friction_level": {"coulomb", "static"},
+        "joint_stiffness": {"joint_stiffness", "joint_damping"},
+        "link_inertia": {"mass", "inertia"},
+        "payload": {"mass", "com", "inertia"},
+    }
+    assert changed == wanted.get(group, {group})
+
+
+def test_a_payload_is_a_point_mass_at_the_tcp(irb4600, arm, corners):
+    loaded = RigidArm(with_payload(irb4600, 5.0))
+    q, ddq = corners["p3"][None], np.array([[0.3, -0.2, 0.4, 0.1, -0.5, 0.6]])
+    jacobian = arm.jacobian(q)[0, :3]
+    extra = loaded.inverse_dynamics(q, 0 * q, ddq, gravity=True) - arm.inverse_dynamics(q, 0 * q, ddq, gravity=True)
+    expected = 5.0 * jacobian.T @ (jacobian @ ddq[0] - irb4600.gravity)
+    np.testing.assert_allclose(extra[0], expected, rtol=1e-9)
+
+
+def test_what_cannot_be_drawn_or_become_is_refused(irb4600, one_axis):
+    with pytest.raises(FFGymError, match="must be a distribution"):
+        PlantDistribution(viscous=1.2)
+    with pytest.raises(FFGymError, match="must be in"):
+        LogUniform(0.0, 1.0)
+    with pytest.raises(FFGymError, match="must be > 0"):
+        PlantDistribution(joint_stiffness=Uniform(-1.0, -1.0)).draw(irb4600, np.random.default_rng(0))
+    with pytest.raises(FFGymError, match="no payload"):
+        with_payload(one_axis, 1.0)
+    with pytest.raises(FFGymError, match="has joints"):
+        Plant(irb4600, 1).become([0], [one_axis])
+    faster = replace(irb4600, servo=replace(irb4600.servo, position_gain=irb4600.servo.position_gain * 2))
+    with pytest.raises(FFGymError, match=r"servo\.position_gain"):
+        Plant(irb4600, 1).become([0], [faster])
+    rigid = replace(irb4600, drive=replace(irb4600.drive, joint_stiffness=np.full(6, np.inf)))
+    with pytest.raises(FFGymError, match="other elastic joints"):
+        Plant(irb4600, 1).become([0], [rigid])
+
+
+def test_a_robot_too_soft_for_gravity_is_refused(irb4600, corners):
+    soft = replace(irb4600, drive=replace(irb4600.drive, joint_stiffness=irb4600.drive.joint_stiffness * 1e-3))
+    with pytest.raises(FFGymError, match="too soft"):
+        Plant(soft, 1).rest(corners["p1"][None])
