@@ -1,8 +1,13 @@
 """Feed-forward friction compensation on industrial robots: simulation, baselines, learning, diagnosis.
 
+`import ffgym` registers the Gymnasium environments ffgym/CirclePath-v0, ffgym/OneAxis-v0 and ffgym/JointMotion-v0.
+
 Rooms: `robot` (descriptions, models, kinematics, dynamics), `friction`, `paths`, `control`, `plant`, `simulation`,
-`recordings`, `metrics`, `studies`, `report`, `cli`. docs/architecture.md says who may know whom.
+`recordings`, `metrics`, `studies`, `envs`, `report`, `cli`. docs/architecture.md says who may know whom.
 """
 
 from ffgym.errors import FFGymError as FFGymError
+from ffgym.registration import register as _register
 from ffgym.version import __version__ as __version__
+
+_register()

@@ -8,3 +8,4 @@ from ffgym.paths.joint_space import constant_velocity as constant_velocity
 from ffgym.paths.joint_space import joint_sine as joint_sine
 from ffgym.paths.motion import CartesianPath as CartesianPath
 from ffgym.paths.motion import JointPath as JointPath
+from ffgym.paths.random_motion import random_multisine as random_multisine

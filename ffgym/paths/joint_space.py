@@ -48,7 +48,7 @@ def joint_sine(
         )
 
     segment = Segment(label=f"sine {frequency:g} Hz", kind="motion", duration=duration, evaluate=evaluate)
-    return _joint_path(name, [segment], dt)
+    return joint_path(name, [segment], dt)
 
 
 def constant_velocity(
@@ -104,9 +104,10 @@ def constant_velocity(
         Segment(label="slow down", kind="lead_out", duration=ramp, evaluate=slow_down),
         standstill("rest 1", last, dwell),
     ]
-    return _joint_path(name, segments, dt)
+    return joint_path(name, segments, dt)
 
 
-def _joint_path(name: str, segments: list[Segment], dt: float) -> JointPath:
+def joint_path(name: str, segments: list[Segment], dt: float) -> JointPath:
+    """Sampled motion of the joints that runs through `segments`."""
     t, q, dq, ddq, phases = sample(segments, dt)
     return JointPath(name=name, t=t, q=q, dq=dq, ddq=ddq, phases=phases)

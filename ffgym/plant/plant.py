@@ -10,7 +10,7 @@ from mujoco import batch
 
 from ffgym.errors import FFGymError, check_shape, check_whole
 from ffgym.plant.addresses import Addresses
-from ffgym.robot import ModelOptions, RobotDescription, compile_model
+from ffgym.robot import ModelOptions, RobotDescription, compile_model, physics_fingerprint
 from ffgym.types import Array, IntArray
 
 MAX_THREADS = 1024
@@ -68,6 +68,19 @@ class Plant:
         """Number of simulations B."""
         return int(self.batch.nsim)
 
+    def check_controller(self, robot: RobotDescription) -> None:
+        """Check that a controller made for `robot` fits this plant, and this plant's a robot.
+
+        Raises:
+            FFGymError: if joints, gear ratios, servo gains or sample times differ.
+        """
+        _check_same_controller(self.robot, robot)
+
+    def fingerprint(self, index: int = 0) -> str:
+        """Fingerprint of the physics of one simulation."""
+        own = self.robots[index] is self.robot
+        return physics_fingerprint(self.model if own else self.batch.get_model(index))
+
     def become(self, ids: Sequence[int] | IntArray, robots: Sequence[RobotDescription]) -> None:
         """Give simulations `ids` other physics: masses, stiffness, friction, ... of `robots`; then put them to `rest`.
 
@@ -77,7 +90,7 @@ class Plant:
         for i, robot in zip(ids, robots, strict=True):
             if robot is self.robots[i]:
                 continue
-            _check_same_controller(self.robot, robot)
+            self.check_controller(robot)
             model = compile_model(robot, self._options)
             if (model.nq, model.nu, model.na) != (self.model.nq, self.model.nu, self.model.na):
                 raise FFGymError(
@@ -215,7 +228,8 @@ def _check_same_controller(own: RobotDescription, other: RobotDescription) -> No
     for name, (mine, theirs) in pairs.items():
         if not np.array_equal(mine, theirs):
             raise FFGymError(
-                f"Plant {other.name!r} has {name} = {theirs}, the controller was made for {mine}; the two must agree."
+                f"Robots {own.name!r} and {other.name!r} differ in {name}, {mine} and {theirs}; a plant must have what "
+                f"its controller was made for."
             )
 
 

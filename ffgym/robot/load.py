@@ -43,6 +43,22 @@ def load_robot(robot: str | Path) -> RobotDescription:
     return parse_robot(text, where=f"{name}.toml")
 
 
+def robot_of(robot: RobotDescription | str | Path) -> RobotDescription:
+    """Return a description as it is, or the one that a name or a path leads to.
+
+    Raises:
+        FFGymError: if it is none of these.
+    """
+    if isinstance(robot, RobotDescription):
+        return robot
+    if not isinstance(robot, str | Path):
+        raise FFGymError(
+            f"robot = {robot!r} must be a RobotDescription, one of {', '.join(builtin_robots())}, or a path to a .toml "
+            f"file."
+        )
+    return load_robot(robot)
+
+
 def parse_robot(text: str, where: str = "description") -> RobotDescription:
     """Build a description from TOML text; `where` names the text in error messages.
 

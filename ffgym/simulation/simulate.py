@@ -69,7 +69,7 @@ def simulate(
     seed = check_whole("seed", seed, low=0)
     arm = arm or RigidArm(robot)
     plant = Plant(robot, len(runs), options=options, n_threads=n_threads)
-    stride = _stride(plant, record_dt)
+    stride = record_stride(plant, record_dt)
     shared = {
         id(run.reference): ReferenceRows.of(arm, run.reference, plant.n_substeps // stride)
         for run in {id(run.reference): run for run in runs}.values()
@@ -80,7 +80,8 @@ def simulate(
     generators = np.random.default_rng(seed).spawn(len(runs))
     recordings = []
     for run, trace, u_lff, rng in zip(runs, traces, added, generators, strict=True):
-        exact = to_recording(trace, shared[id(run.reference)], run.law.name, u_lff, arm, plant, seed)
+        rows = shared[id(run.reference)]
+        exact = to_recording(trace, rows, law=run.law.name, u_lff=u_lff, arm=arm, plant=plant, seed=seed)
         recordings.append(measure(exact, sensors, rng))
     return recordings
 
@@ -95,8 +96,12 @@ def _one_robot(runs: Sequence[Run]) -> RobotDescription:
     return runs[0].reference.robot
 
 
-def _stride(plant: Plant, record_dt: float) -> int:
-    """Physics steps between recorded samples."""
+def record_stride(plant: Plant, record_dt: float) -> int:
+    """Physics steps between samples that are recorded every `record_dt` [s].
+
+    Raises:
+        FFGymError: if that is no multiple of the physics step that divides the control step.
+    """
     record_dt = check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
     stride = round(record_dt / plant.physics_dt)
     if stride < 1 or abs(stride * plant.physics_dt - record_dt) > 1e-9 or plant.n_substeps % stride:

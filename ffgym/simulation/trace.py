@@ -1,6 +1,6 @@
 """The raw states of one simulation, and the recording made of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -9,7 +9,7 @@ from ffgym.control import Reference, Setpoints, rigid_feedforward, servo_torque
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.plant import Plant, PlantState
 from ffgym.recordings import Header, Recording
-from ffgym.robot import RigidArm, physics_fingerprint
+from ffgym.robot import RigidArm
 from ffgym.types import Array
 from ffgym.version import __version__
 
@@ -58,6 +58,8 @@ class ReferenceRows:
     """TCP of a rigid arm at the set-point [m], shape (T, 3); None for a robot without tool."""
     rows_per_step: int
     """Recorded rows in a control step."""
+    cut_short: bool = False
+    """Whether the run ended before its reference did."""
 
     @classmethod
     def of(cls, arm: RigidArm, reference: Reference, rows_per_step: int) -> "ReferenceRows":
@@ -82,29 +84,58 @@ class ReferenceRows:
             rows_per_step=rows_per_step,
         )
 
+    def first(self, count: int) -> "ReferenceRows":
+        """The first `count` rows, for a run that ended early."""
+        if count == len(self.position):
+            return self
+        tcp = None if self.tcp is None else self.tcp[:count]
+        position, velocity, feedforward = self.position[:count], self.velocity[:count], self.feedforward[:count]
+        return replace(self, position=position, velocity=velocity, feedforward=feedforward, tcp=tcp, cut_short=True)
+
 
 def to_recording(
-    trace: Trace, rows: ReferenceRows, law: str, u_lff: Array, arm: RigidArm, plant: Plant, seed: int
+    trace: Trace,
+    rows: ReferenceRows,
+    *,
+    law: str,
+    u_lff: Array,
+    arm: RigidArm,
+    plant: Plant,
+    index: int = 0,
+    seed: int | None = None,
 ) -> Recording:
-    """Recording of one run: everything the drive knows, and the true link, friction and TCP states beside it."""
+    """Recording of one run: everything the drive knows, and the true link, friction and TCP states beside it.
+
+    Args:
+        trace: states of the run, as far as it came.
+        rows: its reference, as many rows.
+        law: what added the torque.
+        u_lff: added torque at the samples of the reference, motor side [N m], shape (S, N).
+        arm: rigid dynamics that the controller knows.
+        plant: the batch it ran in.
+        index: which simulation of the batch.
+        seed: of the sensor noise, for the header.
+    """
     state = plant.unpack(trace.qpos, trace.qvel, trace.act)
     columns: dict[str, Array] = {"timestamp": np.arange(len(trace.qpos), dtype=np.float64) * trace.dt}
-    for family, values in _signals(state, rows, u_lff, plant).items():
+    for family, values in _signals(state, rows, u_lff, plant, index).items():
         columns |= {f"{family}.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
     if rows.tcp is not None:
         tcp = {"tcp.position": arm.tcp_position(state.link_position), "tcp_reference.position": rows.tcp}
         columns |= {f"{family}.{axis}": xyz[:, k] for family, xyz in tcp.items() for k, axis in enumerate("xyz")}
-    return Recording(columns=columns, header=_header(rows.reference, law, plant, seed))
+    header = _header(rows.reference, law, plant, index, seed)
+    recording = Recording(columns=columns, header=header)
+    return recording.slice() if rows.cut_short else recording
 
 
-def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant) -> dict[str, Array]:
+def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant, index: int) -> dict[str, Array]:
     """Per-joint signals, motor side, (T, N) each; the servo's parts are what MuJoCo's `pid` adds up in each step."""
     servo, peak = plant.robot.servo, plant.robot.drive.peak_torque
     compensation = torque_at_rows(u_lff, rows.rows_per_step)
     error, error_rate = rows.position - state.motor_position, rows.velocity - state.motor_velocity
     feedback = servo_torque(servo, error, error_rate, state.integral)
     command = feedback.u_fb + rows.feedforward + compensation
-    friction = plant.robot.friction.torque(state.bristle, state.motor_velocity)
+    friction = plant.robots[index].friction.torque(state.bristle, state.motor_velocity)
     return {
         "motor.position": state.motor_position,
         "motor.velocity": state.motor_velocity,
@@ -122,8 +153,8 @@ def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant)
     }
 
 
-def _header(reference: Reference, law: str, plant: Plant, seed: int) -> Header:
-    robot = plant.robot
+def _header(reference: Reference, law: str, plant: Plant, index: int, seed: int | None) -> Header:
+    robot = reference.robot
     return Header(
         robot=robot.name,
         joints=robot.joints,
@@ -138,7 +169,7 @@ def _header(reference: Reference, law: str, plant: Plant, seed: int) -> Header:
             "seed": seed,
             "ffgym": __version__,
             "mujoco": mujoco.__version__,
-            "physics_fingerprint": physics_fingerprint(plant.model),
+            "physics_fingerprint": plant.fingerprint(index),
             "physics_dt": plant.physics_dt,
         },
         meta={"feedforward_law": law},

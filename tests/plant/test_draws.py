@@ -126,7 +126,7 @@ def test_what_cannot_be_drawn_or_become_is_refused(irb4600, one_axis):
         PlantDistribution(joint_stiffness=Uniform(-1.0, -1.0)).draw(irb4600, np.random.default_rng(0))
     with pytest.raises(FFGymError, match="no payload"):
         with_payload(one_axis, 1.0)
-    with pytest.raises(FFGymError, match="has joints"):
+    with pytest.raises(FFGymError, match="differ in joints"):
         Plant(irb4600, 1).become([0], [one_axis])
     faster = replace(irb4600, servo=replace(irb4600.servo, position_gain=irb4600.servo.position_gain * 2))
     with pytest.raises(FFGymError, match=r"servo\.position_gain"):

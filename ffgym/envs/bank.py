@@ -1,0 +1,61 @@
+"""Rows of all motions that a batch follows, in one table, so that each step looks all of them up at once."""
+
+import numpy as np
+
+from ffgym.envs.motion import Columns, Motion
+from ffgym.types import Array, IntArray
+
+_KEEP_ROWS = 200_000
+"""Motions that nobody follows any more are kept up to this number of rows in all: 50 MB, several times the thesis'
+circle test."""
+
+
+class MotionBank:
+    """Assigns motions to B sub-environments; each motion is stored once, however many follow it."""
+
+    def __init__(self, n: int, columns: Columns, padding: int) -> None:
+        self.columns = columns
+        self._padding = padding
+        self._table = np.zeros((0, columns.width))
+        self._filled = 0
+        self._place: dict[int, tuple[Motion, int]] = {}
+        """By identity: motion and its first row."""
+        self.motions: list[Motion | None] = [None] * n
+        self._offset = np.zeros(n, dtype=np.int64)
+
+    def assign(self, i: int, motion: Motion) -> None:
+        """Let sub-environment `i` follow `motion`."""
+        self.motions[i] = motion
+        if id(motion) not in self._place:
+            self._store(motion)
+        self._offset[i] = self._place[id(motion)][1]
+
+    def window(self, step: IntArray, width: int) -> Array:
+        """Rows of `width` samples from sample `step` (B,) on, shape (B, width, W); a copy."""
+        first: IntArray = self._offset + step
+        return self._table[first[:, None] + np.arange(width)]
+
+    def _store(self, motion: Motion) -> None:
+        rows = motion.rows(self._padding)
+        if self._filled + len(rows) > len(self._table):
+            self._make_room(len(rows))
+        self._table[self._filled : self._filled + len(rows)] = rows
+        self._place[id(motion)] = (motion, self._filled)
+        self._filled += len(rows)
+
+    def _make_room(self, wanted: int) -> None:
+        """Move what is followed (and, if it is little, what was) to the front of a table with enough room."""
+        followed = {id(motion) for motion in self.motions if motion is not None}
+        keep_all = self._filled <= _KEEP_ROWS
+        kept = [(m, at) for key, (m, at) in self._place.items() if keep_all or key in followed]
+        lengths = [m.n_steps + 1 + self._padding for m, _ in kept]
+        table = np.empty((int((sum(lengths) + wanted) * 1.25), self.columns.width))
+        self._place, self._filled = {}, 0
+        for (motion, at), length in zip(kept, lengths, strict=True):
+            table[self._filled : self._filled + length] = self._table[at : at + length]
+            self._place[id(motion)] = (motion, self._filled)
+            self._filled += length
+        self._table = table
+        for i, followed_now in enumerate(self.motions):
+            if id(followed_now) in self._place:
+                self._offset[i] = self._place[id(followed_now)][1]

@@ -1,0 +1,156 @@
+"""`ffgym/CirclePath-v0`: the circle test of the thesis, at positions of a work area and constant TCP speeds."""
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from ffgym.control import cartesian_reference
+from ffgym.envs.motion import Motion
+from ffgym.envs.settings import Settings
+from ffgym.envs.single import TrackingEnv
+from ffgym.envs.tasks import Tasks, check_not_empty
+from ffgym.envs.vector import TrackingVectorEnv
+from ffgym.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.paths import RADII, SPEEDS, circle_test
+from ffgym.robot import RobotDescription, robot_of
+from ffgym.types import Array
+
+Position = str | Sequence[float] | Array
+"""Name of a position of the work area, or a point in the world [m], shape (3,)."""
+
+ORDERS = ("listed", "shuffled", "one")
+
+
+class CircleTasks(Tasks):
+    """Circle tests at several positions and speeds.
+
+    Args:
+        robot: must have a work area.
+        positions: names in its work area, or points [m]; None takes all of the area.
+        speeds: TCP speeds [m/s].
+        radii: circle radii [m].
+        order: 'listed' runs all radii as they are listed, as the thesis; 'shuffled' in random order; 'one' one of them.
+    """
+
+    option_names = ("position", "speed", "radii", "order")
+
+    def __init__(
+        self,
+        robot: RobotDescription,
+        *,
+        positions: Sequence[Position] | None = None,
+        speeds: Sequence[float] = SPEEDS,
+        radii: Sequence[float] = RADII,
+        order: Literal["listed", "shuffled", "one"] = "listed",
+    ) -> None:
+        super().__init__(robot)
+        if robot.work_area is None:
+            raise FFGymError(
+                f"Robot {robot.name!r} has no work area for circles; use ffgym/OneAxis-v0 for one axis, or "
+                f"ffgym/JointMotion-v0."
+            )
+        chosen = tuple(robot.work_area.positions) if positions is None else _sequence("positions", positions)
+        self._positions = check_not_empty("positions", chosen, "'p1'")
+        self._speeds = check_not_empty("speeds", _numbers("speeds", speeds), "0.010 m/s")
+        self._radii = check_not_empty("radii", _numbers("radii", radii), "0.003 m")
+        self._order = check_choice("order", order, ORDERS)
+        for position in self._positions:
+            self._point(position)  # complain now, not in the middle of a training
+
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
+        """See base class; the order of draws is position, speed, order of the circles."""
+        position = options["position"] if "position" in options else _pick(self._positions, rng)
+        speed = check_number("speed", options["speed"] if "speed" in options else _pick(self._speeds, rng), unit="m/s")
+        radii = check_not_empty("radii", _numbers("radii", options.get("radii", self._radii)), "0.003 m")
+        order = check_choice("order", options.get("order", self._order), ORDERS)
+        if order == "shuffled":
+            radii = tuple(radii[i] for i in rng.permutation(len(radii)))
+        elif order == "one":
+            radii = (_pick(radii, rng),)
+        return self._motion(position, speed, radii)
+
+    def listed(self) -> list[dict[str, Any]]:
+        """See base class: every position at every speed, and with order 'one' every radius."""
+        every = [(r,) for r in self._radii] if self._order == "one" else [self._radii]
+        return [
+            {"position": position, "speed": speed, "radii": radii}
+            | ({"order": "listed"} if self._order == "one" else {})
+            for speed, position, radii in product(self._speeds, self._positions, every)
+        ]
+
+    def _motion(self, position: Position, speed: float, radii: tuple[float, ...]) -> Motion:
+        label, point = self._point(position)
+
+        def make() -> Motion:
+            name = f"{label}, {speed * 1e3:g} mm/s"
+            path = circle_test(point, speed, radii=radii, dt=self.robot.servo.control_dt, name=name)
+            task = {"position": label, "speed": speed, "radii": list(radii)}
+            return Motion(reference=cartesian_reference(self.arm, path), arm=self.arm, task=task)
+
+        return self._cached((tuple(point), speed, radii), make)
+
+    def _point(self, position: Position) -> tuple[str, Array]:
+        """Label of a position and where it is [m]."""
+        if isinstance(position, str):
+            return position, self.robot.position(position)
+        point = check_shape("position", position, (3,))
+        return "({:.4g}, {:.4g}, {:.4g}) m".format(*point), point
+
+
+def _pick(values: Sequence[Any], rng: np.random.Generator) -> Any:
+    return values[int(rng.integers(len(values)))]
+
+
+def _numbers(name: str, values: Any) -> tuple[float, ...]:
+    """Numbers from a sequence of them, or from one."""
+    return tuple(check_shape(name, np.atleast_1d(values), (None,)).tolist())
+
+
+def _sequence(name: str, values: Any) -> tuple[Any, ...]:
+    """Positions from a sequence of them; one alone is a slip that would be read as its letters or coordinates."""
+    if isinstance(values, str) or np.ndim(values) == 0 or (np.ndim(values) == 1 and not isinstance(values[0], str)):
+        raise FFGymError(f"{name} = {values!r} must be a list of names or points, e.g. {name}=['p1'].")
+    return tuple(values)
+
+
+class CirclePathVectorEnv(TrackingVectorEnv):
+    """Six-axis robots on the circle test.
+
+    Args:
+        num_envs: number of robots.
+        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
+        positions: names in its work area, or points [m]; None takes all of the area.
+        speeds: TCP speeds [m/s].
+        radii: circle radii [m].
+        order: 'listed' runs all radii as they are listed, as the thesis; 'shuffled' in random order; 'one' one of them.
+        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
+        render_mode: 'rgb_array' or None.
+        settings: keyword arguments of every environment, see `ffgym.envs.Settings`.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        robot: RobotDescription | str | Path = "irb4600_60_205",
+        positions: Sequence[Position] | None = None,
+        speeds: Sequence[float] = SPEEDS,
+        radii: Sequence[float] = RADII,
+        order: Literal["listed", "shuffled", "one"] = "listed",
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **settings: Any,
+    ) -> None:
+        tasks = CircleTasks(robot_of(robot), positions=positions, speeds=speeds, radii=radii, order=order)
+        super().__init__(num_envs, tasks, Settings.of(settings), autoreset_mode, render_mode)
+
+
+class CirclePathEnv(TrackingEnv):
+    """One six-axis robot on the circle test; keyword arguments as `CirclePathVectorEnv`."""
+
+    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
+        super().__init__(CirclePathVectorEnv, render_mode, arguments)

@@ -1,0 +1,106 @@
+"""`ffgym/JointMotion-v0`: random smooth motions of all joints, no path, for training that should carry over to any."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from ffgym.control import joint_reference
+from ffgym.envs.motion import Motion
+from ffgym.envs.settings import Settings
+from ffgym.envs.single import TrackingEnv
+from ffgym.envs.tasks import Tasks
+from ffgym.envs.vector import TrackingVectorEnv
+from ffgym.errors import FFGymError, check_number, check_shape
+from ffgym.paths import random_multisine
+from ffgym.robot import RobotDescription, robot_of
+from ffgym.types import Array
+
+PEAK_SPEEDS = (0.2, 20.0)
+"""Range of the fastest motor speed of each joint [rad/s]: from presliding to the fastest motor of the circle test."""
+
+
+class RandomTasks(Tasks):
+    """Random multisines; each episode has its own, and each joint its own peak speed.
+
+    Args:
+        robot: any robot.
+        duration: of an episode [s].
+        peak_speeds: range of the largest speed of each joint, motor side [rad/s]; drawn log-uniformly.
+        spread: the centre of the motion is drawn within +- this of the home pose, link side [rad].
+    """
+
+    option_names = ("centre", "peak_speed")
+
+    def __init__(
+        self, robot: RobotDescription, *, duration: float, peak_speeds: tuple[float, float], spread: float
+    ) -> None:
+        super().__init__(robot)
+        self._duration = check_number("duration", duration, unit="s", low=0.0, open_low=True)
+        low, high = check_shape("peak_speeds", peak_speeds, (2,)).tolist()
+        if not 0 < low <= high:
+            raise FFGymError(f"peak_speeds = ({low}, {high}) rad/s must be 0 < low <= high.")
+        self._peak_speeds = (low, high)
+        self._spread = check_number("spread", spread, unit="rad", low=0.0)
+
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
+        """See base class; the order of draws is centre, peak speeds, sines."""
+        n, kinematics = self.robot.n_joints, self.robot.kinematics
+        home = np.zeros(n) if self.robot.work_area is None else self.robot.work_area.home
+        centre = home + rng.uniform(-self._spread, self._spread, size=n)
+        speed = np.exp(rng.uniform(np.log(self._peak_speeds[0]), np.log(self._peak_speeds[1]), size=n))
+        if "centre" in options:
+            centre = check_shape("centre", options["centre"], (n,))
+        if "peak_speed" in options:
+            speed = check_shape("peak_speed", np.broadcast_to(options["peak_speed"], n), (n,))
+        centre = np.clip(centre, *_inner(kinematics.range))
+        path = random_multisine(
+            rng, centre, speed / self.robot.drive.gear_ratio, self._duration, dt=self.robot.servo.control_dt
+        )
+        task = {"centre": centre.tolist(), "peak_speed": speed.tolist()}
+        return Motion(reference=joint_reference(self.robot, path), arm=self.arm, task=task)
+
+
+def _inner(limits: Array) -> tuple[Array, Array]:
+    """The middle 80 % of the joint ranges (N, 2) [rad]: room for the motion about its centre."""
+    middle, half = limits.mean(axis=1), np.diff(limits, axis=1)[:, 0] / 2
+    return middle - 0.8 * half, middle + 0.8 * half
+
+
+class JointMotionVectorEnv(TrackingVectorEnv):
+    """Robots of any kind on random smooth joint motions, a new one for each episode.
+
+    Args:
+        num_envs: number of robots.
+        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
+        duration: of an episode [s].
+        peak_speeds: range of the largest speed of each joint, motor side [rad/s]; drawn log-uniformly.
+        spread: the centre of the motion is drawn within +- this of the home pose, link side [rad].
+        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
+        render_mode: 'rgb_array' or None.
+        settings: keyword arguments of every environment, see `ffgym.envs.Settings`.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        robot: RobotDescription | str | Path = "irb4600_60_205",
+        duration: float = 2.0,
+        peak_speeds: tuple[float, float] = PEAK_SPEEDS,
+        spread: float = 0.3,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **settings: Any,
+    ) -> None:
+        tasks = RandomTasks(robot_of(robot), duration=duration, peak_speeds=peak_speeds, spread=spread)
+        super().__init__(num_envs, tasks, Settings.of(settings), autoreset_mode, render_mode)
+
+
+class JointMotionEnv(TrackingEnv):
+    """One robot on random smooth joint motions; keyword arguments as `JointMotionVectorEnv`."""
+
+    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
+        super().__init__(JointMotionVectorEnv, render_mode, arguments)

@@ -1,0 +1,276 @@
+"""What stands between agent and robot: residuals on a base, history, filters, a slower decision rate.
+
+Layers are given as `layers=(innermost, ..., outermost)` to `gym.make` and `gym.make_vec` alike. They live inside the
+environment, below the automatic reset: each is written once, for a batch, and works the same in the single and the
+vector environment, in every autoreset mode and in the SB3 adapter. (Gymnasium's own wrappers work outside as usual, but
+`make_vec` takes none for an environment that is a vector environment by nature.)
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, final, runtime_checkable
+
+import numpy as np
+from gymnasium import spaces
+
+from ffgym.control import FeedForwardLaw
+from ffgym.envs.core import TrackingCore, Transition
+from ffgym.envs.motion import Motion
+from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.types import Array, BoolArray, IntArray
+
+
+@runtime_checkable
+class Agent(Protocol):
+    """Anything with the `predict` of stable-baselines3."""
+
+    def predict(
+        self,
+        observation: Array,
+        state: Any = None,
+        episode_start: Any = None,
+        deterministic: bool = False,
+    ) -> tuple[Array, Any]:
+        """Actions (B, N) for observations (B, D), and the state to pass in next time."""
+
+
+class Stage(Protocol):
+    """The core, or a layer on top of it."""
+
+    observation_space: spaces.Box
+    action_space: spaces.Box
+    decision_dt: float
+
+    def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
+        """Begin episodes; returns all observations."""
+
+    def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        """One decision where `active`."""
+
+
+class Layer(ABC):
+    """Description of a layer; `over` builds it."""
+
+    @abstractmethod
+    def over(self, inner: Stage, core: TrackingCore) -> Stage:
+        """The layer on top of `inner`, whose lowest stage is `core`."""
+
+
+class _Passing:
+    """A stage that changes nothing, to derive from."""
+
+    def __init__(self, inner: Stage, core: TrackingCore) -> None:
+        self.inner, self.core = inner, core
+        self.observation_space, self.action_space = inner.observation_space, inner.action_space
+        self.decision_dt = inner.decision_dt
+
+    def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
+        return self.inner.reset(ids, options)
+
+    def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        return self.inner.step(action, active)
+
+
+@final
+@dataclass(frozen=True)
+class History(Layer):
+    """The last `length` observations side by side, the newest first, so that the layout still reads it.
+
+    At the start of an episode the first observation stands for those before it.
+    """
+
+    length: int
+
+    def __post_init__(self) -> None:
+        check_whole("history length", self.length, low=1)
+
+    def over(self, inner: Stage, core: TrackingCore) -> Stage:
+        """See base class."""
+        return _HistoryStage(inner, core, self.length)
+
+
+class _HistoryStage(_Passing):
+    def __init__(self, inner: Stage, core: TrackingCore, length: int) -> None:
+        super().__init__(inner, core)
+        box = inner.observation_space
+        low, high = np.tile(box.low, length), np.tile(box.high, length)
+        self.observation_space = spaces.Box(low, high, dtype=np.float64)
+        self._past = np.zeros((core.n, length, box.shape[0]))
+
+    def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
+        observation = self.inner.reset(ids, options)
+        self._past[ids] = observation[ids, None]
+        return self._flat()
+
+    def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        result = self.inner.step(action, active)
+        rows = slice(None) if active is None else active
+        self._past[rows, 1:] = self._past[rows, :-1].copy()
+        self._past[rows, 0] = result.observation[rows]
+        return replace(result, observation=self._flat())
+
+    def _flat(self) -> Array:
+        return self._past.reshape(len(self._past), -1).copy()
+
+
+@final
+@dataclass(frozen=True)
+class LowPass(Layer):
+    """First-order low-pass filter on the action; it starts at zero."""
+
+    cutoff: float
+    """[Hz]."""
+
+    def __post_init__(self) -> None:
+        check_number("cutoff", self.cutoff, unit="Hz", low=0.0, open_low=True)
+
+    def over(self, inner: Stage, core: TrackingCore) -> Stage:
+        """See base class."""
+        return _LowPassStage(inner, core, 1 - np.exp(-2 * np.pi * self.cutoff * inner.decision_dt))
+
+
+class _LowPassStage(_Passing):
+    def __init__(self, inner: Stage, core: TrackingCore, share: float) -> None:
+        super().__init__(inner, core)
+        self._share = share
+        self._filtered = np.zeros((core.n, inner.action_space.shape[0]))
+
+    def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
+        self._filtered[ids] = 0.0
+        return self.inner.reset(ids, options)
+
+    def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        moved = self._filtered + self._share * (np.clip(action, -1.0, 1.0) - self._filtered)
+        self._filtered = moved if active is None else np.where(active[:, None], moved, self._filtered)
+        return self.inner.step(self._filtered, active)
+
+
+@final
+@dataclass(frozen=True)
+class Hold(Layer):
+    """One decision every `steps` control steps: the action is held, rewards add up; an episode may end in between."""
+
+    steps: int
+
+    def __post_init__(self) -> None:
+        check_whole("held steps", self.steps, unit="control steps", low=1)
+
+    def over(self, inner: Stage, core: TrackingCore) -> Stage:
+        """See base class."""
+        return _HoldStage(inner, core, self.steps)
+
+
+class _HoldStage(_Passing):
+    def __init__(self, inner: Stage, core: TrackingCore, steps: int) -> None:
+        super().__init__(inner, core)
+        self._steps = steps
+        self.decision_dt = steps * inner.decision_dt
+
+    def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        total = self.inner.step(action, active)
+        going = np.ones(self.core.n, dtype=np.bool_) if active is None else active
+        for _ in range(self._steps - 1):
+            going = going & ~(total.terminated | total.truncated)
+            if not going.any():
+                break
+            result = self.inner.step(action, going)
+            total = Transition(
+                observation=result.observation,
+                reward=total.reward + result.reward,
+                terminated=total.terminated | result.terminated,
+                truncated=total.truncated | result.truncated,
+            )
+        return total
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Residual(Layer):
+    """The agent's action is added to that of a base: a feed-forward law, or any agent with SB3's `predict`.
+
+    A law computes its torque from the whole reference, as in `ffgym.simulation`; an agent sees the observations of the
+    stage below. The sum is clipped to [-1, 1].
+    """
+
+    base: FeedForwardLaw | Agent
+    scale: float = 1.0
+    """Share of an action of 1 that the agent may add."""
+    deterministic: bool = True
+    """Whether an agent as base acts without exploration noise."""
+
+    def __post_init__(self) -> None:
+        check_number("residual scale", self.scale, low=0.0)
+        if not isinstance(self.base, FeedForwardLaw | Agent):
+            raise FFGymError(
+                f"The base of a residual must be a feed-forward law or have a method predict, got {self.base!r}."
+            )
+
+    def over(self, inner: Stage, core: TrackingCore) -> Stage:
+        """See base class."""
+        if isinstance(self.base, FeedForwardLaw):
+            return _ResidualLawStage(inner, core, self.base, self.scale)
+        return _ResidualAgentStage(inner, core, self)
+
+
+class _ResidualLawStage(_Passing):
+    def __init__(self, inner: Stage, core: TrackingCore, law: FeedForwardLaw, scale: float) -> None:
+        super().__init__(inner, core)
+        if inner.decision_dt != core.robot.servo.control_dt:
+            raise FFGymError("A feed-forward law acts at every control step; put Residual below Hold.")
+        self._law, self._scale = law, scale
+        self._torques: list[Array] = [np.zeros((0, 0))] * core.n
+        self._known: dict[int, tuple[Motion, Array]] = {}
+
+    def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
+        observation = self.inner.reset(ids, options)
+        for i in ids:
+            motion = self.core.motions[i]
+            assert motion is not None  # it was just reset
+            self._torques[i] = self._along(motion)
+        return observation
+
+    def _along(self, motion: Motion) -> Array:
+        """Actions of the law along a motion, (T, N); kept, as many episodes share a motion."""
+        if id(motion) not in self._known:
+            if len(self._known) > 128:
+                self._known.clear()
+            self._known[id(motion)] = (motion, self._law.torque(motion.reference) / self.core.action_scale)
+        return self._known[id(motion)][1]
+
+    def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        ends = np.minimum(self.core.step_index + 1, [len(torque) - 1 for torque in self._torques])
+        base = np.stack([torque[k] for torque, k in zip(self._torques, ends, strict=True)])
+        return self.inner.step(base + self._scale * np.clip(action, -1.0, 1.0), active)
+
+
+class _ResidualAgentStage(_Passing):
+    def __init__(self, inner: Stage, core: TrackingCore, layer: Residual) -> None:
+        super().__init__(inner, core)
+        self._layer = layer
+        self._memory: Any = None
+        self._starts = np.ones(core.n, dtype=np.bool_)
+        self._observation = np.zeros((core.n, inner.observation_space.shape[0]))
+
+    def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
+        self._observation = self.inner.reset(ids, options)
+        self._starts[ids] = True
+        return self._observation
+
+    def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        layer = self._layer
+        assert isinstance(layer.base, Agent)  # Residual.over chose this stage for it
+        base, self._memory = layer.base.predict(
+            self._observation.copy(), self._memory, self._starts.copy(), deterministic=layer.deterministic
+        )
+        base = np.asarray(base, dtype=np.float64)
+        if base.shape != self._action_shape:
+            raise FFGymError(f"The base agent gave actions of shape {base.shape}, must be {self._action_shape}.")
+        self._starts = np.zeros_like(self._starts) if active is None else self._starts & ~active
+        result = self.inner.step(base + layer.scale * np.clip(action, -1.0, 1.0), active)
+        self._observation = result.observation
+        return result
+
+    @property
+    def _action_shape(self) -> tuple[int, int]:
+        return (self.core.n, self.action_space.shape[0])

@@ -1,0 +1,152 @@
+"""One episode's motion: a reference, and everything about it that is looked up at every control step."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ffgym.control import Reference, rigid_feedforward
+from ffgym.metrics.circle import fit_circle
+from ffgym.recordings import PHASE_KINDS
+from ffgym.robot import RigidArm
+from ffgym.types import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """Columns of a motion's rows; N joints, motor side unless said otherwise."""
+
+    n_joints: int
+    has_tcp: bool
+
+    @property
+    def position(self) -> slice:
+        """Reference [rad]."""
+        return self._joint(0)
+
+    @property
+    def velocity(self) -> slice:
+        """Reference [rad/s]."""
+        return self._joint(1)
+
+    @property
+    def acceleration(self) -> slice:
+        """Reference [rad/s^2]."""
+        return self._joint(2)
+
+    @property
+    def reference(self) -> slice:
+        """Position, velocity and acceleration."""
+        return slice(0, 3 * self.n_joints)
+
+    @property
+    def feedforward(self) -> slice:
+        """Rigid feed-forward torque [N m]."""
+        return self._joint(3)
+
+    phase: int = field(init=False)
+    """Index in PHASE_KINDS."""
+    circle: int = field(init=False)
+    """Which circle of the motion, from 0, with its leads; -1 between circles."""
+    radius: int = field(init=False)
+    """Radius [m] on a circle, 0 elsewhere."""
+    tcp: slice = field(init=False)
+    """TCP of a rigid arm on the reference [m]; no columns for a robot without tool."""
+    tangent: slice = field(init=False)
+    """Direction of its motion, zero at rest."""
+
+    def __post_init__(self) -> None:
+        base = 4 * self.n_joints
+        wide = 3 if self.has_tcp else 0
+        for name, value in {
+            "phase": base,
+            "circle": base + 1,
+            "radius": base + 2,
+            "tcp": slice(base + 3, base + 3 + wide),
+            "tangent": slice(base + 3 + wide, base + 3 + 2 * wide),
+        }.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return self.tangent.stop
+
+    def _joint(self, k: int) -> slice:
+        return slice(k * self.n_joints, (k + 1) * self.n_joints)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Motion:
+    """What one episode follows."""
+
+    reference: Reference
+    arm: RigidArm
+    """Rigid dynamics of the robot that the controller knows."""
+    task: dict[str, Any]
+    """What was asked for, e.g. position, speed and radii."""
+
+    @property
+    def name(self) -> str:
+        """Name of the motion."""
+        return self.reference.name
+
+    @property
+    def n_steps(self) -> int:
+        """Control steps from its first sample to its last."""
+        return len(self.reference.t) - 1
+
+    @cached_property
+    def columns(self) -> Columns:
+        """Where the quantities stand in `rows`."""
+        robot = self.reference.robot
+        return Columns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
+
+    @cached_property
+    def plane(self) -> tuple[Array, Array]:
+        """Centre and unit normal of the circles, shape (3,) each; zero without circles."""
+        circles = [phase for phase in self.reference.phases if phase.kind == "circle"]
+        if not circles:
+            return np.zeros(3), np.zeros(3)
+        t = self.reference.t
+        on = (t >= circles[-1].start) & (t < circles[-1].end)
+        circle = fit_circle(self.arm.tcp_position(self.reference.q[on]))
+        return circle.centre, circle.normal
+
+    def rows(self, padding: int) -> Array:
+        """One row per sample, and the last one `padding` times more; shape (T + padding, W)."""
+        reference, at = self.reference, self.columns
+        rows = np.zeros((len(reference.t), at.width))
+        rows[:, at.position] = reference.q * reference.robot.drive.gear_ratio
+        rows[:, at.velocity] = reference.motor_dq
+        rows[:, at.acceleration] = reference.motor_ddq
+        rows[:, at.feedforward] = rigid_feedforward(self.arm, reference)
+        self._write_phases(rows)
+        if at.has_tcp:
+            rows[:, at.tcp] = self.arm.tcp_position(reference.q)
+            rows[:, at.tangent] = _directions(rows[:, at.tcp])
+        return np.pad(rows, ((0, padding), (0, 0)), mode="edge")
+
+    def _write_phases(self, rows: Array) -> None:
+        reference, at = self.reference, self.columns
+        rows[:, at.phase] = PHASE_KINDS.index("motion")
+        rows[:, at.circle] = -1.0
+        circle = -1
+        for phase in reference.phases:
+            on = (reference.t >= phase.start) & (reference.t < phase.end)
+            if phase is reference.phases[-1]:
+                on |= reference.t >= phase.end  # the last sample closes the motion
+            rows[on, at.phase] = PHASE_KINDS.index(phase.kind)
+            circle += phase.kind == "lead_in"
+            if phase.kind in ("lead_in", "circle", "lead_out"):
+                rows[on, at.circle] = circle
+            if phase.kind == "circle":
+                rows[on, at.radius] = fit_circle(self.arm.tcp_position(reference.q[on])).radius
+
+
+def _directions(points: Array) -> Array:
+    """Unit direction of motion at each of the points (T, 3) [m], zero where they rest."""
+    step = np.gradient(points, axis=0)
+    length = np.linalg.norm(step, axis=1, keepdims=True)
+    return np.divide(step, length, out=np.zeros_like(step), where=length > 1e-9)

@@ -1,0 +1,146 @@
+"""What an agent sees: layout, physical scales, and how the motor angle is measured."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_choice, check_whole
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+BOUND = 100.0
+"""Observations are clipped to +-BOUND; scaled as they are, that is beyond everything a robot in order does."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Entry:
+    """One quantity of an observation."""
+
+    slice: slice
+    """Where it stands: N numbers, one per joint."""
+    unit: str
+    side: Literal["motor", "link"]
+    scale: Array
+    """Physical value = observation * scale, shape (N,)."""
+    meaning: str
+
+
+class ObservationLayout(Mapping[str, Entry]):
+    """Entries of an observation by name; `read` gives physical values, so that nobody counts indices.
+
+    Sample 0 of the reference is now; `reference_velocity` is sample 0, `reference_velocity_1` the one after it, and so
+    on up to `preview`. An action sets the torque that is reached at sample 1.
+    """
+
+    def __init__(self, robot: RobotDescription, preview: int, action_scale: Array) -> None:
+        self.preview = check_whole("preview", preview, low=0, high=1000)
+        self.n_joints = n = robot.n_joints
+        scales = Scales.of(robot)
+        motor_position = scales.position * robot.drive.gear_ratio
+        self._reference_scale = np.concatenate([motor_position, scales.velocity, scales.acceleration])
+        self._entries: dict[str, Entry] = {}
+
+        def add(name: str, unit: str, scale: Array, meaning: str, side: Literal["motor", "link"] = "motor") -> None:
+            start = len(self._entries) * n
+            self._entries[name] = Entry(
+                slice=slice(start, start + n), unit=unit, side=side, scale=scale, meaning=meaning
+            )
+
+        add("error", "rad", scales.error, "position error, reference - measured")
+        add("error_rate", "rad/s", scales.error_rate, "speed error, reference - measured")
+        add("added_torque", "N m", action_scale, "added torque now: the last action")
+        for k in range(self.preview + 1):
+            when = "now" if k == 0 else f"{k} control step{'s' if k > 1 else ''} ahead"
+            add(
+                ahead("reference_position", k),
+                "rad",
+                scales.position,
+                f"joint position of the reference, {when}",
+                "link",
+            )
+            add(ahead("reference_velocity", k), "rad/s", scales.velocity, f"motor speed of the reference, {when}")
+            add(ahead("reference_acceleration", k), "rad/s^2", scales.acceleration, f"motor acceleration of it, {when}")
+
+    def __getitem__(self, name: str) -> Entry:
+        return self._entries[check_choice("observation entry", name, list(self._entries))]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    @property
+    def size(self) -> int:
+        """Length of an observation."""
+        return len(self._entries) * self.n_joints
+
+    def encode(self, error: Array, error_rate: Array, action: Array, reference: Array) -> Array:
+        """Observations (B, D).
+
+        Args:
+            error: measured position error, motor side [rad], shape (B, N).
+            error_rate: measured speed error, motor side [rad/s], shape (B, N).
+            action: last action, shape (B, N).
+            reference: position, velocity, acceleration, motor side, of samples 0 to `preview`, shape (B, P + 1, 3 N).
+        """
+        n = self.n_joints
+        out = np.empty((len(error), self.size))
+        np.divide(error, self["error"].scale, out=out[:, :n])
+        np.divide(error_rate, self["error_rate"].scale, out=out[:, n : 2 * n])
+        out[:, 2 * n : 3 * n] = action
+        np.divide(reference, self._reference_scale, out=out[:, 3 * n :].reshape(reference.shape))
+        return np.clip(out, -BOUND, BOUND, out=out)
+
+    def read(self, observation: Array, name: str, ahead_by: int = 0) -> Array:
+        """Physical values (..., N) of an entry in observations (..., D), `ahead_by` samples ahead."""
+        entry = self[ahead(name, ahead_by)]
+        return np.asarray(observation, dtype=np.float64)[..., entry.slice] * entry.scale
+
+
+def ahead(name: str, samples: int) -> str:
+    """Name of a reference entry some samples ahead."""
+    return name if samples == 0 else f"{name}_{samples}"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scales:
+    """Physical size of what is observed, per joint, fixed: what breakaway torque f_s does in each quantity."""
+
+    error: Array
+    """Error at which the proportional part gives f_s: f_s / K_p, motor side [rad]."""
+    error_rate: Array
+    """Speed error at which the derivative part gives f_s: f_s / K_v, motor side [rad/s]."""
+    velocity: Array
+    """Speed at which viscous friction is f_s: f_s / f_v, motor side [rad/s]."""
+    acceleration: Array
+    """Acceleration that f_s gives the bare rotor: f_s / J_m, motor side [rad/s^2]."""
+    position: Array
+    """Half a turn, link side [rad]."""
+
+    @classmethod
+    def of(cls, robot: RobotDescription) -> "Scales":
+        """Scales of a robot.
+
+        Raises:
+            FFGymError: if one of its parameters is 0, so that there is no scale.
+        """
+        breakaway = robot.friction.static
+        divisors = {
+            "error": ("servo.position_gain", robot.servo.position_gain),
+            "error_rate": ("servo.velocity_gain", robot.servo.velocity_gain),
+            "velocity": ("friction.viscous", robot.friction.viscous),
+            "acceleration": ("drive.rotor_inertia", robot.drive.rotor_inertia),
+        }
+        for name, values in divisors.values():
+            if np.any(values <= 0):
+                raise FFGymError(
+                    f"{name} = {values} of robot {robot.name!r} must be > 0 on every joint: observations are scaled by "
+                    f"breakaway torque / {name}."
+                )
+        return cls(
+            position=np.full(robot.n_joints, np.pi),
+            **{key: breakaway / values for key, (_, values) in divisors.items()},
+        )

@@ -1,0 +1,102 @@
+"""`ffgym/OneAxis-v0`: the one-axis test of the thesis (2.2.2, 4.3.1): a sine on one motor."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from ffgym.control import joint_reference
+from ffgym.envs.motion import Motion
+from ffgym.envs.settings import Settings
+from ffgym.envs.single import TrackingEnv
+from ffgym.envs.tasks import Tasks, check_not_empty
+from ffgym.envs.vector import TrackingVectorEnv
+from ffgym.errors import FFGymError, check_number, check_shape
+from ffgym.paths import joint_sine
+from ffgym.robot import RobotDescription, robot_of
+
+
+class SineTasks(Tasks):
+    """Sines of one joint.
+
+    Args:
+        robot: a robot with one joint.
+        frequencies: [Hz].
+        amplitude: link side [rad].
+        duration: of an episode [s].
+    """
+
+    option_names = ("frequency", "amplitude")
+
+    def __init__(
+        self, robot: RobotDescription, *, frequencies: Sequence[float], amplitude: float, duration: float
+    ) -> None:
+        super().__init__(robot)
+        if robot.n_joints != 1:
+            raise FFGymError(
+                f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'. "
+                f"ffgym/JointMotion-v0 moves all joints."
+            )
+        values = tuple(check_shape("frequencies", np.atleast_1d(frequencies), (None,)).tolist())
+        self._frequencies = check_not_empty("frequencies", values, "1.0 Hz")
+        self._amplitude = check_number("amplitude", amplitude, unit="rad")
+        self._duration = check_number("duration", duration, unit="s", low=0.0, open_low=True)
+
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
+        """See base class; only the frequency is drawn."""
+        chosen = (
+            options["frequency"] if "frequency" in options else self._frequencies[rng.integers(len(self._frequencies))]
+        )
+        frequency = check_number("frequency", chosen, unit="Hz", low=0.0, open_low=True)
+        amplitude = check_number("amplitude", options.get("amplitude", self._amplitude), unit="rad")
+
+        def make() -> Motion:
+            name = f"sine {frequency:g} Hz"
+            path = joint_sine([amplitude], frequency, self._duration, dt=self.robot.servo.control_dt, name=name)
+            task = {"frequency": frequency, "amplitude": amplitude}
+            return Motion(reference=joint_reference(self.robot, path), arm=self.arm, task=task)
+
+        return self._cached((frequency, amplitude), make)
+
+    def listed(self) -> list[dict[str, Any]]:
+        """See base class: every frequency."""
+        return [{"frequency": frequency} for frequency in self._frequencies]
+
+
+class OneAxisVectorEnv(TrackingVectorEnv):
+    """One-axis robots that follow a sine.
+
+    Args:
+        num_envs: number of robots.
+        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
+        frequencies: [Hz], one is drawn for each episode; the thesis has 1 and 3.
+        amplitude: link side [rad].
+        duration: of an episode [s].
+        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
+        render_mode: 'rgb_array' or None.
+        settings: keyword arguments of every environment, see `ffgym.envs.Settings`.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        robot: RobotDescription | str | Path = "one_axis",
+        frequencies: Sequence[float] = (1.0, 3.0),
+        amplitude: float = 1.0,
+        duration: float = 10.0,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **settings: Any,
+    ) -> None:
+        tasks = SineTasks(robot_of(robot), frequencies=frequencies, amplitude=amplitude, duration=duration)
+        super().__init__(num_envs, tasks, Settings.of(settings), autoreset_mode, render_mode)
+
+
+class OneAxisEnv(TrackingEnv):
+    """A one-axis robot that follows a sine; keyword arguments as `OneAxisVectorEnv`."""
+
+    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
+        super().__init__(OneAxisVectorEnv, render_mode, arguments)

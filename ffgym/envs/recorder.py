@@ -1,0 +1,96 @@
+"""Episodes as recordings: the same columns as `ffgym.simulation` writes, and as a measured log has."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_whole
+from ffgym.recordings import Recording
+from ffgym.simulation import RECORD_DT, Sensor
+from ffgym.simulation.sensors import measure
+from ffgym.simulation.simulate import record_stride
+from ffgym.simulation.trace import ReferenceRows, Trace, to_recording
+from ffgym.types import Array, IntArray
+
+if TYPE_CHECKING:
+    from ffgym.envs.core import TrackingCore
+
+
+class EpisodeRecorder:
+    """Collects finished episodes of an environment as recordings; give it as `recorder=` to one environment.
+
+    Args:
+        record_dt: sample time [s]; a multiple of the physics step that divides the control step.
+        sensors: models of what is measured; none gives the exact state.
+        seed: of the sensors' noise.
+        keep: how many of the last episodes are kept; None keeps all (4 MB for the longest circle test).
+        on_episode: called with each recording when its episode ends, e.g. to write it to a file.
+    """
+
+    def __init__(
+        self,
+        *,
+        record_dt: float = RECORD_DT,
+        sensors: Sequence[Sensor] = (),
+        seed: int = 0,
+        keep: int | None = None,
+        on_episode: Callable[[Recording], None] | None = None,
+    ) -> None:
+        self._keep = None if keep is None else check_whole("keep", keep, low=0)
+        self._record_dt, self._sensors, self._on_episode = record_dt, tuple(sensors), on_episode
+        self._rng = np.random.default_rng(check_whole("seed", seed, low=0))
+        self._owner: TrackingCore | None = None
+        self._parts: dict[int, list[tuple[Array, Array, Array]]] = {}
+        self._actions: dict[int, list[Array]] = {}
+        self.recordings: list[Recording] = []
+        """Finished episodes, oldest first."""
+
+    def begin(self, core: "TrackingCore", ids: IntArray) -> None:
+        """Begin the episodes of sub-environments `ids`; what they had before and did not finish is dropped."""
+        if self._owner is not None and self._owner is not core:
+            raise FFGymError("An EpisodeRecorder serves one environment; make one for each.")
+        self._owner = core
+        self._stride = record_stride(core.plant, self._record_dt)
+        engine = core.plant.batch
+        for i in ids.tolist():
+            rows = slice(i, i + 1)
+            self._parts[i] = [(engine.qpos[rows].copy(), engine.qvel[rows].copy(), engine.act[rows].copy())]
+            self._actions[i] = [np.zeros(core.robot.n_joints)]
+
+    def add(self, core: "TrackingCore", ids: IntArray, qpos: Array, qvel: Array, act: Array, action: Array) -> None:
+        """Keep the states (B', S, ...) of one control step of sub-environments `ids` and their actions (B', N)."""
+        rows = slice(self._stride - 1, None, self._stride)
+        for k, i in enumerate(ids.tolist()):
+            self._parts[i].append((qpos[k, rows].copy(), qvel[k, rows].copy(), act[k, rows].copy()))
+            self._actions[i].append(action[k] * core.action_scale)
+
+    def end(self, core: "TrackingCore", ids: IntArray) -> None:
+        """Turn the episodes of sub-environments `ids` into recordings."""
+        for i in ids.tolist():
+            recording = self.recording(core, i)
+            self.recordings.append(recording)
+            if self._keep is not None:
+                del self.recordings[: max(0, len(self.recordings) - self._keep)]
+            if self._on_episode is not None:
+                self._on_episode(recording)
+
+    def recording(self, core: "TrackingCore", i: int) -> Recording:
+        """The episode of sub-environment `i` as far as it has come."""
+        motion = core.motions[i]
+        assert motion is not None  # an episode has begun
+        plant = core.plant
+        qpos, qvel, act = (np.concatenate(parts) for parts in zip(*self._parts[i], strict=True))
+        trace = Trace(dt=self._stride * plant.physics_dt, qpos=qpos, qvel=qvel, act=act)
+        rows = ReferenceRows.of(motion.arm, motion.reference, plant.n_substeps // self._stride)
+        exact = to_recording(
+            trace,
+            rows.first(len(qpos)),
+            law="agent",
+            u_lff=np.stack(self._actions[i]),
+            arm=motion.arm,
+            plant=plant,
+            index=i,
+            seed=None,
+        )
+        return measure(exact, self._sensors, self._rng)

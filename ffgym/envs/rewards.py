@@ -1,0 +1,138 @@
+"""Rewards: minus a cost per control step. All costs are 1 when the error is worth one breakaway torque (or 0.1 mm)."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.control.servo import ServoTorque
+from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.robot import RobotDescription
+from ffgym.types import Array, BoolArray
+
+STOP_STEPS = 250
+"""An emergency stop costs as much as this many steps, 1 s, at the error at which it happened. Chosen: the error limit
+is so far out that no remaining motion of the circle test costs as much, so that stopping never pays."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Signals:
+    """What happened in a control step, at its end, in B sub-environments; motor side."""
+
+    error: Array
+    """True position error [rad], shape (B, N)."""
+    error_rate: Array
+    """True speed error [rad/s], shape (B, N)."""
+    feedback: ServoTorque
+    """Torque of the existing controller [N m], shape (B, N)."""
+    action: Array
+    """Applied action, after clipping, shape (B, N)."""
+    tcp: Array | None
+    """TCP [m], shape (B, 3); None for a robot without tool."""
+    path_error: Array | None
+    """Distance of the TCP from its path [m], shape (B,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reward(ABC):
+    """Minus a cost, minus a weight on the added torque, minus the price of an emergency stop."""
+
+    effort_weight: float = 0.0
+    """Cost of an action of 1 on every joint; it grows with the square."""
+    stop_steps: int = STOP_STEPS
+    """Price of an emergency stop, in steps at the cost at which it happened."""
+    name: ClassVar[str]
+    privileged: ClassVar[bool] = False
+    """Whether it uses what no robot measures by itself."""
+
+    def __post_init__(self) -> None:
+        check_number("effort_weight", self.effort_weight, low=0.0)
+        check_whole("stop_steps", self.stop_steps, low=0)
+
+    @abstractmethod
+    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
+        """Cost of a step, shape (B,), >= 0."""
+
+    def __call__(self, signals: Signals, robot: RobotDescription, stopped: BoolArray) -> Array:
+        """Reward of a step, shape (B,), <= 0; `stopped` (B,) marks emergency stops."""
+        cost = self.cost(signals, robot)
+        if self.effort_weight:
+            cost = cost + self.effort_weight * _mean_square(signals.action)
+        return -np.where(stopped, (1 + self.stop_steps) * cost, cost)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class MotorError(Reward):
+    r"""Motor position error, root mean square over the joints in units of f_s / K_p; the default.
+
+    .. math:: c = \sqrt{\frac{1}{N} \sum_j (K_{p,j} e_j / f_{s,j})^2}
+    """
+
+    name: ClassVar[str] = "motor_error"
+
+    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
+        """See base class."""
+        return np.sqrt(_mean_square(signals.error * (robot.servo.position_gain / robot.friction.static)))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PathError(Reward):
+    """Distance of the TCP from its path in units of `scale`. Privileged: a robot needs a laser tracker for it."""
+
+    scale: float = 1e-4
+    """[m]; 0.1 mm is the order of the uncompensated error at 10 mm/s (thesis, Table 4.1)."""
+    name: ClassVar[str] = "path_error"
+    privileged: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_number("scale", self.scale, unit="m", low=0.0, open_low=True)
+
+    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
+        """See base class."""
+        if signals.path_error is None:
+            raise FFGymError(f"Robot {robot.name!r} has no tool, so there is no path error; use reward='motor_error'.")
+        return signals.path_error / self.scale
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class FeedbackEffort(Reward):
+    """What the feedback still has to do: u_p in units of breakaway torque, root mean square over the joints.
+
+    u_p is the learning signal of the thesis (chapter 5): the feed-forward is right when it vanishes.
+    """
+
+    name: ClassVar[str] = "feedback_effort"
+
+    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
+        """See base class."""
+        return np.sqrt(_mean_square(signals.feedback.u_p / robot.friction.static))
+
+
+REWARDS: dict[str, type[Reward]] = {reward.name: reward for reward in (MotorError, PathError, FeedbackEffort)}
+"""Rewards by name."""
+
+
+def reward_of(reward: str | Reward) -> Reward:
+    """Return a reward from its name, or as it is.
+
+    Raises:
+        FFGymError: if it is neither.
+    """
+    if isinstance(reward, Reward):
+        return reward
+    if not isinstance(reward, str):
+        raise FFGymError(f"reward = {reward!r} must be one of {sorted(REWARDS)} or a Reward of ffgym.envs.")
+    return REWARDS[check_choice("reward", reward, list(REWARDS))]()
+
+
+def _mean_square(values: Array) -> Array:
+    """Mean square over the last axis, added up one column after the other, whatever the number of rows."""
+    total = values[..., 0] ** 2
+    for j in range(1, values.shape[-1]):
+        total = total + values[..., j] ** 2
+    return total / values.shape[-1]

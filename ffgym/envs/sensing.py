@@ -1,0 +1,74 @@
+"""How the motor angle is measured that an agent sees."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.errors import check_number, check_whole
+from ffgym.types import Array, BoolArray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensing:
+    """How the agent's motor angle is measured; the servo sees the exact one. The default is exact."""
+
+    encoder_bits: int | None = None
+    """Resolution [bit/turn]; the speed is then the backward difference of the measured angle over a control step."""
+    noise: float = 0.0
+    """Standard deviation of white noise on the angle, motor side [rad]."""
+
+    def __post_init__(self) -> None:
+        if self.encoder_bits is not None:
+            check_whole("encoder_bits", self.encoder_bits, unit="bit/turn", low=1, high=32)
+        check_number("angle noise", self.noise, unit="rad", low=0.0)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether angle and speed are the true ones."""
+        return self.encoder_bits is None and self.noise == 0.0
+
+    @property
+    def step(self) -> float:
+        """Smallest angle that is told apart [rad], 0 without encoder."""
+        return 0.0 if self.encoder_bits is None else 2 * np.pi / 2**self.encoder_bits
+
+
+class MotorSensors:
+    """Motor sensors of B sub-environments; a measured angle is kept, since a speed needs two of them."""
+
+    def __init__(self, n: int, n_joints: int, dt: float) -> None:
+        self._dt = dt
+        self._step, self._noise = np.zeros((n, 1)), np.zeros((n, 1))
+        self._exact = np.ones((n, 1), dtype=np.bool_)
+        self._angle, self._speed = np.zeros((n, n_joints)), np.zeros((n, n_joints))
+
+    def set(self, i: int, sensing: Sensing) -> None:
+        """Choose the sensors of one sub-environment."""
+        self._step[i], self._noise[i], self._exact[i] = sensing.step, sensing.noise, sensing.is_exact
+
+    def read(
+        self, angle: Array, speed: Array, rngs: Sequence[np.random.Generator | None], fresh: BoolArray, first: BoolArray
+    ) -> tuple[Array, Array]:
+        """Measured angle [rad] and speed [rad/s], shape (B, N), of the true ones.
+
+        Args:
+            angle: true motor angle [rad], shape (B, N).
+            speed: true motor speed [rad/s], shape (B, N).
+            rngs: randomness of each sub-environment.
+            fresh: where a new sample is taken, shape (B,); elsewhere the last one stays.
+            first: where it is the first one of an episode, so that no speed is known yet, shape (B,).
+        """
+        if self._exact.all():
+            return angle, speed
+        measured = angle.copy()
+        coarse = self._step[:, 0] > 0
+        measured[coarse] = np.round(angle[coarse] / self._step[coarse]) * self._step[coarse]
+        for i in np.flatnonzero(fresh & (self._noise[:, 0] > 0)).tolist():
+            rng = rngs[i]
+            assert rng is not None  # a sub-environment gets its generator before its first sample
+            measured[i] += self._noise[i] * rng.standard_normal(measured.shape[1])
+        rate = np.where(first[:, None], 0.0, (measured - self._angle) / self._dt)
+        self._angle = np.where(fresh[:, None], measured, self._angle)
+        self._speed = np.where(fresh[:, None], rate, self._speed)
+        return np.where(self._exact, angle, self._angle), np.where(self._exact, speed, self._speed)

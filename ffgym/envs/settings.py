@@ -1,0 +1,97 @@
+"""What all environments can be told, beside what they follow."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from ffgym.envs.rewards import Reward, reward_of
+from ffgym.envs.sensing import Sensing
+from ffgym.errors import FFGymError, check_choice, check_number, check_shape, check_whole
+from ffgym.plant import PlantDistribution
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+if TYPE_CHECKING:
+    from ffgym.envs.layers import Layer
+    from ffgym.envs.recorder import EpisodeRecorder
+
+ACTION_SCALE = 2.5
+"""Torque of an action of 1, in breakaway torques. Static LuGre needs 2.4 on the fastest test motion; the peaks of
+dynamic LuGre need 2.9 on circles at 40 mm/s and 6.7 at 100 mm/s, so choose 8 there, and for elastic compensation."""
+ERROR_LIMIT = 0.5
+"""Servo error at which the controller stops, motor side [rad]; four times the largest uncompensated error of the circle
+test (0.11 rad, joint 1 at 100 mm/s)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Settings:
+    """Keyword arguments of every environment."""
+
+    plant: RobotDescription | str | Path | None = None
+    """The robot that is simulated, if it is not the one the controller knows: a description, a built-in name, or a path
+    to a description that ends in .toml."""
+    randomization: PlantDistribution | None = None
+    """Draws a plant like `plant` for every episode; None always simulates `plant` itself."""
+    reward: str | Reward = "motor_error"
+    """'motor_error', 'path_error' (privileged), 'feedback_effort', or a Reward with its own weights."""
+    action_scale: float | Sequence[float] = ACTION_SCALE
+    """Added torque of an action of 1, in units of each joint's breakaway torque f_s; one number, or one per joint."""
+    preview: int = 1
+    """Samples of the reference after the present one that are observed."""
+    horizon: int | None = None
+    """Longest episode [control steps]; None runs to the end of the motion."""
+    error_limit: float = ERROR_LIMIT
+    """Position error of any motor at which the controller stops the robot, motor side [rad]."""
+    sensing: Sensing = field(default_factory=Sensing)
+    """How the agent's motor angle is measured."""
+    sampling: Literal["random", "sequence"] = "random"
+    """'random' draws the motion of each episode; 'sequence' runs all motions of the task one after the other, spread
+    over the sub-environments."""
+    layers: Sequence["Layer"] = ()
+    """What stands between agent and robot, from the robot outwards: Residual, History, LowPass, Hold, ..."""
+    recorder: "EpisodeRecorder | None" = None
+    """Turns every finished episode into a Recording."""
+    n_threads: int = 0
+    """Threads of the engine, 0 for all cores; results are the same at any number."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "reward", reward_of(self.reward))
+        object.__setattr__(self, "layers", tuple(self.layers))
+        check_number("error_limit", self.error_limit, unit="rad", low=0.0, open_low=True)
+        check_choice("sampling", self.sampling, ("random", "sequence"))
+        check_horizon(self.horizon)
+        for name, value, kind, example in (
+            ("randomization", self.randomization, PlantDistribution, "PlantDistribution()"),
+            ("sensing", self.sensing, Sensing, "Sensing(encoder_bits=16)"),
+        ):
+            if value is not None and not isinstance(value, kind):
+                raise FFGymError(f"{name} = {value!r} must be a {kind.__name__}, e.g. {example}.")
+
+    @classmethod
+    def of(cls, values: dict[str, Any]) -> "Settings":
+        """Build from keyword arguments.
+
+        Raises:
+            FFGymError: if one is unknown.
+        """
+        known = [f.name for f in fields(cls)]
+        for name in values:
+            check_choice("keyword argument", name, known)
+        return cls(**values)
+
+    def action_torque(self, robot: RobotDescription) -> Array:
+        """Torque of an action of 1, motor side [N m], shape (N,)."""
+        n = robot.n_joints
+        scale = np.full(n, self.action_scale) if np.ndim(self.action_scale) == 0 else self.action_scale
+        scale = check_shape("action_scale", scale, (n,))
+        if np.any(scale <= 0):
+            raise FFGymError(f"action_scale = {self.action_scale} must be > 0 on every joint.")
+        return scale * robot.friction.static
+
+
+def check_horizon(horizon: int | None) -> int | None:
+    """Return a horizon [control steps] if it is None or at least one step."""
+    return None if horizon is None else check_whole("horizon", horizon, unit="control steps", low=1)

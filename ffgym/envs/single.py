@@ -1,0 +1,100 @@
+"""The single environment: the vector environment with one robot."""
+
+from typing import Any, SupportsFloat
+
+import gymnasium as gym
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from ffgym.envs.observation import ObservationLayout
+from ffgym.envs.vector import TrackingVectorEnv
+from ffgym.types import Array
+
+
+class TrackingEnv(gym.Env[Array, Array]):
+    """One robot that tracks a motion; its bits are those of a sub-environment of the vector environment."""
+
+    metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 25}  # noqa: RUF012  (Gymnasium's way)
+
+    def __init__(self, kind: type[TrackingVectorEnv], render_mode: str | None, arguments: dict[str, Any]) -> None:
+        self._batch = kind(
+            1, autoreset_mode=AutoresetMode.DISABLED, render_mode=render_mode, **({"n_threads": 1} | arguments)
+        )
+        self.render_mode = render_mode
+        self.observation_space = self._batch.single_observation_space
+        self.action_space = self._batch.single_action_space
+
+    @property
+    def core(self) -> Any:
+        """The engine."""
+        return self._batch.core
+
+    @property
+    def observation_layout(self) -> ObservationLayout:
+        """What stands where in an observation, with units and scales."""
+        return self._batch.observation_layout
+
+    @property
+    def action_scale(self) -> Array:
+        """Torque of an action of 1, motor side [N m], shape (N,)."""
+        return self._batch.action_scale
+
+    @property
+    def decision_dt(self) -> float:
+        """Time between actions [s]."""
+        return self._batch.decision_dt
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
+        """Begin an episode.
+
+        Args:
+            seed: of everything that is drawn; None goes on with the present randomness.
+            options: fixed for the episode: what the task offers (see its page), plant, randomization, reward, sensing,
+                horizon.
+
+        Raises:
+            FFGymError: if an option is not valid.
+        """
+        super().reset(seed=seed)
+        self._batch.adopt(0, self.np_random, fresh=seed is not None)
+        observation, info = self._batch.reset(options=options)
+        if self.render_mode == "human":
+            self._batch.show()
+        return observation[0], _first(info)
+
+    def step(self, action: Array) -> tuple[Array, SupportsFloat, bool, bool, dict[str, Any]]:
+        """Add torque for one decision: shape (N,), clipped to [-1, 1].
+
+        Raises:
+            FFGymError: if the action has the wrong shape or is not finite, or no episode is running.
+        """
+        observation, reward, terminated, truncated, info = self._batch.step(np.asarray(action)[None])
+        if self.render_mode == "human":
+            self._batch.show()
+        return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), _first(info)
+
+    def render(self) -> Array | None:
+        """Picture of the present state, (height, width, 3) of uint8; None in mode 'human', which shows it."""
+        if self.render_mode == "human":
+            self._batch.show()
+            return None
+        pictures = self._batch.render()
+        return None if pictures is None else pictures[0]
+
+    def close(self) -> None:
+        """Free the renderer."""
+        self._batch.close()
+
+
+def _first(info: dict[str, Any]) -> dict[str, Any]:
+    """Info of sub-environment 0, without masks."""
+    return {
+        name: _first(value) if isinstance(value, dict) else _scalar(value[0])
+        for name, value in info.items()
+        if not name.startswith("_")
+    }
+
+
+def _scalar(value: Any) -> Any:
+    """Python's own number or text for a scalar; arrays as they are, copied."""
+    return value.item() if isinstance(value, np.generic) else value.copy()

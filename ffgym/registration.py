@@ -1,0 +1,20 @@
+"""Names under which `gymnasium.make` and `gymnasium.make_vec` find the environments; `import ffgym` registers them.
+
+Nothing heavy is imported here: Gymnasium loads an environment's module when it is made.
+"""
+
+import gymnasium as gym
+
+ENVIRONMENTS = {
+    "ffgym/CirclePath-v0": "ffgym.envs.circle_path:CirclePath",
+    "ffgym/OneAxis-v0": "ffgym.envs.one_axis:OneAxis",
+    "ffgym/JointMotion-v0": "ffgym.envs.joint_motion:JointMotion",
+}
+"""Id and where it is; the class of the single environment ends in Env, that of the vector environment in VectorEnv."""
+
+
+def register() -> None:
+    """Register every environment that is not registered yet."""
+    for name, place in ENVIRONMENTS.items():
+        if name not in gym.registry:
+            gym.register(id=name, entry_point=f"{place}Env", vector_entry_point=f"{place}VectorEnv")
