@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from gymnasium import spaces
 
-from ffgym.control import Setpoints
+from ffgym.control.setpoints import interpolate
 from ffgym.control.servo import servo_torque
 from ffgym.envs.bank import MotionBank
 from ffgym.envs.geometry import path_error
@@ -217,15 +217,10 @@ class TrackingCore:
         torque = rows[:, :, at.feedforward]  # a copy
         torque[:, 0] += self.action[ids] * self.action_scale
         torque[:, 1] += action[ids] * self.action_scale
-        setpoints = Setpoints(
-            position=rows[:, :, at.position],
-            velocity=rows[:, :, at.velocity],
-            torque=torque,
-            dt=self.robot.servo.control_dt,
-        )
         controls = np.empty((len(ids), 1, self.plant.n_substeps, self.plant.model.nu))
         out = self.plant.split_controls(controls)
-        setpoints.between(np.arange(len(ids)), 0, 1, self._fractions, out=out)
+        dt = self.robot.servo.control_dt
+        interpolate(rows[:, :, at.position], rows[:, :, at.velocity], torque, dt, self._fractions, out)
         return controls[:, 0]
 
     def _look(self, fresh: BoolArray) -> None:
@@ -233,20 +228,20 @@ class TrackingCore:
         at = self.columns
         self._window = self._bank.window(self.step_index, self._width)
         now = self._window[:, 0]
-        state = self.plant.state()
-        error = now[:, at.position] - state.motor_position
-        error_rate = now[:, at.velocity] - state.motor_velocity
+        motor_position, motor_velocity, integral = self.plant.motor_state()
+        error = now[:, at.position] - motor_position
+        error_rate = now[:, at.velocity] - motor_velocity
         tcp = self._sites[:, self._tcp_site].copy() if at.has_tcp else None
         self.signals = Signals(
             error=error,
             error_rate=error_rate,
-            feedback=servo_torque(self.robot.servo, error, error_rate, state.integral),
+            feedback=servo_torque(self.robot.servo, error, error_rate, integral),
             action=self.action,
             tcp=tcp,
             path_error=None if tcp is None else path_error(tcp - self.tcp_offset, now, at, self._centre, self._normal),
         )
         first = fresh & (self.step_index == 0)
-        angle, speed = self._sensors.read(state.motor_position, state.motor_velocity, self._rngs, fresh, first)
+        angle, speed = self._sensors.read(motor_position, motor_velocity, self._rngs, fresh, first)
         self._seen = (now[:, at.position] - angle, now[:, at.velocity] - speed)
 
     def _observe(self) -> Array:

@@ -11,7 +11,7 @@ from mujoco import batch
 from ffgym.errors import FFGymError, check_shape, check_whole
 from ffgym.plant.addresses import Addresses
 from ffgym.robot import ModelOptions, RobotDescription, compile_model, physics_fingerprint
-from ffgym.types import Array, IntArray
+from ffgym.types import Array, BoolArray, IntArray
 
 MAX_THREADS = 1024
 """More threads than any machine has cores; a larger number is a slip."""
@@ -55,6 +55,8 @@ class Plant:
         self._options = options
         self.model = compile_model(robot, options)
         self.batch = batch.Batch(self.model, nsim=n_robots, nthread=n_threads)
+        self._qpos, self._qvel, self._act = (self.batch.bind(name) for name in ("qpos", "qvel", "act"))
+        self._time, self._warnings = self.batch.bind("time"), self.batch.warning[..., 1]
         self.physics_dt = float(self.model.opt.timestep)
         self.n_substeps = round(robot.servo.control_dt / self.physics_dt)
         if abs(self.n_substeps * self.physics_dt - robot.servo.control_dt) > 1e-9 or self.n_substeps < 1:
@@ -119,12 +121,12 @@ class Plant:
         motor_q = check_shape("motor_q", motor_q, (len(rows), n))
         speed = np.zeros_like(motor_q) if motor_dq is None else check_shape("motor_dq", motor_dq, (len(rows), n))
         engine.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
-        engine.qpos[np.ix_(rows, at.motor_qpos)] = motor_q
+        self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
         load = self._sag(rows) if np.any(self.model.opt.gravity) else np.zeros_like(motor_q)
-        engine.qvel[np.ix_(rows, at.motor_qpos)] = speed
+        self._qvel[np.ix_(rows, at.motor_qpos)] = speed
         gain = self.robot.servo.integral_gain * self.robot.drive.gear_ratio
         integral = np.divide(load, gain, out=np.zeros_like(load), where=gain > 0)
-        engine.act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
+        self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
 
     def _sag(self, rows: IntArray) -> Array:
         """Bend the springs of resting robots until they carry gravity; returns its torque, link side [N m], (B, N).
@@ -142,8 +144,8 @@ class Plant:
                 break
             here = np.ix_(rows[moving], at.deflection_qpos)
             update = -gravity[here] / stiffness[moving]
-            change = np.abs(update - engine.qpos[here]).max(axis=1)
-            engine.qpos[here] = update
+            change = np.abs(update - self._qpos[here]).max(axis=1)
+            self._qpos[here] = update
             moving = moving[change >= _TOLERANCE]
             if not moving.size:
                 break
@@ -157,7 +159,14 @@ class Plant:
 
     def state(self) -> PlantState:
         """State of all robots now, arrays of shape (B, N), copies."""
-        return self.unpack(self.batch.qpos, self.batch.qvel, self.batch.act)
+        return self.unpack(self._qpos, self._qvel, self._act)
+
+    def motor_state(self) -> tuple[Array, Array, Array]:
+        """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, N), copies."""
+        at, ratio = self.addresses, self.robot.drive.gear_ratio
+        integral = np.zeros((self.n_robots, self.robot.n_joints))
+        integral[:, at.has_integral] = self._act[:, at.integral[at.has_integral]]
+        return self._qpos[:, at.motor_qpos] * ratio, self._qvel[:, at.motor_qpos] * ratio, integral
 
     def unpack(self, qpos: Array, qvel: Array, act: Array) -> PlantState:
         """State from MuJoCo's arrays of any leading shape, motor quantities in motor units."""
@@ -198,10 +207,14 @@ class Plant:
 
     def _roll(self, controls: Array, record: tuple[str, ...], ids: IntArray | None) -> dict[str, Array]:
         steps = controls.shape[1]
-        warnings = self.batch.warning[:, _BAD, 1]  # a copy
-        began = self.batch.time.copy()
+        warnings, began = self._warnings.copy(), self._time.copy()
         out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
-        failed = np.flatnonzero((self.batch.warning[:, _BAD, 1] > warnings).any(axis=1))
+        if not np.array_equal(self._warnings, warnings):
+            self._check_stable(self._warnings > warnings, began, steps)
+        return out
+
+    def _check_stable(self, warned: BoolArray, began: Array, steps: int) -> None:
+        failed = np.flatnonzero(warned[:, _BAD].any(axis=1))
         if failed.size:
             start, first = began[failed[0]], int(failed[0])
             raise FFGymError(
@@ -209,7 +222,6 @@ class Plant:
                 f"and {start + steps * self.physics_dt:.3f} s. Lower servo gains, torques or the physics step of "
                 f"{self.physics_dt} s."
             )
-        return out
 
 
 def _field(model: mujoco.MjModel, name: str) -> Any:

@@ -7,6 +7,7 @@ from ffgym.recordings.io import write_recording as write_recording
 from ffgym.recordings.phase import PHASE_KINDS as PHASE_KINDS
 from ffgym.recordings.phase import Phase as Phase
 from ffgym.recordings.phase import PhaseKind as PhaseKind
+from ffgym.recordings.phase import clipped as clipped
 from ffgym.recordings.recording import Recording as Recording
 from ffgym.recordings.schema import FAMILIES as FAMILIES
 from ffgym.recordings.schema import Family as Family

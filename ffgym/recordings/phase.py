@@ -1,6 +1,7 @@
 """A named part of a motion: standstill, lead-in, circle, lead-out, or any other motion."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Self, get_args
 
 from ffgym.errors import FFGymError, check_choice, check_number
@@ -48,3 +49,9 @@ class Phase:
         if not isinstance(values, dict) or set(values) != names:
             raise FFGymError(f"A phase must be an object with {', '.join(sorted(names))}, got {values!r}.")
         return cls(**values)
+
+
+def clipped(phases: Iterable[Phase], first: float, last: float) -> tuple[Phase, ...]:
+    """Phases cut to [first, last] s, without those that vanish."""
+    cut = ((phase, max(phase.start, first), min(phase.end, last)) for phase in phases)
+    return tuple(replace(phase, start=start, end=end) for phase, start, end in cut if start < end)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ffgym.errors import FFGymError, check_choice
 from ffgym.recordings.header import Header
-from ffgym.recordings.phase import PHASE_KINDS, Phase, PhaseKind
+from ffgym.recordings.phase import PHASE_KINDS, Phase, PhaseKind, clipped
 from ffgym.recordings.schema import FAMILIES, USER_PREFIX, Family, family_named
 from ffgym.recordings.validation import check_phases, checked_columns, unit_of
 from ffgym.types import Array, BoolArray
@@ -155,7 +155,7 @@ class Recording:
             span = f"[{self.t[0]}, {self.t[-1]}] s"
             raise FFGymError(f"slice({start}, {end}) keeps {rows.sum()} rows of {span}, must keep at least 2.")
         t = self.t[rows]
-        phases = _clipped(self.header.phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
+        phases = clipped(self.header.phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
         columns = {name: values[rows] for name, values in self.columns.items()}
         return Recording(columns, replace(self.header, phases=phases))
 
@@ -190,9 +190,3 @@ class Recording:
 
     def _available(self) -> str:
         return f"Available: {', '.join(self.families)} with joints {', '.join(self.header.joints)}."
-
-
-def _clipped(phases: tuple[Phase, ...], first: float, last: float) -> tuple[Phase, ...]:
-    """Phases cut to [first, last] s, without those that vanish."""
-    cut = ((phase, max(phase.start, first), min(phase.end, last)) for phase in phases)
-    return tuple(replace(phase, start=start, end=end) for phase, start, end in cut if start < end)

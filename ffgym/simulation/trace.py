@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.control import Reference, Setpoints, rigid_feedforward, servo_torque
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.plant import Plant, PlantState
-from ffgym.recordings import Header, Recording
+from ffgym.recordings import Header, Recording, clipped
 from ffgym.robot import RigidArm
 from ffgym.types import Array
 from ffgym.version import __version__
@@ -124,8 +124,9 @@ def to_recording(
         tcp = {"tcp.position": arm.tcp_position(state.link_position), "tcp_reference.position": rows.tcp}
         columns |= {f"{family}.{axis}": xyz[:, k] for family, xyz in tcp.items() for k, axis in enumerate("xyz")}
     header = _header(rows.reference, law, plant, index, seed)
-    recording = Recording(columns=columns, header=header)
-    return recording.slice() if rows.cut_short else recording
+    if rows.cut_short:
+        header = replace(header, phases=clipped(header.phases, 0.0, len(trace.qpos) * trace.dt))
+    return Recording(columns=columns, header=header)
 
 
 def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant, index: int) -> dict[str, Array]:
