@@ -33,7 +33,7 @@ class MotionBank:
     def window(self, step: IntArray, width: int) -> Array:
         """Rows of `width` samples from sample `step` (B,) on, shape (B, width, W); a copy."""
         first: IntArray = self._offset + step
-        return self._table[first[:, None] + np.arange(width)]
+        return self._table.take(first[:, None] + np.arange(width), axis=0)
 
     def _store(self, motion: Motion) -> None:
         rows = motion.rows(self._padding)

@@ -19,13 +19,14 @@ def path_error(tcp: Array, rows: Array, columns: Columns, centre: Array, normal:
         centre: of the circles [m], shape (B, 3).
         normal: of their plane, shape (B, 3).
     """
-    away, along = tcp - rows[:, columns.tcp], rows[:, columns.tangent]
-    across = away - _dot(away, along)[:, None] * along
-    arm = tcp - centre
-    flat = arm - _dot(arm, normal)[:, None] * normal
     radius = rows[:, columns.radius]
-    return np.where(radius > 0, np.abs(np.sqrt(_dot(flat, flat)) - radius), np.sqrt(_dot(across, across)))
+    circle = (radius > 0)[:, None]
+    arm = tcp - np.where(circle, centre, rows[:, columns.tcp])
+    drop = np.where(circle, normal, rows[:, columns.tangent])
+    left = arm - _dot(arm, drop)[:, None] * drop
+    return np.abs(np.sqrt(_dot(left, left)) - radius)  # the radius is 0 elsewhere
 
 
 def _dot(a: Array, b: Array) -> Array:
-    return a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
+    parts = a * b
+    return parts[:, 0] + parts[:, 1] + parts[:, 2]

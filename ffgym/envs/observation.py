@@ -39,7 +39,10 @@ class ObservationLayout(Mapping[str, Entry]):
         self.n_joints = n = robot.n_joints
         scales = Scales.of(robot)
         motor_position = scales.position * robot.drive.gear_ratio
-        self._reference_scale = np.concatenate([motor_position, scales.velocity, scales.acceleration])
+        reference = np.concatenate([motor_position, scales.velocity, scales.acceleration])
+        self._scale = np.concatenate(
+            [scales.error, scales.error_rate, np.ones(n), np.tile(reference, self.preview + 1)]  # actions as they are
+        )
         self._entries: dict[str, Entry] = {}
 
         def add(name: str, unit: str, scale: Array, meaning: str, side: Literal["motor", "link"] = "motor") -> None:
@@ -88,10 +91,10 @@ class ObservationLayout(Mapping[str, Entry]):
         """
         n = self.n_joints
         out = np.empty((len(error), self.size))
-        np.divide(error, self["error"].scale, out=out[:, :n])
-        np.divide(error_rate, self["error_rate"].scale, out=out[:, n : 2 * n])
-        out[:, 2 * n : 3 * n] = action
-        np.divide(reference, self._reference_scale, out=out[:, 3 * n :].reshape(reference.shape))
+        for k, part in enumerate((error, error_rate, action)):
+            out[:, k * n : (k + 1) * n] = part
+        out[:, 3 * n :].reshape(reference.shape)[...] = reference
+        np.divide(out, self._scale, out=out)
         return np.clip(out, -BOUND, BOUND, out=out)
 
     def read(self, observation: Array, name: str, ahead_by: int = 0) -> Array:

@@ -132,7 +132,8 @@ def reward_of(reward: str | Reward) -> Reward:
 
 def _mean_square(values: Array) -> Array:
     """Mean square over the last axis, added up one column after the other, whatever the number of rows."""
-    total = values[..., 0] ** 2
+    square = values**2
+    total = square[..., 0].copy()
     for j in range(1, values.shape[-1]):
-        total = total + values[..., j] ** 2
+        total += square[..., j]
     return total / values.shape[-1]

@@ -164,9 +164,8 @@ class Plant:
     def motor_state(self) -> tuple[Array, Array, Array]:
         """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, N), copies."""
         at, ratio = self.addresses, self.robot.drive.gear_ratio
-        integral = np.zeros((self.n_robots, self.robot.n_joints))
-        integral[:, at.has_integral] = self._act[:, at.integral[at.has_integral]]
-        return self._qpos[:, at.motor_qpos] * ratio, self._qvel[:, at.motor_qpos] * ratio, integral
+        integral = np.where(at.has_integral, self._act.take(at.integral, axis=1, mode="clip"), 0.0)
+        return self._qpos.take(at.motor_qpos, axis=1) * ratio, self._qvel.take(at.motor_qpos, axis=1) * ratio, integral
 
     def unpack(self, qpos: Array, qvel: Array, act: Array) -> PlantState:
         """State from MuJoCo's arrays of any leading shape, motor quantities in motor units."""
