@@ -70,7 +70,7 @@ class Setpoints:
 def interpolate(
     position: Array, velocity: Array, torque: Array, dt: float, fractions: Array, out: tuple[Array, Array, Array]
 ) -> None:
-    """Write set-points at `fractions` (S,) of every step between samples (B, T, N) into `out`, (B, T - 1, S, N) each."""
+    """Write set-points at `fractions` (S,) of each step between samples (B, T, N) into `out`, (B, T - 1, S, N) each."""
     p0, p1 = _ends(position)
     v0, v1 = _ends(velocity)
     u0, u1 = _ends(torque)

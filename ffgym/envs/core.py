@@ -6,14 +6,14 @@ do not depend on B, on its neighbours or on the number of threads.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import mujoco
 import numpy as np
 from gymnasium import spaces
 
-from ffgym.control.setpoints import interpolate
 from ffgym.control.servo import servo_torque
+from ffgym.control.setpoints import interpolate
 from ffgym.envs.bank import MotionBank
 from ffgym.envs.geometry import path_error
 from ffgym.envs.motion import Columns, Motion
@@ -48,6 +48,16 @@ class Transition:
     """End of the motion or of the horizon, shape (B,)."""
 
 
+class Observer(Protocol):
+    """Something that watches an engine, and leaves it as it is."""
+
+    def begin(self, ids: IntArray) -> None:
+        """Sub-environments `ids` have begun an episode."""
+
+    def follow(self, ids: IntArray) -> None:
+        """Sub-environments `ids` have done a control step."""
+
+
 class TrackingCore:
     """B robots that track motions under their existing controller, with torque added by an agent."""
 
@@ -55,8 +65,9 @@ class TrackingCore:
         self.n = n = check_whole("num_envs", n, low=1)
         self.tasks, self.settings, self.robot = tasks, settings, tasks.robot
         robot = self.robot
-        self._plant_robot = robot if settings.plant is None else robot_of(settings.plant)
-        self.plant = Plant(self._plant_robot, n, n_threads=settings.n_threads)
+        self.plant_robot = robot if settings.plant is None else robot_of(settings.plant)
+        """The robot that is simulated, before randomisation."""
+        self.plant = Plant(self.plant_robot, n, n_threads=settings.n_threads)
         self.plant.check_controller(robot)
         self.action_scale = settings.action_torque(robot)
         self.observation_layout = ObservationLayout(robot, settings.preview, self.action_scale)
@@ -75,6 +86,8 @@ class TrackingCore:
         self._listed = tasks.listed() if settings.sampling == "sequence" else []
         if settings.sampling == "sequence" and not self._listed:
             raise FFGymError("sampling = 'sequence' needs motions that can be listed; random motions cannot.")
+        self.observers: list[Observer] = []
+        """Told of every episode that begins and of every control step, whatever layers are on top."""
         self._sensors = MotorSensors(n, robot.n_joints, robot.servo.control_dt)
         self._start_over(n, robot.n_joints)
 
@@ -98,6 +111,11 @@ class TrackingCore:
     def motions(self) -> Sequence[Motion | None]:
         """What each sub-environment follows; None before its first reset."""
         return self._bank.motions
+
+    @property
+    def rows(self) -> Array:
+        """Rows of the motions at the present sample, shape (B, W); `columns` says what stands where."""
+        return self._window[:, 0]
 
     @property
     def time(self) -> Array:
@@ -136,6 +154,8 @@ class TrackingCore:
         self._look(fresh)
         if self.settings.recorder is not None:
             self.settings.recorder.begin(self, ids)
+        for observer in self.observers:
+            observer.begin(ids)
         return self._observe()
 
     def _draw(self, i: int, options: Mapping[str, Any]) -> tuple[Motion, Any]:
@@ -146,7 +166,7 @@ class TrackingCore:
         if self._listed:
             task = self._listed[int(i + self._episodes[i] * self.n) % len(self._listed)] | task
         motion = self.tasks.draw(rng, task)
-        plant = robot_of(options["plant"]) if options.get("plant") is not None else self._plant_robot
+        plant = robot_of(options["plant"]) if options.get("plant") is not None else self.plant_robot
         distribution = options.get("randomization", self.settings.randomization)
         return motion, plant if distribution is None else distribution.draw(plant, rng)
 
@@ -193,6 +213,8 @@ class TrackingCore:
         self.running = self.running & ~(terminated | truncated)
         if recorder is not None:
             recorder.end(self, np.flatnonzero(terminated | truncated))
+        for observer in self.observers:
+            observer.follow(ids)
         reward = np.where(active, self._reward(terminated), 0.0)
         return Transition(observation=self._observe(), reward=reward, terminated=terminated, truncated=truncated)
 

@@ -1,0 +1,3 @@
+"""Agents with stable-baselines3's `predict`: one file per family."""
+
+from agents.lugre import LuGreAgent as LuGreAgent

@@ -1,0 +1,102 @@
+"""What an environment id stands for: its physics and its behaviour, as numbers that are kept with the version.
+
+A published result names an id. If what the id does changes, old results no longer compare with new ones, so that the
+version must change too: `check` compares an environment with `fingerprints.json`.
+"""
+
+import hashlib
+import json
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import gymnasium as gym
+import mujoco
+import numpy as np
+from mujoco import batch
+
+from ffgym.errors import FFGymError
+from ffgym.types import Array
+
+DIGITS = 9
+"""Digits of the model's numbers that count: processors differ in the sixteenth."""
+TOLERANCE = 1e-6
+"""Relative difference of behaviour that counts as a change: far above the rounding of other processors, and far below
+any change of a constant that is meant."""
+SEEDS, STEPS = (0, 1), 300
+"""Episodes of the golden trajectory, with random actions; 1.2 s each, past the first standstill of the circle test."""
+
+
+def fingerprint(name: str) -> dict[str, Any]:
+    """Fingerprint of a registered environment with its default arguments.
+
+    Returns:
+        `mujoco` (version), `model` (hash of the compiled model's numbers), `layout` (of the observation) and
+        `behaviour` (numbers along seeded episodes: observations, rewards, torques).
+    """
+    env = gym.make(name).unwrapped
+    core = env.core  # type: ignore[attr-defined]
+    behaviour: list[float] = []
+    for seed in SEEDS:
+        observation, _ = env.reset(seed=seed)
+        actions = np.random.default_rng(seed).uniform(-1, 1, size=(STEPS, core.robot.n_joints))
+        behaviour += _rounded(observation)
+        total = 0.0
+        for action in actions:
+            observation, reward, terminated, truncated, info = env.step(action)
+            total += float(reward)
+            if terminated or truncated:
+                break
+        behaviour += [*_rounded(observation), *_rounded(np.array([total])), *_rounded(info["u_c"])]
+    return {
+        "mujoco": mujoco.__version__,
+        "model": _model_hash(core.plant.model),
+        "layout": list(core.observation_layout),
+        "behaviour": behaviour,
+    }
+
+
+def check(name: str) -> None:
+    """Check that an environment still is what its id stands for.
+
+    Raises:
+        FFGymError: if its physics or its behaviour changed, or it has no stored fingerprint.
+    """
+    kept = stored().get(name)
+    if kept is None:
+        raise FFGymError(f"{name} has no stored fingerprint; run python -m scripts.env_fingerprints.")
+    now = fingerprint(name)
+    changed = [key for key in ("mujoco", "model", "layout") if now[key] != kept[key]]
+    if len(now["behaviour"]) != len(kept["behaviour"]) or not np.allclose(
+        now["behaviour"], kept["behaviour"], rtol=TOLERANCE, atol=TOLERANCE
+    ):
+        changed.append("behaviour")
+    if changed:
+        base, _, version = name.rpartition("-v")
+        raise FFGymError(
+            f"{name} is no longer what it was: {', '.join(changed)} changed. Results under this id would not compare: "
+            f"bump the version (register {base}-v{int(version) + 1} in ffgym/registration.py, say what changed in "
+            f"CHANGELOG.md), then run python -m scripts.env_fingerprints."
+        )
+
+
+@cache
+def stored() -> dict[str, Any]:
+    """Fingerprints kept with the package, by id."""
+    text = (resources.files("ffgym.envs") / "fingerprints.json").read_text(encoding="utf-8")
+    kept: dict[str, Any] = json.loads(text)
+    return kept
+
+
+def _model_hash(model: mujoco.MjModel) -> str:
+    """Hash of all numbers of a compiled model to DIGITS digits, 16 hexadecimal digits."""
+    digest = hashlib.sha256()
+    for name in sorted(batch.MODEL_FIELDS):
+        value = getattr(model.opt, name[4:]) if name.startswith("opt.") else getattr(model, name)
+        digest.update(f"{name} {_rounded(np.asarray(value))}\n".encode())
+    return digest.hexdigest()[:16]
+
+
+def _rounded(values: Array) -> list[float]:
+    """Numbers to DIGITS significant digits; -0 is 0."""
+    return [float(f"{x:.{DIGITS - 1}e}") + 0.0 for x in np.ravel(values).astype(np.float64).tolist()]
