@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ffgym.envs.rendering import Rendering
 from ffgym.envs.rewards import Reward, reward_of
 from ffgym.envs.sensing import Sensing
 from ffgym.errors import FFGymError, check_choice, check_number, check_shape, check_whole
@@ -52,6 +53,8 @@ class Settings:
     over the sub-environments."""
     layers: Sequence["Layer"] = ()
     """What stands between agent and robot, from the robot outwards: Residual, History, LowPass, Hold, ..."""
+    rendering: Rendering = field(default_factory=Rendering)
+    """Size of pictures, and how much they magnify the error."""
     recorder: "EpisodeRecorder | None" = None
     """Turns every finished episode into a Recording."""
     n_threads: int = 0
@@ -66,6 +69,7 @@ class Settings:
         for name, value, kind, example in (
             ("randomization", self.randomization, PlantDistribution, "PlantDistribution()"),
             ("sensing", self.sensing, Sensing, "Sensing(encoder_bits=16)"),
+            ("rendering", self.rendering, Rendering, "Rendering(magnify=20)"),
         ):
             if value is not None and not isinstance(value, kind):
                 raise FFGymError(f"{name} = {value!r} must be a {kind.__name__}, e.g. {example}.")

@@ -5,6 +5,7 @@ from typing import Any, SupportsFloat
 import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
 
 from ffgym.envs.observation import ObservationLayout
 from ffgym.envs.vector import TrackingVectorEnv
@@ -73,7 +74,7 @@ class TrackingEnv(gym.Env[Array, Array]):
             self._batch.show()
         return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), _first(info)
 
-    def render(self) -> Array | None:
+    def render(self) -> NDArray[np.uint8] | None:
         """Picture of the present state, (height, width, 3) of uint8; None in mode 'human', which shows it."""
         if self.render_mode == "human":
             self._batch.show()

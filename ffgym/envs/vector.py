@@ -8,6 +8,7 @@ import numpy as np
 from gymnasium.utils import seeding
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
 
 from ffgym.envs.core import TrackingCore, Transition
 from ffgym.envs.layers import Layer, Stage
@@ -38,7 +39,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
     ) -> None:
         self.autoreset_mode = _autoreset_mode(autoreset_mode)
         self.metadata = type(self).metadata | {"autoreset_mode": self.autoreset_mode}
-        self.render_mode = check_render_mode(render_mode, self.metadata["render_modes"])
+        self.render_mode = check_render_mode(render_mode, num_envs)
         self.core = TrackingCore(tasks, num_envs, settings)
         self._stage = stacked(self.core, settings.layers)
         self.num_envs = self.core.n
@@ -50,7 +51,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         self._seeds: list[int | None] = [None] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._return, self._length = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=np.int64)
-        self._renderer = None if self.render_mode is None else EpisodeRenderer(self.core)
+        self._renderer = None if self.render_mode is None else EpisodeRenderer(self.core, self.render_mode)
 
     @property
     def observation_layout(self) -> ObservationLayout:
@@ -134,15 +135,11 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
     def _begin(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
         observation = self._stage.reset(ids, options)
         self._ended[ids], self._return[ids], self._length[ids] = False, 0.0, 0
-        if self._renderer is not None:
-            self._renderer.begin(ids)
         return observation
 
     def _count(self, result: Transition, going: BoolArray | None = None) -> None:
         self._return += result.reward
         self._length += 1 if going is None else going
-        if self._renderer is not None:
-            self._renderer.follow()
 
     def _score(self, done: BoolArray) -> dict[str, Any]:
         """Return and length of the episodes that are done."""
@@ -236,7 +233,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         if self._renderer is not None:
             self._renderer.show()
 
-    def render(self) -> tuple[Array, ...] | None:
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """One picture per sub-environment, each (height, width, 3) of uint8."""
         if self._renderer is None:
             raise FFGymError("There is nothing to render: make the environment with render_mode='rgb_array'.")

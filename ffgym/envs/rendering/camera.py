@@ -1,0 +1,70 @@
+"""Where a picture is taken from."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from ffgym.types import Array
+
+FIELD_OF_VIEW = np.deg2rad(30.0)
+"""Full angle of the perspective camera along the shorter side."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Camera:
+    """Looks at a ball, so that all of it is in the picture, whatever the shape of the panel."""
+
+    centre: Array
+    """[m], shape (3,)."""
+    radius: float
+    """[m]."""
+    azimuth: float
+    """Direction from the ball's centre to the camera [deg], from world x towards y."""
+    elevation: float
+    """Of the camera above the horizon [deg]."""
+    orthographic: bool = False
+
+    @classmethod
+    def along(cls, normal: Array, centre: Array, radius: float) -> "Camera":
+        """Orthographic camera that looks against a unit normal (3,); world x points right if the normal is up."""
+        azimuth = -90.0 if abs(normal[2]) > 0.999 else float(np.rad2deg(np.arctan2(normal[1], normal[0])))
+        elevation = float(np.rad2deg(np.arcsin(np.clip(normal[2], -1, 1))))
+        return cls(centre=centre, radius=radius, azimuth=azimuth, elevation=elevation, orthographic=True)
+
+    @property
+    def backward(self) -> Array:
+        """Unit vector from the centre to the camera."""
+        a, e = np.deg2rad(self.azimuth), np.deg2rad(self.elevation)
+        return np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+
+    @property
+    def up(self) -> Array:
+        """Unit vector that points up in the picture."""
+        a, e = np.deg2rad(self.azimuth), np.deg2rad(self.elevation)
+        return np.array([-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e)])
+
+    @property
+    def right(self) -> Array:
+        """Unit vector that points right in the picture."""
+        right: Array = np.cross(self.up, self.backward)
+        return right
+
+    @property
+    def distance(self) -> float:
+        """From the camera to the centre [m]."""
+        return self.radius * (4.0 if self.orthographic else float(1 / np.sin(FIELD_OF_VIEW / 2)))
+
+    def aim(self, scene: mujoco.MjvScene, aspect: float) -> None:
+        """Set the scene's cameras for a panel of width / height = `aspect`."""
+        distance = self.distance
+        near, far = 0.05 * distance, 10 * distance
+        half = self.radius if self.orthographic else near * np.tan(FIELD_OF_VIEW / 2)
+        half = half / min(aspect, 1.0)  # vertical
+        for eye in scene.camera:
+            eye.pos = self.centre + distance * self.backward
+            eye.forward, eye.up = -self.backward, self.up
+            eye.orthographic = int(self.orthographic)
+            eye.frustum_center, eye.frustum_width = 0.0, half * aspect
+            eye.frustum_bottom, eye.frustum_top = -half, half
+            eye.frustum_near, eye.frustum_far = near, far

@@ -1,0 +1,96 @@
+"""The path of one motion, as it is drawn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.envs.motion import Motion
+from ffgym.envs.rendering.camera import Camera
+from ffgym.envs.rendering.paper import round_down
+from ffgym.types import Array, BoolArray, IntArray
+
+FREE_RADIUS = 0.03
+"""Half of what the close-up shows of a motion without circles [m]."""
+TYPICAL_LAG = 0.006
+"""The path error of the uncompensated robot, RMS, is 4 to 8 ms times its speed; it is drawn as a TYPICAL_SHARE of the
+half width of the close-up."""
+TYPICAL_SHARE = 1 / 6
+CLOSE_UP = 1.75
+"""Half of what the close-up shows of circles, in radii of the largest."""
+RECENT = 500
+"""Control steps before and after the present one that are drawn of a motion without circles: 2 s."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ToolPath:
+    """TCP of a motion's reference, and how to look at it."""
+
+    points: Array
+    """[m], shape (T, 3)."""
+    speed: Array
+    """[m/s], shape (T,)."""
+    circle: IntArray
+    """Number of the circle at each sample, shape (T,); it counts on when a lead-in begins."""
+    on_circle: BoolArray
+    """Without leads and rests, shape (T,)."""
+    is_flat: bool
+    """Whether it has circles, which share a plane."""
+    centre: Array
+    normal: Array
+    """Of the plane of the circles, upwards."""
+    radius: float
+    """Half of what the close-up shows [m]."""
+    magnify: float
+    """Round factor on the error that suits the speed."""
+
+    @classmethod
+    def of(cls, motion: Motion) -> "ToolPath":
+        """Path of a motion."""
+        at, rows = motion.columns, motion.rows(0)
+        points, (centre, normal) = rows[:, at.tcp], motion.plane
+        speed = np.linalg.norm(np.gradient(points, motion.reference.t, axis=0), axis=1)
+        is_flat = bool(np.any(normal))
+        radius = CLOSE_UP * float(np.linalg.norm(points - centre, axis=1).max()) if is_flat else FREE_RADIUS
+        typical = TYPICAL_LAG * max(float(speed.max()), 1e-3)
+        return cls(
+            points=points,
+            speed=speed,
+            circle=np.cumsum(np.diff(rows[:, at.circle], prepend=-1.0) > 0).clip(min=1),
+            on_circle=rows[:, at.radius] > 0,
+            is_flat=is_flat,
+            centre=centre,
+            normal=normal if normal[2] >= 0 else -normal,
+            radius=radius,
+            magnify=max(1.0, round_down(TYPICAL_SHARE * radius / typical)),
+        )
+
+    def camera(self, now: Array) -> Camera:
+        """Of the close-up: along the normal of the circles; without them it goes with the TCP."""
+        if self.is_flat:
+            return Camera.along(self.normal, self.centre, self.radius)
+        return Camera(centre=now, radius=self.radius, azimuth=-60, elevation=35, orthographic=True)
+
+    @property
+    def rounds(self) -> list[slice]:
+        """Where the circles are."""
+        return runs(self.on_circle)
+
+    def seen(self, length: int) -> tuple[list[slice], slice]:
+        """Of the first `length` samples: the circles that are over, and what belongs to the present one."""
+        if not self.is_flat:
+            return [], slice(max(0, length - RECENT), length)
+        start = int(np.searchsorted(self.circle, self.circle[length - 1]))
+        return runs(self.on_circle[:start]), slice(start, length)
+
+    def ahead(self, length: int) -> slice:
+        """The present circle with its leads; without circles the path before and after sample `length`."""
+        if not self.is_flat:
+            return slice(max(0, length - RECENT), length + RECENT)
+        present = self.circle[length - 1]
+        return slice(int(np.searchsorted(self.circle, present)), int(np.searchsorted(self.circle, present, "right")))
+
+
+def runs(chosen: BoolArray) -> list[slice]:
+    """Where values are True without a gap; each with the sample after it, which closes a circle."""
+    edges = np.flatnonzero(np.diff(chosen.astype(np.int8), prepend=0, append=0))
+    return [slice(int(start), int(end) + 1) for start, end in zip(edges[::2], edges[1::2], strict=True)]
