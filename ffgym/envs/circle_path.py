@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from itertools import product
+from numbers import Real
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,7 +17,7 @@ from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
 from ffgym.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.paths import RADII, SPEEDS, circle_test
-from ffgym.robot import RobotDescription, robot_of
+from ffgym.robot import RobotDescription, robot_of, solve_path
 from ffgym.types import Array
 
 Position = str | Sequence[float] | Array
@@ -58,8 +59,16 @@ class CircleTasks(Tasks):
         self._speeds = check_not_empty("speeds", _numbers("speeds", speeds), "0.010 m/s")
         self._radii = check_not_empty("radii", _numbers("radii", radii), "0.003 m")
         self._order = check_choice("order", order, ORDERS)
+        self._check()
+
+    def _check(self) -> None:
+        """Complain now, not in the middle of a training."""
+        area = self.robot.work_area
+        assert area is not None  # __init__ asks for it
         for position in self._positions:
-            self._point(position)  # complain now, not in the middle of a training
+            solve_path(self.arm, self._point(position)[1][None], area.tool_rotation, area.home)
+        for radius, speed in product(self._radii, self._speeds):
+            circle_test(np.zeros(3), speed, radii=[radius], dt=self.robot.servo.control_dt)
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
         """See base class; the order of draws is position, speed, order of the circles."""
@@ -91,7 +100,7 @@ class CircleTasks(Tasks):
             task = {"position": label, "speed": speed, "radii": list(radii)}
             return Motion(reference=cartesian_reference(self.arm, path), arm=self.arm, task=task)
 
-        return self._cached((tuple(point), speed, radii), make)
+        return self._cached((label, tuple(point), speed, radii), make)
 
     def _point(self, position: Position) -> tuple[str, Array]:
         """Label of a position and where it is [m]."""
@@ -112,7 +121,10 @@ def _numbers(name: str, values: Any) -> tuple[float, ...]:
 
 def _sequence(name: str, values: Any) -> tuple[Any, ...]:
     """Positions from a sequence of them; one alone is a slip that would be read as its letters or coordinates."""
-    if isinstance(values, str) or np.ndim(values) == 0 or (np.ndim(values) == 1 and not isinstance(values[0], str)):
+    if isinstance(values, np.ndarray):
+        values = list(np.atleast_1d(values))
+    single = isinstance(values, str) or not isinstance(values, Sequence)
+    if single or any(isinstance(value, Real) for value in values):
         raise FFGymError(f"{name} = {values!r} must be a list of names or points, e.g. {name}=['p1'].")
     return tuple(values)
 

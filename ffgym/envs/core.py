@@ -4,7 +4,8 @@ Everything a sub-environment computes is elementwise, or done by the engine one 
 do not depend on B, on its neighbours or on the number of threads.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -19,13 +20,13 @@ from ffgym.envs.geometry import path_error
 from ffgym.envs.motion import Columns, Motion
 from ffgym.envs.observation import BOUND, ObservationLayout
 from ffgym.envs.rewards import Reward, Signals, reward_of
-from ffgym.envs.sensing import MotorSensors
-from ffgym.envs.settings import Settings, check_horizon
+from ffgym.envs.sensing import MotorSensors, Sensing
+from ffgym.envs.settings import Settings, check_horizon, check_kind
 from ffgym.envs.tasks import Tasks
 from ffgym.errors import FFGymError, check_choice, check_whole
 from ffgym.plant import Plant
 from ffgym.recordings import PHASE_KINDS
-from ffgym.robot import robot_of
+from ffgym.robot import RobotDescription, robot_of
 from ffgym.types import Array, BoolArray, IntArray
 
 COMMON_OPTIONS = ("plant", "randomization", "reward", "sensing", "horizon")
@@ -58,6 +59,18 @@ class Observer(Protocol):
         """Sub-environments `ids` have done a control step."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Episode:
+    """What an episode will be, checked."""
+
+    motion: Motion
+    robot: RobotDescription
+    """The robot that is simulated."""
+    last_step: int
+    reward: Reward
+    sensing: Sensing
+
+
 class TrackingCore:
     """B robots that track motions under their existing controller, with torque added by an agent."""
 
@@ -77,7 +90,8 @@ class TrackingCore:
         self.action_space: spaces.Box = spaces.Box(-1.0, 1.0, shape=(robot.n_joints,), dtype=np.float32)
         self.decision_dt = robot.servo.control_dt
         self.columns = Columns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
-        self._width = max(settings.preview + 1, 2)
+        self._preview = self.observation_layout.preview
+        self._width = max(self._preview + 1, 2)
         self._bank = MotionBank(n, self.columns, padding=self._width)
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
         if self.columns.has_tcp:
@@ -101,7 +115,7 @@ class TrackingCore:
         self.tcp_offset = np.zeros((n, 3))
         """TCP - reference at the start of the episode [m], shape (B, 3)."""
         self._centre, self._normal = np.zeros((n, 3)), np.zeros((n, 3))
-        self._rewards: list[Reward] = [reward_of(self.settings.reward)] * n
+        self._rewards: list[Reward] = [reward_of(self.settings.reward, self.robot)] * n
         self._rngs: list[np.random.Generator | None] = [None] * n
         self._episodes: IntArray = np.zeros(n, dtype=np.int64)
         self.running: BoolArray = np.zeros(n, dtype=np.bool_)
@@ -122,6 +136,11 @@ class TrackingCore:
         """Time in the episode [s], shape (B,)."""
         return np.multiply(self.step_index, self.robot.servo.control_dt)
 
+    @property
+    def rngs(self) -> Sequence[np.random.Generator | None]:
+        """Randomness of each sub-environment; None before its first reset."""
+        return self._rngs
+
     def seed(self, i: int, rng: np.random.Generator, fresh: bool) -> None:
         """Give a sub-environment its randomness; a `fresh` one begins the sequence of motions anew."""
         self._rngs[i] = rng
@@ -132,23 +151,23 @@ class TrackingCore:
         """Begin episodes in sub-environments `ids`, with options for each; returns all observations, (B, D).
 
         Raises:
-            FFGymError: if an option is unknown or not valid; then no sub-environment has changed.
+            FFGymError: if an option is unknown or not valid; within `all_or_nothing`, nothing has changed then.
         """
         for chosen in options:
             for name in chosen:
                 check_choice("reset option", name, [*self.tasks.option_names, *COMMON_OPTIONS])
-        drawn = [self._draw(i, chosen) for i, chosen in zip(ids, options, strict=True)]
-        for i, chosen, (motion, robot) in zip(ids, options, drawn, strict=True):
-            self.plant.become([i], [robot])
-            self._bank.assign(i, motion)
-            horizon = check_horizon(chosen.get("horizon", self.settings.horizon))
-            self._last_step[i] = motion.n_steps if horizon is None else min(motion.n_steps, horizon)
-            self._rewards[i] = reward_of(chosen.get("reward", self.settings.reward))
-            self._sensors.set(i, chosen.get("sensing", self.settings.sensing))
+        if self.settings.recorder is not None:
+            self.settings.recorder.claim(self)
+        episodes = [self._draw(i, chosen) for i, chosen in zip(ids, options, strict=True)]
+        self.plant.become(ids, [episode.robot for episode in episodes])
+        self._rest(ids, [episode.motion for episode in episodes])
+        for i, episode in zip(ids, episodes, strict=True):
+            self._bank.assign(i, episode.motion)
+            self._last_step[i], self._rewards[i] = episode.last_step, episode.reward
+            self._sensors.set(i, episode.sensing)
             if self.columns.has_tcp:
-                self._centre[i], self._normal[i] = motion.plane
+                self._centre[i], self._normal[i] = episode.motion.plane
         self._episodes[ids] += 1
-        self._rest(ids, [motion for motion, _ in drawn])
         fresh = np.zeros(self.n, dtype=np.bool_)
         fresh[ids] = True
         self._look(fresh)
@@ -158,17 +177,42 @@ class TrackingCore:
             observer.begin(ids)
         return self._observe()
 
-    def _draw(self, i: int, options: Mapping[str, Any]) -> tuple[Motion, Any]:
-        """Motion and plant of the next episode; the motion is drawn first."""
+    @contextmanager
+    def all_or_nothing(self, ids: IntArray) -> Iterator[None]:
+        """Where a `reset` of sub-environments `ids` fails, leave physics and randomness as they were."""
+        robots, state = [self.plant.robots[i] for i in ids], self.plant.batch.state.copy()
+        rngs, episodes = self._rngs.copy(), self._episodes.copy()
+        drawn = [(rng.bit_generator, rng.bit_generator.state) for rng in rngs if rng is not None]
+        try:
+            yield
+        except Exception:
+            self.plant.become(ids, robots)
+            self.plant.batch.state[:] = state
+            self._rngs, self._episodes = rngs, episodes
+            for bits, was in drawn:
+                bits.state = was
+            raise
+
+    def _draw(self, i: int, options: Mapping[str, Any]) -> Episode:
+        """The next episode; its motion is drawn first, then its plant."""
         rng = self._rngs[i]
         assert rng is not None  # the environment seeds before it resets
+        horizon = check_horizon(options.get("horizon", self.settings.horizon))
+        reward = reward_of(options.get("reward", self.settings.reward), self.robot)
+        sensing = check_kind("sensing", options.get("sensing", self.settings.sensing))
+        distribution = check_kind("randomization", options.get("randomization", self.settings.randomization))
         task = {name: value for name, value in options.items() if name in self.tasks.option_names}
         if self._listed:
             task = self._listed[int(i + self._episodes[i] * self.n) % len(self._listed)] | task
         motion = self.tasks.draw(rng, task)
         plant = robot_of(options["plant"]) if options.get("plant") is not None else self.plant_robot
-        distribution = options.get("randomization", self.settings.randomization)
-        return motion, plant if distribution is None else distribution.draw(plant, rng)
+        return Episode(
+            motion=motion,
+            robot=plant if distribution is None else distribution.draw(plant, rng),
+            last_step=motion.n_steps if horizon is None else min(motion.n_steps, horizon),
+            reward=reward,
+            sensing=sensing,
+        )
 
     def _rest(self, ids: IntArray, motions: Sequence[Motion]) -> None:
         """Put robots to the start of their motions, in equilibrium."""
@@ -228,10 +272,14 @@ class TrackingCore:
             raise FFGymError(
                 f"The action of sub-environment {i} for motor {self.robot.joints[j]} is {values[i, j]}, must be finite."
             )
-        if not self.running[active].all():
-            ended = np.flatnonzero(active & ~self.running).tolist()
-            raise FFGymError(f"Sub-environments {ended} have no episode running; call reset first.")
+        self.check_running(active)
         return np.clip(values, -1.0, 1.0)
+
+    def check_running(self, active: BoolArray) -> None:
+        """Raise if a sub-environment of `active` is not in the middle of an episode."""
+        ended = np.flatnonzero(active & ~self.running)
+        if ended.size:
+            raise FFGymError(f"Sub-environments {ended.tolist()} have no episode running; call reset first.")
 
     def _controls(self, ids: IntArray, action: Array) -> Array:
         """MuJoCo's controls at every physics step of one control step, shape (B', S, 3 N)."""
@@ -268,7 +316,7 @@ class TrackingCore:
 
     def _observe(self) -> Array:
         """Observations, shape (B, D)."""
-        window = self._window[:, : self.settings.preview + 1, self.columns.reference]
+        window = self._window[:, : self._preview + 1, self.columns.reference]
         return self.observation_layout.encode(*self._seen, self.action, window)
 
     def _reward(self, stopped: BoolArray) -> Array:

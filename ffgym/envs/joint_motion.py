@@ -1,6 +1,7 @@
 """`ffgym/JointMotion-v0`: random smooth motions of all joints, no path, for training that should carry over to any."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,7 @@ class RandomTasks(Tasks):
             raise FFGymError(f"peak_speeds = ({low}, {high}) rad/s must be 0 < low <= high.")
         self._peak_speeds = (low, high)
         self._spread = check_number("spread", spread, unit="rad", low=0.0)
+        self.draw(np.random.default_rng(0), {})  # complain now, not in the middle of a training
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
         """See base class; the order of draws is centre, peak speeds, sines."""
@@ -51,16 +53,37 @@ class RandomTasks(Tasks):
         home = np.zeros(n) if self.robot.work_area is None else self.robot.work_area.home
         centre = home + rng.uniform(-self._spread, self._spread, size=n)
         speed = np.exp(rng.uniform(np.log(self._peak_speeds[0]), np.log(self._peak_speeds[1]), size=n))
-        if "centre" in options:
-            centre = check_shape("centre", options["centre"], (n,))
-        if "peak_speed" in options:
-            speed = check_shape("peak_speed", np.broadcast_to(options["peak_speed"], n), (n,))
         centre = np.clip(centre, *_inner(kinematics.range))
+        if "centre" in options:
+            centre = _checked_centre(options["centre"], kinematics.range)
+        if "peak_speed" in options:
+            speed = _checked_speed(options["peak_speed"], n)
         path = random_multisine(
             rng, centre, speed / self.robot.drive.gear_ratio, self._duration, dt=self.robot.servo.control_dt
         )
         task = {"centre": centre.tolist(), "peak_speed": speed.tolist()}
         return Motion(reference=joint_reference(self.robot, path), arm=self.arm, task=task)
+
+
+def _checked_centre(centre: Any, limits: Array) -> Array:
+    """Centre of a motion [rad], shape (N,), with room for the motion about it."""
+    centre = check_shape("centre", centre, (len(limits),))
+    low, high = _inner(limits)
+    if np.any((centre < low) | (centre > high)):
+        raise FFGymError(
+            f"centre = {centre} rad must be within the middle 80 % of the joint ranges, {low} to {high} rad."
+        )
+    return centre
+
+
+def _checked_speed(speed: Any, n: int) -> Array:
+    """Peak speed of each motor [rad/s], shape (n,), from one number or one per joint."""
+    with suppress(ValueError):  # then check_shape says what is wrong
+        speed = np.broadcast_to(speed, n)
+    speed = check_shape("peak_speed", speed, (n,))
+    if np.any(speed < 0):
+        raise FFGymError(f"peak_speed = {speed} rad/s must be >= 0 on every joint.")
+    return speed
 
 
 def _inner(limits: Array) -> tuple[Array, Array]:

@@ -17,7 +17,7 @@ from gymnasium import spaces
 from ffgym.control import FeedForwardLaw
 from ffgym.envs.core import TrackingCore, Transition
 from ffgym.envs.motion import Motion
-from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.types import Array, BoolArray, IntArray
 
 
@@ -83,7 +83,7 @@ class History(Layer):
     length: int
 
     def __post_init__(self) -> None:
-        check_whole("history length", self.length, low=1)
+        object.__setattr__(self, "length", check_whole("history length", self.length, low=1))
 
     def over(self, inner: Stage, core: TrackingCore) -> Stage:
         """See base class."""
@@ -123,7 +123,7 @@ class LowPass(Layer):
     """[Hz]."""
 
     def __post_init__(self) -> None:
-        check_number("cutoff", self.cutoff, unit="Hz", low=0.0, open_low=True)
+        object.__setattr__(self, "cutoff", check_number("cutoff", self.cutoff, unit="Hz", low=0.0, open_low=True))
 
     def over(self, inner: Stage, core: TrackingCore) -> Stage:
         """See base class."""
@@ -154,7 +154,7 @@ class Hold(Layer):
     steps: int
 
     def __post_init__(self) -> None:
-        check_whole("held steps", self.steps, unit="control steps", low=1)
+        object.__setattr__(self, "steps", check_whole("held steps", self.steps, unit="control steps", low=1))
 
     def over(self, inner: Stage, core: TrackingCore) -> Stage:
         """See base class."""
@@ -200,8 +200,8 @@ class Residual(Layer):
     """Whether an agent as base acts without exploration noise."""
 
     def __post_init__(self) -> None:
-        check_number("residual scale", self.scale, low=0.0)
-        if not isinstance(self.base, FeedForwardLaw | Agent):
+        object.__setattr__(self, "scale", check_number("residual scale", self.scale, low=0.0))
+        if isinstance(self.base, type) or not isinstance(self.base, FeedForwardLaw | Agent):
             raise FFGymError(
                 f"The base of a residual must be a feed-forward law or have a method predict, got {self.base!r}."
             )
@@ -263,9 +263,7 @@ class _ResidualAgentStage(_Passing):
         base, self._memory = layer.base.predict(
             self._observation.copy(), self._memory, self._starts.copy(), deterministic=layer.deterministic
         )
-        base = np.asarray(base, dtype=np.float64)
-        if base.shape != self._action_shape:
-            raise FFGymError(f"The base agent gave actions of shape {base.shape}, must be {self._action_shape}.")
+        base = check_shape("actions of the base agent", base, self._action_shape)
         self._starts = np.zeros_like(self._starts) if active is None else self._starts & ~active
         result = self.inner.step(base + layer.scale * np.clip(action, -1.0, 1.0), active)
         self._observation = result.observation

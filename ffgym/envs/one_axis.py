@@ -43,6 +43,8 @@ class SineTasks(Tasks):
         self._frequencies = check_not_empty("frequencies", values, "1.0 Hz")
         self._amplitude = check_number("amplitude", amplitude, unit="rad")
         self._duration = check_number("duration", duration, unit="s", low=0.0, open_low=True)
+        for task in self.listed():
+            self.draw(np.random.default_rng(0), task)  # complain now, not in the middle of a training
 
     def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
         """See base class; only the frequency is drawn."""

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_whole
+from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.recordings import Recording
 from ffgym.simulation import RECORD_DT, Sensor
 from ffgym.simulation.sensors import measure
@@ -38,7 +38,12 @@ class EpisodeRecorder:
         on_episode: Callable[[Recording], None] | None = None,
     ) -> None:
         self._keep = None if keep is None else check_whole("keep", keep, low=0)
-        self._record_dt, self._sensors, self._on_episode = record_dt, tuple(sensors), on_episode
+        self._record_dt = check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
+        if not isinstance(sensors, Sequence) or not all(isinstance(sensor, Sensor) for sensor in sensors):
+            raise FFGymError(f"sensors = {sensors!r} must be a list of sensors, e.g. [Resolver(bits=16)].")
+        if on_episode is not None and not callable(on_episode):
+            raise FFGymError(f"on_episode = {on_episode!r} must be a function of a recording.")
+        self._sensors, self._on_episode = tuple(sensors), on_episode
         self._rng = np.random.default_rng(check_whole("seed", seed, low=0))
         self._owner: TrackingCore | None = None
         self._parts: dict[int, list[tuple[Array, Array, Array]]] = {}
@@ -46,12 +51,19 @@ class EpisodeRecorder:
         self.recordings: list[Recording] = []
         """Finished episodes, oldest first."""
 
-    def begin(self, core: "TrackingCore", ids: IntArray) -> None:
-        """Begin the episodes of sub-environments `ids`; what they had before and did not finish is dropped."""
+    def claim(self, core: "TrackingCore") -> None:
+        """Serve this environment from now on, and no other.
+
+        Raises:
+            FFGymError: if it serves another one already, or if its sample time does not fit.
+        """
         if self._owner is not None and self._owner is not core:
             raise FFGymError("An EpisodeRecorder serves one environment; make one for each.")
-        self._owner = core
         self._stride = record_stride(core.plant, self._record_dt)
+        self._owner = core
+
+    def begin(self, core: "TrackingCore", ids: IntArray) -> None:
+        """Begin the episodes of sub-environments `ids`; what they had before and did not finish is dropped."""
         engine = core.plant.batch
         for i in ids.tolist():
             rows = slice(i, i + 1)

@@ -47,8 +47,11 @@ class Reward(ABC):
     """Whether it uses what no robot measures by itself."""
 
     def __post_init__(self) -> None:
-        check_number("effort_weight", self.effort_weight, low=0.0)
-        check_whole("stop_steps", self.stop_steps, low=0)
+        object.__setattr__(self, "effort_weight", check_number("effort_weight", self.effort_weight, low=0.0))
+        object.__setattr__(self, "stop_steps", check_whole("stop_steps", self.stop_steps, low=0))
+
+    def check(self, robot: RobotDescription) -> None:  # noqa: B027  (most rewards ask nothing of a robot)
+        """Raise FFGymError if the reward is not defined for a robot."""
 
     @abstractmethod
     def cost(self, signals: Signals, robot: RobotDescription) -> Array:
@@ -89,12 +92,17 @@ class PathError(Reward):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_number("scale", self.scale, unit="m", low=0.0, open_low=True)
+        scale = check_number("scale", self.scale, unit="m", low=0.0, open_low=True)
+        object.__setattr__(self, "scale", scale)
+
+    def check(self, robot: RobotDescription) -> None:
+        """See base class."""
+        if robot.tool is None:
+            raise FFGymError(f"Robot {robot.name!r} has no tool, so there is no path error; use reward='motor_error'.")
 
     def cost(self, signals: Signals, robot: RobotDescription) -> Array:
         """See base class."""
-        if signals.path_error is None:
-            raise FFGymError(f"Robot {robot.name!r} has no tool, so there is no path error; use reward='motor_error'.")
+        assert signals.path_error is not None  # `check` asks for a tool
         return signals.path_error / self.scale
 
 
@@ -117,17 +125,19 @@ REWARDS: dict[str, type[Reward]] = {reward.name: reward for reward in (MotorErro
 """Rewards by name."""
 
 
-def reward_of(reward: str | Reward) -> Reward:
+def reward_of(reward: str | Reward, robot: RobotDescription | None = None) -> Reward:
     """Return a reward from its name, or as it is.
 
     Raises:
-        FFGymError: if it is neither.
+        FFGymError: if it is neither, or if it is not defined for `robot`.
     """
-    if isinstance(reward, Reward):
-        return reward
-    if not isinstance(reward, str):
+    if isinstance(reward, str):
+        reward = REWARDS[check_choice("reward", reward, list(REWARDS))]()
+    if not isinstance(reward, Reward):
         raise FFGymError(f"reward = {reward!r} must be one of {sorted(REWARDS)} or a Reward of ffgym.envs.")
-    return REWARDS[check_choice("reward", reward, list(REWARDS))]()
+    if robot is not None:
+        reward.check(robot)
+    return reward
 
 
 def _mean_square(values: Array) -> Array:

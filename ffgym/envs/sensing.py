@@ -20,8 +20,9 @@ class Sensing:
 
     def __post_init__(self) -> None:
         if self.encoder_bits is not None:
-            check_whole("encoder_bits", self.encoder_bits, unit="bit/turn", low=1, high=32)
-        check_number("angle noise", self.noise, unit="rad", low=0.0)
+            bits = check_whole("encoder_bits", self.encoder_bits, unit="bit/turn", low=1, high=32)
+            object.__setattr__(self, "encoder_bits", bits)
+        object.__setattr__(self, "noise", check_number("angle noise", self.noise, unit="rad", low=0.0))
 
     @property
     def is_exact(self) -> bool:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ffgym.envs.recorder import EpisodeRecorder
 from ffgym.envs.rendering import Rendering
 from ffgym.envs.rewards import Reward, reward_of
 from ffgym.envs.sensing import Sensing
@@ -17,7 +18,6 @@ from ffgym.types import Array
 
 if TYPE_CHECKING:
     from ffgym.envs.layers import Layer
-    from ffgym.envs.recorder import EpisodeRecorder
 
 ACTION_SCALE = 2.5
 """Torque of an action of 1, in breakaway torques. Static LuGre needs 2.4 on the fastest test motion; the peaks of
@@ -55,24 +55,20 @@ class Settings:
     """What stands between agent and robot, from the robot outwards: Residual, History, LowPass, Hold, ..."""
     rendering: Rendering = field(default_factory=Rendering)
     """Size of pictures, and how much they magnify the error."""
-    recorder: "EpisodeRecorder | None" = None
+    recorder: EpisodeRecorder | None = None
     """Turns every finished episode into a Recording."""
     n_threads: int = 0
     """Threads of the engine, 0 for all cores; results are the same at any number."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "reward", reward_of(self.reward))
-        object.__setattr__(self, "layers", tuple(self.layers))
-        check_number("error_limit", self.error_limit, unit="rad", low=0.0, open_low=True)
+        object.__setattr__(self, "layers", _layers(self.layers))
+        limit = check_number("error_limit", self.error_limit, unit="rad", low=0.0, open_low=True)
+        object.__setattr__(self, "error_limit", limit)
         check_choice("sampling", self.sampling, ("random", "sequence"))
         check_horizon(self.horizon)
-        for name, value, kind, example in (
-            ("randomization", self.randomization, PlantDistribution, "PlantDistribution()"),
-            ("sensing", self.sensing, Sensing, "Sensing(encoder_bits=16)"),
-            ("rendering", self.rendering, Rendering, "Rendering(magnify=20)"),
-        ):
-            if value is not None and not isinstance(value, kind):
-                raise FFGymError(f"{name} = {value!r} must be a {kind.__name__}, e.g. {example}.")
+        for name in _KINDS:
+            check_kind(name, getattr(self, name))
 
     @classmethod
     def of(cls, values: dict[str, Any]) -> "Settings":
@@ -94,6 +90,34 @@ class Settings:
         if np.any(scale <= 0):
             raise FFGymError(f"action_scale = {self.action_scale} must be > 0 on every joint.")
         return scale * robot.friction.static
+
+
+_KINDS: dict[str, tuple[type, bool, str]] = {
+    "randomization": (PlantDistribution, True, "PlantDistribution()"),
+    "sensing": (Sensing, False, "Sensing(encoder_bits=16)"),
+    "rendering": (Rendering, False, "Rendering(magnify=20)"),
+    "recorder": (EpisodeRecorder, True, "EpisodeRecorder()"),
+}
+"""What an argument must be, whether it may be None, and an example."""
+
+
+def check_kind(name: str, value: Any) -> Any:
+    """Return the value of an argument if it is of its kind, by `_KINDS`.
+
+    Raises:
+        FFGymError: if it is not.
+    """
+    kind, may_be_none, example = _KINDS[name]
+    if isinstance(value, kind) or (value is None and may_be_none):
+        return value
+    also = " or None" if may_be_none else ""
+    raise FFGymError(f"{name} = {value!r} must be of class {kind.__name__}, e.g. {example}{also}.")
+
+
+def _layers(layers: Any) -> tuple[Any, ...]:
+    if not isinstance(layers, Sequence) or isinstance(layers, str):
+        raise FFGymError(f"layers = {layers!r} must be a list, from the robot outwards, e.g. layers=[History(8)].")
+    return tuple(layers)
 
 
 def check_horizon(horizon: int | None) -> int | None:

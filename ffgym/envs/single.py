@@ -8,7 +8,8 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from ffgym.envs.observation import ObservationLayout
-from ffgym.envs.vector import TrackingVectorEnv
+from ffgym.envs.vector import TrackingVectorEnv, check_seed
+from ffgym.errors import FFGymError, check_shape
 from ffgym.types import Array
 
 
@@ -18,6 +19,9 @@ class TrackingEnv(gym.Env[Array, Array]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 25}  # noqa: RUF012  (Gymnasium's way)
 
     def __init__(self, kind: type[TrackingVectorEnv], render_mode: str | None, arguments: dict[str, Any]) -> None:
+        for name in ("num_envs", "autoreset_mode"):
+            if name in arguments:
+                raise FFGymError(f"{name} = {arguments[name]!r} is for many robots: use gymnasium.make_vec.")
         self._batch = kind(
             1, autoreset_mode=AutoresetMode.DISABLED, render_mode=render_mode, **({"n_threads": 1} | arguments)
         )
@@ -54,11 +58,17 @@ class TrackingEnv(gym.Env[Array, Array]):
                 horizon.
 
         Raises:
-            FFGymError: if an option is not valid.
+            FFGymError: if an option or the seed is not valid; nothing has changed then.
         """
-        super().reset(seed=seed)
-        self._batch.adopt(0, self.np_random, fresh=seed is not None)
-        observation, info = self._batch.reset(options=options)
+        before = self._np_random, self._np_random_seed
+        try:
+            super().reset(seed=None if seed is None else check_seed(seed))
+            with self.core.all_or_nothing(np.array([0])):
+                self.core.seed(0, self.np_random, fresh=seed is not None)
+                observation, info = self._batch.reset(options=options)
+        except FFGymError:
+            self._np_random, self._np_random_seed = before
+            raise
         if self.render_mode == "human":
             self._batch.show()
         return observation[0], _first(info)
@@ -69,7 +79,8 @@ class TrackingEnv(gym.Env[Array, Array]):
         Raises:
             FFGymError: if the action has the wrong shape or is not finite, or no episode is running.
         """
-        observation, reward, terminated, truncated, info = self._batch.step(np.asarray(action)[None])
+        action = check_shape("action", action, self.action_space.shape or ())
+        observation, reward, terminated, truncated, info = self._batch.step(action[None])
         if self.render_mode == "human":
             self._batch.show()
         return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), _first(info)

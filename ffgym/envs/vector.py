@@ -1,6 +1,7 @@
 """The vector environment: Gymnasium's interface and automatic reset, around the engine."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import gymnasium as gym
@@ -47,7 +48,6 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         self.single_action_space = self._stage.action_space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
-        self._rngs: list[np.random.Generator] = []
         self._seeds: list[int | None] = [None] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._return, self._length = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=np.int64)
@@ -81,14 +81,18 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         Raises:
             FFGymError: if an option or a seed is not valid; nothing has changed then.
         """
+        if not isinstance(options, Mapping | None):
+            raise FFGymError(f"options = {options!r} must be a dict, e.g. {{'horizon': 250}}.")
         options = dict(options or {})
         mask = self._reset_mask(options.pop("reset_mask", None))
         each = options.pop("each", None)
         chosen = [options] * self.num_envs if each is None else self._each(each, options)
         seeds = self._checked_seeds(seed)
         ids = np.flatnonzero(mask)
-        self._seed(seeds, ids)
-        observation = self._begin(ids, [chosen[i] for i in ids])
+        with self.core.all_or_nothing(ids):
+            used = self._seed(seeds, ids)
+            observation = self._begin(ids, [chosen[i] for i in ids])
+        self._seeds = used
         return observation, self._with_masks(self.core.info())
 
     def step(self, actions: Array) -> tuple[Array, Any, Any, Any, dict[str, Any]]:
@@ -99,7 +103,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         """
         if self.autoreset_mode is AutoresetMode.NEXT_STEP and self._ended.any():
             return self._step_or_begin(actions)
-        result = self._stage.step(self._checked(actions, None))
+        result = self._stage.step(self._checked(actions, np.ones(self.num_envs, dtype=np.bool_)))
         self._count(result)
         info = self._with_masks(self.core.info())
         done = result.terminated | result.truncated
@@ -166,21 +170,31 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         every.flags.writeable = False  # one array for all keys
         return info | {f"_{name}": every for name in info}
 
-    def _checked(self, actions: Array, going: BoolArray | None) -> Array:
-        shape = (self.num_envs, *(self.single_action_space.shape or ()))
-        if going is None or np.shape(actions) != shape:
-            return check_shape("actions", actions, shape)
-        return check_shape("actions", np.where(going[:, None], actions, 0.0), shape)
+    def _checked(self, actions: Any, going: BoolArray) -> Array:
+        """Actions as numbers, checked where an episode is `going`, before anything has moved."""
+        self.core.check_running(going)
+        with suppress(TypeError, ValueError, OverflowError):  # then check_shape says what is wrong
+            actions = np.array(actions, dtype=np.float64)
+            if len(actions) == self.num_envs:
+                actions[~going] = 0.0
+        return check_shape("actions", actions, (self.num_envs, *(self.single_action_space.shape or ())))
 
     def _reset_mask(self, mask: Any) -> BoolArray:
         if mask is None:
             return np.ones(self.num_envs, dtype=np.bool_)
-        mask = np.asarray(mask)
-        if mask.shape != (self.num_envs,) or mask.dtype != np.bool_ or not mask.any():
+        given = mask
+        with suppress(ValueError):  # a ragged list
+            mask = np.asarray(given)
+        if (
+            not isinstance(mask, np.ndarray)
+            or mask.shape != (self.num_envs,)
+            or mask.dtype != np.bool_
+            or not mask.any()
+        ):
             raise FFGymError(
-                f"options['reset_mask'] must be an array of {self.num_envs} bool with at least one True, got {mask!r}."
+                f"options['reset_mask'] must be an array of {self.num_envs} bool with at least one True, got {given!r}."
             )
-        if not self._rngs:
+        if None in self.core.rngs:
             raise FFGymError("The first reset must be of all sub-environments; leave options['reset_mask'] out.")
         return mask
 
@@ -196,32 +210,25 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
     def _checked_seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
         if seed is None:
             return [None] * self.num_envs
-        if isinstance(seed, int | np.integer):
-            return [int(seed) + i for i in range(self.num_envs)]
+        if isinstance(seed, str) or not isinstance(seed, Sequence | np.ndarray):
+            return [check_seed(seed) + i for i in range(self.num_envs)]
         if len(seed) != self.num_envs:
             raise FFGymError(f"seed has {len(seed)} entries, must be one number or {self.num_envs}.")
-        return list(seed)
+        return [None if each is None else check_seed(each) for each in seed]
 
-    def _seed(self, seeds: Sequence[int | None], ids: IntArray) -> None:
-        """Give sub-environments their randomness: new where a seed is given, and where there was none."""
-        first = not self._rngs
+    def _seed(self, seeds: Sequence[int | None], ids: IntArray) -> list[int | None]:
+        """Give sub-environments their randomness, new where a seed is given or there was none; returns all seeds."""
+        used = self._seeds.copy()
         for i, seed in enumerate(seeds):
-            if first or (seed is not None and i in ids):
-                rng, used = seeding.np_random(seed)
-                self.adopt(i, rng, fresh=True)
-                self._seeds[i] = used
-
-    def adopt(self, i: int, rng: np.random.Generator, fresh: bool) -> None:
-        """Draw everything of sub-environment `i` from `rng`; a `fresh` one begins the sequence of motions anew."""
-        if i == len(self._rngs):
-            self._rngs.append(rng)
-        self._rngs[i] = rng
-        self.core.seed(i, rng, fresh)
+            if self.core.rngs[i] is None or (seed is not None and i in ids):
+                rng, used[i] = seeding.np_random(seed)
+                self.core.seed(i, rng, fresh=True)
+        return used
 
     @property  # type: ignore[misc]  # Gymnasium's vector environments give a tuple too, and have nothing to set
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
         """Randomness of each sub-environment."""
-        return tuple(self._rngs)
+        return tuple(rng for rng in self.core.rngs if rng is not None)
 
     @property
     def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
@@ -254,6 +261,17 @@ def stacked(core: TrackingCore, layers: Sequence[Layer]) -> Stage:
             raise FFGymError(f"layers must hold layers of ffgym.envs such as History(8), got {layer!r}.")
         stage = layer.over(stage, core)
     return stage
+
+
+def check_seed(seed: Any) -> int:
+    """Return a seed if it is a whole number from 0 on.
+
+    Raises:
+        FFGymError: if it is not.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise FFGymError(f"seed = {seed!r} must be a whole number >= 0, or None.")
+    return int(seed)
 
 
 def _autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
