@@ -1,7 +1,7 @@
 # make demo    set up, run the circle test on the built-in robot, print the tables, write report.html
 # make test    set up, run the tests            make test-all   the slow ones too
 # make check   format, lint, types, import rules
-# make bench   speed against the bare engine
+# make bench   speed and memory of simulation and environments, against the bare engine; BENCH="--json FILE" passes options
 # PYTHON=python3.12 chooses the interpreter of a new environment; CONSTRAINTS= installs the newest versions.
 
 PYTHON ?= python3
@@ -27,7 +27,7 @@ check: .venv/.dev
 	$(BIN)/lint-imports
 
 bench: .venv/.dev
-	$(BIN)/python -m scripts.bench
+	$(BIN)/python -m scripts.bench $(BENCH)
 
 format: .venv/.dev
 	$(BIN)/ruff format .

@@ -1,30 +1,101 @@
-"""The benchmark measures the batch simulation against the bare engine."""
+"""The benchmark measures simulation and environments against the bare engine, in turns."""
 
+import json
+
+import gymnasium as gym
 import numpy as np
 import pytest
 
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run
 from ffgym.studies import circle_references, thesis_laws
-from scripts.bench import Config, bare_rate, main, measure
+from scripts.bench import Config, main
+from scripts.bench.environments import CIRCLES, Bare, Stepped
+from scripts.bench.memory import import_time, memory_of
+from scripts.bench.simulation import bare_rate, measure
+from scripts.bench.training import training_ratios
+from scripts.bench.turns import Ratio, take_turns
 
 
-@pytest.mark.slow
-def test_the_benchmark_prints_its_ratio(capsys):
-    (pair,) = main(Config(repeats=1))
-    assert 0 < pair.whole < pair.stepping
-    assert pair.bare > 0
-    assert "median ratio to the bare engine: stepping" in capsys.readouterr().out
-
-
-def test_one_measurement_of_a_few_runs_has_three_rates(irb4600):
+def test_a_measurement_of_a_few_runs_has_three_rates(irb4600):
     arm = RigidArm(irb4600)
     reference = circle_references(arm, ["p1"], [0.1], [0.001])["p1", 0.1]
     runs = [Run(reference=reference, law=law) for law in thesis_laws(irb4600)]
-    pair = measure(irb4600, arm, runs, threads=1)
-    assert 0 < pair.whole <= pair.stepping
-    assert 0 < pair.bare < 1e9
+    bare, stepping, whole = measure(arm, runs, threads=1)
+    assert 0 < whole <= stepping
+    assert 0 < bare < 1e9
 
 
 def test_the_bare_engine_runs_simulations_of_different_lengths(one_axis):
     assert bare_rate(one_axis, np.array([10, 30, 20, 30]), threads=1) > 0
+
+
+def test_turns_alternate_and_warm_up_once():
+    calls = []
+
+    def rate(name, value):
+        return lambda: calls.append(name) or value
+
+    ratio = take_turns("a / b", rate("a", 6.0), rate("b", 3.0), 2, unit="steps/s", wanted=1.5)
+    assert "".join(calls) == "ababab"
+    assert ratio.quartiles() == (2.0, 2.0, 2.0)
+    assert "2.00 (2.00 to 2.00)   wanted 1.5 or more" in str(ratio)
+    assert not ratio.is_wide
+
+
+def test_a_wide_spread_is_said():
+    ratio = Ratio("a / b", (1.0, 2.0, 3.0), (1.0, 1.0, 1.0), "steps/s")
+    assert ratio.is_wide
+    assert "WIDE" in str(ratio)
+
+
+def test_the_bare_engine_moves_robots_on_from_where_the_environment_has_them():
+    stepped = Stepped(CIRCLES, 2, n_threads=1)
+    bare = Bare(stepped.env)
+    assert stepped.rate() > 0
+    assert bare.rate() > 0
+    state, own = bare._engine.qvel, stepped.env.unwrapped.core.plant.batch.qvel
+    assert np.isfinite(state).all()
+    assert np.abs(own).max() > 1e-6  # random torques move them
+    assert np.abs(state).max() > 0
+
+
+def test_the_bare_engine_steps_as_often_as_the_environment():
+    env = gym.make_vec(CIRCLES, num_envs=2)
+    env.reset(seed=0)
+    bare = Bare(env)
+    bare.rate()
+    plant = env.unwrapped.core.plant
+    np.testing.assert_allclose(bare._engine.time, bare._steps * plant.n_substeps * plant.physics_dt)
+
+
+def test_memory_and_import_are_measured_in_fresh_processes():
+    assert 0 < memory_of("ffgym/OneAxis-v0", 2).value < 200
+    assert 0 < import_time(1).value < 10
+
+
+@pytest.mark.slow  # imports torch
+def test_the_training_rate_is_measured_where_the_learner_is_installed():
+    pytest.importorskip("stable_baselines3")
+    (ratio,) = training_ratios(1)
+    assert ratio.rates[0] > 0
+
+
+def test_training_is_left_out_where_the_learner_is_missing(monkeypatch, capsys):
+    monkeypatch.setattr("scripts.bench.training.installed", lambda package: False)
+    assert main(Config(parts=("training",))) == []
+    assert "training: left out" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_benchmark_prints_all_and_writes_it(tmp_path, capsys):
+    parts = ("simulation", "environments", "memory")
+    results = main(Config(repeats=1, long_repeats=1, parts=parts, json=tmp_path / "bench.json"))
+    out = capsys.readouterr().out
+    assert f"{CIRCLES}, 64 / bare engine" in out
+    assert "wanted 300 or less" in out
+    written = json.loads((tmp_path / "bench.json").read_text())
+    assert [result["title"] for result in written["results"]] == [result.title for result in results]
+    assert written["versions"]["mujoco"]
+    assert len(written["physics_fingerprint"]["irb4600_60_205"]) == 16
+    assert written["machine"]["cores"] >= 1

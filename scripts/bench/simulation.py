@@ -1,0 +1,53 @@
+"""The batch simulation against the bare engine: as many simulations of the same model and lengths."""
+
+import time
+
+import numpy as np
+from mujoco import batch
+
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot
+from ffgym.simulation import Run, simulate
+from ffgym.studies import circle_references, thesis_laws
+from scripts.bench.turns import Ratio
+
+SPEEDS = (0.040, 0.100)
+"""Circles at these speeds [m/s]; those at 10 mm/s take three quarters of the time, and show nothing else."""
+
+
+def bare_rate(robot: RobotDescription, lengths: np.ndarray, threads: int) -> float:
+    """Physics steps per second of `mujoco.batch` alone: as many simulations of the same lengths, held at rest."""
+    engine = batch.Batch(compile_model(robot, ModelOptions(looks=False)), nsim=len(lengths), nthread=threads)
+    engine.reset()
+    began = time.perf_counter()
+    done = 0
+    for end in np.unique(lengths):
+        engine.step(np.flatnonzero(lengths >= end), nstep=int(end - done))
+        done = int(end)
+    return float(lengths.sum()) / (time.perf_counter() - began)
+
+
+def measure(arm: RigidArm, runs: list[Run], threads: int) -> tuple[float, float, float]:
+    """Physics steps per second of the bare engine, of stepping alone and of all of `simulate`, one after the other."""
+    lengths = np.array([(len(run.reference.t) - 1) * arm.robot.n_substeps for run in runs])
+    bare = bare_rate(arm.robot, lengths, threads)
+    times: list[float] = []
+    began = time.perf_counter()
+    simulate(runs, arm=arm, n_threads=threads, progress=lambda done, total: times.append(time.perf_counter()))
+    steps = float(lengths.sum())
+    return bare, steps / (times[-1] - times[0]), steps / (time.perf_counter() - began)
+
+
+def simulation_ratios(robot: str, repeats: int, threads: int) -> list[Ratio]:
+    """Circles with three feed-forward laws: stepping (set-points, engine, states taken out), and all of it.
+
+    All of it has the feed-forward laws before and the recordings with TCP positions after it, too.
+    """
+    arm = RigidArm(load_robot(robot))
+    references = circle_references(arm, speeds=SPEEDS).values()
+    runs = [Run(reference=reference, law=law) for reference in references for law in thesis_laws(arm.robot)]
+    measure(arm, runs, threads)  # warm up: caches, and memory that later runs find in place
+    bare, stepping, whole = zip(*(measure(arm, runs, threads) for _ in range(repeats)), strict=True)
+    return [
+        Ratio("simulation, stepping / bare engine", stepping, bare, "physics/s", 0.85),
+        Ratio("simulation, all of it / bare engine", whole, bare, "physics/s"),
+    ]
