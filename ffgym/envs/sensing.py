@@ -16,7 +16,7 @@ class Sensing:
     encoder_bits: int | None = None
     """Resolution [bit/turn]; the speed is then the backward difference of the measured angle over a control step."""
     noise: float = 0.0
-    """Standard deviation of white noise on the angle, motor side [rad]."""
+    """Standard deviation of white noise on the angle before it is rounded, motor side [rad]."""
 
     def __post_init__(self) -> None:
         if self.encoder_bits is not None:
@@ -63,12 +63,12 @@ class MotorSensors:
         if self._exact.all():
             return angle, speed
         measured = angle.copy()
-        coarse = self._step[:, 0] > 0
-        measured[coarse] = np.round(angle[coarse] / self._step[coarse]) * self._step[coarse]
         for i in np.flatnonzero(fresh & (self._noise[:, 0] > 0)).tolist():
             rng = rngs[i]
             assert rng is not None  # a sub-environment gets its generator before its first sample
             measured[i] += self._noise[i] * rng.standard_normal(measured.shape[1])
+        coarse = self._step[:, 0] > 0
+        measured[coarse] = np.round(measured[coarse] / self._step[coarse]) * self._step[coarse]
         rate = np.where(first[:, None], 0.0, (measured - self._angle) / self._dt)
         self._angle = np.where(fresh[:, None], measured, self._angle)
         self._speed = np.where(fresh[:, None], rate, self._speed)

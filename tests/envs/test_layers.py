@@ -1,0 +1,309 @@
+"""Layers between agent and robot: each does what it says, in any order, single and vector, across episodes."""
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+
+from ffgym.control import DynamicLuGreExact, NoCompensation, StaticLuGre
+from ffgym.envs import History, Hold, LowPass, Residual
+from ffgym.robot import load_robot
+from tests.envs.env_samples import CIRCLE, JOINTS, ONE_AXIS, Remembering, actions_for, synchronous
+
+FRICTION = load_robot("one_axis").friction
+
+
+def stacks():
+    """Layers in several orders, made anew for each environment."""
+    return {
+        "history": [History(3)],
+        "low pass": [LowPass(20.0)],
+        "hold": [Hold(4)],
+        "law": [Residual(StaticLuGre(FRICTION), scale=0.5)],
+        "agent": [Residual(Remembering())],
+        "agent on histories, held": [History(3), Residual(Remembering(), scale=0.7), Hold(3), History(2)],
+        "everything": [Residual(DynamicLuGreExact(FRICTION)), LowPass(30.0), Residual(Remembering()), Hold(3)],
+        "held agent, filtered": [Hold(2), Residual(Remembering()), LowPass(9.0), Hold(2), History(2)],
+    }
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+@pytest.mark.parametrize("name", stacks())
+def test_a_stack_of_layers_is_the_same_single_and_vector(name, mode):
+    n, settings = 3, {"horizon": 22, "error_limit": 0.04, "action_scale": 6.0, "frequencies": (0.5, 2.0)}
+    native = gym.make_vec(ONE_AXIS, num_envs=n, autoreset_mode=mode, layers=stacks()[name], **settings)
+    theirs = synchronous(ONE_AXIS, n, mode, lambda: settings | {"layers": stacks()[name]})
+    np.testing.assert_array_equal(native.reset(seed=4)[0], theirs.reset(seed=4)[0])
+    ended = np.zeros(n, dtype=int)
+    for action in actions_for(50, n):
+        ours, gymnasiums = native.step(action), theirs.step(action)
+        for one, two in zip(ours[:4], gymnasiums[:4], strict=True):
+            np.testing.assert_array_equal(one, two)
+        done = ours[2] | ours[3]
+        ended += done
+        assert ("final_obs" in ours[4]) == ("final_obs" in gymnasiums[4])
+        for i in np.flatnonzero(done) if mode is AutoresetMode.SAME_STEP else ():
+            np.testing.assert_array_equal(ours[4]["final_obs"][i], gymnasiums[4]["final_obs"][i])
+    assert ended.min() > 1
+
+
+# History
+
+
+def test_history_shows_the_newest_observation_first_and_fills_up_with_the_first():
+    plain, env = gym.make(ONE_AXIS), gym.make(ONE_AXIS, layers=[History(3)])
+    size = plain.observation_space.shape[0]
+    assert env.observation_space.shape == (3 * size,)
+    seen = [plain.reset(seed=1)[0]]
+    np.testing.assert_array_equal(env.reset(seed=1)[0], np.tile(seen[0], 3))
+    for k, action in enumerate(actions_for(5, 1)[:, 0], start=1):
+        seen.append(plain.step(action)[0])
+        wanted = np.concatenate([seen[max(k - back, 0)] for back in range(3)])
+        observation = env.step(action)[0]
+        np.testing.assert_array_equal(observation, wanted)
+    layout = env.unwrapped.observation_layout
+    np.testing.assert_array_equal(layout.read(observation, "error"), layout.read(seen[-1], "error"))
+
+
+def test_the_last_observation_of_an_episode_carries_its_history_and_the_next_one_does_not():
+    env = gym.make_vec(ONE_AXIS, num_envs=1, layers=[History(4)], horizon=5, autoreset_mode="SameStep")
+    observation, _ = env.reset(seed=1)
+    size = observation.shape[1] // 4
+    for action in actions_for(5, 1):
+        before = observation
+        observation, *_, info = env.step(action)
+    np.testing.assert_array_equal(info["final_obs"][0][size:], before[0, : 3 * size])
+    assert not np.array_equal(info["final_obs"][0][:size], observation[0, :size])
+    np.testing.assert_array_equal(observation, np.tile(observation[:, :size], (1, 4)))
+
+
+def test_history_counts_decisions_of_the_stage_below():
+    below = gym.make(ONE_AXIS, layers=[History(3), Hold(2)])
+    above = gym.make(ONE_AXIS, layers=[Hold(2), History(3)])
+    plain = gym.make(ONE_AXIS)
+    for env in (below, above, plain):
+        env.reset(seed=1)
+    seen = []
+    for action in actions_for(4, 1)[:, 0]:
+        fine, coarse = below.step(action)[0], above.step(action)[0]
+        seen += [plain.step(action)[0] for _ in range(2)]
+    np.testing.assert_array_equal(fine, np.concatenate([seen[-1], seen[-2], seen[-3]]))
+    np.testing.assert_array_equal(coarse, np.concatenate([seen[-1], seen[-3], seen[-5]]))
+
+
+# LowPass
+
+
+@pytest.mark.parametrize("cutoff", [2.0, 40.0])
+def test_a_step_through_the_low_pass_rises_exponentially(cutoff):
+    env = gym.make_vec(ONE_AXIS, num_envs=2, layers=[LowPass(cutoff)], horizon=30, autoreset_mode="SameStep")
+    env.reset(seed=0)
+    for _ in range(2):  # the filter begins anew with the episode
+        for k in range(1, 30):
+            observation, *_ = env.step(np.ones((2, 1)))
+            torque = env.observation_layout.read(observation, "added_torque") / env.action_scale
+            np.testing.assert_allclose(torque, 1 - np.exp(-2 * np.pi * cutoff * 0.004 * k), rtol=1e-12)
+        env.step(np.ones((2, 1)))
+
+
+def test_the_low_pass_knows_how_long_an_action_is_held():
+    applied = []
+    for layers in ([LowPass(10.0), Hold(5)], [Hold(5), LowPass(10.0)]):
+        env = gym.make(ONE_AXIS, layers=layers)
+        env.reset(seed=0)
+        applied.append([float(env.step([1.0])[0][2]) for _ in range(6)])
+    np.testing.assert_allclose(*applied, rtol=1e-12)
+    np.testing.assert_allclose(applied[0], 1 - np.exp(-2 * np.pi * 10 * 0.02 * np.arange(1, 7)), rtol=1e-12)
+
+
+def test_the_low_pass_limits_the_action_before_it_filters():
+    env = gym.make(ONE_AXIS, layers=[LowPass(10.0)])
+    env.reset(seed=0)
+    beyond = env.step([100.0])[0][2]
+    np.testing.assert_allclose(beyond, 1 - np.exp(-2 * np.pi * 10 * 0.004), rtol=1e-12)
+
+
+# Hold
+
+
+@pytest.mark.parametrize(("steps", "horizon"), [(1, 12), (5, 12), (5, 15), (40, 12)])
+def test_holding_is_repeating_the_action_by_hand(steps, horizon):
+    plain, env = (gym.make(ONE_AXIS, horizon=horizon, layers=layers) for layers in ([], [Hold(steps)]))
+    assert env.unwrapped.decision_dt == pytest.approx(0.004 * steps)
+    for episode in range(2):
+        seed = 3 if episode == 0 else None
+        plain.reset(seed=seed)
+        env.reset(seed=seed)
+        ended = False
+        for action in actions_for(horizon, 1)[:, 0]:
+            total = 0.0
+            for _ in range(steps):
+                observation, reward, terminated, truncated, info = plain.step(action)
+                total += reward
+                ended = terminated or truncated
+                if ended:
+                    break
+            got = env.step(action)
+            np.testing.assert_array_equal(got[0], observation)
+            assert got[1:4] == (pytest.approx(total, rel=1e-12), terminated, truncated)
+            np.testing.assert_array_equal(got[4]["u_c"], info["u_c"])
+            if ended:
+                break
+        assert ended
+        assert got[4]["score"]["length"] == -(-horizon // steps)  # decisions
+
+
+def test_an_emergency_stop_ends_the_held_action():
+    env = gym.make(ONE_AXIS, layers=[Hold(1000)], error_limit=0.02, action_scale=10.0)
+    env.reset(seed=0)
+    _, _, terminated, truncated, info = env.step([1.0])
+    assert terminated
+    assert not truncated
+    assert info["time"] < 1.0
+
+
+# Residual on a law
+
+
+@pytest.mark.parametrize("law", [NoCompensation(), StaticLuGre(FRICTION), DynamicLuGreExact(FRICTION)])
+def test_a_residual_on_a_law_adds_to_its_torque(law):
+    env = gym.make(ONE_AXIS, layers=[Residual(law, scale=0.25)], action_scale=20.0, horizon=80)
+    for seed in (0, None):
+        observation, _ = env.reset(seed=seed)
+        core = env.unwrapped.core
+        torque = law.torque(core.motions[0].reference)
+        for k, action in enumerate(actions_for(80, 1)[:, 0] * 2, start=1):
+            observation, *_ = env.step(action)
+            added = env.unwrapped.observation_layout.read(observation, "added_torque")
+            wanted = torque[k] + 0.25 * np.clip(action, -1, 1) * env.unwrapped.action_scale
+            np.testing.assert_allclose(added, wanted, rtol=1e-12, atol=1e-12)
+
+
+def test_the_sum_of_law_and_residual_is_clipped_to_the_range_of_actions():
+    env = gym.make(ONE_AXIS, layers=[Residual(StaticLuGre(FRICTION))], action_scale=0.5)
+    env.reset(seed=0)
+    added = [env.step([1.0])[0][2] for _ in range(200)]
+    assert max(added) == 1.0
+    assert min(added) >= -1.0
+    env.reset(seed=0)
+    assert min(env.step([-1.0])[0][2] for _ in range(200)) == -1.0
+
+
+def test_a_law_on_many_motions_keeps_to_the_motion_of_each_episode():
+    law = StaticLuGre(FRICTION)
+    env = gym.make_vec(
+        JOINTS, num_envs=2, robot="one_axis", layers=[Residual(law)], horizon=2, autoreset_mode="SameStep",
+        duration=1.0, action_scale=20.0,
+    )  # fmt: skip
+    env.reset(seed=0)
+    stage = env._stage
+    for _ in range(150):
+        wanted = np.stack([law.torque(motion.reference)[2] for motion in env.core.motions])
+        env.step(np.zeros((2, 1)))
+        *_, info = env.step(np.zeros((2, 1)))
+        added = env.observation_layout.read(np.stack(list(info["final_obs"])), "added_torque")
+        np.testing.assert_allclose(added, wanted, atol=1e-12)
+        assert len(stage._known) <= 130  # and it does not remember all motions there ever were
+
+
+# Residual on an agent
+
+
+def starts_of(mode, horizon, steps, n=2):
+    agent = Remembering()
+    env = gym.make_vec(ONE_AXIS, num_envs=n, layers=[Residual(agent)], horizon=horizon, autoreset_mode=mode)
+    env.reset(seed=0)
+    for action in actions_for(steps, n):
+        env.step(action)
+    return np.array([call["start"] for call in agent.calls])
+
+
+def test_the_base_agent_is_told_of_every_beginning_in_both_autoreset_modes():
+    same = starts_of(AutoresetMode.SAME_STEP, horizon=4, steps=12)
+    np.testing.assert_array_equal(same, np.tile([[True] * 2, [False] * 2, [False] * 2, [False] * 2], (3, 1)))
+    following = starts_of(AutoresetMode.NEXT_STEP, horizon=4, steps=15)  # all end together: one step of resets only
+    np.testing.assert_array_equal(following, same)
+
+
+def test_the_base_agent_sees_the_stage_below_and_its_own_memory():
+    agent = Remembering()
+    env = gym.make_vec(
+        ONE_AXIS, num_envs=2, layers=[History(2), Residual(agent, deterministic=False)], autoreset_mode="Disabled"
+    )
+    observation, _ = env.reset(seed=0)
+    for k, action in enumerate(actions_for(6, 2)):
+        before = observation
+        observation, *_ = env.step(action)
+        np.testing.assert_array_equal(agent.calls[k]["observation"], before)
+        assert agent.calls[k]["deterministic"] is False
+        if k:
+            np.testing.assert_array_equal(agent.calls[k]["state"], agent.calls[k - 1]["steps"])
+    env.reset(options={"reset_mask": np.array([False, True])})
+    env.step(np.zeros((2, 1)))
+    np.testing.assert_array_equal(agent.calls[-1]["start"], [False, True])
+    env.step(np.zeros((2, 1)))
+    np.testing.assert_array_equal(agent.calls[-1]["start"], [False, False])
+
+
+def test_the_base_agents_action_is_added_in_full_and_the_residual_in_part():
+    agent = Remembering(size=0.1)
+    env = gym.make(ONE_AXIS, layers=[Residual(agent, scale=0.5)])
+    env.reset(seed=0)
+    observation, *_ = env.step([-0.2])
+    np.testing.assert_allclose(observation[2], 0.1 * agent.calls[0]["steps"][0, 0] - 0.1, rtol=1e-12)
+
+
+def test_a_base_agent_cannot_change_the_observations_it_gets():
+    class Vandal(Remembering):
+        def predict(self, observation, *args, **kwargs):
+            result = super().predict(observation, *args, **kwargs)
+            observation[:] = np.nan
+            kwargs["episode_start"] = None
+            return result
+
+    env = gym.make(ONE_AXIS, layers=[History(2), Residual(Vandal())])
+    assert np.isfinite(env.reset(seed=0)[0]).all()
+    for _ in range(3):
+        assert np.isfinite(env.step([0.0])[0]).all()
+
+
+# Gymnasium's own wrappers
+
+
+def test_gymnasiums_wrappers_work_outside_of_layers():
+    env = gym.make(ONE_AXIS, layers=[History(2)], max_episode_steps=7)  # TimeLimit
+    env = gym.wrappers.RecordEpisodeStatistics(gym.wrappers.FrameStackObservation(env, 3))
+    size = env.unwrapped.observation_space.shape[0]
+    assert env.reset(seed=0)[0].shape == (3, size)
+    rewards = []
+    for k in range(7):
+        _, reward, _, truncated, info = env.step(env.action_space.sample())
+        rewards.append(reward)
+        assert truncated == (k == 6)
+    assert info["episode"]["l"] == 7
+    assert info["episode"]["r"] == pytest.approx(sum(rewards))
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_gymnasiums_vector_statistics_agree_with_the_score(mode):
+    env = gym.make_vec(ONE_AXIS, num_envs=2, layers=[Hold(2)], horizon=9, autoreset_mode=mode)
+    env = gym.wrappers.vector.RecordEpisodeStatistics(env)
+    env.reset(seed=0)
+    for _ in range(14):
+        *_, info = env.step(env.action_space.sample())
+        if "episode" in info:
+            np.testing.assert_allclose(info["episode"]["r"], info["score"]["return"])
+            np.testing.assert_array_equal(info["episode"]["l"], info["score"]["length"])
+            break
+    assert "episode" in info
+
+
+def test_layers_work_on_the_six_axis_robot_too(irb4600):
+    law = StaticLuGre(irb4600.friction)
+    env = gym.make_vec(CIRCLE, num_envs=2, layers=[Residual(law), LowPass(50.0), Hold(2), History(2)], horizon=20)
+    observation, _ = env.reset(seed=0, options={"position": "p1", "speed": 0.1, "radii": 0.001})
+    assert observation.shape == env.observation_space.shape
+    for _ in range(10):
+        observation, *_, truncated, _ = env.step(env.action_space.sample())
+        assert observation in env.observation_space
+    assert truncated.all()
