@@ -12,12 +12,17 @@ from ffgym.robot.rules import RULES
 from scripts.robot_tables import page
 
 ROOT = Path(__file__).parent.parent
-EXECUTED = ["README.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs" / "tutorials").glob("*.md"))]
+EXECUTED = [
+    "README.md",
+    "docs/recorder.md",
+    *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs" / "tutorials").glob("*.md")),
+]
 
 
 @pytest.mark.parametrize("document", EXECUTED)
 def test_every_python_block_of_a_document_runs(document, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), flags=re.S)
     assert blocks
     names: dict[str, object] = {}
