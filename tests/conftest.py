@@ -1,12 +1,15 @@
 """Robots that many tests share."""
 
+import os
 from dataclasses import replace
 
 import hypothesis
 import numpy as np
 import pytest
 
-from ffgym.robot import RigidArm, RobotDescription, load_robot, solve_path
+from ffgym.envs.rendering.canvas import Canvas
+from ffgym.errors import FFGymError
+from ffgym.robot import RigidArm, RobotDescription, compile_model, load_robot, solve_path
 
 hypothesis.settings.register_profile("ffgym", deadline=None)  # the first example compiles a model
 hypothesis.settings.load_profile("ffgym")
@@ -49,3 +52,14 @@ def without_servo():
         return replace(robot, servo=servo)
 
     return weaken
+
+
+@pytest.fixture(scope="session")
+def needs_gl(one_axis: RobotDescription) -> None:
+    """Skip where no picture can be drawn; fail instead if FFGYM_REQUIRE_GL=1, as on CI."""
+    try:
+        Canvas(compile_model(one_axis), 64, 64).close()
+    except FFGymError as error:
+        if os.environ.get("FFGYM_REQUIRE_GL") == "1":
+            raise
+        pytest.skip(str(error))

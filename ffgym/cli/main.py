@@ -37,11 +37,14 @@ def _run(arguments: Sequence[str] | None) -> int:
 
     from ffgym.cli.demo import Demo
     from ffgym.cli.export import Export
+    from ffgym.cli.video import Video
 
     command = Annotated[
-        Annotated[Demo, tyro.conf.subcommand("demo")] | Annotated[Export, tyro.conf.subcommand("export")],
+        Annotated[Demo, tyro.conf.subcommand("demo")]
+        | Annotated[Export, tyro.conf.subcommand("export")]
+        | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
+    chosen: Demo | Export | Video = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
     chosen.run()
     return 0

@@ -51,6 +51,11 @@ class AxisView(View):
         """See base class."""
         return self._factor[i] if self.options.magnify is None else self.options.magnify
 
+    def close_up(self, i: int, model: mujoco.MjModel, trail: Array) -> Camera:
+        """See base class."""
+        dial = _Dial(model, self.whole_robot(i, model).radius)
+        return Camera.along(dial.normal, dial.centre, 1.2 * dial.radius)
+
     def marks(self, i: int, model: mujoco.MjModel, trail: Array) -> list[Mark]:
         """See base class."""
         dial = _Dial(model, self.whole_robot(i, model).radius)
@@ -72,8 +77,7 @@ class AxisView(View):
 
     def panels(self, i: int, model: mujoco.MjModel, trail: Array, split: float) -> list[Panel]:
         """See base class."""
-        dial = _Dial(model, self.whole_robot(i, model).radius)
-        camera = Camera.along(dial.normal, dial.centre, 1.2 * dial.radius)
+        camera = self.close_up(i, model, trail)
         bottom = mujoco.mjtGridPos.mjGRID_BOTTOMLEFT
         values = f"{self.core.time[i]:.2f} s\n{np.rad2deg(trail[-1, 0]):.1f} deg\n{np.rad2deg(trail[-1, 1]):.3f} deg"
         left = [Caption(text=self.caption(i)), Caption(text="time\nangle\nerror", values=values, corner=bottom)]

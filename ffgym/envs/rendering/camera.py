@@ -51,6 +51,11 @@ class Camera:
         return right
 
     @property
+    def axes(self) -> Array:
+        """Right, up and backward as columns, shape (3, 3)."""
+        return np.stack([self.right, self.up, self.backward], axis=1)
+
+    @property
     def distance(self) -> float:
         """From the camera to the centre [m]."""
         return self.radius * (4.0 if self.orthographic else float(1 / np.sin(FIELD_OF_VIEW / 2)))

@@ -52,9 +52,8 @@ class Canvas:
         self._model, self._width, self._height = model, width, height
         model.vis.quality.shadowsize = SHADOW_PIXELS
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
-        self._gl = open_context(width, height)
         font = mujoco.mjtFontScale.mjFONTSCALE_100 if height < 800 else mujoco.mjtFontScale.mjFONTSCALE_150
-        self._mjr = mujoco.MjrContext(model, font.value)
+        self._gl, self._mjr = open_context(model, width, height, font)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._mjr)
         self._scene = mujoco.MjvScene(model, maxgeom=MAX_GEOMS)
         self._option = mujoco.MjvOption()

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import Any
 
+import mujoco
+
 from ffgym.errors import FFGymError
 
 _ANY = ("", "enable", "enabled", "on", "true", "1")
@@ -18,8 +20,8 @@ _HELP = (
 )
 
 
-def open_context(width: int, height: int) -> Any:
-    """Context of MuJoCo's `GLContext` kind for pictures up to that size; it is current afterwards.
+def open_context(model: mujoco.MjModel, width: int, height: int, font: mujoco.mjtFontScale) -> tuple[Any, Any]:
+    """OpenGL's context, of MuJoCo's `GLContext` kind, for pictures of that size, and the `MjrContext` in it.
 
     MUJOCO_GL decides which library makes it; where it is not set, the first that works does.
 
@@ -32,9 +34,9 @@ def open_context(width: int, height: int) -> Any:
     failures = []
     for backend in candidates(asked, platform.system(), os.environ):
         try:
-            return _open(backend, width, height)
-        except Exception as error:  # each library fails in its own ways, from ImportError to ctypes' AttributeError
-            failures.append(f"{backend}: {' '.join(str(error).split()) or type(error).__name__}")
+            return _open(backend, model, width, height, font)
+        except Exception as error:  # each library fails in its own ways
+            failures.append(f"{backend}: {_reason(error)}")
     setting = f"MUJOCO_GL={asked}" if asked else "MUJOCO_GL is not set"
     raise FFGymError(f"No OpenGL for pictures ({setting}). {'; '.join(failures)}. {_HELP}.")
 
@@ -55,24 +57,53 @@ def has_display(environment: Mapping[str, str]) -> bool:
     return bool(environment.get("DISPLAY") or environment.get("WAYLAND_DISPLAY"))
 
 
-def _open(backend: str, width: int, height: int) -> Any:
+def start_glfw() -> None:
+    """Start GLFW, which opens windows.
+
+    Raises:
+        ImportError: with GLFW's own words, if it does not start; by itself it only warns.
+    """
+    import glfw
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        works = glfw.init()
+    if not works:
+        raise ImportError("; ".join(str(warning.message) for warning in caught) or "GLFW does not start")
+
+
+def _reason(error: Exception) -> str:
+    """What went wrong, in a few words."""
+    if isinstance(error, AttributeError):  # PyOpenGL did not find the library and calls a function of None
+        return "its library cannot be loaded"
+    return " ".join(str(error).split()).rstrip(".") or type(error).__name__
+
+
+def _open(
+    backend: str, model: mujoco.MjModel, width: int, height: int, font: mujoco.mjtFontScale
+) -> tuple[Any, mujoco.MjrContext]:
     """Open a context; if that fails, leave no trace that would keep the next backend from working.
 
     PyOpenGL binds itself to one platform when it is first imported, and MuJoCo chooses that through PYOPENGL_PLATFORM.
+    MuJoCo's own library reads MUJOCO_GL when the first `MjrContext` is made.
     """
-    before, chosen = set(sys.modules), os.environ.get("PYOPENGL_PLATFORM")
+    before = set(sys.modules)
+    outside = {name: os.environ.get(name) for name in ("PYOPENGL_PLATFORM", "MUJOCO_GL")}
+    os.environ["MUJOCO_GL"] = backend
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # GLFW only warns when it fails
-            warnings.simplefilter("ignore", DeprecationWarning)
-            context = import_module(f"mujoco.{backend}").GLContext(width, height)
-            context.make_current()
-            return context
+        if backend == "glfw":
+            start_glfw()
+        context = import_module(f"mujoco.{backend}").GLContext(width, height)
+        context.make_current()
+        return context, mujoco.MjrContext(model, font.value)
     except Exception:
         for name in set(sys.modules) - before:
             if name.split(".")[0] == "OpenGL" or name.startswith(f"mujoco.{backend}"):
                 del sys.modules[name]
         raise
     finally:
-        if chosen is None:  # child processes choose for themselves
-            os.environ.pop("PYOPENGL_PLATFORM", None)
+        for name, value in outside.items():  # child processes choose for themselves
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value

@@ -1,7 +1,7 @@
 """Lines, balls and plates that are drawn beside what the model has."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import mujoco
@@ -19,6 +19,10 @@ class Mark(ABC):
     """Something to draw."""
 
     @abstractmethod
+    def moved(self, turn: Array, origin: Array, target: Array) -> "Mark":
+        """Copy with `origin` at `target`, turned and scaled about it by the matrix `turn` (3, 3)."""
+
+    @abstractmethod
     def add_to(self, scene: mujoco.MjvScene, scale: float = 1.0) -> None:
         """Append its geoms to a scene, as many as there is room for; lines are `scale` as wide as they say."""
 
@@ -34,6 +38,10 @@ class Curve(Mark):
     width: float = 1.0
     """Of the lines [pixel], in a picture of the usual height."""
 
+    def moved(self, turn: Array, origin: Array, target: Array) -> "Curve":
+        """See base class."""
+        return replace(self, points=target + (self.points - origin) @ turn.T)
+
     def add_to(self, scene: mujoco.MjvScene, scale: float = 1.0) -> None:
         """See base class."""
         kind = mujoco.mjtGeom.mjGEOM_LINE
@@ -47,18 +55,20 @@ class Curve(Mark):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Ball(Mark):
-    """A ball, with a label if there is one."""
+    """A ball."""
 
     centre: Array
     radius: float
     colour: Colour
-    label: str = ""
+
+    def moved(self, turn: Array, origin: Array, target: Array) -> "Ball":
+        """See base class."""
+        scale = float(np.linalg.norm(turn[:, 0]))
+        return replace(self, centre=target + turn @ (self.centre - origin), radius=scale * self.radius)
 
     def add_to(self, scene: mujoco.MjvScene, scale: float = 1.0) -> None:
         """See base class."""
-        geom = _next(scene, mujoco.mjtGeom.mjGEOM_SPHERE, self.colour, np.full(3, self.radius), self.centre)
-        if geom is not None:
-            geom.label = self.label
+        _next(scene, mujoco.mjtGeom.mjGEOM_SPHERE, self.colour, np.full(3, self.radius), self.centre)
 
 
 @final
@@ -71,6 +81,16 @@ class Plate(Mark):
     rotation: Array
     """Shape (3, 3)."""
     colour: Colour
+
+    def moved(self, turn: Array, origin: Array, target: Array) -> "Plate":
+        """See base class."""
+        scale = float(np.linalg.norm(turn[:, 0]))
+        return replace(
+            self,
+            centre=target + turn @ (self.centre - origin),
+            half_size=scale * self.half_size,
+            rotation=turn @ self.rotation / scale,
+        )
 
     def add_to(self, scene: mujoco.MjvScene, scale: float = 1.0) -> None:
         """See base class."""

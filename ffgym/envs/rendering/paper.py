@@ -34,9 +34,8 @@ class Sheet:
     def marks(self) -> list[Mark]:
         """The sheet."""
         camera = self.camera
-        axes = np.stack([camera.right, camera.up, camera.backward], axis=1)
         half_size = np.array([self.reach, self.reach, 1e-3 * self.reach])
-        return [Plate(centre=self.middle, half_size=half_size, rotation=axes, colour=WHITE)]
+        return [Plate(centre=self.middle, half_size=half_size, rotation=camera.axes, colour=WHITE)]
 
 
 @final

@@ -11,7 +11,7 @@ from ffgym.envs.rendering.canvas import Canvas
 from ffgym.envs.rendering.tool_view import ToolView
 from ffgym.envs.rendering.trails import Trails
 from ffgym.envs.rendering.view import View
-from ffgym.envs.rendering.viewer import Window
+from ffgym.envs.rendering.viewer import Sight, Window
 from ffgym.errors import FFGymError
 from ffgym.robot import ModelOptions, compile_model
 from ffgym.types import IntArray
@@ -71,9 +71,7 @@ class EpisodeRenderer:
     def show(self) -> None:
         """Show sub-environment 0 in MuJoCo's viewer, not faster than real time."""
         if self._window is not None:
-            marks = self._view.marks(0, self._model, self._trails.of(0))
-            text = (self._view.caption(0), f"{self._core.time[0]:.2f} s")
-            self._window.show(float(self._core.time[0]), lambda: self._pose(0), lambda: marks, text)
+            self._window.show(float(self._core.time[0]), self._sight)
 
     def close(self) -> None:
         """Free the OpenGL context, or close the window."""
@@ -83,6 +81,13 @@ class EpisodeRenderer:
             if place is not None:
                 place.close()
         self._canvas, self._window = None, None
+
+    def _sight(self) -> Sight:
+        """What the viewer shows now."""
+        self._pose(0)
+        trail, view = self._trails.of(0), self._view
+        text = f"{view.caption(0)}\nerror x {view.magnify(0):g}\n{self._core.time[0]:.2f} s"
+        return Sight(view.whole_robot(0, self._model), view.board(0, self._model, trail), text)
 
     def _pose(self, index: int) -> None:
         """Put the drawn robot where a simulated one is."""

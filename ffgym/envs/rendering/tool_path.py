@@ -17,8 +17,8 @@ half width of the close-up."""
 TYPICAL_SHARE = 1 / 6
 CLOSE_UP = 1.75
 """Half of what the close-up shows of circles, in radii of the largest."""
-RECENT = 500
-"""Control steps before and after the present one that are drawn of a motion without circles: 2 s."""
+RECENT = 250
+"""Control steps before and after the present one that are drawn of a motion without circles: 1 s."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

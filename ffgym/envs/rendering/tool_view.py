@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from ffgym.envs.motion import Motion
+from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.canvas import Caption, Panel
 from ffgym.envs.rendering.marks import Ball, Colour, Curve, Mark
 from ffgym.envs.rendering.options import Rendering
@@ -69,6 +70,10 @@ class ToolView(View):
         """See base class."""
         return self._paths[i].magnify if self.options.magnify is None else self.options.magnify
 
+    def close_up(self, i: int, model: mujoco.MjModel, trail: Array) -> Camera:
+        """See base class."""
+        return self._paths[i].camera(trail[-1, :3])
+
     def marks(self, i: int, model: mujoco.MjModel, trail: Array) -> list[Mark]:
         """See base class."""
         path = self._paths[i]
@@ -93,7 +98,7 @@ class ToolView(View):
     def panels(self, i: int, model: mujoco.MjModel, trail: Array, split: float) -> list[Panel]:
         """See base class."""
         path = self._paths[i]
-        camera = path.camera(trail[-1, :3])
+        camera = self.close_up(i, model, trail)
         sheet = GridSheet(camera=camera)
         error = 1e3 * float(np.linalg.norm(trail[-1, 3:]))
         loupe = Ball(centre=trail[-1, :3], radius=0.03, colour=(*TRAIL[:3], 0.7))

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore
 
 
+BOARD = 1.0
+"""Size of the board in the viewer, in sizes of the robot."""
+
+
 class View(ABC):
     """Turns an engine's state into panels."""
 
@@ -52,6 +56,13 @@ class View(ABC):
             )
         return self._cameras[i]
 
+    def board(self, i: int, model: mujoco.MjModel, trail: Array) -> list[Mark]:
+        """The close-up, enlarged and upright in the air on the right of the robot."""
+        whole, close = self.whole_robot(i, model), self.close_up(i, model, trail)
+        turn = BOARD * whole.radius / close.radius * whole.axes @ close.axes.T
+        target = whole.centre + whole.radius * (1 + BOARD) * whole.right
+        return [mark.moved(turn, close.centre, target) for mark in self.marks(i, model, trail)]
+
     def caption(self, i: int) -> str:
         """Title, robot and task."""
         motion = self.core.motions[i]
@@ -66,6 +77,10 @@ class View(ABC):
     @abstractmethod
     def magnify(self, i: int) -> float:
         """Factor on the error that is drawn."""
+
+    @abstractmethod
+    def close_up(self, i: int, model: mujoco.MjModel, trail: Array) -> Camera:
+        """Camera of the close-up."""
 
     @abstractmethod
     def marks(self, i: int, model: mujoco.MjModel, trail: Array) -> list[Mark]:

@@ -1,0 +1,128 @@
+"""`ffgym video`: files that can be read back, numbers, and requests that cannot be met."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import tyro
+
+from ffgym.cli import _movie
+from ffgym.cli.main import main
+from ffgym.cli.video import Video
+from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
+
+iio = pytest.importorskip("imageio.v3")
+
+SMALL = ("--width", "160", "--height", "90")
+CIRCLE = ("--speed-mm-s", "100", "--radii-mm", "3", *SMALL)
+
+
+@pytest.fixture(scope="module")
+def filmed(tmp_path_factory, needs_gl):
+    """Folder with a video of one fast circle, and its numbers."""
+    folder = tmp_path_factory.mktemp("video")
+    files = ("--out", str(folder / "circle.mp4"), "--json", str(folder / "circle.json"))
+    assert main(["video", *files, "--law", "lugre_dynamic", *CIRCLE, "--playback", "0.5", "--fps", "20"]) == 0
+    return folder
+
+
+@pytest.mark.filterwarnings("ignore:Exception ignored in:pytest.PytestUnraisableExceptionWarning")  # imageio's reader
+def test_the_video_has_the_frames_that_its_speed_asks_for(filmed):
+    numbers = json.loads((filmed / "circle.json").read_text())
+    assert {p.name for p in filmed.iterdir()} == {"circle.mp4", "circle.json"}
+    frames = iio.imread(filmed / "circle.mp4")
+    assert frames.shape == (numbers["frames"], 90, 160, 3)
+    duration = numbers["length"] * 0.004
+    assert numbers["frames"] == int(duration / 0.5 * 20 + 1e-9) + 1
+    assert (frames[0] != frames[-1]).mean() > 0.01
+
+
+def test_the_numbers_say_what_was_filmed_and_where_it_comes_from(filmed, irb4600):
+    numbers = json.loads((filmed / "circle.json").read_text())
+    assert numbers["command"] == "ffgym video"
+    assert numbers["config"]["law"] == "lugre_dynamic"
+    assert numbers["task"] == {"position": "p1", "speed": 0.1, "radii": [0.003]}
+    assert numbers["seed"] == 0
+    assert numbers["versions"].keys() == {"ffgym", "mujoco", "numpy", "scipy", "gymnasium", "python"}
+    assert numbers["physics_fingerprint"] == physics_fingerprint(compile_model(irb4600, ModelOptions(looks=False)))
+    assert numbers["return"] < 0
+    assert not numbers["terminated"]
+    assert 0.1 < numbers["rms_path_error_mm"] < 1.0
+    assert len(numbers["rms_motor_error_rad"]) == 6
+
+
+def test_a_gif_of_one_axis(needs_gl, tmp_path, capsys):
+    out = tmp_path / "axis.gif"
+    arguments = ("--env", "ffgym/OneAxis-v0", "--frequency-hz", "3", "--playback", "10", "--fps", "5", *SMALL)
+    assert main(["video", "--out", str(out), *arguments]) == 0
+    assert iio.improps(out).shape == (6, 90, 160, 3)
+    assert iio.immeta(out)["duration"] == 200
+    assert "6 frames" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--out", "a.avi"], "a.avi: a video must end in .mp4 or .gif, got '.avi'"),
+        (["--out", "nowhere/a.mp4"], "does not exist"),
+        (["--out", "a.mp4", "--json", "a.mp4"], "--out and --json are both"),
+        (["--env", "ffgym/Triangle-v0"], "Unknown environment 'ffgym/Triangle-v0'. Available: "),
+        (["--env", "ffgym/OneAxis-v0", "--position", "p2"], "--position is for ffgym/CirclePath-v0"),
+        (["--frequency-hz", "1"], "--frequency-hz is for ffgym/OneAxis-v0"),
+        (["--position", "p9"], "Unknown position 'p9'"),
+        (["--speed-mm-s", "0"], "speed = 0.0 m/s is out of range"),
+        (["--playback", "0"], "playback = 0.0 is out of range"),
+        (["--fps", "1000"], "fps = 1000.0 1/s is out of range"),
+        (["--magnify", "-1"], "magnify = -1.0 is out of range"),
+        (["--width", "9"], "width = 9.0 pixel is out of range"),
+        (["--seed", "-1"], "seed = -1.0 is out of range"),
+    ],
+)
+def test_a_video_that_cannot_be_made_is_one_line_and_exit_code_1(arguments, message, needs_gl, capsys, tmp_path):
+    arguments = [str(tmp_path / a) if a.startswith(("a.", "nowhere")) else a for a in arguments]
+    if "--out" not in arguments:
+        arguments = ["--out", str(tmp_path / "b.mp4"), *arguments]
+    assert main(["video", *SMALL, *arguments]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("ffgym: error: ")
+    assert message in line
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_missing_package_is_named(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(_movie, "installed", lambda name: name != "imageio-ffmpeg")
+    assert main(["video", "--out", str(tmp_path / "a.mp4")]) == 1
+    assert "needs imageio-ffmpeg; pip install 'ffgym[video]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("suffix", [".mp4", ".gif"])
+def test_an_interrupt_leaves_no_half_file_and_the_old_one(suffix, needs_gl, monkeypatch, tmp_path):
+    out = tmp_path / f"old{suffix}"
+    out.write_bytes(b"old")
+    made = Video._make
+
+    def make(self):
+        env = made(self)
+        step, count = env.step, iter(range(100))
+
+        def interrupted(action):
+            if next(count) == 50:
+                raise KeyboardInterrupt
+            return step(action)
+
+        monkeypatch.setattr(env, "step", interrupted)
+        return env
+
+    monkeypatch.setattr(Video, "_make", make)
+    assert main(["video", "--out", str(out), *CIRCLE]) == 130
+    assert [p.name for p in tmp_path.iterdir()] == [out.name]
+    assert out.read_bytes() == b"old"
+
+
+def test_the_commands_of_the_documentation_parse():
+    text = (Path(__file__).parents[2] / "docs" / "rendering.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^ffgym video (.*)$", text, flags=re.M)
+    assert len(commands) == 2
+    for command in commands:
+        tyro.cli(Video, args=command.split())._check()
