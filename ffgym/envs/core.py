@@ -283,10 +283,10 @@ class TrackingCore:
 
     def _controls(self, ids: IntArray, action: Array) -> Array:
         """MuJoCo's controls at every physics step of one control step, shape (B', S, 3 N)."""
-        at, rows = self.columns, self._window[ids, :2]
-        torque = rows[:, :, at.feedforward]  # a copy
-        torque[:, 0] += self.action[ids] * self.action_scale
-        torque[:, 1] += action[ids] * self.action_scale
+        at, rows, added = self.columns, self._window[:, :2], np.stack([self.action, action], axis=1)
+        if len(ids) < self.n:
+            rows, added = rows[ids], added[ids]
+        torque = rows[:, :, at.feedforward] + added * self.action_scale
         controls = np.empty((len(ids), 1, self.plant.n_substeps, self.plant.model.nu))
         out = self.plant.split_controls(controls)
         dt = self.robot.servo.control_dt
@@ -321,9 +321,9 @@ class TrackingCore:
 
     def _reward(self, stopped: BoolArray) -> Array:
         """Reward of the last step, shape (B,)."""
-        rewards = {id(reward): reward for reward in self._rewards}
-        if len(rewards) == 1:
+        if self._rewards.count(self._rewards[0]) == self.n:
             return self._rewards[0](self.signals, self.robot, stopped)
+        rewards = {id(reward): reward for reward in self._rewards}
         each = {key: reward(self.signals, self.robot, stopped) for key, reward in rewards.items()}
         return np.array([each[id(reward)][i] for i, reward in enumerate(self._rewards)])
 

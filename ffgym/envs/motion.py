@@ -20,31 +20,16 @@ class Columns:
     n_joints: int
     has_tcp: bool
 
-    @property
-    def position(self) -> slice:
-        """Reference [rad]."""
-        return self._joint(0)
-
-    @property
-    def velocity(self) -> slice:
-        """Reference [rad/s]."""
-        return self._joint(1)
-
-    @property
-    def acceleration(self) -> slice:
-        """Reference [rad/s^2]."""
-        return self._joint(2)
-
-    @property
-    def reference(self) -> slice:
-        """Position, velocity and acceleration."""
-        return slice(0, 3 * self.n_joints)
-
-    @property
-    def feedforward(self) -> slice:
-        """Rigid feed-forward torque [N m]."""
-        return self._joint(3)
-
+    position: slice = field(init=False)
+    """Reference [rad]."""
+    velocity: slice = field(init=False)
+    """Reference [rad/s]."""
+    acceleration: slice = field(init=False)
+    """Reference [rad/s^2]."""
+    reference: slice = field(init=False)
+    """Position, velocity and acceleration."""
+    feedforward: slice = field(init=False)
+    """Rigid feed-forward torque [N m]."""
     phase: int = field(init=False)
     """Index in PHASE_KINDS."""
     circle: int = field(init=False)
@@ -57,9 +42,15 @@ class Columns:
     """Direction of its motion, zero at rest."""
 
     def __post_init__(self) -> None:
-        base = 4 * self.n_joints
+        n = self.n_joints
+        base = 4 * n
         wide = 3 if self.has_tcp else 0
         for name, value in {
+            "position": slice(0, n),
+            "velocity": slice(n, 2 * n),
+            "acceleration": slice(2 * n, 3 * n),
+            "reference": slice(0, 3 * n),
+            "feedforward": slice(3 * n, base),
             "phase": base,
             "circle": base + 1,
             "radius": base + 2,
@@ -72,9 +63,6 @@ class Columns:
     def width(self) -> int:
         """Number of columns."""
         return self.tangent.stop
-
-    def _joint(self, k: int) -> slice:
-        return slice(k * self.n_joints, (k + 1) * self.n_joints)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
