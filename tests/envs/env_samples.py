@@ -1,10 +1,16 @@
 """Environments, fake agents and comparisons that the environments' tests share."""
 
+from dataclasses import replace
+
 import gymnasium as gym
 import numpy as np
 from gymnasium.vector import SyncVectorEnv
 
+from ffgym.robot import load_robot
+
 CIRCLE, ONE_AXIS, JOINTS = "ffgym/CirclePath-v0", "ffgym/OneAxis-v0", "ffgym/JointMotion-v0"
+FAST_SERVO = replace(load_robot("one_axis"), servo=replace(load_robot("one_axis").servo, position_gain=np.array([1e3])))
+OTHER_GEAR = replace(load_robot("one_axis"), drive=replace(load_robot("one_axis").drive, gear_ratio=np.array([2.0])))
 
 
 class Remembering:
