@@ -44,18 +44,18 @@ class MotionBank:
         self._filled += len(rows)
 
     def _make_room(self, wanted: int) -> None:
-        """Move what is followed (and, if it is little, what was) to the front of a table with enough room."""
+        """Move what is followed (and, if it is little, what was) to the front of the table, and make it long enough."""
         followed = {id(motion) for motion in self.motions if motion is not None}
         keep_all = self._filled <= _KEEP_ROWS
         kept = [(m, at) for key, (m, at) in self._place.items() if keep_all or key in followed]
-        lengths = [m.n_steps + 1 + self._padding for m, _ in kept]
-        table = np.empty((int((sum(lengths) + wanted) * 1.25), self.columns.width))
         self._place, self._filled = {}, 0
-        for (motion, at), length in zip(kept, lengths, strict=True):
-            table[self._filled : self._filled + length] = self._table[at : at + length]
+        for motion, at in kept:  # as they stand in the table, so that none is overwritten before it has moved
+            length = motion.n_steps + 1 + self._padding
+            self._table[self._filled : self._filled + length] = self._table[at : at + length]
             self._place[id(motion)] = (motion, self._filled)
             self._filled += length
-        self._table = table
+        if self._filled + wanted > len(self._table):  # in place: a second table would double the memory
+            self._table.resize((int((self._filled + wanted) * 1.25), self.columns.width), refcheck=False)
         for i, followed_now in enumerate(self.motions):
             if id(followed_now) in self._place:
                 self._offset[i] = self._place[id(followed_now)][1]

@@ -61,9 +61,8 @@ def random_multisine(
     def unscaled(tau: Array) -> tuple[Array, Array, Array]:
         fade, fade_rate, fade_change = (part[:, None] for part in _fade(tau, moving, ramp))
         angle = omega * tau[:, None, None] + phase
-        sine, rate, change = (
-            part.sum(axis=1) for part in (np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle))
-        )
+        sines = np.sin(angle)
+        sine, rate, change = (part.sum(axis=1) for part in (sines, omega * np.cos(angle), -(omega**2) * sines))
         return (
             fade * sine,
             fade_rate * sine + fade * rate,

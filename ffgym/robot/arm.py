@@ -22,8 +22,8 @@ class _ChainLink:
 
     position: Array
     rotation: Array
-    axis: Array | None = None
-    """Unit axis of its hinge in the body's frame; None if it has none."""
+    cross: Array | None = None
+    """points @ cross is axis x points, for the unit axis of its hinge in the body's frame; None if it has none."""
     anchor: Array
     """Point on the hinge axis in the body's frame [m]."""
     joint: int = 0
@@ -52,8 +52,8 @@ class RigidArm:
         q = check_shape("q", q, (None, self.robot.n_joints))
         point = np.zeros((len(q), 3))
         for link in reversed(self._chain):
-            if link.axis is not None:
-                point = _rotate(point - link.anchor, link.axis, q[:, link.joint]) + link.anchor
+            if link.cross is not None:
+                point = _rotate(point - link.anchor, link.cross, q[:, link.joint]) + link.anchor
             point = point @ link.rotation.T + link.position
         return point
 
@@ -95,7 +95,10 @@ class RigidArm:
 
     def mass_matrix(self, q: Array) -> Array:
         """Joint inertia matrix of the links [kg m^2], without rotors, shape (T, N, N)."""
-        packed = self._evaluate(("M",), q)["M"]
+        return self._unpacked(self._evaluate(("M",), q)["M"])
+
+    def _unpacked(self, packed: Array) -> Array:
+        """Symmetric matrices (T, N, N) from MuJoCo's sparse lower triangles."""
         n = self.robot.n_joints
         matrix = np.zeros((len(packed), n, n))
         matrix[:, self._rows, self._columns] = packed
@@ -109,8 +112,8 @@ class RigidArm:
     def inverse_dynamics(self, q: Array, dq: Array, ddq: Array, *, gravity: bool = False) -> Array:
         """Joint torque [N m] of the rigid links for a motion, M(q) ddq + C(q, dq) dq (+ g(q)), shape (T, N)."""
         ddq = check_shape("ddq", ddq, (len(q), self.robot.n_joints))
-        bias = self._evaluate(("qfrc_bias",), q, dq, stage="velocity", gravity=gravity)["qfrc_bias"]
-        return np.einsum("tij,tj->ti", self.mass_matrix(q), ddq) + bias
+        out = self._evaluate(("M", "qfrc_bias"), q, dq, stage="velocity", gravity=gravity)
+        return np.einsum("tij,tj->ti", self._unpacked(out["M"]), ddq) + out["qfrc_bias"]
 
     def _tcp_id(self) -> int:
         if self._tcp is None:
@@ -165,7 +168,7 @@ def _chain_to_site(model: mujoco.MjModel, site: int) -> tuple[_ChainLink, ...]:
             _ChainLink(
                 position=model.body_pos[body].copy(),
                 rotation=_matrix(model.body_quat[body]),
-                axis=model.jnt_axis[joint].copy() if joint >= 0 else None,
+                cross=np.cross(model.jnt_axis[joint], np.eye(3)) if joint >= 0 else None,
                 anchor=model.jnt_pos[joint].copy() if joint >= 0 else np.zeros(3),
                 joint=joint,
             )
@@ -180,9 +183,8 @@ def _matrix(quaternion: Array) -> Array:
     return matrix.reshape(3, 3)
 
 
-def _rotate(points: Array, axis: Array, angle: Array) -> Array:
-    """Points (T, 3) turned by `angle` (T,) [rad] about a unit `axis` (3,), Rodrigues' formula."""
-    cross = np.cross(axis, np.eye(3))  # points @ cross is axis x points
+def _rotate(points: Array, cross: Array, angle: Array) -> Array:
+    """Points (T, 3) turned by `angle` (T,) [rad] about the axis of `cross` (3, 3), Rodrigues' formula."""
     return (
         points + np.sin(angle)[:, None] * (points @ cross) + (1 - np.cos(angle))[:, None] * (points @ (cross @ cross))
     )
