@@ -1,6 +1,7 @@
 """Pictures of episodes: what they show, that they change nothing, and what happens without OpenGL."""
 
 import re
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import gymnasium as gym
@@ -158,6 +159,17 @@ def test_an_environment_that_was_closed_draws_no_more():
     env.close()
     with pytest.raises(FFGymError, match="nothing to render"):
         env.render()
+
+
+def test_environments_draw_side_by_side_and_from_any_thread():
+    one, other = run(make(), 50), run(make("ffgym/OneAxis-v0"), 50)
+    first, second = one.render(), other.render()
+    with ThreadPoolExecutor(1) as pool:
+        assert np.array_equal(pool.submit(one.render).result(), first)
+        assert np.array_equal(pool.submit(other.render).result(), second)
+    one.close()
+    assert np.array_equal(other.render(), second)
+    other.close()
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.gl import open_context
 from ffgym.envs.rendering.marks import Mark
 
-USUAL_HEIGHT = 540
+USUAL_SIZE = (960, 540)
 """At which lines have the width that they say [pixel]."""
 SHADOW_PIXELS = 2048
 """Side of the shadows' texture; software OpenGL spends most of its time on it."""
@@ -54,7 +54,6 @@ class Canvas:
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         font = mujoco.mjtFontScale.mjFONTSCALE_100 if height < 800 else mujoco.mjtFontScale.mjFONTSCALE_150
         self._gl, self._mjr = open_context(model, width, height, font)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._mjr)
         self._scene = mujoco.MjvScene(model, maxgeom=MAX_GEOMS)
         self._option = mujoco.MjvOption()
         self.close = weakref.finalize(self, _free, self._gl, self._mjr)
@@ -63,6 +62,7 @@ class Canvas:
         """Picture of the panels, shape (height, width, 3)."""
         pixels = np.empty((self._height, self._width, 3), dtype=np.uint8)
         with self._gl.as_current():
+            mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._mjr)
             for panel in panels:
                 self._draw(data, panel)
             whole = mujoco.MjrRect(0, 0, self._width, self._height)
@@ -88,8 +88,9 @@ class Canvas:
         scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = panel.robot
         scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = panel.robot
         scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        scale = min(self._width / USUAL_SIZE[0], self._height / USUAL_SIZE[1])
         for mark in panel.marks:
-            mark.add_to(scene, self._height / USUAL_HEIGHT)
+            mark.add_to(scene, scale)
 
 
 def _free(gl: Any, mjr: mujoco.MjrContext) -> None:

@@ -94,8 +94,8 @@ def _open(
         if backend == "glfw":
             start_glfw()
         context = import_module(f"mujoco.{backend}").GLContext(width, height)
-        context.make_current()
-        return context, mujoco.MjrContext(model, font.value)
+        with context.as_current():  # and not longer, so that any thread may draw
+            return context, mujoco.MjrContext(model, font.value)
     except Exception:
         for name in set(sys.modules) - before:
             if name.split(".")[0] == "OpenGL" or name.startswith(f"mujoco.{backend}"):

@@ -36,7 +36,7 @@ class Curve(Mark):
     """[m], shape (T, 3)."""
     colour: Colour
     width: float = 1.0
-    """Of the lines [pixel], in a picture of the usual height."""
+    """Of the lines [pixel], in a picture of the usual size."""
 
     def moved(self, turn: Array, origin: Array, target: Array) -> "Curve":
         """See base class."""

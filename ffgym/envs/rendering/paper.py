@@ -23,8 +23,8 @@ class Sheet:
 
     @property
     def reach(self) -> float:
-        """Half of its side [m]."""
-        return 3.0 * self.camera.radius
+        """How far the grid goes from the middle [m]."""
+        return 6.0 * self.camera.radius
 
     @property
     def middle(self) -> Array:
@@ -34,7 +34,7 @@ class Sheet:
     def marks(self) -> list[Mark]:
         """The sheet."""
         camera = self.camera
-        half_size = np.array([self.reach, self.reach, 1e-3 * self.reach])
+        half_size = np.array([10 * self.reach, 10 * self.reach, 1e-3 * self.reach])  # narrow panels see far
         return [Plate(centre=self.middle, half_size=half_size, rotation=camera.axes, colour=WHITE)]
 
 
