@@ -11,8 +11,21 @@ import ffgym
 from ffgym.provenance import installed, versions
 
 CORE = {"numpy", "scipy", "gymnasium", "mujoco"}
-EXTRAS = {"rl", "plot", "cli", "logs", "report", "minari", "cluster", "gpu", "dev", "all"}
-OPTIONAL = ("torch", "matplotlib", "tyro", "rich", "jinja2", "stable_baselines3", "tomlkit", "pyarrow", "ray", "minari")
+EXTRAS = {"rl", "plot", "cli", "logs", "report", "minari", "video", "cluster", "gpu", "dev", "all"}
+OPTIONAL = (
+    "torch",
+    "matplotlib",
+    "tyro",
+    "rich",
+    "jinja2",
+    "stable_baselines3",
+    "tomlkit",
+    "pyarrow",
+    "ray",
+    "minari",
+    "imageio",
+    "OpenGL",
+)
 MODULES = ("simulation", "studies", "metrics", "recordings", "published", "files", "cli", "cli.demo", "provenance")
 
 
