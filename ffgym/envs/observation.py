@@ -69,6 +69,9 @@ class ObservationLayout(Mapping[str, Entry]):
     def __getitem__(self, name: str) -> Entry:
         return self._entries[check_choice("observation entry", name, list(self._entries))]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._entries
+
     def __iter__(self) -> Iterator[str]:
         return iter(self._entries)
 

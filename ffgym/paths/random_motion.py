@@ -4,7 +4,7 @@ import numpy as np
 
 from ffgym.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.paths.joint_space import joint_path
-from ffgym.paths.motion import JointPath, Segment, standstill
+from ffgym.paths.motion import MAX_STEPS, JointPath, Segment, standstill
 from ffgym.types import Array
 
 FREQUENCIES = (0.3, 5.0)
@@ -38,7 +38,7 @@ def random_multisine(
         n_sines: sines per joint.
         ramp: time of fading in, and of fading out [s].
         dwell: rest at both ends [s].
-        dt: sample time [s].
+        dt: sample time [s], at most `ramp`.
         name: name of the motion.
 
     Raises:
@@ -50,11 +50,16 @@ def random_multisine(
     ramp = check_number("ramp", ramp, unit="s", low=0.0, open_low=True)
     dwell = check_number("dwell", dwell, unit="s", low=0.0, open_low=True)
     duration = check_number("duration", duration, unit="s")
+    dt = check_number("dt", dt, unit="s", low=0.0, high=ramp, open_low=True)
+    if centre.size == 0:
+        raise FFGymError("centre is empty, must hold one angle in rad for each joint.")
     if np.any(peak_speed < 0):
         raise FFGymError(f"peak_speed = {peak_speed} rad/s must be >= 0 on every joint.")
     moving = duration - 2 * dwell
     if moving < 2 * ramp:
         raise FFGymError(f"duration = {duration} s must be at least two ramps and two rests, {2 * (ramp + dwell):g} s.")
+    if duration > MAX_STEPS * dt:
+        raise FFGymError(f"duration = {duration} s must be at most {MAX_STEPS:g} steps of dt = {dt} s.")
     omega = 2 * np.pi * np.exp(rng.uniform(np.log(FREQUENCIES[0]), np.log(FREQUENCIES[1]), size=(n_sines, len(centre))))
     phase = rng.uniform(0, 2 * np.pi, size=omega.shape)
 
