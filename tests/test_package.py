@@ -26,7 +26,18 @@ OPTIONAL = (
     "imageio",
     "OpenGL",
 )
-MODULES = ("simulation", "studies", "metrics", "recordings", "published", "files", "cli", "cli.demo", "provenance")
+MODULES = (
+    "simulation",
+    "studies",
+    "envs",
+    "metrics",
+    "recordings",
+    "published",
+    "files",
+    "cli",
+    "cli.demo",
+    "provenance",
+)
 
 
 def requirements():
