@@ -24,7 +24,6 @@ OPTIONAL = (
     "ray",
     "minari",
     "imageio",
-    "OpenGL",
 )
 MODULES = (
     "simulation",
