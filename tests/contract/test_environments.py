@@ -1,6 +1,8 @@
 """The same questions to every registered environment; a new id is picked up by itself."""
 
 import hashlib
+import os
+import shutil
 import subprocess
 import sys
 
@@ -26,6 +28,21 @@ def test_every_id_of_the_table_is_registered_and_no_other():
 @pytest.mark.parametrize("name", IDS)
 def test_gymnasium_finds_nothing_to_complain_about(name):
     check_env(gym.make(name).unwrapped, skip_render_check=True)  # warnings are errors; rendering has tests of its own
+
+
+@pytest.mark.skipif(
+    shutil.which("xvfb-run") is None and os.environ.get("FFGYM_REQUIRE_GL") != "1",
+    reason="needs xvfb-run, a screen in memory, to open windows",
+)
+@pytest.mark.parametrize("name", IDS)
+def test_gymnasium_finds_nothing_to_complain_about_in_any_render_mode(name):
+    program = (
+        "import gymnasium as gym, ffgym; from gymnasium.utils.env_checker import check_env;"
+        f"check_env(gym.make('{name}').unwrapped); print('no complaint')"
+    )
+    command = ["xvfb-run", "-a", sys.executable, "-W", "error", "-c", program]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stdout.strip(), done.stderr) == ("no complaint", "")
 
 
 @pytest.mark.parametrize("name", IDS)
