@@ -4,6 +4,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from ffgym.envs import tasks as tasks_module
 from ffgym.envs.circle_path import CircleTasks
 from ffgym.metrics.circle import fit_circle
 from ffgym.paths import RADII, SPEEDS
@@ -102,6 +103,17 @@ def test_a_motion_that_was_made_before_is_not_made_again(irb4600):
     assert tasks.draw(rng, {"position": "p1", "speed": 0.05}) is not first
 
 
+def test_only_the_motions_used_last_are_kept(irb4600, monkeypatch):
+    monkeypatch.setattr(tasks_module, "_CACHE", 2)
+    tasks, rng = CircleTasks(irb4600, speeds=[0.1], radii=[0.001]), np.random.default_rng(0)
+    first, second = (tasks.draw(rng, {"position": p}) for p in ("p1", "p2"))
+    assert tasks.draw(rng, {"position": "p1"}) is first
+    tasks.draw(rng, {"position": "p3"})
+    assert tasks.draw(rng, {"position": "p1"}) is first
+    assert tasks.draw(rng, {"position": "p2"}) is not second
+    assert len(tasks._cache) == 2
+
+
 def test_the_sequence_runs_every_motion_once_before_any_twice():
     env = gym.make_vec(
         CIRCLE, num_envs=2, positions=["p1", "p2", "p4"], sampling="sequence", horizon=1, autoreset_mode="SameStep",
@@ -125,6 +137,14 @@ def test_a_seed_begins_the_sequence_anew_and_no_seed_goes_on(vector):
         env.reset(seed=seed)
         positions.append(tasks_of(env)[0]["position"])
     assert positions == ["p1", "p2", "p1", "p2", "p4", "p1", "p1"]
+
+
+def test_a_reset_of_one_does_not_move_the_others_on_in_their_sequence():
+    env = gym.make_vec(CIRCLE, num_envs=2, positions=["p1", "p2", "p4"], sampling="sequence", **FAST)
+    env.reset(seed=0)
+    env.reset(options={"reset_mask": np.array([True, False])})
+    env.reset()
+    assert [task["position"] for task in tasks_of(env)] == ["p2", "p1"]  # the fifth and the fourth
 
 
 def test_a_sequence_of_single_circles_runs_each_radius():

@@ -101,6 +101,8 @@ def test_the_base_agents_action_is_added_in_full_and_the_residual_in_part():
     env.reset(seed=0)
     observation, *_ = env.step([-0.2])
     np.testing.assert_allclose(observation[2], 0.1 * agent.calls[0]["steps"][0, 0] - 0.1, rtol=1e-12)
+    observation, *_ = env.step([-7.0])  # as if it were -1
+    np.testing.assert_allclose(observation[2], 0.1 * agent.calls[1]["steps"][0, 0] - 0.5, rtol=1e-12)
 
 
 def test_a_base_agent_cannot_change_the_observations_it_gets():
@@ -112,6 +114,9 @@ def test_a_base_agent_cannot_change_the_observations_it_gets():
             return result
 
     env = gym.make(ONE_AXIS, layers=[History(2), Residual(Vandal())])
-    assert np.isfinite(env.reset(seed=0)[0]).all()
+    observation, _ = env.reset(seed=0)
     for _ in range(3):
-        assert np.isfinite(env.step([0.0])[0]).all()
+        before = observation
+        observation, *_ = env.step([0.0])
+        assert np.isfinite(before).all()
+    assert np.isfinite(observation).all()

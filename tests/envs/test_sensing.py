@@ -129,3 +129,8 @@ def test_a_partial_reset_takes_no_new_sample_of_the_others():
     observation, *_ = env.step(np.zeros((2, 1)))
     again, _ = env.reset(options={"reset_mask": np.array([True, False])})
     np.testing.assert_array_equal(again[1], observation[1])
+    twin = gym.make_vec(ONE_AXIS, num_envs=2, sensing=Sensing(noise=0.1), autoreset_mode="Disabled")
+    twin.reset(seed=0)
+    twin.step(np.zeros((2, 1)))
+    one, two = (e.step(np.zeros((2, 1)))[0] for e in (env, twin))
+    np.testing.assert_array_equal(one[1], two[1])  # nor has it used up any of their noise
