@@ -170,3 +170,22 @@ def test_scores_are_sums_and_counts_of_the_episode():
             assert info["score"]["length"][i] == k + 1 == (4, 7)[i]
             np.testing.assert_allclose(info["score"]["return"][i], np.sum(rewards, axis=0)[i], rtol=1e-12)
             np.testing.assert_array_equal(info["_score"], truncated)
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+def test_scores_begin_anew_with_each_episode(mode):
+    env = gym.make_vec(ONE_AXIS, num_envs=2, horizon=4, autoreset_mode=mode)
+    env.reset(seed=0, options={"each": [{}, {"horizon": 2}]})
+    scores = [env.step(np.zeros((2, 1)))[-1].get("score") for _ in range(15)]
+    lengths = [score["length"] for score in scores if score]
+    assert np.max(lengths) == 4
+    assert np.sum(lengths) >= 22
+    assert all(score["length"][i] in (0, 2, 4) for score in scores if score for i in range(2))
+
+
+def test_observations_beyond_their_bounds_are_clipped():
+    env = gym.make(ONE_AXIS, error_limit=1e6)
+    env.reset(seed=0, options={"frequency": 0.05, "amplitude": 900.0})
+    observations = np.array([env.step([0.0])[0] for _ in range(400)])
+    assert observations.max() == env.observation_space.high[0]
+    assert (np.abs(observations) <= env.observation_space.high).all()
