@@ -332,12 +332,12 @@ class TrackingCore:
         now, signals, at = self._window[:, 0], self.signals, self.columns
         out: dict[str, Array] = {
             "time": self.time,
-            "u_c": signals.feedback.u_fb,
-            "u_i": signals.feedback.u_i,
-            "u_p": signals.feedback.u_p,
+            "u_c": signals.feedback.u_fb.copy(),
+            "u_i": signals.feedback.u_i.copy(),
+            "u_p": signals.feedback.u_p.copy(),
             "phase": _PHASES[now[:, at.phase].astype(np.int64)],
             "circle": now[:, at.circle].astype(np.int64),
         }
         if signals.tcp is not None and signals.path_error is not None:
-            out |= {"tcp": signals.tcp, "path_error": signals.path_error}
+            out |= {"tcp": signals.tcp.copy(), "path_error": signals.path_error.copy()}
         return out

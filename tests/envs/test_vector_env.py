@@ -189,3 +189,17 @@ def test_observations_beyond_their_bounds_are_clipped():
     observations = np.array([env.step([0.0])[0] for _ in range(400)])
     assert observations.max() == env.observation_space.high[0]
     assert (np.abs(observations) <= env.observation_space.high).all()
+
+
+def test_writing_into_what_was_returned_changes_nothing():
+    env, untouched = (gym.make_vec(CIRCLE, num_envs=2, speeds=[0.1], radii=[0.001]) for _ in range(2))
+    for each in (env, untouched):
+        each.reset(seed=0)
+    for action in actions_for(3, 2, 6):
+        *results, info = env.step(action)
+        for array in (*results, *(value for key, value in info.items() if not key.startswith("_"))):
+            array[...] = 1
+        for key, value in untouched.step(action)[-1].items():
+            if not key.startswith("_"):
+                np.testing.assert_array_equal(env.core.info()[key], value, err_msg=key)
+    np.testing.assert_array_equal(plant_state(env), plant_state(untouched))
