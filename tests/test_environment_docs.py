@@ -8,8 +8,8 @@ import gymnasium as gym
 import pytest
 
 from ffgym.envs import Settings
-from ffgym.envs.core import COMMON_OPTIONS
 from ffgym.envs.rewards import REWARDS
+from ffgym.envs.start import COMMON_OPTIONS
 from ffgym.plant import PlantDistribution
 from ffgym.registration import ENVIRONMENTS
 

@@ -6,8 +6,7 @@ do not depend on B, on its neighbours or on the number of threads.
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -20,55 +19,18 @@ from ffgym.envs.geometry import path_error
 from ffgym.envs.motion import Columns, Motion
 from ffgym.envs.observation import BOUND, ObservationLayout
 from ffgym.envs.rewards import Reward, Signals, reward_of
-from ffgym.envs.sensing import MotorSensors, Sensing
-from ffgym.envs.settings import Settings, check_horizon, check_kind
+from ffgym.envs.sensing import MotorSensors
+from ffgym.envs.settings import Settings
+from ffgym.envs.stage import Observer, Transition
+from ffgym.envs.start import Starts
 from ffgym.envs.tasks import Tasks
-from ffgym.errors import FFGymError, check_choice, check_whole
+from ffgym.errors import check_whole
 from ffgym.plant import Plant
 from ffgym.recordings import PHASE_KINDS
-from ffgym.robot import RobotDescription, robot_of
 from ffgym.types import Array, BoolArray, IntArray
 
-COMMON_OPTIONS = ("plant", "randomization", "reward", "sensing", "horizon")
-"""What `reset(options=...)` may change for an episode in every environment."""
 _POSITIONS = mujoco.mjtStage.mjSTAGE_POS.value
 _PHASES = np.array(PHASE_KINDS)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Transition:
-    """What a step brings in B sub-environments."""
-
-    observation: Array
-    """Shape (B, D)."""
-    reward: Array
-    """Shape (B,); 0 where nothing was stepped."""
-    terminated: BoolArray
-    """Emergency stop, shape (B,)."""
-    truncated: BoolArray
-    """End of the motion or of the horizon, shape (B,)."""
-
-
-class Observer(Protocol):
-    """Something that watches an engine, and leaves it as it is."""
-
-    def begin(self, ids: IntArray) -> None:
-        """Sub-environments `ids` have begun an episode."""
-
-    def follow(self, ids: IntArray) -> None:
-        """Sub-environments `ids` have done a control step."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Episode:
-    """What an episode will be, checked."""
-
-    motion: Motion
-    robot: RobotDescription
-    """The robot that is simulated."""
-    last_step: int
-    reward: Reward
-    sensing: Sensing
 
 
 class TrackingCore:
@@ -78,28 +40,21 @@ class TrackingCore:
         self.n = n = check_whole("num_envs", n, low=1)
         self.tasks, self.settings, self.robot = tasks, settings, tasks.robot
         robot = self.robot
-        self.plant_robot = robot if settings.plant is None else robot_of(settings.plant)
-        """The robot that is simulated, before randomisation."""
-        self.plant = Plant(self.plant_robot, n, n_threads=settings.n_threads)
+        self.starts = Starts(tasks, n, settings)
+        self.plant = Plant(self.starts.plant_robot, n, n_threads=settings.n_threads)
         self.plant.check_controller(robot)
         self.action_scale = settings.action_torque(robot)
-        self.observation_layout = ObservationLayout(robot, settings.preview, self.action_scale)
-        self.observation_space: spaces.Box = spaces.Box(
-            -BOUND, BOUND, shape=(self.observation_layout.size,), dtype=np.float64
-        )
+        self.observation_layout = layout = ObservationLayout(robot, settings.preview, self.action_scale)
+        self.observation_space: spaces.Box = spaces.Box(-BOUND, BOUND, shape=(layout.size,), dtype=np.float64)
         self.action_space: spaces.Box = spaces.Box(-1.0, 1.0, shape=(robot.n_joints,), dtype=np.float32)
         self.decision_dt = robot.servo.control_dt
         self.columns = Columns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
-        self._preview = self.observation_layout.preview
-        self._width = max(self._preview + 1, 2)
+        self._width = max(layout.preview + 1, 2)
         self._bank = MotionBank(n, self.columns, padding=self._width)
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
         if self.columns.has_tcp:
             self._sites = self.plant.batch.bind("site_xpos")
             self._tcp_site = self.plant.model.site("tcp").id
-        self._listed = tasks.listed() if settings.sampling == "sequence" else []
-        if settings.sampling == "sequence" and not self._listed:
-            raise FFGymError("sampling = 'sequence' needs motions that can be listed; random motions cannot.")
         self.observers: list[Observer] = []
         """Told of every episode that begins and of every control step, whatever layers are on top."""
         self._sensors = MotorSensors(n, robot.n_joints, robot.servo.control_dt)
@@ -116,8 +71,7 @@ class TrackingCore:
         """TCP - reference at the start of the episode [m], shape (B, 3)."""
         self._centre, self._normal = np.zeros((n, 3)), np.zeros((n, 3))
         self._rewards: list[Reward] = [reward_of(self.settings.reward, self.robot)] * n
-        self._rngs: list[np.random.Generator | None] = [None] * n
-        self._episodes: IntArray = np.zeros(n, dtype=np.int64)
+        self._one_reward = True
         self.running: BoolArray = np.zeros(n, dtype=np.bool_)
         """Sub-environments in the middle of an episode, shape (B,)."""
 
@@ -136,43 +90,30 @@ class TrackingCore:
         """Time in the episode [s], shape (B,)."""
         return np.multiply(self.step_index, self.robot.servo.control_dt)
 
-    @property
-    def rngs(self) -> Sequence[np.random.Generator | None]:
-        """Randomness of each sub-environment; None before its first reset."""
-        return self._rngs
-
-    def seed(self, i: int, rng: np.random.Generator, fresh: bool) -> None:
-        """Give a sub-environment its randomness; a `fresh` one begins the sequence of motions anew."""
-        self._rngs[i] = rng
-        if fresh:
-            self._episodes[i] = 0
-
     def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
         """Begin episodes in sub-environments `ids`, with options for each; returns all observations, (B, D).
 
         Raises:
             FFGymError: if an option is unknown or not valid; within `all_or_nothing`, nothing has changed then.
         """
-        for chosen in options:
-            for name in chosen:
-                check_choice("reset option", name, [*self.tasks.option_names, *COMMON_OPTIONS])
-        if self.settings.recorder is not None:
-            self.settings.recorder.claim(self)
-        episodes = [self._draw(i, chosen) for i, chosen in zip(ids, options, strict=True)]
-        self.plant.become(ids, [episode.robot for episode in episodes])
-        self._rest(ids, [episode.motion for episode in episodes])
-        for i, episode in zip(ids, episodes, strict=True):
-            self._bank.assign(i, episode.motion)
-            self._last_step[i], self._rewards[i] = episode.last_step, episode.reward
-            self._sensors.set(i, episode.sensing)
+        recorder = self.settings.recorder
+        if recorder is not None:
+            recorder.claim(self)
+        starts = self.starts.draw(ids, options)
+        self.plant.become(ids, [start.robot for start in starts])
+        self._rest(ids, [start.motion for start in starts])
+        for i, start in zip(ids, starts, strict=True):
+            self._bank.assign(i, start.motion)
+            self._last_step[i], self._rewards[i] = start.last_step, start.reward
+            self._sensors.set(i, start.sensing)
             if self.columns.has_tcp:
-                self._centre[i], self._normal[i] = episode.motion.plane
-        self._episodes[ids] += 1
+                self._centre[i], self._normal[i] = start.motion.plane
+        self._one_reward = len({id(reward) for reward in self._rewards}) == 1
         fresh = np.zeros(self.n, dtype=np.bool_)
         fresh[ids] = True
         self._look(fresh)
-        if self.settings.recorder is not None:
-            self.settings.recorder.begin(self, ids)
+        if recorder is not None:
+            recorder.begin(self, ids)
         for observer in self.observers:
             observer.begin(ids)
         return self._observe()
@@ -181,38 +122,13 @@ class TrackingCore:
     def all_or_nothing(self, ids: IntArray) -> Iterator[None]:
         """Where a `reset` of sub-environments `ids` fails, leave physics and randomness as they were."""
         robots, state = [self.plant.robots[i] for i in ids], self.plant.batch.state.copy()
-        rngs, episodes = self._rngs.copy(), self._episodes.copy()
-        drawn = [(rng.bit_generator, rng.bit_generator.state) for rng in rngs if rng is not None]
         try:
-            yield
+            with self.starts.all_or_nothing():
+                yield
         except Exception:
             self.plant.become(ids, robots)
             self.plant.batch.state[:] = state
-            self._rngs, self._episodes = rngs, episodes
-            for bits, was in drawn:
-                bits.state = was
             raise
-
-    def _draw(self, i: int, options: Mapping[str, Any]) -> Episode:
-        """The next episode; its motion is drawn first, then its plant."""
-        rng = self._rngs[i]
-        assert rng is not None  # the environment seeds before it resets
-        horizon = check_horizon(options.get("horizon", self.settings.horizon))
-        reward = reward_of(options.get("reward", self.settings.reward), self.robot)
-        sensing = check_kind("sensing", options.get("sensing", self.settings.sensing))
-        distribution = check_kind("randomization", options.get("randomization", self.settings.randomization))
-        task = {name: value for name, value in options.items() if name in self.tasks.option_names}
-        if self._listed:
-            task = self._listed[int(i + self._episodes[i] * self.n) % len(self._listed)] | task
-        motion = self.tasks.draw(rng, task)
-        plant = robot_of(options["plant"]) if options.get("plant") is not None else self.plant_robot
-        return Episode(
-            motion=motion,
-            robot=plant if distribution is None else distribution.draw(plant, rng),
-            last_step=motion.n_steps if horizon is None else min(motion.n_steps, horizon),
-            reward=reward,
-            sensing=sensing,
-        )
 
     def _rest(self, ids: IntArray, motions: Sequence[Motion]) -> None:
         """Put robots to the start of their motions, in equilibrium."""
@@ -231,70 +147,67 @@ class TrackingCore:
         The torque runs straight from the last action's to this one's, which it reaches at the end of the step.
 
         Args:
-            action: shape (B, N); clipped to [-1, 1].
-            active: which sub-environments.
+            action: finite, shape (B, N); clipped to [-1, 1].
+            active: which sub-environments, all in the middle of an episode.
 
         Raises:
-            FFGymError: if an action is not finite, an episode has ended, or a simulation becomes unstable.
+            FFGymError: if a simulation becomes unstable.
         """
-        active = np.ones(self.n, dtype=np.bool_) if active is None else active
-        ids = np.flatnonzero(active)
-        action = self._checked(action, active)
-        controls = self._controls(ids, action)
-        every = None if len(ids) == self.n else ids
-        recorder = self.settings.recorder
-        if recorder is None:
-            self.plant.drive(controls, every)
+        if active is not None and active.all():
+            active = None
+        action = np.clip(action, -1.0, 1.0)
+        self._move(action, None if active is None else np.flatnonzero(active))
+        if active is None:
+            self.action, self.step_index = action, self.step_index + 1
         else:
-            recorder.add(self, ids, *self.plant.advance(controls, every), action[ids])
-        if self.columns.has_tcp:
-            self.plant.batch.forward(every, stage=_POSITIONS)
-        self.action = np.where(active[:, None], action, self.action)
-        self.step_index = self.step_index + active
+            self.action = np.where(active[:, None], action, self.action)
+            self.step_index = self.step_index + active
         self._look(active)
-        terminated = active & (np.abs(self.signals.error).max(axis=1) > self.settings.error_limit)
-        truncated = active & (self.step_index >= self._last_step)
-        self.running = self.running & ~(terminated | truncated)
-        if recorder is not None:
-            recorder.end(self, np.flatnonzero(terminated | truncated))
-        for observer in self.observers:
-            observer.follow(ids)
-        reward = np.where(active, self._reward(terminated), 0.0)
+        terminated: BoolArray = np.abs(self.signals.error).max(axis=1) > self.settings.error_limit
+        truncated: BoolArray = self.step_index >= self._last_step
+        reward = self._reward(terminated)
+        if active is not None:
+            terminated, truncated, reward = terminated & active, truncated & active, np.where(active, reward, 0.0)
+        self._end(terminated | truncated, active)
         return Transition(observation=self._observe(), reward=reward, terminated=terminated, truncated=truncated)
 
-    def _checked(self, action: Array, active: BoolArray) -> Array:
-        """Action as it is applied."""
-        values = np.asarray(action, dtype=np.float64)
-        if values.shape != self.action.shape:
-            raise FFGymError(f"action has shape {values.shape}, must be {self.action.shape}: sub-environments, motors.")
-        if not np.isfinite(values[active]).all():
-            i, j = (int(k) for k in np.argwhere(~np.isfinite(values) & active[:, None])[0])
-            raise FFGymError(
-                f"The action of sub-environment {i} for motor {self.robot.joints[j]} is {values[i, j]}, must be finite."
-            )
-        self.check_running(active)
-        return np.clip(values, -1.0, 1.0)
+    def _move(self, action: Array, ids: IntArray | None) -> None:
+        """Let the engine run sub-environments `ids` for one control step; None is all."""
+        controls, recorder = self._controls(action, ids), self.settings.recorder
+        if recorder is None:
+            self.plant.drive(controls, ids)
+        else:
+            moved = np.arange(self.n) if ids is None else ids
+            recorder.add(self, moved, *self.plant.advance(controls, ids), action[moved])
+        if self.columns.has_tcp:
+            self.plant.batch.forward(ids, stage=_POSITIONS)
 
-    def check_running(self, active: BoolArray) -> None:
-        """Raise if a sub-environment of `active` is not in the middle of an episode."""
-        ended = np.flatnonzero(active & ~self.running)
-        if ended.size:
-            raise FFGymError(f"Sub-environments {ended.tolist()} have no episode running; call reset first.")
+    def _end(self, done: BoolArray, active: BoolArray | None) -> None:
+        """Take note of episodes that are `done`, and tell who watches."""
+        if done.any():
+            self.running = self.running & ~done
+            if self.settings.recorder is not None:
+                self.settings.recorder.end(self, np.flatnonzero(done))
+        for observer in self.observers:
+            observer.follow(np.arange(self.n) if active is None else np.flatnonzero(active))
 
-    def _controls(self, ids: IntArray, action: Array) -> Array:
+    def _controls(self, action: Array, ids: IntArray | None) -> Array:
         """MuJoCo's controls at every physics step of one control step, shape (B', S, 3 N)."""
-        at, rows, added = self.columns, self._window[:, :2], np.stack([self.action, action], axis=1)
-        if len(ids) < self.n:
-            rows, added = rows[ids], added[ids]
-        torque = rows[:, :, at.feedforward] + added * self.action_scale
-        controls = np.empty((len(ids), 1, self.plant.n_substeps, self.plant.model.nu))
+        at = self.columns
+        rows, last = self._window, self.action
+        if ids is not None:
+            rows, last, action = rows[ids], last[ids], action[ids]
+        torque = rows[:, :2, at.feedforward].copy()
+        torque[:, 0] += last * self.action_scale
+        torque[:, 1] += action * self.action_scale
+        controls = np.empty((len(rows), 1, self.plant.n_substeps, self.plant.model.nu))
         out = self.plant.split_controls(controls)
         dt = self.robot.servo.control_dt
-        interpolate(rows[:, :, at.position], rows[:, :, at.velocity], torque, dt, self._fractions, out)
+        interpolate(rows[:, :2, at.position], rows[:, :2, at.velocity], torque, dt, self._fractions, out)
         return controls[:, 0]
 
-    def _look(self, fresh: BoolArray) -> None:
-        """Take in the state after a step or a reset; sensors are sampled where it is `fresh`."""
+    def _look(self, fresh: BoolArray | None) -> None:
+        """Take in the state after a step or a reset; sensors are sampled where it is `fresh`, None is everywhere."""
         at = self.columns
         self._window = self._bank.window(self.step_index, self._width)
         now = self._window[:, 0]
@@ -310,13 +223,15 @@ class TrackingCore:
             tcp=tcp,
             path_error=None if tcp is None else path_error(tcp - self.tcp_offset, now, at, self._centre, self._normal),
         )
-        first = fresh & (self.step_index == 0)
-        angle, speed = self._sensors.read(motor_position, motor_velocity, self._rngs, fresh, first)
+        if self._sensors.exact:
+            self._seen = (error, error_rate)
+            return
+        angle, speed = self._sensors.read(motor_position, motor_velocity, self.starts.rngs, fresh, self.step_index == 0)
         self._seen = (now[:, at.position] - angle, now[:, at.velocity] - speed)
 
     def _observe(self) -> Array:
         """Observations, shape (B, D)."""
-        window = self._window[:, : self._preview + 1, self.columns.reference]
+        window = self._window[:, : self.observation_layout.preview + 1, self.columns.reference]
         return self.observation_layout.encode(*self._seen, self.action, window)
 
     def _reward(self, stopped: BoolArray) -> Array:

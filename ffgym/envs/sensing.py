@@ -43,13 +43,21 @@ class MotorSensors:
         self._step, self._noise = np.zeros((n, 1)), np.zeros((n, 1))
         self._exact = np.ones((n, 1), dtype=np.bool_)
         self._angle, self._speed = np.zeros((n, n_joints)), np.zeros((n, n_joints))
+        self.exact = True
+        """Whether all of them measure the true angle and speed."""
 
     def set(self, i: int, sensing: Sensing) -> None:
         """Choose the sensors of one sub-environment."""
         self._step[i], self._noise[i], self._exact[i] = sensing.step, sensing.noise, sensing.is_exact
+        self.exact = bool(self._exact.all())
 
     def read(
-        self, angle: Array, speed: Array, rngs: Sequence[np.random.Generator | None], fresh: BoolArray, first: BoolArray
+        self,
+        angle: Array,
+        speed: Array,
+        rngs: Sequence[np.random.Generator | None],
+        fresh: BoolArray | None,
+        first: BoolArray,
     ) -> tuple[Array, Array]:
         """Measured angle [rad] and speed [rad/s], shape (B, N), of the true ones.
 
@@ -57,11 +65,12 @@ class MotorSensors:
             angle: true motor angle [rad], shape (B, N).
             speed: true motor speed [rad/s], shape (B, N).
             rngs: randomness of each sub-environment.
-            fresh: where a new sample is taken, shape (B,); elsewhere the last one stays.
+            fresh: where a new sample is taken, shape (B,); elsewhere the last one stays. None is everywhere.
             first: where it is the first one of an episode, so that no speed is known yet, shape (B,).
         """
-        if self._exact.all():
+        if self.exact:
             return angle, speed
+        fresh = np.ones(len(angle), dtype=np.bool_) if fresh is None else fresh
         measured = angle.copy()
         for i in np.flatnonzero(fresh & (self._noise[:, 0] > 0)).tolist():
             rng = rngs[i]

@@ -7,8 +7,9 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from ffgym.envs.arguments import check_seed
 from ffgym.envs.observation import ObservationLayout
-from ffgym.envs.vector import TrackingVectorEnv, check_seed
+from ffgym.envs.vector import TrackingVectorEnv
 from ffgym.errors import FFGymError, check_shape
 from ffgym.types import Array
 
@@ -64,7 +65,7 @@ class TrackingEnv(gym.Env[Array, Array]):
         try:
             super().reset(seed=None if seed is None else check_seed(seed))
             with self.core.all_or_nothing(np.array([0])):
-                self.core.seed(0, self.np_random, fresh=seed is not None)
+                self.core.starts.seed(0, self.np_random, fresh=seed is not None)
                 observation, info = self._batch.reset(options=options)
         except FFGymError:
             self._np_random, self._np_random_seed = before

@@ -1,7 +1,6 @@
 """The vector environment: Gymnasium's interface and automatic reset, around the engine."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from typing import Any
 
 import gymnasium as gym
@@ -11,13 +10,16 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from ffgym.envs.core import TrackingCore, Transition
-from ffgym.envs.layers import Layer, Stage
+from ffgym.envs.arguments import autoreset_mode_of, checked_actions, options_for_each, reset_mask, seeds_for_each
+from ffgym.envs.core import TrackingCore
+from ffgym.envs.infos import finals, score, with_masks
+from ffgym.envs.layers import stacked
 from ffgym.envs.observation import ObservationLayout
 from ffgym.envs.rendering import EpisodeRenderer, check_render_mode
 from ffgym.envs.settings import Settings
+from ffgym.envs.stage import Transition
 from ffgym.envs.tasks import Tasks
-from ffgym.errors import FFGymError, check_shape
+from ffgym.errors import FFGymError
 from ffgym.types import Array, BoolArray, IntArray
 
 
@@ -38,7 +40,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
     ) -> None:
-        self.autoreset_mode = _autoreset_mode(autoreset_mode)
+        self.autoreset_mode = autoreset_mode_of(autoreset_mode)
         self.metadata = type(self).metadata | {"autoreset_mode": self.autoreset_mode}
         self.render_mode = check_render_mode(render_mode, num_envs)
         self.core = TrackingCore(tasks, num_envs, settings)
@@ -81,19 +83,16 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         Raises:
             FFGymError: if an option or a seed is not valid; nothing has changed then.
         """
-        if not isinstance(options, Mapping | None):
-            raise FFGymError(f"options = {options!r} must be a dict, e.g. {{'horizon': 250}}.")
-        options = dict(options or {})
-        mask = self._reset_mask(options.pop("reset_mask", None))
-        each = options.pop("each", None)
-        chosen = [options] * self.num_envs if each is None else self._each(each, options)
-        seeds = self._checked_seeds(seed)
-        ids = np.flatnonzero(mask)
+        chosen, mask = options_for_each(options, self.num_envs)
+        if mask is not None and None in self.core.starts.rngs:
+            raise FFGymError("The first reset must be of all sub-environments; leave options['reset_mask'] out.")
+        ids = np.flatnonzero(reset_mask(mask, self.num_envs))
+        seeds = seeds_for_each(seed, self.num_envs)
         with self.core.all_or_nothing(ids):
             used = self._seed(seeds, ids)
             observation = self._begin(ids, [chosen[i] for i in ids])
         self._seeds = used
-        return observation, self._with_masks(self.core.info())
+        return observation, with_masks(self.core.info(), self.num_envs)
 
     def step(self, actions: Array) -> tuple[Array, Any, Any, Any, dict[str, Any]]:
         """Add torque for one decision: shape (B, N), clipped to [-1, 1].
@@ -103,19 +102,19 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         """
         if self.autoreset_mode is AutoresetMode.NEXT_STEP and self._ended.any():
             return self._step_or_begin(actions)
-        result = self._stage.step(self._checked(actions, np.ones(self.num_envs, dtype=np.bool_)))
+        result = self._stage.step(self._checked(actions, None))
         self._count(result)
-        info = self._with_masks(self.core.info())
+        info = with_masks(self.core.info(), self.num_envs)
         done = result.terminated | result.truncated
         observation = result.observation
         if done.any():
             self._ended = done
-            info |= self._score(done)
+            info |= score(done, self._return, self._length)
             if self.autoreset_mode is AutoresetMode.SAME_STEP:
-                info |= self._finals(observation, info, done)
+                info |= finals(observation, info, done)
                 ids = np.flatnonzero(done)
                 observation = self._begin(ids, [{}] * len(ids))
-                info |= self._with_masks(self.core.info())
+                info |= with_masks(self.core.info(), self.num_envs)
         return observation, result.reward, result.terminated, result.truncated, info
 
     def _step_or_begin(self, actions: Array) -> tuple[Array, Array, BoolArray, BoolArray, dict[str, Any]]:
@@ -130,10 +129,10 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         reward = np.zeros(self.num_envs) if result is None else result.reward
         if result is not None:
             self._count(result, going)
-        info = self._with_masks(self.core.info())
+        info = with_masks(self.core.info(), self.num_envs)
         self._ended = terminated | truncated
         if self._ended.any():
-            info |= self._score(self._ended)
+            info |= score(self._ended, self._return, self._length)
         return observation, reward, terminated, truncated, info
 
     def _begin(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
@@ -145,90 +144,27 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         self._return += result.reward
         self._length += 1 if going is None else going
 
-    def _score(self, done: BoolArray) -> dict[str, Any]:
-        """Return and length of the episodes that are done."""
-        mask = done.copy()
-        score = {
-            "return": np.where(done, self._return, 0.0),
-            "length": np.where(done, self._length, 0),
-            "_return": mask,
-            "_length": mask,
-        }
-        return {"score": score, "_score": mask}
-
-    def _finals(self, observation: Array, info: dict[str, Any], done: BoolArray) -> dict[str, Any]:
-        """Last observation and info of the episodes that are done, as Gymnasium's vector environments give them."""
-        final_obs = np.full(self.num_envs, None, dtype=object)
-        for i in np.flatnonzero(done):
-            final_obs[i] = observation[i].copy()
-        final_info = {name: value for name, value in info.items() if not name.startswith("_")}
-        final_info |= {f"_{name}": done.copy() for name in final_info}
-        return {"final_obs": final_obs, "_final_obs": done.copy(), "final_info": final_info, "_final_info": done.copy()}
-
-    def _with_masks(self, info: dict[str, Any]) -> dict[str, Any]:
-        every = np.ones(self.num_envs, dtype=np.bool_)
-        every.flags.writeable = False  # one array for all keys
-        return info | {f"_{name}": every for name in info}
-
-    def _checked(self, actions: Any, going: BoolArray) -> Array:
+    def _checked(self, actions: Any, going: BoolArray | None) -> Array:
         """Actions as numbers, checked where an episode is `going`, before anything has moved."""
-        self.core.check_running(going)
-        with suppress(TypeError, ValueError, OverflowError):  # then check_shape says what is wrong
-            actions = np.array(actions, dtype=np.float64)
-            if len(actions) == self.num_envs:
-                actions[~going] = 0.0
-        return check_shape("actions", actions, (self.num_envs, *(self.single_action_space.shape or ())))
-
-    def _reset_mask(self, mask: Any) -> BoolArray:
-        if mask is None:
-            return np.ones(self.num_envs, dtype=np.bool_)
-        given = mask
-        with suppress(ValueError):  # a ragged list
-            mask = np.asarray(given)
-        if (
-            not isinstance(mask, np.ndarray)
-            or mask.shape != (self.num_envs,)
-            or mask.dtype != np.bool_
-            or not mask.any()
-        ):
-            raise FFGymError(
-                f"options['reset_mask'] must be an array of {self.num_envs} bool with at least one True, got {given!r}."
-            )
-        if None in self.core.rngs:
-            raise FFGymError("The first reset must be of all sub-environments; leave options['reset_mask'] out.")
-        return mask
-
-    def _each(self, each: Any, shared: dict[str, Any]) -> list[dict[str, Any]]:
-        if (
-            not isinstance(each, Sequence)
-            or len(each) != self.num_envs
-            or not all(isinstance(x, Mapping) for x in each)
-        ):
-            raise FFGymError(f"options['each'] must be a list of {self.num_envs} dicts, one per sub-environment.")
-        return [shared | dict(own) for own in each]
-
-    def _checked_seeds(self, seed: int | Sequence[int | None] | None) -> list[int | None]:
-        if seed is None:
-            return [None] * self.num_envs
-        if isinstance(seed, str) or not isinstance(seed, Sequence | np.ndarray):
-            return [check_seed(seed) + i for i in range(self.num_envs)]
-        if len(seed) != self.num_envs:
-            raise FFGymError(f"seed has {len(seed)} entries, must be one number or {self.num_envs}.")
-        return [None if each is None else check_seed(each) for each in seed]
+        idle = ~self.core.running if going is None else going & ~self.core.running
+        if idle.any():
+            ended = np.flatnonzero(idle).tolist()
+            raise FFGymError(f"Sub-environments {ended} have no episode running; call reset first.")
+        return checked_actions(actions, (self.num_envs, self.core.robot.n_joints), going)
 
     def _seed(self, seeds: Sequence[int | None], ids: IntArray) -> list[int | None]:
         """Give sub-environments their randomness, new where a seed is given or there was none; returns all seeds."""
         used = self._seeds.copy()
         for i, seed in enumerate(seeds):
-            if self.core.rngs[i] is None or (seed is not None and i in ids):
+            if self.core.starts.rngs[i] is None or (seed is not None and i in ids):
                 rng, used[i] = seeding.np_random(seed)
-                self.core.seed(i, rng, fresh=True)
+                self.core.starts.seed(i, rng, fresh=True)
         return used
 
     @property  # type: ignore[misc]  # Gymnasium's vector environments give a tuple too, and have nothing to set
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
         """Randomness of each sub-environment."""
-        return tuple(rng for rng in self.core.rngs if rng is not None)
+        return tuple(rng for rng in self.core.starts.rngs if rng is not None)
 
     @property
     def np_random_seed(self) -> tuple[int | None, ...]:  # type: ignore[override]
@@ -251,33 +187,3 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         if self._renderer is not None:
             self._renderer.close()
             self._renderer = None
-
-
-def stacked(core: TrackingCore, layers: Sequence[Layer]) -> Stage:
-    """The core with layers on top, the first one lowest."""
-    stage: Stage = core
-    for layer in layers:
-        if not isinstance(layer, Layer):
-            raise FFGymError(f"layers must hold layers of ffgym.envs such as History(8), got {layer!r}.")
-        stage = layer.over(stage, core)
-    return stage
-
-
-def check_seed(seed: Any) -> int:
-    """Return a seed if it is a whole number from 0 on.
-
-    Raises:
-        FFGymError: if it is not.
-    """
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise FFGymError(f"seed = {seed!r} must be a whole number >= 0, or None.")
-    return int(seed)
-
-
-def _autoreset_mode(mode: AutoresetMode | str) -> AutoresetMode:
-    try:
-        return AutoresetMode(mode)
-    except ValueError as error:
-        raise FFGymError(
-            f"Unknown autoreset_mode {mode!r}. Available: {', '.join(m.value for m in AutoresetMode)}."
-        ) from error

@@ -57,6 +57,7 @@ class Plant:
         self.batch = batch.Batch(self.model, nsim=n_robots, nthread=n_threads)
         self._qpos, self._qvel, self._act = (self.batch.bind(name) for name in ("qpos", "qvel", "act"))
         self._time, self._warnings = self.batch.bind("time"), self.batch.warning[..., 1]
+        self._warned = self._warnings.copy()
         self.physics_dt = float(self.model.opt.timestep)
         self.n_substeps = round(robot.servo.control_dt / self.physics_dt)
         if abs(self.n_substeps * self.physics_dt - robot.servo.control_dt) > 1e-9 or self.n_substeps < 1:
@@ -121,6 +122,7 @@ class Plant:
         motor_q = check_shape("motor_q", motor_q, (len(rows), n))
         speed = np.zeros_like(motor_q) if motor_dq is None else check_shape("motor_dq", motor_dq, (len(rows), n))
         engine.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+        self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
         load = self._sag(rows) if np.any(self.model.opt.gravity) else np.zeros_like(motor_q)
         self._qvel[np.ix_(rows, at.motor_qpos)] = speed
@@ -206,10 +208,11 @@ class Plant:
 
     def _roll(self, controls: Array, record: tuple[str, ...], ids: IntArray | None) -> dict[str, Array]:
         steps = controls.shape[1]
-        warnings, began = self._warnings.copy(), self._time.copy()
+        began = self._time.copy()
         out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
-        if not np.array_equal(self._warnings, warnings):
-            self._check_stable(self._warnings > warnings, began, steps)
+        if self._warnings.sum() != self._warned.sum():
+            warned, self._warned = self._warnings > self._warned, self._warnings.copy()
+            self._check_stable(warned, began, steps)
         return out
 
     def _check_stable(self, warned: BoolArray, began: Array, steps: int) -> None:

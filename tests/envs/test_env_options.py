@@ -30,7 +30,7 @@ def test_options_hold_for_one_episode_and_are_gone_after_the_automatic_reset(one
     for k in range(3):
         assert env.step(np.zeros((2, 1)))[3].all() == (k == 2)
     assert all(motion.task == {"frequency": 1.0, "amplitude": 1.0} for motion in env.core.motions)
-    assert all(robot is env.core.plant_robot for robot in env.core.plant.robots)
+    assert all(robot is env.core.plant.robot for robot in env.core.plant.robots)
     assert not any(env.step(np.zeros((2, 1)))[3].any() for _ in range(20))
 
 

@@ -104,7 +104,7 @@ def test_a_robot_too_soft_for_gravity_is_refused_and_the_others_keep_running(irb
         env.reset(seed=5, options={"each": [{}, {"plant": soft}]})
     np.testing.assert_array_equal(plant_state(env), state)
     assert env.core.plant.robots == [irb4600, irb4600] or all(
-        robot is env.core.plant_robot for robot in env.core.plant.robots
+        robot is env.core.plant.robot for robot in env.core.plant.robots
     )
     assert np.isfinite(env.step(np.zeros((2, 6)))[0]).all()
 

@@ -36,7 +36,7 @@ class EpisodeRenderer:
 
     def __init__(self, core: "TrackingCore", render_mode: str) -> None:
         self._core, self._options = core, core.settings.rendering
-        self._model = compile_model(core.plant_robot, ModelOptions(looks=True))
+        self._model = compile_model(core.plant.robot, ModelOptions(looks=True))
         self._data = mujoco.MjData(self._model)
         self._view: View = (ToolView if core.columns.has_tcp else AxisView)(core, self._options)
         self._trails = Trails(core.n, self._view.trail_width)

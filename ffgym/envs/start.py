@@ -1,0 +1,101 @@
+"""What an episode will be: its motion, its robot, how it is rewarded and measured; drawn, or fixed by options."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ffgym.envs.motion import Motion
+from ffgym.envs.rewards import Reward, reward_of
+from ffgym.envs.sensing import Sensing
+from ffgym.envs.settings import Settings, check_horizon, check_kind
+from ffgym.envs.tasks import Tasks
+from ffgym.errors import FFGymError, check_choice
+from ffgym.robot import RobotDescription, robot_of
+from ffgym.types import IntArray
+
+COMMON_OPTIONS = ("plant", "randomization", "reward", "sensing", "horizon")
+"""What `reset(options=...)` may change for an episode in every environment."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Start:
+    """What an episode will be, checked."""
+
+    motion: Motion
+    robot: RobotDescription
+    """The robot that is simulated."""
+    last_step: int
+    """Control steps until the motion or the horizon ends."""
+    reward: Reward
+    sensing: Sensing
+
+
+class Starts:
+    """Draws the episodes of B sub-environments, each with randomness of its own."""
+
+    def __init__(self, tasks: Tasks, n: int, settings: Settings) -> None:
+        self.tasks, self._n, self._settings = tasks, n, settings
+        self.plant_robot = tasks.robot if settings.plant is None else robot_of(settings.plant)
+        """The robot that is simulated, before randomisation."""
+        self._listed = tasks.listed() if settings.sampling == "sequence" else []
+        if settings.sampling == "sequence" and not self._listed:
+            raise FFGymError("sampling = 'sequence' needs motions that can be listed; random motions cannot.")
+        self.rngs: list[np.random.Generator | None] = [None] * n
+        """Randomness of each sub-environment; None before its first reset."""
+        self._episodes: IntArray = np.zeros(n, dtype=np.int64)
+
+    def seed(self, i: int, rng: np.random.Generator, fresh: bool) -> None:
+        """Give a sub-environment its randomness; a `fresh` one begins the sequence of motions anew."""
+        self.rngs[i] = rng
+        if fresh:
+            self._episodes[i] = 0
+
+    def draw(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> list[Start]:
+        """The next episodes of sub-environments `ids`, with options for each.
+
+        Raises:
+            FFGymError: if an option is unknown or not valid.
+        """
+        for chosen in options:
+            for name in chosen:
+                check_choice("reset option", name, [*self.tasks.option_names, *COMMON_OPTIONS])
+        starts = [self._draw(i, chosen) for i, chosen in zip(ids, options, strict=True)]
+        self._episodes[ids] += 1
+        return starts
+
+    def _draw(self, i: int, options: Mapping[str, Any]) -> Start:
+        """The next episode; its motion is drawn first, then its plant."""
+        rng, settings = self.rngs[i], self._settings
+        assert rng is not None  # the environment seeds before it resets
+        horizon = check_horizon(options.get("horizon", settings.horizon))
+        reward = reward_of(options.get("reward", settings.reward), self.tasks.robot)
+        sensing = check_kind("sensing", options.get("sensing", settings.sensing))
+        distribution = check_kind("randomization", options.get("randomization", settings.randomization))
+        task = {name: value for name, value in options.items() if name in self.tasks.option_names}
+        if self._listed:
+            task = self._listed[int(i + self._episodes[i] * self._n) % len(self._listed)] | task
+        motion = self.tasks.draw(rng, task)
+        plant = robot_of(options["plant"]) if options.get("plant") is not None else self.plant_robot
+        return Start(
+            motion=motion,
+            robot=plant if distribution is None else distribution.draw(plant, rng),
+            last_step=motion.n_steps if horizon is None else min(motion.n_steps, horizon),
+            reward=reward,
+            sensing=sensing,
+        )
+
+    @contextmanager
+    def all_or_nothing(self) -> Iterator[None]:
+        """Where the block fails, leave randomness and sequence as they were."""
+        rngs, episodes = self.rngs.copy(), self._episodes.copy()
+        drawn = [(rng.bit_generator, rng.bit_generator.state) for rng in rngs if rng is not None]
+        try:
+            yield
+        except Exception:
+            self.rngs, self._episodes = rngs, episodes
+            for bits, was in drawn:
+                bits.state = was
+            raise
