@@ -51,7 +51,8 @@ class Setpoints:
             shape = (len(robots), stop - start, len(fractions), self.position.shape[2])
             out = (np.empty(shape), np.empty(shape), np.empty(shape))
         p, v, u = (part[robots, start : stop + 1] for part in (self.position, self.velocity, self.torque))
-        interpolate(p, v, u, self.dt, fractions, out)
+        interpolate_motion(p, v, self.dt, fractions, out[:2])
+        interpolate_torque(u, fractions, out[2])
         return out
 
     def at_rows(self, rows_per_step: int) -> tuple[Array, Array, Array]:
@@ -67,26 +68,35 @@ class Setpoints:
         return position, velocity, torque
 
 
-def interpolate(
-    position: Array, velocity: Array, torque: Array, dt: float, fractions: Array, out: tuple[Array, Array, Array]
-) -> None:
-    """Write set-points at `fractions` (S,) of each step between samples (B, T, N) into `out`, (B, T - 1, S, N) each."""
+def interpolate_motion(position: Array, velocity: Array, dt: float, fractions: Array, out: tuple[Array, Array]) -> None:
+    """Write position and velocity at `fractions` (S,) of each step between samples (B, T, N) into `out`.
+
+    Args:
+        position: samples [rad], shape (B, T, N).
+        velocity: samples [rad/s], shape (B, T, N).
+        dt: time between samples [s].
+        fractions: points within each step, 0 at its start and 1 at its end, shape (S,).
+        out: position and velocity, shape (B, T - 1, S, N) each.
+    """
     p0, p1 = _ends(position)
     v0, v1 = _ends(velocity)
-    u0, u1 = _ends(torque)
     rise = p1 - p0
     square, cube = 3 * rise - dt * (2 * v0 + v1), dt * (v0 + v1) - 2 * rise
     _horner(out[0], fractions, (cube, square, dt * v0, p0))
     _horner(out[1], fractions, (3 / dt * cube, 2 / dt * square, v0))
-    _horner(out[2], fractions, (u1 - u0, u0))
+
+
+def interpolate_torque(torque: Array, fractions: Array, out: Array) -> None:
+    """Write the torque at `fractions` (S,) of each step between samples (B, T, N) into `out` (B, T - 1, S, N)."""
+    start, end = _ends(torque)
+    _horner(out, fractions, (end - start, start))
 
 
 def torque_at_rows(torque: Array, rows_per_step: int) -> Array:
     """A torque (T, N) sampled every control step, at `rows_per_step` points of each step and at the last sample."""
     fractions = np.arange(rows_per_step) / rows_per_step
-    start, end = _ends(torque[None])
-    between = np.empty((*start.shape[:2], rows_per_step, torque.shape[1]))
-    _horner(between, fractions, (end - start, start))
+    between = np.empty((1, len(torque) - 1, rows_per_step, torque.shape[1]))
+    interpolate_torque(torque[None], fractions, between)
     return np.concatenate([between.reshape(-1, torque.shape[1]), torque[-1:]])
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ffgym.envs.motion import Columns, Motion
+from ffgym.envs.setpoint_table import SetpointTable
 from ffgym.types import Array, IntArray
 
 _KEEP_ROWS = 200_000
@@ -13,8 +14,9 @@ circle test."""
 class MotionBank:
     """Assigns motions to B sub-environments; each motion is stored once, however many follow it."""
 
-    def __init__(self, n: int, columns: Columns, padding: int) -> None:
+    def __init__(self, n: int, columns: Columns, padding: int, setpoints: SetpointTable | None = None) -> None:
         self.columns = columns
+        self._setpoints = setpoints
         self._padding = padding
         self._table = np.zeros((0, columns.width))
         self._filled = 0
@@ -35,11 +37,24 @@ class MotionBank:
         first: IntArray = self._offset + step
         return self._table.take(first[:, None] + np.arange(width), axis=0)
 
+    def setpoints(self, step: IntArray, ids: IntArray | None) -> Array | None:
+        """Controls of the control step from sample `step` (B,) on, torque still open, for sub-environments `ids`.
+
+        Shape (B', S, 3 N), a copy; None is all sub-environments. Returns None where they are not kept, because there
+        are too many motions.
+        """
+        if self._setpoints is None:
+            return None
+        first: IntArray = self._offset + step
+        return self._setpoints.take(first if ids is None else first[ids])
+
     def _store(self, motion: Motion) -> None:
         rows = motion.rows(self._padding)
         if self._filled + len(rows) > len(self._table):
             self._make_room(len(rows))
         self._table[self._filled : self._filled + len(rows)] = rows
+        if self._setpoints is not None:
+            self._setpoints.write(self._filled, rows[:, self.columns.position], rows[:, self.columns.velocity])
         self._place[id(motion)] = (motion, self._filled)
         self._filled += len(rows)
 
@@ -52,10 +67,14 @@ class MotionBank:
         for motion, at in kept:  # as they stand in the table, so that none is overwritten before it has moved
             length = motion.n_steps + 1 + self._padding
             self._table[self._filled : self._filled + length] = self._table[at : at + length]
+            if self._setpoints is not None:
+                self._setpoints.move(at, self._filled, length)
             self._place[id(motion)] = (motion, self._filled)
             self._filled += length
         if self._filled + wanted > len(self._table):  # in place: a second table would double the memory
             self._table.resize((int((self._filled + wanted) * 1.25), self.columns.width), refcheck=False)
+        if self._setpoints is not None and not self._setpoints.resize(len(self._table)):
+            self._setpoints = None
         for i, followed_now in enumerate(self.motions):
             if id(followed_now) in self._place:
                 self._offset[i] = self._place[id(followed_now)][1]

@@ -13,13 +13,14 @@ import numpy as np
 from gymnasium import spaces
 
 from ffgym.control.servo import servo_torque
-from ffgym.control.setpoints import interpolate
+from ffgym.control.setpoints import interpolate_motion, interpolate_torque
 from ffgym.envs.bank import MotionBank
 from ffgym.envs.geometry import path_error
 from ffgym.envs.motion import Columns, Motion
 from ffgym.envs.observation import BOUND, ObservationLayout
 from ffgym.envs.rewards import Reward, Signals, reward_of
 from ffgym.envs.sensing import MotorSensors
+from ffgym.envs.setpoint_table import SetpointTable
 from ffgym.envs.settings import Settings
 from ffgym.envs.stage import Observer, Transition
 from ffgym.envs.start import Starts
@@ -50,8 +51,8 @@ class TrackingCore:
         self.decision_dt = robot.servo.control_dt
         self.columns = Columns(n_joints=robot.n_joints, has_tcp=robot.tool is not None)
         self._width = max(layout.preview + 1, 2)
-        self._bank = MotionBank(n, self.columns, padding=self._width)
         self._fractions = np.arange(self.plant.n_substeps) / self.plant.n_substeps
+        self._bank = MotionBank(n, self.columns, self._width, SetpointTable(self.plant, self._fractions))
         if self.columns.has_tcp:
             self._sites = self.plant.batch.bind("site_xpos")
             self._tcp_site = self.plant.model.site("tcp").id
@@ -200,11 +201,14 @@ class TrackingCore:
         torque = rows[:, :2, at.feedforward].copy()
         torque[:, 0] += last * self.action_scale
         torque[:, 1] += action * self.action_scale
-        controls = np.empty((len(rows), 1, self.plant.n_substeps, self.plant.model.nu))
-        out = self.plant.split_controls(controls)
-        dt = self.robot.servo.control_dt
-        interpolate(rows[:, :2, at.position], rows[:, :2, at.velocity], torque, dt, self._fractions, out)
-        return controls[:, 0]
+        controls = self._bank.setpoints(self.step_index, ids)
+        if controls is None:
+            controls = np.empty((len(rows), self.plant.n_substeps, self.plant.model.nu))
+            position, velocity, _ = self.plant.split_controls(controls[:, None])
+            samples = rows[:, :2, at.position], rows[:, :2, at.velocity]
+            interpolate_motion(*samples, self.decision_dt, self._fractions, (position, velocity))
+        interpolate_torque(torque, self._fractions, self.plant.split_controls(controls[:, None])[2])
+        return controls
 
     def _look(self, fresh: BoolArray | None) -> None:
         """Take in the state after a step or a reset; sensors are sampled where it is `fresh`, None is everywhere."""

@@ -7,11 +7,11 @@ import numpy as np
 from ffgym.types import Array, BoolArray, IntArray
 
 
-def with_masks(info: dict[str, Any], n: int) -> dict[str, Any]:
-    """Info that all `n` sub-environments have."""
+def masks_for(info: dict[str, Any], n: int) -> dict[str, BoolArray]:
+    """Masks that say that all `n` sub-environments have every entry of `info`; one read-only array."""
     every = np.ones(n, dtype=np.bool_)
-    every.flags.writeable = False  # one array for all keys
-    return info | dict.fromkeys([f"_{name}" for name in info], every)
+    every.flags.writeable = False
+    return dict.fromkeys([f"_{name}" for name in info], every)
 
 
 def score(done: BoolArray, returns: Array, lengths: IntArray) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ffgym.envs.arguments import autoreset_mode_of, checked_actions, options_for_each, reset_mask, seeds_for_each
 from ffgym.envs.core import TrackingCore
-from ffgym.envs.infos import finals, score, with_masks
+from ffgym.envs.infos import finals, masks_for, score
 from ffgym.envs.layers import stacked
 from ffgym.envs.observation import ObservationLayout
 from ffgym.envs.rendering import EpisodeRenderer, check_render_mode
@@ -53,6 +53,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         self._seeds: list[int | None] = [None] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
         self._return, self._length = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=np.int64)
+        self._masks: dict[str, BoolArray] = {}
         self._renderer = None if self.render_mode is None else EpisodeRenderer(self.core, self.render_mode)
 
     @property
@@ -92,7 +93,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             used = self._seed(seeds, ids)
             observation = self._begin(ids, [chosen[i] for i in ids])
         self._seeds = used
-        return observation, with_masks(self.core.info(), self.num_envs)
+        return observation, self._info()
 
     def step(self, actions: Array) -> tuple[Array, Any, Any, Any, dict[str, Any]]:
         """Add torque for one decision: shape (B, N), clipped to [-1, 1].
@@ -104,7 +105,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
             return self._step_or_begin(actions)
         result = self._stage.step(self._checked(actions, None))
         self._count(result)
-        info = with_masks(self.core.info(), self.num_envs)
+        info = self._info()
         done = result.terminated | result.truncated
         observation = result.observation
         if done.any():
@@ -114,7 +115,7 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
                 info |= finals(observation, info, done)
                 ids = np.flatnonzero(done)
                 observation = self._begin(ids, [{}] * len(ids))
-                info |= with_masks(self.core.info(), self.num_envs)
+                info |= self._info()
         return observation, result.reward, result.terminated, result.truncated, info
 
     def _step_or_begin(self, actions: Array) -> tuple[Array, Array, BoolArray, BoolArray, dict[str, Any]]:
@@ -129,11 +130,18 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         reward = np.zeros(self.num_envs) if result is None else result.reward
         if result is not None:
             self._count(result, going)
-        info = with_masks(self.core.info(), self.num_envs)
+        info = self._info()
         self._ended = terminated | truncated
         if self._ended.any():
             info |= score(self._ended, self._return, self._length)
         return observation, reward, terminated, truncated, info
+
+    def _info(self) -> dict[str, Any]:
+        """Info of all sub-environments, with Gymnasium's masks."""
+        info = self.core.info()
+        if not self._masks:
+            self._masks = masks_for(info, self.num_envs)
+        return info | self._masks
 
     def _begin(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
         observation = self._stage.reset(ids, options)

@@ -210,7 +210,7 @@ class Plant:
         steps = controls.shape[1]
         began = self._time.copy()
         out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
-        if self._warnings.sum() != self._warned.sum():
+        if self._warnings.any():
             warned, self._warned = self._warnings > self._warned, self._warnings.copy()
             self._check_stable(warned, began, steps)
         return out
