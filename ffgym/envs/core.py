@@ -106,9 +106,10 @@ class TrackingCore:
         for i, start in zip(ids, starts, strict=True):
             self._bank.assign(i, start.motion)
             self._last_step[i], self._rewards[i] = start.last_step, start.reward
-            self._sensors.set(i, start.sensing)
+            self._sensors.set(i, start.sensing, start.noise)
             if self.columns.has_tcp:
                 self._centre[i], self._normal[i] = start.motion.plane
+        self._labels = np.array([str(motion.label) if motion else "" for motion in self.motions])
         self._one_reward = len({id(reward) for reward in self._rewards}) == 1
         fresh = np.zeros(self.n, dtype=np.bool_)
         fresh[ids] = True
@@ -230,7 +231,7 @@ class TrackingCore:
         if self._sensors.exact:
             self._seen = (error, error_rate)
             return
-        angle, speed = self._sensors.read(motor_position, motor_velocity, self.starts.rngs, fresh, self.step_index == 0)
+        angle, speed = self._sensors.read(motor_position, motor_velocity, fresh, self.step_index == 0)
         self._seen = (now[:, at.position] - angle, now[:, at.velocity] - speed)
 
     def _observe(self) -> Array:
@@ -256,6 +257,7 @@ class TrackingCore:
             "u_p": signals.feedback.u_p.copy(),
             "phase": _PHASES[now[:, at.phase].astype(np.int64)],
             "circle": now[:, at.circle].astype(np.int64),
+            "task": self._labels.copy(),
         }
         if signals.tcp is not None and signals.path_error is not None:
             out |= {"tcp": signals.tcp.copy(), "path_error": signals.path_error.copy()}

@@ -81,6 +81,12 @@ class Motion:
         return self.reference.name
 
     @property
+    def label(self) -> str:
+        """What is followed, in words: its name, and the radii of its circles."""
+        radii = self.task.get("radii")
+        return self.name if radii is None else f"{self.name}, {' '.join(f'{radius * 1e3:g}' for radius in radii)} mm"
+
+    @property
     def n_steps(self) -> int:
         """Control steps from its first sample to its last."""
         return len(self.reference.t) - 1

@@ -103,6 +103,6 @@ class EpisodeRecorder:
             arm=motion.arm,
             plant=plant,
             index=i,
-            seed=None,
+            meta={"task": motion.task, "plant": plant.robots[i].name},
         )
         return measure(exact, self._sensors, self._rng)

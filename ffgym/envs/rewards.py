@@ -13,7 +13,7 @@ from ffgym.types import Array, BoolArray
 
 STOP_STEPS = 250
 """An emergency stop costs as much as this many steps, 1 s, at the error at which it happened. Chosen: the error limit
-is so far out that no remaining motion of the circle test costs as much, so that stopping never pays."""
+is so far out that under the default reward no standard motion costs as much, so that stopping never pays."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

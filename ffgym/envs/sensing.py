@@ -1,6 +1,5 @@
 """How the motor angle is measured that an agent sees."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,11 +42,13 @@ class MotorSensors:
         self._step, self._noise = np.zeros((n, 1)), np.zeros((n, 1))
         self._exact = np.ones((n, 1), dtype=np.bool_)
         self._angle, self._speed = np.zeros((n, n_joints)), np.zeros((n, n_joints))
+        self._rngs: list[np.random.Generator | None] = [None] * n
         self.exact = True
         """Whether all of them measure the true angle and speed."""
 
-    def set(self, i: int, sensing: Sensing) -> None:
-        """Choose the sensors of one sub-environment."""
+    def set(self, i: int, sensing: Sensing, rng: np.random.Generator | None) -> None:
+        """Choose the sensors of one sub-environment, and the randomness of their noise."""
+        self._rngs[i] = rng
         self._step[i], self._noise[i], self._exact[i] = sensing.step, sensing.noise, sensing.is_exact
         self.exact = bool(self._exact.all())
 
@@ -55,7 +56,6 @@ class MotorSensors:
         self,
         angle: Array,
         speed: Array,
-        rngs: Sequence[np.random.Generator | None],
         fresh: BoolArray | None,
         first: BoolArray,
     ) -> tuple[Array, Array]:
@@ -64,7 +64,6 @@ class MotorSensors:
         Args:
             angle: true motor angle [rad], shape (B, N).
             speed: true motor speed [rad/s], shape (B, N).
-            rngs: randomness of each sub-environment.
             fresh: where a new sample is taken, shape (B,); elsewhere the last one stays. None is everywhere.
             first: where it is the first one of an episode, so that no speed is known yet, shape (B,).
         """
@@ -73,8 +72,8 @@ class MotorSensors:
         fresh = np.ones(len(angle), dtype=np.bool_) if fresh is None else fresh
         measured = angle.copy()
         for i in np.flatnonzero(fresh & (self._noise[:, 0] > 0)).tolist():
-            rng = rngs[i]
-            assert rng is not None  # a sub-environment gets its generator before its first sample
+            rng = self._rngs[i]
+            assert rng is not None  # noise comes with its generator
             measured[i] += self._noise[i] * rng.standard_normal(measured.shape[1])
         coarse = self._step[:, 0] > 0
         measured[coarse] = np.round(measured[coarse] / self._step[coarse]) * self._step[coarse]

@@ -31,6 +31,8 @@ class Start:
     """Control steps until the motion or the horizon ends."""
     reward: Reward
     sensing: Sensing
+    noise: np.random.Generator | None
+    """Randomness of the sensors, of this episode alone, so that no later draw depends on how long it lasts."""
 
 
 class Starts:
@@ -67,7 +69,7 @@ class Starts:
         return starts
 
     def _draw(self, i: int, options: Mapping[str, Any]) -> Start:
-        """The next episode; its motion is drawn first, then its plant."""
+        """The next episode; its motion is drawn first, then its plant, then the randomness of its sensors."""
         rng, settings = self.rngs[i], self._settings
         assert rng is not None  # the environment seeds before it resets
         horizon = check_horizon(options.get("horizon", settings.horizon))
@@ -79,12 +81,14 @@ class Starts:
             task = self._listed[int(i + self._episodes[i] * self._n) % len(self._listed)] | task
         motion = self.tasks.draw(rng, task)
         plant = robot_of(options["plant"]) if options.get("plant") is not None else self.plant_robot
+        robot = plant if distribution is None else distribution.draw(plant, rng)
         return Start(
             motion=motion,
-            robot=plant if distribution is None else distribution.draw(plant, rng),
+            robot=robot,
             last_step=motion.n_steps if horizon is None else min(motion.n_steps, horizon),
             reward=reward,
             sensing=sensing,
+            noise=np.random.default_rng(rng.integers(2**63)) if sensing.noise > 0 else None,
         )
 
     @contextmanager

@@ -1,6 +1,9 @@
 """The raw states of one simulation, and the recording made of them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -103,6 +106,7 @@ def to_recording(
     plant: Plant,
     index: int = 0,
     seed: int | None = None,
+    meta: Mapping[str, Any] = MappingProxyType({}),
 ) -> Recording:
     """Recording of one run: everything the drive knows, and the true link, friction and TCP states beside it.
 
@@ -115,6 +119,7 @@ def to_recording(
         plant: the batch it ran in.
         index: which simulation of the batch.
         seed: of the sensor noise, for the header.
+        meta: more for the header.
     """
     state = plant.unpack(trace.qpos, trace.qvel, trace.act)
     columns: dict[str, Array] = {"timestamp": np.arange(len(trace.qpos), dtype=np.float64) * trace.dt}
@@ -123,7 +128,7 @@ def to_recording(
     if rows.tcp is not None:
         tcp = {"tcp.position": arm.tcp_position(state.link_position), "tcp_reference.position": rows.tcp}
         columns |= {f"{family}.{axis}": xyz[:, k] for family, xyz in tcp.items() for k, axis in enumerate("xyz")}
-    header = _header(rows.reference, law, plant, index, seed)
+    header = _header(rows.reference, {"feedforward_law": law, **meta}, plant, index, seed)
     if rows.cut_short:
         header = replace(header, phases=clipped(header.phases, 0.0, len(trace.qpos) * trace.dt))
     return Recording(columns=columns, header=header)
@@ -154,7 +159,7 @@ def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant,
     }
 
 
-def _header(reference: Reference, law: str, plant: Plant, index: int, seed: int | None) -> Header:
+def _header(reference: Reference, meta: dict[str, Any], plant: Plant, index: int, seed: int | None) -> Header:
     robot = reference.robot
     return Header(
         robot=robot.name,
@@ -173,5 +178,5 @@ def _header(reference: Reference, law: str, plant: Plant, index: int, seed: int 
             "physics_fingerprint": plant.fingerprint(index),
             "physics_dt": plant.physics_dt,
         },
-        meta={"feedforward_law": law},
+        meta=meta,
     )
