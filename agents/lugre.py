@@ -48,12 +48,27 @@ class LuGreAgent:
 
     @classmethod
     def for_env(cls, law: StaticLuGre | DynamicLuGre, env: Any) -> "LuGreAgent":
-        """Return the agent for an environment: single, vector, or stable-baselines3's."""
-        get = getattr(env, "get_attr", None)
-        if get is not None and not hasattr(env, "single_action_space"):
-            layout, dt = get("observation_layout")[0], get("decision_dt")[0]
-        else:
-            layout, dt = env.unwrapped.observation_layout, env.unwrapped.decision_dt
+        """Return the agent for an environment of ffgym: single, vector, or stable-baselines3's.
+
+        Raises:
+            FFGymError: if the environment is another one, normalises observations, or decides less often than the
+                reference is sampled.
+        """
+        if getattr(env, "norm_obs", False):
+            raise FFGymError("LuGre reads physical values: leave out VecNormalize, or give it norm_obs=False.")
+        names = ("observation_layout", "control_dt", "decision_dt")
+        is_sb3 = hasattr(env, "get_attr") and not hasattr(env, "single_action_space")
+        try:
+            layout, dt, decision_dt = (env.get_attr(n)[0] if is_sb3 else getattr(env.unwrapped, n) for n in names)
+        except AttributeError as error:
+            raise FFGymError(
+                f"{env} is not made by gym.make, gym.make_vec or make_sb3_env with an id of ffgym."
+            ) from error
+        if decision_dt != dt:
+            raise FFGymError(
+                f"LuGre acts at every sample of {dt} s, this environment decides every {decision_dt} s; leave out "
+                f"Hold, or put Residual(law) below it."
+            )
         return cls(law=law, layout=layout, control_dt=dt)
 
     def predict(

@@ -19,6 +19,8 @@ def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
         FFGymError: if it is not numeric, has another shape, or holds NaN or infinity.
     """
     try:
+        if np.asarray(value).dtype.kind in "USc":
+            raise TypeError("text and complex numbers are none")
         array = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
         raise FFGymError(f"{name} must be numbers, got {value!r}.") from error
@@ -55,6 +57,8 @@ def check_number(
     """
     suffix = f" {unit}" if unit else ""
     try:
+        if isinstance(value, str | bool):
+            raise TypeError("text and truth values are none")
         number = float(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise FFGymError(f"{name} must be a number{f' in {unit}' if unit else ''}, got {value!r}.") from error

@@ -157,8 +157,9 @@ class CirclePathVectorEnv(TrackingVectorEnv):
         render_mode: str | None = None,
         **settings: Any,
     ) -> None:
-        tasks = CircleTasks(robot_of(robot), positions=positions, speeds=speeds, radii=radii, order=order)
-        super().__init__(num_envs, tasks, Settings.of(settings), autoreset_mode, render_mode)
+        own: dict[str, Any] = {"positions": positions, "speeds": speeds, "radii": radii, "order": order}
+        tasks = CircleTasks(robot_of(robot), **own)
+        super().__init__(num_envs, tasks, Settings.of(settings, ["robot", *own]), autoreset_mode, render_mode)
 
 
 class CirclePathEnv(TrackingEnv):

@@ -23,7 +23,7 @@ from ffgym.envs.sensing import MotorSensors
 from ffgym.envs.setpoint_table import SetpointTable
 from ffgym.envs.settings import Settings
 from ffgym.envs.stage import Observer, Transition
-from ffgym.envs.start import Starts
+from ffgym.envs.start import Start, Starts
 from ffgym.envs.tasks import Tasks
 from ffgym.errors import check_whole
 from ffgym.plant import Plant
@@ -44,8 +44,9 @@ class TrackingCore:
         self.starts = Starts(tasks, n, settings)
         self.plant = Plant(self.starts.plant_robot, n, n_threads=settings.n_threads)
         self.plant.check_controller(robot)
-        self.action_scale = settings.action_torque(robot)
-        self.observation_layout = layout = ObservationLayout(robot, settings.preview, self.action_scale)
+        self.action_torque = settings.action_torque(robot)
+        """Added torque of an action of 1, motor side [N m], shape (N,)."""
+        self.observation_layout = layout = ObservationLayout(robot, settings.preview, self.action_torque)
         self.observation_space: spaces.Box = spaces.Box(-BOUND, BOUND, shape=(layout.size,), dtype=np.float64)
         self.action_space: spaces.Box = spaces.Box(-1.0, 1.0, shape=(robot.n_joints,), dtype=np.float32)
         self.decision_dt = robot.servo.control_dt
@@ -73,6 +74,7 @@ class TrackingCore:
         self._centre, self._normal = np.zeros((n, 3)), np.zeros((n, 3))
         self._rewards: list[Reward] = [reward_of(self.settings.reward, self.robot)] * n
         self._one_reward = True
+        self._touched = False
         self.running: BoolArray = np.zeros(n, dtype=np.bool_)
         """Sub-environments in the middle of an episode, shape (B,)."""
 
@@ -102,6 +104,8 @@ class TrackingCore:
             recorder.claim(self)
         starts = self.starts.draw(ids, options)
         self.plant.become(ids, [start.robot for start in starts])
+        self.plant.rest(*_at_start(starts), ids)
+        self._touched = True
         self._rest(ids, [start.motion for start in starts])
         for i, start in zip(ids, starts, strict=True):
             self._bank.assign(i, start.motion)
@@ -122,21 +126,24 @@ class TrackingCore:
 
     @contextmanager
     def all_or_nothing(self, ids: IntArray) -> Iterator[None]:
-        """Where a `reset` of sub-environments `ids` fails, leave physics and randomness as they were."""
+        """Where a `reset` of sub-environments `ids` fails, leave physics and randomness as they were.
+
+        If it fails after the engine has begun the new episodes (in a layer, or by Ctrl-C), they wait for another reset.
+        """
         robots, state = [self.plant.robots[i] for i in ids], self.plant.batch.state.copy()
+        self._touched = False
         try:
             with self.starts.all_or_nothing():
                 yield
-        except Exception:
+        except BaseException:
             self.plant.become(ids, robots)
             self.plant.batch.state[:] = state
+            if self._touched:
+                self.running[ids] = False
             raise
 
     def _rest(self, ids: IntArray, motions: Sequence[Motion]) -> None:
         """Put robots to the start of their motions, in equilibrium."""
-        start = np.stack([motion.reference.q[0] for motion in motions])
-        speed = np.stack([motion.reference.dq[0] for motion in motions])
-        self.plant.rest(start, speed, ids)
         self.step_index[ids], self.action[ids], self.running[ids] = 0, 0.0, True
         if self.columns.has_tcp:
             self.plant.batch.forward(ids, stage=_POSITIONS)
@@ -158,6 +165,7 @@ class TrackingCore:
         if active is not None and active.all():
             active = None
         action = np.clip(action, -1.0, 1.0)
+        going, self.running = self.running, np.zeros_like(self.running)  # until engine and books agree again
         self._move(action, None if active is None else np.flatnonzero(active))
         if active is None:
             self.action, self.step_index = action, self.step_index + 1
@@ -171,6 +179,7 @@ class TrackingCore:
         if active is not None:
             terminated, truncated, reward = terminated & active, truncated & active, np.where(active, reward, 0.0)
         self._end(terminated | truncated, active)
+        self.running = going & ~(terminated | truncated)
         return Transition(observation=self._observe(), reward=reward, terminated=terminated, truncated=truncated)
 
     def _move(self, action: Array, ids: IntArray | None) -> None:
@@ -185,11 +194,9 @@ class TrackingCore:
             self.plant.batch.forward(ids, stage=_POSITIONS)
 
     def _end(self, done: BoolArray, active: BoolArray | None) -> None:
-        """Take note of episodes that are `done`, and tell who watches."""
-        if done.any():
-            self.running = self.running & ~done
-            if self.settings.recorder is not None:
-                self.settings.recorder.end(self, np.flatnonzero(done))
+        """Record episodes that are `done`, and tell who watches."""
+        if self.settings.recorder is not None and done.any():
+            self.settings.recorder.end(self, np.flatnonzero(done))
         for observer in self.observers:
             observer.follow(np.arange(self.n) if active is None else np.flatnonzero(active))
 
@@ -200,8 +207,8 @@ class TrackingCore:
         if ids is not None:
             rows, last, action = rows[ids], last[ids], action[ids]
         torque = rows[:, :2, at.feedforward].copy()
-        torque[:, 0] += last * self.action_scale
-        torque[:, 1] += action * self.action_scale
+        torque[:, 0] += last * self.action_torque
+        torque[:, 1] += action * self.action_torque
         controls = self._bank.setpoints(self.step_index, ids)
         if controls is None:
             controls = np.empty((len(rows), self.plant.n_substeps, self.plant.model.nu))
@@ -241,7 +248,7 @@ class TrackingCore:
 
     def _reward(self, stopped: BoolArray) -> Array:
         """Reward of the last step, shape (B,)."""
-        if self._rewards.count(self._rewards[0]) == self.n:
+        if self._one_reward:
             return self._rewards[0](self.signals, self.robot, stopped)
         rewards = {id(reward): reward for reward in self._rewards}
         each = {key: reward(self.signals, self.robot, stopped) for key, reward in rewards.items()}
@@ -262,3 +269,9 @@ class TrackingCore:
         if signals.tcp is not None and signals.path_error is not None:
             out |= {"tcp": signals.tcp.copy(), "path_error": signals.path_error.copy()}
         return out
+
+
+def _at_start(starts: Sequence[Start]) -> tuple[Array, Array]:
+    """Angle and speed at which motions begin, link side [rad], [rad/s], shape (B', N) each."""
+    references = [start.motion.reference for start in starts]
+    return np.stack([r.q[0] for r in references]), np.stack([r.dq[0] for r in references])

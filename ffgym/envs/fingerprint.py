@@ -16,6 +16,7 @@ import numpy as np
 from mujoco import batch
 
 from ffgym.errors import FFGymError
+from ffgym.robot import model_field
 from ffgym.types import Array
 
 DIGITS = 9
@@ -23,8 +24,16 @@ DIGITS = 9
 TOLERANCE = 1e-6
 """Relative difference of behaviour that counts as a change: far above the rounding of other processors, and far below
 any change of a constant that is meant."""
-SEEDS, STEPS = (0, 1), 300
-"""Episodes of the golden trajectory, with random actions; 1.2 s each, past the first standstill of the circle test."""
+STEPS = 300
+"""Length of an episode of the golden trajectory, with random actions: 1.2 s, past the first rest of the circles."""
+EPISODES: tuple[dict[str, Any], ...] = (
+    {},
+    {"reward": "feedback_effort"},
+    {"reward": "path_error", "speed": 0.1},
+    {"error_limit": 1e-3},
+)
+"""Options of the episodes: defaults, every reward, a circle that is reached, and an emergency stop. What an environment
+does not offer is left out; seeds count from 0."""
 
 
 def fingerprint(name: str) -> dict[str, Any]:
@@ -34,26 +43,35 @@ def fingerprint(name: str) -> dict[str, Any]:
         `mujoco` (version), `model` (hash of the compiled model's numbers), `layout` (of the observation) and
         `behaviour` (numbers along seeded episodes: observations, rewards, torques).
     """
-    env = gym.make(name).unwrapped
-    core = env.core  # type: ignore[attr-defined]
-    behaviour: list[float] = []
-    for seed in SEEDS:
-        observation, _ = env.reset(seed=seed)
-        actions = np.random.default_rng(seed).uniform(-1, 1, size=(STEPS, core.robot.n_joints))
-        behaviour += _rounded(observation)
-        total = 0.0
-        for action in actions:
-            observation, reward, terminated, truncated, info = env.step(action)
-            total += float(reward)
-            if terminated or truncated:
-                break
-        behaviour += [*_rounded(observation), *_rounded(np.array([total])), *_rounded(info["u_c"])]
+    core = gym.make(name).unwrapped.core  # type: ignore[attr-defined]
+    behaviour = [number for seed, options in enumerate(EPISODES) for number in _episode(name, seed, dict(options))]
     return {
         "mujoco": mujoco.__version__,
         "model": _model_hash(core.plant.model),
         "layout": list(core.observation_layout),
         "behaviour": behaviour,
     }
+
+
+def _episode(name: str, seed: int, options: dict[str, Any]) -> list[float]:
+    """Numbers along an episode: observations, sum of rewards, and everything in info."""
+    limit = {key: options.pop(key) for key in ("error_limit",) if key in options}
+    env = gym.make(name, **limit).unwrapped
+    core = env.core  # type: ignore[attr-defined]
+    if options.get("reward") == "path_error" and core.robot.tool is None:
+        return []
+    known = {key: value for key, value in options.items() if key in ("reward", *core.tasks.option_names)}
+    observation, info = env.reset(seed=seed, options=known)
+    numbers, total = _rounded(observation), 0.0
+    for action in np.random.default_rng(seed).uniform(-1, 1, size=(STEPS, core.robot.n_joints)):
+        observation, reward, terminated, truncated, info = env.step(action)
+        total += float(reward)
+        if terminated or truncated:
+            break
+    numbers += [*_rounded(observation), *_rounded(np.array([total]))]
+    return numbers + [
+        x for _, value in sorted(info.items()) if not isinstance(value, str | dict) for x in _rounded(value)
+    ]
 
 
 def check(name: str) -> None:
@@ -92,8 +110,7 @@ def _model_hash(model: mujoco.MjModel) -> str:
     """Hash of all numbers of a compiled model to DIGITS digits, 16 hexadecimal digits."""
     digest = hashlib.sha256()
     for name in sorted(batch.MODEL_FIELDS):
-        value = getattr(model.opt, name[4:]) if name.startswith("opt.") else getattr(model, name)
-        digest.update(f"{name} {_rounded(np.asarray(value))}\n".encode())
+        digest.update(f"{name} {_rounded(np.asarray(model_field(model, name)))}\n".encode())
     return digest.hexdigest()[:16]
 
 

@@ -118,8 +118,9 @@ class JointMotionVectorEnv(TrackingVectorEnv):
         render_mode: str | None = None,
         **settings: Any,
     ) -> None:
-        tasks = RandomTasks(robot_of(robot), duration=duration, peak_speeds=peak_speeds, spread=spread)
-        super().__init__(num_envs, tasks, Settings.of(settings), autoreset_mode, render_mode)
+        own: dict[str, Any] = {"duration": duration, "peak_speeds": peak_speeds, "spread": spread}
+        tasks = RandomTasks(robot_of(robot), **own)
+        super().__init__(num_envs, tasks, Settings.of(settings, ["robot", *own]), autoreset_mode, render_mode)
 
 
 class JointMotionEnv(TrackingEnv):

@@ -34,7 +34,7 @@ class ObservationLayout(Mapping[str, Entry]):
     on up to `preview`. An action sets the torque that is reached at sample 1.
     """
 
-    def __init__(self, robot: RobotDescription, preview: int, action_scale: Array) -> None:
+    def __init__(self, robot: RobotDescription, preview: int, action_torque: Array) -> None:
         self.preview = check_whole("preview", preview, low=0, high=1000)
         self.n_joints = n = robot.n_joints
         scales = Scales.of(robot)
@@ -53,7 +53,7 @@ class ObservationLayout(Mapping[str, Entry]):
 
         add("error", "rad", scales.error, "position error, reference - measured")
         add("error_rate", "rad/s", scales.error_rate, "speed error, reference - measured")
-        add("added_torque", "N m", action_scale, "added torque now: the last action")
+        add("added_torque", "N m", action_torque, "added torque now: the last action")
         for k in range(self.preview + 1):
             when = "now" if k == 0 else f"{k} control step{'s' if k > 1 else ''} ahead"
             add(

@@ -93,8 +93,9 @@ class OneAxisVectorEnv(TrackingVectorEnv):
         render_mode: str | None = None,
         **settings: Any,
     ) -> None:
-        tasks = SineTasks(robot_of(robot), frequencies=frequencies, amplitude=amplitude, duration=duration)
-        super().__init__(num_envs, tasks, Settings.of(settings), autoreset_mode, render_mode)
+        own: dict[str, Any] = {"frequencies": frequencies, "amplitude": amplitude, "duration": duration}
+        tasks = SineTasks(robot_of(robot), **own)
+        super().__init__(num_envs, tasks, Settings.of(settings, ["robot", *own]), autoreset_mode, render_mode)
 
 
 class OneAxisEnv(TrackingEnv):

@@ -24,7 +24,7 @@ class EpisodeRecorder:
         record_dt: sample time [s]; a multiple of the physics step that divides the control step.
         sensors: models of what is measured; none gives the exact state.
         seed: of the sensors' noise.
-        keep: how many of the last episodes are kept; None keeps all (4 MB for the longest circle test).
+        keep: how many of the last episodes are kept; None keeps all (10 MB for the longest circle test).
         on_episode: called with each recording when its episode ends, e.g. to write it to a file.
     """
 
@@ -75,7 +75,7 @@ class EpisodeRecorder:
         rows = slice(self._stride - 1, None, self._stride)
         for k, i in enumerate(ids.tolist()):
             self._parts[i].append((qpos[k, rows].copy(), qvel[k, rows].copy(), act[k, rows].copy()))
-            self._actions[i].append(action[k] * core.action_scale)
+            self._actions[i].append(action[k] * core.action_torque)
 
     def end(self, core: "TrackingCore", ids: IntArray) -> None:
         """Turn the episodes of sub-environments `ids` into recordings."""

@@ -39,7 +39,7 @@ class Reward(ABC):
     """Minus a cost, minus a weight on the added torque, minus the price of an emergency stop."""
 
     effort_weight: float = 0.0
-    """Cost of an action of 1 on every joint; it grows with the square."""
+    """Cost of an applied action of 1 on every joint, that of a base below included; it grows with the square."""
     stop_steps: int = STOP_STEPS
     """Price of an emergency stop, in steps at the cost at which it happened."""
     name: ClassVar[str]
@@ -59,7 +59,10 @@ class Reward(ABC):
 
     def __call__(self, signals: Signals, robot: RobotDescription, stopped: BoolArray) -> Array:
         """Reward of a step, shape (B,), <= 0; `stopped` (B,) marks emergency stops."""
-        cost = self.cost(signals, robot)
+        cost = np.asarray(self.cost(signals, robot), dtype=np.float64)
+        if cost.shape != stopped.shape or not np.isfinite(cost).all():
+            what = f"has shape {cost.shape}" if cost.shape != stopped.shape else f"is {cost}"
+            raise FFGymError(f"The cost of {type(self).__name__} {what}, must be {stopped.shape} finite numbers.")
         if self.effort_weight:
             cost = cost + self.effort_weight * _mean_square(signals.action)
         return -np.where(stopped, (1 + self.stop_steps) * cost, cost)

@@ -15,7 +15,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.errors import FFGymError
+from ffgym.errors import FFGymError, check_choice
 from ffgym.types import Array, BoolArray
 
 try:
@@ -34,6 +34,9 @@ def make_sb3_env(name: str, n_envs: int = 1, *, info_keys: Sequence[str] = (), *
         info_keys: see `SB3VecEnv`.
         kwargs: keyword arguments of the environment.
     """
+    for own, instead in {"num_envs": "n_envs", "autoreset_mode": "nothing, it is always SameStep"}.items():
+        if own in kwargs:
+            raise FFGymError(f"{own} = {kwargs[own]!r} is not for make_sb3_env; give {instead}.")
     env = gym.make_vec(name, num_envs=n_envs, autoreset_mode=AutoresetMode.SAME_STEP, **kwargs)
     return SB3VecEnv(env, info_keys=info_keys)
 
@@ -56,6 +59,8 @@ class SB3VecEnv(VecEnv):
                 f"chooses it."
             )
         self.env = env
+        if isinstance(info_keys, str) or not isinstance(info_keys, Sequence):
+            raise FFGymError(f"info_keys = {info_keys!r} must be a list, e.g. ['path_error'].")
         self._info_keys = tuple(info_keys)
         self._actions: Array | None = None
         self._began = time.perf_counter()
@@ -66,10 +71,14 @@ class SB3VecEnv(VecEnv):
         """Begin episodes everywhere, with the seeds and options set before; returns the observations (B, D)."""
         seeds = None if all(seed is None for seed in self._seeds) else self._seeds
         options = {"each": self._options} if any(self._options) else None
-        observation, info = self.env.reset(seed=seeds, options=options)  # type: ignore[arg-type]
-        self._reset_seeds()
-        self._reset_options()
+        try:
+            observation, info = self.env.reset(seed=seeds, options=options)  # type: ignore[arg-type]
+        finally:  # what is refused is not asked for again
+            self._reset_seeds()
+            self._reset_options()
         self._return[:], self._length[:] = 0.0, 0
+        for key in self._info_keys:
+            check_choice("info key", key, [name for name in info if not name.startswith("_")])
         self.reset_infos = [self._info_of(info, i) for i in range(self.num_envs)]
         return observation
 
@@ -131,8 +140,11 @@ class SB3VecEnv(VecEnv):
 
     def env_method(self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any) -> list[Any]:
         """Result of a method of the vector environment, called once; the same for all sub-environments."""
+        chosen = list(self._get_indices(indices))
+        if len(chosen) < self.num_envs:
+            raise FFGymError(f"Sub-environments share one engine: call {method_name!r} for all, not for {chosen}.")
         result = self.get_attr(method_name)[0](*method_args, **method_kwargs)
-        return [result for _ in self._get_indices(indices)]
+        return [result for _ in chosen]
 
     def env_is_wrapped(self, wrapper_class: type[gym.Wrapper[Any, Any, Any, Any]], indices: Any = None) -> list[bool]:
         """Whether the statistics of that wrapper are there: those of Monitor are."""

@@ -46,7 +46,7 @@ class MotorSensors:
         self.exact = True
         """Whether all of them measure the true angle and speed."""
 
-    def set(self, i: int, sensing: Sensing, rng: np.random.Generator | None) -> None:
+    def set(self, i: int, sensing: Sensing, rng: np.random.Generator) -> None:
         """Choose the sensors of one sub-environment, and the randomness of their noise."""
         self._rngs[i] = rng
         self._step[i], self._noise[i], self._exact[i] = sensing.step, sensing.noise, sensing.is_exact
@@ -65,7 +65,7 @@ class MotorSensors:
             angle: true motor angle [rad], shape (B, N).
             speed: true motor speed [rad/s], shape (B, N).
             fresh: where a new sample is taken, shape (B,); elsewhere the last one stays. None is everywhere.
-            first: where it is the first one of an episode, so that no speed is known yet, shape (B,).
+            first: where it is the first one of an episode, shape (B,): there is no difference yet, the speed is true.
         """
         if self.exact:
             return angle, speed
@@ -77,7 +77,7 @@ class MotorSensors:
             measured[i] += self._noise[i] * rng.standard_normal(measured.shape[1])
         coarse = self._step[:, 0] > 0
         measured[coarse] = np.round(measured[coarse] / self._step[coarse]) * self._step[coarse]
-        rate = np.where(first[:, None], 0.0, (measured - self._angle) / self._dt)
+        rate = np.where(first[:, None], speed, (measured - self._angle) / self._dt)
         self._angle = np.where(fresh[:, None], measured, self._angle)
         self._speed = np.where(fresh[:, None], rate, self._speed)
         return np.where(self._exact, angle, self._angle), np.where(self._exact, speed, self._speed)

@@ -29,6 +29,7 @@ class SetpointTable:
         steps = self._rows[start : start + len(position) - 1]
         out_position, out_velocity, _ = self._plant.split_controls(steps[None])
         dt = self._plant.robot.servo.control_dt
+        self._rows[start + len(steps)] = 0.0
         interpolate_motion(position[None], velocity[None], dt, self._fractions, (out_position, out_velocity))
 
     def move(self, start: int, to: int, length: int) -> None:

@@ -49,8 +49,8 @@ class Settings:
     sensing: Sensing = field(default_factory=Sensing)
     """How the agent's motor angle is measured."""
     sampling: Literal["random", "sequence"] = "random"
-    """'random' draws the motion of each episode; 'sequence' runs all motions of the task one after the other, spread
-    over the sub-environments."""
+    """'random' draws the motion of each episode; 'sequence' runs all motions of the task one after the other: the k-th
+    episode of sub-environment i is motion i + k B. To meet each of them equally often, B must divide their number."""
     layers: Sequence["Layer"] = ()
     """What stands between agent and robot, from the robot outwards: Residual, History, LowPass, Hold, ..."""
     rendering: Rendering = field(default_factory=Rendering)
@@ -71,13 +71,13 @@ class Settings:
             check_kind(name, getattr(self, name))
 
     @classmethod
-    def of(cls, values: dict[str, Any]) -> "Settings":
-        """Build from keyword arguments.
+    def of(cls, values: dict[str, Any], own: Sequence[str]) -> "Settings":
+        """Build from keyword arguments that are left when an environment has taken its `own`.
 
         Raises:
             FFGymError: if one is unknown.
         """
-        known = [f.name for f in fields(cls)]
+        known = [*own, *(f.name for f in fields(cls))]
         for name in values:
             check_choice("keyword argument", name, known)
         return cls(**values)

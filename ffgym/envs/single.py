@@ -41,9 +41,14 @@ class TrackingEnv(gym.Env[Array, Array]):
         return self._batch.observation_layout
 
     @property
-    def action_scale(self) -> Array:
+    def action_torque(self) -> Array:
         """Torque of an action of 1, motor side [N m], shape (N,)."""
-        return self._batch.action_scale
+        return self._batch.action_torque
+
+    @property
+    def control_dt(self) -> float:
+        """Time between samples of the reference [s]."""
+        return self._batch.control_dt
 
     @property
     def decision_dt(self) -> float:
@@ -67,7 +72,7 @@ class TrackingEnv(gym.Env[Array, Array]):
             with self.core.all_or_nothing(np.array([0])):
                 self.core.starts.seed(0, self.np_random, fresh=seed is not None)
                 observation, info = self._batch.reset(options=options)
-        except FFGymError:
+        except BaseException:
             self._np_random, self._np_random_seed = before
             raise
         if self.render_mode == "human":
@@ -93,6 +98,10 @@ class TrackingEnv(gym.Env[Array, Array]):
             return None
         pictures = self._batch.render()
         return None if pictures is None else pictures[0]
+
+    def __reduce__(self) -> Any:
+        """Refuse to be copied or pickled: the engine cannot."""
+        raise FFGymError("An environment cannot be copied or pickled; make another one from its spec: env.spec.make().")
 
     def close(self) -> None:
         """Free the renderer."""

@@ -31,7 +31,7 @@ class Start:
     """Control steps until the motion or the horizon ends."""
     reward: Reward
     sensing: Sensing
-    noise: np.random.Generator | None
+    noise: np.random.Generator
     """Randomness of the sensors, of this episode alone, so that no later draw depends on how long it lasts."""
 
 
@@ -40,7 +40,7 @@ class Starts:
 
     def __init__(self, tasks: Tasks, n: int, settings: Settings) -> None:
         self.tasks, self._n, self._settings = tasks, n, settings
-        self.plant_robot = tasks.robot if settings.plant is None else robot_of(settings.plant)
+        self.plant_robot = tasks.robot if settings.plant is None else robot_of(settings.plant, "plant")
         """The robot that is simulated, before randomisation."""
         self._listed = tasks.listed() if settings.sampling == "sequence" else []
         if settings.sampling == "sequence" and not self._listed:
@@ -76,11 +76,11 @@ class Starts:
         reward = reward_of(options.get("reward", settings.reward), self.tasks.robot)
         sensing = check_kind("sensing", options.get("sensing", settings.sensing))
         distribution = check_kind("randomization", options.get("randomization", settings.randomization))
-        task = {name: value for name, value in options.items() if name in self.tasks.option_names}
+        task = {k: v for k, v in options.items() if k in self.tasks.option_names and v is not None}
         if self._listed:
             task = self._listed[int(i + self._episodes[i] * self._n) % len(self._listed)] | task
         motion = self.tasks.draw(rng, task)
-        plant = robot_of(options["plant"]) if options.get("plant") is not None else self.plant_robot
+        plant = robot_of(options["plant"], "plant") if options.get("plant") is not None else self.plant_robot
         robot = plant if distribution is None else distribution.draw(plant, rng)
         return Start(
             motion=motion,
@@ -88,7 +88,7 @@ class Starts:
             last_step=motion.n_steps if horizon is None else min(motion.n_steps, horizon),
             reward=reward,
             sensing=sensing,
-            noise=np.random.default_rng(rng.integers(2**63)) if sensing.noise > 0 else None,
+            noise=np.random.default_rng(rng.integers(2**63)),
         )
 
     @contextmanager
@@ -98,7 +98,7 @@ class Starts:
         drawn = [(rng.bit_generator, rng.bit_generator.state) for rng in rngs if rng is not None]
         try:
             yield
-        except Exception:
+        except BaseException:
             self.rngs, self._episodes = rngs, episodes
             for bits, was in drawn:
                 bits.state = was

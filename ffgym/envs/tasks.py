@@ -11,7 +11,7 @@ from ffgym.envs.motion import Motion
 from ffgym.errors import FFGymError
 from ffgym.robot import RigidArm, RobotDescription
 
-_CACHE = 128
+KEPT = 128
 """Motions kept per environment: more than all of the thesis' circle test, in any order of its circles."""
 
 
@@ -42,7 +42,7 @@ class Tasks(ABC):
         """Motion of that key, made once; the least recently used ones are forgotten."""
         if key not in self._cache:
             self._cache[key] = make()
-            if len(self._cache) > _CACHE:
+            if len(self._cache) > KEPT:
                 self._cache.popitem(last=False)
         self._cache.move_to_end(key)
         return self._cache[key]

@@ -52,6 +52,8 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._seeds: list[int | None] = [None] * self.num_envs
         self._ended = np.zeros(self.num_envs, dtype=np.bool_)
+        self._flags = (self._ended.copy(), self._ended.copy())
+        """How they ended: terminated, truncated."""
         self._return, self._length = np.zeros(self.num_envs), np.zeros(self.num_envs, dtype=np.int64)
         self._masks: dict[str, BoolArray] = {}
         self._renderer = None if self.render_mode is None else EpisodeRenderer(self.core, self.render_mode)
@@ -62,9 +64,14 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
         return self.core.observation_layout
 
     @property
-    def action_scale(self) -> Array:
+    def action_torque(self) -> Array:
         """Torque of an action of 1, motor side [N m], shape (N,)."""
-        return self.core.action_scale.copy()
+        return self.core.action_torque.copy()
+
+    @property
+    def control_dt(self) -> float:
+        """Time between samples of the reference [s]."""
+        return self.core.robot.servo.control_dt
 
     @property
     def decision_dt(self) -> float:
@@ -98,43 +105,44 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
     def step(self, actions: Array) -> tuple[Array, Any, Any, Any, dict[str, Any]]:
         """Add torque for one decision: shape (B, N), clipped to [-1, 1].
 
+        What a sub-environment does whose episode ended in an earlier step depends on the autoreset mode: with NextStep
+        it begins anew in this step, whatever its action; with Disabled it waits for `reset`, its flags stay and its
+        reward is 0. (With SameStep there is none.)
+
         Raises:
-            FFGymError: if an action has the wrong shape or is not finite, before anything has moved.
+            FFGymError: if an action has the wrong shape or is not finite, or no episode is running, before anything
+                has moved.
         """
-        if self.autoreset_mode is AutoresetMode.NEXT_STEP and self._ended.any():
-            return self._step_or_begin(actions)
-        result = self._stage.step(self._checked(actions, None))
-        self._count(result)
+        going = ~self._ended if self._ended.any() else None
+        actions = self._checked(actions, going)
+        result = self._stage.step(actions, going) if going is None or going.any() else self._nothing()
+        self._count(result, going)
+        observation, terminated, truncated = result.observation, result.terminated, result.truncated
+        if going is not None and self.autoreset_mode is AutoresetMode.NEXT_STEP:
+            observation = self._begin_again(self._ended)
+        elif going is not None:
+            terminated, truncated = terminated | self._flags[0], truncated | self._flags[1]
         info = self._info()
         done = result.terminated | result.truncated
-        observation = result.observation
         if done.any():
-            self._ended = done
             info |= score(done, self._return, self._length)
+            self._ended, self._flags = self._ended | done, (terminated.copy(), truncated.copy())
             if self.autoreset_mode is AutoresetMode.SAME_STEP:
                 info |= finals(observation, info, done)
-                ids = np.flatnonzero(done)
-                observation = self._begin(ids, [{}] * len(ids))
+                observation = self._begin_again(done)
                 info |= self._info()
-        return observation, result.reward, result.terminated, result.truncated, info
+        return observation, result.reward, terminated, truncated, info
 
-    def _step_or_begin(self, actions: Array) -> tuple[Array, Array, BoolArray, BoolArray, dict[str, Any]]:
-        """A step in which those that ended in the last one begin anew instead, whatever their action."""
-        ended, going = self._ended, ~self._ended
-        actions = self._checked(actions, going)
-        result = self._stage.step(actions, going) if going.any() else None
-        ids = np.flatnonzero(ended)
-        observation = self._begin(ids, [{}] * len(ids))
-        none = np.zeros(self.num_envs, dtype=np.bool_)
-        terminated, truncated = (none, none.copy()) if result is None else (result.terminated, result.truncated)
-        reward = np.zeros(self.num_envs) if result is None else result.reward
-        if result is not None:
-            self._count(result, going)
-        info = self._info()
-        self._ended = terminated | truncated
-        if self._ended.any():
-            info |= score(self._ended, self._return, self._length)
-        return observation, reward, terminated, truncated, info
+    def _nothing(self) -> Transition:
+        """A step in which nobody moves."""
+        no = np.zeros(self.num_envs, dtype=np.bool_)
+        empty = np.zeros(self.observation_space.shape or ())
+        return Transition(observation=empty, reward=np.zeros(self.num_envs), terminated=no, truncated=no.copy())
+
+    def _begin_again(self, which: BoolArray) -> Array:
+        """Begin new episodes by themselves; returns all observations."""
+        ids = np.flatnonzero(which)
+        return self._begin(ids, [{}] * len(ids))
 
     def _info(self) -> dict[str, Any]:
         """Info of all sub-environments, with Gymnasium's masks."""
@@ -146,6 +154,8 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
     def _begin(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
         observation = self._stage.reset(ids, options)
         self._ended[ids], self._return[ids], self._length[ids] = False, 0.0, 0
+        for flag in self._flags:
+            flag[ids] = False
         return observation
 
     def _count(self, result: Transition, going: BoolArray | None = None) -> None:
@@ -154,10 +164,13 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
 
     def _checked(self, actions: Any, going: BoolArray | None) -> Array:
         """Actions as numbers, checked where an episode is `going`, before anything has moved."""
+        if self.closed:
+            raise FFGymError("This environment is closed; make another one.")
         idle = ~self.core.running if going is None else going & ~self.core.running
         if idle.any():
-            ended = np.flatnonzero(idle).tolist()
-            raise FFGymError(f"Sub-environments {ended} have no episode running; call reset first.")
+            raise FFGymError(f"Sub-environments {np.flatnonzero(idle).tolist()} have no episode running; call reset.")
+        if self.autoreset_mode is AutoresetMode.DISABLED and going is not None and not going.any():
+            raise FFGymError("No episode is running, all have ended; call reset.")
         return checked_actions(actions, (self.num_envs, self.core.robot.n_joints), going)
 
     def _seed(self, seeds: Sequence[int | None], ids: IntArray) -> list[int | None]:
@@ -168,6 +181,10 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
                 rng, used[i] = seeding.np_random(seed)
                 self.core.starts.seed(i, rng, fresh=True)
         return used
+
+    def __reduce__(self) -> Any:
+        """Refuse to be copied or pickled: the engine cannot."""
+        raise FFGymError("An environment cannot be copied or pickled; make another one from its spec: env.spec.make().")
 
     @property  # type: ignore[misc]  # Gymnasium's vector environments give a tuple too, and have nothing to set
     def np_random(self) -> tuple[np.random.Generator, ...]:  # type: ignore[override]
@@ -186,6 +203,8 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """One picture per sub-environment, each (height, width, 3) of uint8."""
+        if self.closed:
+            raise FFGymError("This environment is closed; make another one.")
         if self._renderer is None:
             raise FFGymError("There is nothing to render: make the environment with render_mode='rgb_array'.")
         return tuple(self._renderer.frame(i) for i in range(self.num_envs))

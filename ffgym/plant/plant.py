@@ -10,7 +10,7 @@ from mujoco import batch
 
 from ffgym.errors import FFGymError, check_shape, check_whole
 from ffgym.plant.addresses import Addresses
-from ffgym.robot import ModelOptions, RobotDescription, compile_model, physics_fingerprint
+from ffgym.robot import ModelOptions, RobotDescription, compile_model, model_field, physics_fingerprint
 from ffgym.types import Array, BoolArray, IntArray
 
 MAX_THREADS = 1024
@@ -101,8 +101,8 @@ class Plant:
                     f"batch; simulate it in a batch of its own."
                 )
             for name in batch.MODEL_FIELDS:
-                own = _field(model, name)
-                if self.batch.expanded(name) is not None or not np.array_equal(own, _field(self.model, name)):
+                own = model_field(model, name)
+                if self.batch.expanded(name) is not None or not np.array_equal(own, model_field(self.model, name)):
                     self.batch.expand(name)[i] = own
             self.robots[i] = robot
 
@@ -224,11 +224,6 @@ class Plant:
                 f"and {start + steps * self.physics_dt:.3f} s. Lower servo gains, torques or the physics step of "
                 f"{self.physics_dt} s."
             )
-
-
-def _field(model: mujoco.MjModel, name: str) -> Any:
-    """Field of a model by its name in `mujoco.batch.MODEL_FIELDS`."""
-    return getattr(model.opt, name[4:]) if name.startswith("opt.") else getattr(model, name)
 
 
 def _check_same_controller(own: RobotDescription, other: RobotDescription) -> None:

@@ -4,6 +4,7 @@ from ffgym.robot.arm import RigidArm as RigidArm
 from ffgym.robot.description import RobotDescription as RobotDescription
 from ffgym.robot.elasticity import resonances as resonances
 from ffgym.robot.elasticity import static_deflection as static_deflection
+from ffgym.robot.fingerprint import model_field as model_field
 from ffgym.robot.fingerprint import physics_fingerprint as physics_fingerprint
 from ffgym.robot.inverse_kinematics import solve_path as solve_path
 from ffgym.robot.load import builtin_robots as builtin_robots

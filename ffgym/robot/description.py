@@ -1,8 +1,9 @@
 """What a robot is: names, geometry, masses, drives, friction, servo and work area, read from one TOML file."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -125,6 +126,12 @@ class WorkArea:
     home: Array
     """Joint angles that seed the inverse kinematics, link side [rad], shape (N,)."""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "positions", MappingProxyType(dict(self.positions)))
+
+    def __reduce__(self) -> Any:
+        return _rebuilt, (type(self), _plain(self))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Geom:
@@ -159,9 +166,13 @@ class RobotDescription:
     gravity: Array
     work_area: WorkArea | None
     geoms: tuple[Geom, ...] = ()
-    quantities: Mapping[str, Quantity] = field(default_factory=lambda: MappingProxyType({}))
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
+
+    def __reduce__(self) -> Any:
+        return _rebuilt, (type(self), _plain(self))
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))
         if len(set(self.joints)) != len(self.joints) or len(set(self.links)) != len(self.links):
             raise FFGymError(f"Joint names {self.joints} and link names {self.links} must be unique.")
         if len(self.joints) != len(self.links) or not self.joints:
@@ -208,3 +219,13 @@ def _check_inertia(name: str, inertia: Array) -> None:
             f"{name} = {inertia.tolist()} kg m^2 belongs to no body: principal moments {moments.tolist()} must be > 0, "
             f"and none above the sum of the others."
         )
+
+
+def _plain(description: Any) -> dict[str, Any]:
+    """Fields of a description in a form that can be copied and pickled, which read-only mappings cannot."""
+    values = {f.name: getattr(description, f.name) for f in fields(description)}
+    return {name: dict(value) if isinstance(value, Mapping) else value for name, value in values.items()}
+
+
+def _rebuilt(kind: type, values: dict[str, Any]) -> Any:
+    return kind(**values)

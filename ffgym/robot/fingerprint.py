@@ -1,6 +1,7 @@
 """A short name for the exact physics: equal fingerprints mean the same compiled model and engine."""
 
 import hashlib
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -13,3 +14,8 @@ def physics_fingerprint(model: mujoco.MjModel) -> str:
     digest = hashlib.sha256(mujoco.__version__.encode())
     digest.update(buffer.tobytes())
     return digest.hexdigest()[:16]
+
+
+def model_field(model: mujoco.MjModel, name: str) -> Any:
+    """Field of a model by its name in `mujoco.batch.MODEL_FIELDS`, where options are called 'opt.<name>'."""
+    return getattr(model.opt, name[4:]) if name.startswith("opt.") else getattr(model, name)

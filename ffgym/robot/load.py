@@ -43,8 +43,8 @@ def load_robot(robot: str | Path) -> RobotDescription:
     return parse_robot(text, where=f"{name}.toml")
 
 
-def robot_of(robot: RobotDescription | str | Path) -> RobotDescription:
-    """Return a description as it is, or the one that a name or a path leads to.
+def robot_of(robot: RobotDescription | str | Path, what: str = "robot") -> RobotDescription:
+    """Return a description as it is, or the one that a name or a path leads to; `what` names it in errors.
 
     Raises:
         FFGymError: if it is none of these.
@@ -53,8 +53,8 @@ def robot_of(robot: RobotDescription | str | Path) -> RobotDescription:
         return robot
     if not isinstance(robot, str | Path):
         raise FFGymError(
-            f"robot = {robot!r} must be a RobotDescription, one of {', '.join(builtin_robots())}, or a path to a .toml "
-            f"file."
+            f"{what} = {robot!r} must be a RobotDescription, one of {', '.join(builtin_robots())}, or a path to a "
+            f".toml file."
         )
     return load_robot(robot)
 

@@ -187,7 +187,7 @@ def test_observations_stay_in_their_space_and_are_read_by_name(name):
         was_ahead = layout.read(before, f"reference_{quantity}", ahead_by=1)
         np.testing.assert_allclose(was_ahead, layout.read(observation, f"reference_{quantity}"), atol=1e-12)
     torque = layout.read(observation, "added_torque")
-    np.testing.assert_allclose(torque, 0.25 * env.unwrapped.action_scale)
+    np.testing.assert_allclose(torque, 0.25 * env.unwrapped.action_torque)
 
 
 @pytest.mark.parametrize("name", IDS)

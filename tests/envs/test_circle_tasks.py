@@ -104,7 +104,7 @@ def test_a_motion_that_was_made_before_is_not_made_again(irb4600):
 
 
 def test_only_the_motions_used_last_are_kept(irb4600, monkeypatch):
-    monkeypatch.setattr(tasks_module, "_CACHE", 2)
+    monkeypatch.setattr(tasks_module, "KEPT", 2)
     tasks, rng = CircleTasks(irb4600, speeds=[0.1], radii=[0.001]), np.random.default_rng(0)
     first, second = (tasks.draw(rng, {"position": p}) for p in ("p1", "p2"))
     assert tasks.draw(rng, {"position": "p1"}) is first

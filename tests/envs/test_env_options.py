@@ -100,7 +100,7 @@ def test_the_controller_keeps_its_own_robot_whatever_the_plant(irb4600):
     plain, other = gym.make(CIRCLE), gym.make(CIRCLE, plant=loaded)
     one, two = (env.reset(seed=0, options=options)[0] for env in (plain, other))
     for env in (plain, other):
-        np.testing.assert_array_equal(env.unwrapped.action_scale, 2.5 * irb4600.friction.static)
+        np.testing.assert_array_equal(env.unwrapped.action_torque, 2.5 * irb4600.friction.static)
     np.testing.assert_array_equal(one[6:], two[6:])  # the same reference, in the same scales
     rows = [env.unwrapped.core._bank.window(np.array([90]), 1)[0, 0] for env in (plain, other)]
     np.testing.assert_array_equal(*rows)  # the rigid feed-forward knows nothing of the payload
@@ -136,9 +136,9 @@ def test_the_single_environment_takes_the_same_options(one_axis):
 @pytest.mark.parametrize("scale", [3.0, [3.0]])
 def test_an_action_of_one_is_so_many_breakaway_torques(one_axis, scale):
     env = gym.make(ONE_AXIS, action_scale=scale)
-    np.testing.assert_allclose(env.unwrapped.action_scale, 3.0 * one_axis.friction.static)
-    env.unwrapped.action_scale[:] = 0.0  # a copy
-    np.testing.assert_allclose(env.unwrapped.action_scale, 3.0 * one_axis.friction.static)
+    np.testing.assert_allclose(env.unwrapped.action_torque, 3.0 * one_axis.friction.static)
+    env.unwrapped.action_torque[:] = 0.0  # a copy
+    np.testing.assert_allclose(env.unwrapped.action_torque, 3.0 * one_axis.friction.static)
 
 
 @pytest.mark.parametrize("preview", [0, 1, 5])

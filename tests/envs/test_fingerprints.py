@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import ffgym.envs.circle_path
+import ffgym.envs.core
 import ffgym.envs.rewards
 from ffgym.envs.fingerprint import check, stored
 from ffgym.errors import FFGymError
@@ -43,6 +44,23 @@ def test_a_changed_reward_asks_for_a_new_version(monkeypatch):
     monkeypatch.setattr(ffgym.envs.rewards.MotorError, "cost", lambda *a: 1.0001 * original(*a))
     with pytest.raises(FFGymError, match=r": behaviour changed.*bump the version \(register ffgym/OneAxis-v1"):
         check("ffgym/OneAxis-v0")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        (ffgym.envs.core, "path_error", lambda original: lambda *a: 1.001 * original(*a)),
+        (ffgym.envs.rewards.PathError, "cost", lambda original: lambda *a: 1.001 * original(*a)),
+        (ffgym.envs.rewards.FeedbackEffort, "cost", lambda original: lambda *a: 1.001 * original(*a)),
+        (ffgym.envs.rewards.Reward, "__call__", lambda original: lambda *a: original(*a) * np.where(a[3], 2, 1)),
+    ],
+    ids=["path error", "privileged reward", "feedback reward", "price of a stop"],
+)
+def test_what_only_some_see_is_part_of_what_an_id_means(monkeypatch, change):
+    owner, name, wrap = change
+    monkeypatch.setattr(owner, name, wrap(getattr(owner, name)))
+    with pytest.raises(FFGymError, match="behaviour changed"):
+        check("ffgym/CirclePath-v0")
 
 
 def test_a_changed_default_asks_for_a_new_version(monkeypatch):

@@ -101,7 +101,7 @@ def test_a_step_through_the_low_pass_rises_exponentially(cutoff):
     for _ in range(2):  # the filter begins anew with the episode
         for k in range(1, 30):
             observation, *_ = env.step(np.ones((2, 1)))
-            torque = env.observation_layout.read(observation, "added_torque") / env.action_scale
+            torque = env.observation_layout.read(observation, "added_torque") / env.action_torque
             np.testing.assert_allclose(torque, 1 - np.exp(-2 * np.pi * cutoff * 0.004 * k), rtol=1e-12)
         env.step(np.ones((2, 1)))
 

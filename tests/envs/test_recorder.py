@@ -60,7 +60,7 @@ def test_added_torque_is_what_was_applied_whatever_the_layers():
         env.step([action])
     (recording,) = recorder.recordings
     torque = recording["compensation.effort.j1"]
-    np.testing.assert_allclose(torque, np.clip(applied, -1, 1) * env.unwrapped.action_scale[0], rtol=1e-12)
+    np.testing.assert_allclose(torque, np.clip(applied, -1, 1) * env.unwrapped.action_torque[0], rtol=1e-12)
 
 
 def test_an_unfinished_episode_is_dropped_by_a_reset_and_does_not_leak_into_the_next():

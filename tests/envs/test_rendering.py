@@ -157,8 +157,10 @@ def test_an_environment_that_was_closed_draws_no_more():
     env = run(make(), 3)
     env.close()
     env.close()
-    with pytest.raises(FFGymError, match="nothing to render"):
+    with pytest.raises(FFGymError, match="is closed"):
         env.render()
+    with pytest.raises(FFGymError, match="is closed"):
+        env.step(env.action_space.sample())
 
 
 def test_environments_draw_side_by_side_and_from_any_thread():

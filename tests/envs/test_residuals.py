@@ -25,7 +25,7 @@ def test_a_residual_on_a_law_adds_to_its_torque(law):
         for k, action in enumerate(actions_for(80, 1)[:, 0] * 2, start=1):
             observation, *_ = env.step(action)
             added = env.unwrapped.observation_layout.read(observation, "added_torque")
-            wanted = torque[k] + 0.25 * np.clip(action, -1, 1) * env.unwrapped.action_scale
+            wanted = torque[k] + 0.25 * np.clip(action, -1, 1) * env.unwrapped.action_torque
             np.testing.assert_allclose(added, wanted, rtol=1e-12, atol=1e-12)
 
 

@@ -202,3 +202,36 @@ def test_no_bang_bang_agent_gets_a_motor_to_its_limit():
         pumping[:6] *= np.eye(6)  # one motor alone; all of them in the last one
         assert not env.step(pumping)[2].any()
     assert np.abs(env.core.signals.error).max() < 0.25
+
+
+class Weighted(Reward):
+    """A plain class, equal to every other of its kind as far as dataclasses go."""
+
+    name = "weighted"
+
+    def __init__(self, weight):
+        super().__init__()
+        object.__setattr__(self, "weight", weight)
+
+    def cost(self, signals, robot):
+        return self.weight * np.abs(signals.error[:, 0])
+
+
+def test_each_sub_environment_has_its_own_reward_even_if_they_compare_equal():
+    env = gym.make_vec(ONE_AXIS, num_envs=2)
+    same = {"frequency": 1.0}
+    env.reset(seed=0, options={"each": [same | {"reward": Weighted(1.0)}, same | {"reward": Weighted(100.0)}]})
+    reward = env.step(np.zeros((2, 1)))[1]
+    assert reward[1] == pytest.approx(100 * reward[0])
+    assert reward[0] < 0
+
+
+@pytest.mark.parametrize(
+    ("weight", "message"),
+    [(np.nan, r"The cost of Weighted is \[nan"), (np.ones((3, 1)), r"The cost of Weighted has shape \(3, 2\)")],
+)
+def test_a_reward_of_ones_own_must_give_one_finite_number_each(weight, message):
+    env = gym.make_vec(ONE_AXIS, num_envs=2, reward=Weighted(weight))
+    env.reset(seed=0)
+    with pytest.raises(FFGymError, match=message):
+        env.step(np.zeros((2, 1)))

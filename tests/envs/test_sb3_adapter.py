@@ -13,7 +13,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize  # noqa: 
 
 from agents import LuGreAgent  # noqa: E402
 from ffgym.control import DynamicLuGreExact, StaticLuGre  # noqa: E402
-from ffgym.envs import EpisodeRecorder, History  # noqa: E402
+from ffgym.envs import EpisodeRecorder, History, Hold  # noqa: E402
 from ffgym.envs.sb3 import SB3VecEnv, make_sb3_env  # noqa: E402
 from ffgym.errors import FFGymError  # noqa: E402
 from ffgym.metrics import motor_error, path_errors  # noqa: E402
@@ -129,6 +129,34 @@ def test_lugre_agents_refuse_environments_they_do_not_fit(irb4600, one_axis):
         LuGreAgent.for_env(StaticLuGre(irb4600.friction), gym.make(ONE_AXIS))
     with pytest.raises(FFGymError, match="must be a StaticLuGre"):
         LuGreAgent.for_env(None, gym.make(ONE_AXIS))
+
+
+def test_lugre_agents_refuse_to_read_what_they_do_not_understand(one_axis):
+    law = DynamicLuGreExact(one_axis.friction)
+    with pytest.raises(FFGymError, match=r"every sample of 0.004 s, this environment decides every 0.008 s"):
+        LuGreAgent.for_env(law, gym.make(ONE_AXIS, layers=(Hold(2),)))
+    with pytest.raises(FFGymError, match="norm_obs=False"):
+        LuGreAgent.for_env(law, VecNormalize(make_sb3_env(ONE_AXIS, 2)))
+    with pytest.raises(FFGymError, match="with an id of ffgym"):
+        LuGreAgent.for_env(law, gym.make_vec(ONE_AXIS, num_envs=2, vectorization_mode="sync"))
+
+
+def test_the_adapter_refuses_what_it_cannot_do():
+    with pytest.raises(FFGymError, match="give n_envs"):
+        make_sb3_env(ONE_AXIS, num_envs=2)
+    with pytest.raises(FFGymError, match="always SameStep"):
+        make_sb3_env(ONE_AXIS, 2, autoreset_mode="NextStep")
+    with pytest.raises(FFGymError, match="must be a list"):
+        make_sb3_env(ONE_AXIS, 2, info_keys="time")
+    with pytest.raises(FFGymError, match="Unknown info key 'tim'"):
+        make_sb3_env(ONE_AXIS, 2, info_keys=["tim"]).reset()
+    env = make_sb3_env(ONE_AXIS, 2)
+    with pytest.raises(FFGymError, match="for all, not for \\[0\\]"):
+        env.env_method("reset", indices=0)
+    env.set_options({"foo": 3})
+    with pytest.raises(FFGymError, match="Unknown reset option"):
+        env.reset()
+    env.reset()  # what was refused is forgotten
 
 
 def test_lugre_as_an_agent_acts_alike_alone_in_a_batch_and_behind_a_history(one_axis):

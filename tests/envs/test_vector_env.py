@@ -9,7 +9,7 @@ from ffgym.errors import FFGymError
 from tests.envs.env_samples import CIRCLE, JOINTS, ONE_AXIS, actions_for, assert_same_info, plant_state, synchronous
 
 N, STEPS = 3, 60
-UNEVEN = {"error_limit": 0.02, "horizon": 25, "frequencies": (0.5, 2.0), "action_scale": 6.0}
+UNEVEN = {"error_limit": 0.02, "horizon": 20, "frequencies": (0.5, 2.0), "action_scale": 6.0}
 """Emergency stops here and there: episodes end at different times."""
 
 
@@ -65,16 +65,25 @@ def test_without_autoreset_those_that_ended_are_reset_by_mask():
     assert resets > 3
 
 
-def test_a_step_after_the_end_without_autoreset_is_refused_and_moves_nothing():
+def test_without_autoreset_those_that_ended_wait_for_the_others():
     env = gym.make_vec(ONE_AXIS, num_envs=2, autoreset_mode="Disabled")
-    env.reset(seed=0, options={"each": [{"horizon": 1}, {"horizon": 9}]})
-    env.step(np.zeros((2, 1)))
+    env.reset(seed=0, options={"each": [{"horizon": 1}, {"horizon": 3}]})
+    *_, info = env.step(np.zeros((2, 1)))
+    assert info["score"]["_return"].tolist() == [True, False]
     before = plant_state(env)
-    with pytest.raises(FFGymError, match=r"Sub-environments \[0\] have no episode running; call reset"):
+    for k in (2, 3):
+        _, reward, terminated, truncated, info = env.step(
+            np.array([[np.nan], [0.3]])
+        )  # the action of one that waits is nothing
+        np.testing.assert_array_equal(plant_state(env)[0], before[0])
+        assert reward[0] == 0.0 > reward[1]
+        assert (terminated.tolist(), truncated.tolist()) == ([False, False], [True, k == 3])
+        assert info["time"].tolist() == pytest.approx([0.004, k * 0.004])
+        assert ("score" in info) == (k == 3)
+    with pytest.raises(FFGymError, match="have ended; call reset"):
         env.step(np.zeros((2, 1)))
-    np.testing.assert_array_equal(plant_state(env), before)
     env.reset(options={"reset_mask": np.array([True, False])})
-    env.step(np.zeros((2, 1)))
+    assert env.step(np.zeros((2, 1)))[3].tolist() == [False, True]
 
 
 def test_a_partial_reset_leaves_the_others_alone():

@@ -8,8 +8,7 @@ import pytest
 
 from ffgym.errors import FFGymError
 from ffgym.plant import LogUniform, Plant, PlantDistribution, Uniform, with_payload
-from ffgym.plant.plant import _field
-from ffgym.robot import ModelOptions, RigidArm, compile_model, static_deflection
+from ffgym.robot import ModelOptions, RigidArm, compile_model, model_field, static_deflection
 from tests.plant.driving import controls
 
 
@@ -34,7 +33,7 @@ def test_a_simulation_that_becomes_a_robot_has_exactly_its_compiled_model(irb460
     for i, model in enumerate(wanted):
         own = plant.batch.get_model(i)
         for name in mujoco.batch.MODEL_FIELDS:
-            np.testing.assert_array_equal(_field(own, name), _field(model, name), err_msg=f"{i} {name}")
+            np.testing.assert_array_equal(model_field(own, name), model_field(model, name), err_msg=f"{i} {name}")
 
 
 def test_a_drawn_robot_rests_under_its_own_gravity_and_stays_there(irb4600, drawn, corners):

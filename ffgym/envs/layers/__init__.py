@@ -11,5 +11,6 @@ from ffgym.envs.layers.filters import Hold as Hold
 from ffgym.envs.layers.filters import LowPass as LowPass
 from ffgym.envs.layers.history import History as History
 from ffgym.envs.layers.layer import Layer as Layer
+from ffgym.envs.layers.layer import Passing as Passing
 from ffgym.envs.layers.layer import stacked as stacked
 from ffgym.envs.layers.residual import Residual as Residual

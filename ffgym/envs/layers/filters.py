@@ -36,8 +36,9 @@ class _LowPassStage(Passing):
         self._filtered = np.zeros((core.n, inner.action_space.shape[0]))
 
     def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
+        observation = self.inner.reset(ids, options)
         self._filtered[ids] = 0.0
-        return self.inner.reset(ids, options)
+        return observation
 
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:
         moved = self._filtered + self._share * (np.clip(action, -1.0, 1.0) - self._filtered)

@@ -12,11 +12,9 @@ from ffgym.envs.layers.agent import Agent
 from ffgym.envs.layers.layer import Layer, Passing
 from ffgym.envs.motion import Motion
 from ffgym.envs.stage import Stage, Transition
+from ffgym.envs.tasks import KEPT
 from ffgym.errors import FFGymError, check_number, check_shape
 from ffgym.types import Array, BoolArray, IntArray
-
-_KEPT = 128
-"""Motions whose torque is kept, as `ffgym.envs.tasks` keeps motions."""
 
 
 @final
@@ -68,11 +66,11 @@ class _ResidualLawStage(Passing):
     def _along(self, motion: Motion) -> Array:
         """Actions of the law along a motion, (T, N); kept, as many episodes share a motion."""
         if id(motion) not in self._known:
-            if len(self._known) >= _KEPT:
+            if len(self._known) >= KEPT:
                 self._known.clear()
             name = f"torque of feed-forward law {self._law.name!r}"
             torque = check_shape(name, self._law.torque(motion.reference), motion.reference.q.shape)
-            self._known[id(motion)] = (motion, torque / self.core.action_scale)
+            self._known[id(motion)] = (motion, torque / self.core.action_torque)
         return self._known[id(motion)][1]
 
     def step(self, action: Array, active: BoolArray | None = None) -> Transition:

@@ -1,0 +1,42 @@
+"""Descriptions can be copied and sent to other processes, and stay read-only."""
+
+import copy
+import pickle
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.robot import ModelOptions, builtin_robots, compile_model, load_robot, physics_fingerprint
+
+
+@pytest.mark.parametrize("make", [copy.deepcopy, lambda robot: pickle.loads(pickle.dumps(robot))])
+@pytest.mark.parametrize("name", builtin_robots())
+def test_a_copy_of_a_description_is_the_same_robot(name, make):
+    robot = load_robot(name)
+    other = make(robot)
+    prints = [physics_fingerprint(compile_model(r, ModelOptions())) for r in (robot, other)]
+    assert prints[0] == prints[1]
+    assert other.quantities.keys() == robot.quantities.keys()
+    with pytest.raises(TypeError):
+        other.quantities["x"] = None
+    if robot.work_area is not None:
+        np.testing.assert_array_equal(other.position("p1"), robot.position("p1"))
+        with pytest.raises(TypeError):
+            other.work_area.positions["p1"] = None
+
+
+def test_an_environment_with_a_description_as_argument_can_be_made_again(one_axis):
+    env = gym.make("ffgym/OneAxis-v0", robot=one_axis)
+    again = env.spec.make()
+    np.testing.assert_array_equal(env.reset(seed=0)[0], again.reset(seed=0)[0])
+
+
+@pytest.mark.parametrize(
+    "make", [lambda: gym.make("ffgym/OneAxis-v0").unwrapped, lambda: gym.make_vec("ffgym/OneAxis-v0")]
+)
+def test_an_environment_says_that_it_cannot_be_copied(make):
+    for act in (copy.deepcopy, pickle.dumps):
+        with pytest.raises(FFGymError, match="cannot be copied or pickled"):
+            act(make())
