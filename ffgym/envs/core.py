@@ -223,14 +223,14 @@ class TrackingCore:
         at = self.columns
         self._window = self._bank.window(self.step_index, self._width)
         now = self._window[:, 0]
-        motor_position, motor_velocity, integral = self.plant.motor_state()
-        error = now[:, at.position] - motor_position
-        error_rate = now[:, at.velocity] - motor_velocity
+        n, state = self.robot.n_joints, self.plant.servo_state()
+        both = now[:, : 2 * n] - state[:, : 2 * n]
+        error, error_rate = both[:, :n], both[:, n:]
         tcp = self._sites[:, self._tcp_site].copy() if at.has_tcp else None
         self.signals = Signals(
             error=error,
             error_rate=error_rate,
-            feedback=servo_torque(self.robot.servo, error, error_rate, integral),
+            feedback=servo_torque(self.robot.servo, error, error_rate, state[:, 2 * n :]),
             action=self.action,
             tcp=tcp,
             path_error=None if tcp is None else path_error(tcp - self.tcp_offset, now, at, self._centre, self._normal),
@@ -238,7 +238,7 @@ class TrackingCore:
         if self._sensors.exact:
             self._seen = (error, error_rate)
             return
-        angle, speed = self._sensors.read(motor_position, motor_velocity, fresh, self.step_index == 0)
+        angle, speed = self._sensors.read(state[:, :n], state[:, n : 2 * n], fresh, self.step_index == 0)
         self._seen = (now[:, at.position] - angle, now[:, at.velocity] - speed)
 
     def _observe(self) -> Array:

@@ -92,13 +92,10 @@ class ObservationLayout(Mapping[str, Entry]):
             action: last action, shape (B, N).
             reference: position, velocity, acceleration, motor side, of samples 0 to `preview`, shape (B, P + 1, 3 N).
         """
-        n = self.n_joints
-        out = np.empty((len(error), self.size))
-        for k, part in enumerate((error, error_rate, action)):
-            out[:, k * n : (k + 1) * n] = part
-        out[:, 3 * n :].reshape(reference.shape)[...] = reference
-        np.divide(out, self._scale, out=out)
-        return np.clip(out, -BOUND, BOUND, out=out)
+        out = np.concatenate((error, error_rate, action, reference.reshape(len(error), -1)), axis=1)
+        out /= self._scale
+        np.maximum(out, -BOUND, out=out)
+        return np.minimum(out, BOUND, out=out)
 
     def read(self, observation: Array, name: str, ahead_by: int = 0) -> Array:
         """Physical values (..., N) of an entry in observations (..., D), `ahead_by` samples ahead."""

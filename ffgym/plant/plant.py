@@ -65,6 +65,19 @@ class Plant:
                 f"physics_dt = {self.physics_dt} s must divide control_dt = {robot.servo.control_dt} s exactly."
             )
         self.addresses = Addresses.of(self.model, robot)
+        self._servo_columns = self._find_servo_columns()
+
+    def _find_servo_columns(self) -> tuple[IntArray, Array]:
+        """Where the engine's state has what `servo_state` returns, and the factors on it."""
+        at, ratio = self.addresses, self.robot.drive.gear_ratio
+        starts = {
+            name: (view.ctypes.data - self.batch.state.ctypes.data) // view.itemsize
+            for name, view in (("qpos", self._qpos), ("qvel", self._qvel), ("act", self._act))
+            if view.size
+        }
+        integral = np.where(at.has_integral, starts.get("act", 0) + at.integral, 0)
+        columns = np.concatenate([starts["qpos"] + at.motor_qpos, starts["qvel"] + at.motor_qpos, integral])
+        return columns, np.concatenate([ratio, ratio, at.has_integral])
 
     @property
     def n_robots(self) -> int:
@@ -163,11 +176,10 @@ class Plant:
         """State of all robots now, arrays of shape (B, N), copies."""
         return self.unpack(self._qpos, self._qvel, self._act)
 
-    def motor_state(self) -> tuple[Array, Array, Array]:
-        """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, N), copies."""
-        at, ratio = self.addresses, self.robot.drive.gear_ratio
-        integral = np.where(at.has_integral, self._act.take(at.integral, axis=1, mode="clip"), 0.0)
-        return self._qpos.take(at.motor_qpos, axis=1) * ratio, self._qvel.take(at.motor_qpos, axis=1) * ratio, integral
+    def servo_state(self) -> Array:
+        """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, 3 N), a copy."""
+        columns, scale = self._servo_columns
+        return self.batch.state.take(columns, axis=1) * scale
 
     def unpack(self, qpos: Array, qvel: Array, act: Array) -> PlantState:
         """State from MuJoCo's arrays of any leading shape, motor quantities in motor units."""
