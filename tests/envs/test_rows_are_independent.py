@@ -1,4 +1,4 @@
-"""What is summed within a row does not depend on how many rows there are: the ground of equal bits at any batch size."""
+"""What is summed within a row does not depend on how many rows there are, so that bits do not depend on the batch."""
 
 import numpy as np
 import pytest
