@@ -75,13 +75,19 @@ class TrackingCore:
         self._rewards: list[Reward] = [reward_of(self.settings.reward, self.robot)] * n
         self._one_reward = True
         self._touched = False
-        self.running: BoolArray = np.zeros(n, dtype=np.bool_)
-        """Sub-environments in the middle of an episode, shape (B,)."""
+        self._running: BoolArray = np.zeros(n, dtype=np.bool_)
+        self._in_step = True
+        """Whether the last step came to its end, so that engine and books agree."""
 
     @property
     def motions(self) -> Sequence[Motion | None]:
         """What each sub-environment follows; None before its first reset."""
         return self._bank.motions
+
+    @property
+    def running(self) -> BoolArray:
+        """Sub-environments in the middle of an episode, shape (B,); none after a step that failed on its way."""
+        return self._running if self._in_step else np.zeros_like(self._running)
 
     @property
     def rows(self) -> Array:
@@ -139,12 +145,13 @@ class TrackingCore:
             self.plant.become(ids, robots)
             self.plant.batch.state[:] = state
             if self._touched:
-                self.running[ids] = False
+                self._running[ids] = False
             raise
 
     def _rest(self, ids: IntArray, motions: Sequence[Motion]) -> None:
         """Put robots to the start of their motions, in equilibrium."""
-        self.step_index[ids], self.action[ids], self.running[ids] = 0, 0.0, True
+        self._running, self._in_step = self.running, True
+        self.step_index[ids], self.action[ids], self._running[ids] = 0, 0.0, True
         if self.columns.has_tcp:
             self.plant.batch.forward(ids, stage=_POSITIONS)
             reference = np.stack([motion.arm.tcp_position(motion.reference.q[:1])[0] for motion in motions])
@@ -164,8 +171,8 @@ class TrackingCore:
         """
         if active is not None and active.all():
             active = None
-        action = np.clip(action, -1.0, 1.0)
-        going, self.running = self.running, np.zeros_like(self.running)  # until engine and books agree again
+        action = np.minimum(np.maximum(action, -1.0), 1.0)
+        self._in_step = False  # until engine and books agree again
         self._move(action, None if active is None else np.flatnonzero(active))
         if active is None:
             self.action, self.step_index = action, self.step_index + 1
@@ -179,7 +186,7 @@ class TrackingCore:
         if active is not None:
             terminated, truncated, reward = terminated & active, truncated & active, np.where(active, reward, 0.0)
         self._end(terminated | truncated, active)
-        self.running = going & ~(terminated | truncated)
+        self._in_step = True
         return Transition(observation=self._observe(), reward=reward, terminated=terminated, truncated=truncated)
 
     def _move(self, action: Array, ids: IntArray | None) -> None:
@@ -195,8 +202,10 @@ class TrackingCore:
 
     def _end(self, done: BoolArray, active: BoolArray | None) -> None:
         """Record episodes that are `done`, and tell who watches."""
-        if self.settings.recorder is not None and done.any():
-            self.settings.recorder.end(self, np.flatnonzero(done))
+        if done.any():
+            self._running = self._running & ~done
+            if self.settings.recorder is not None:
+                self.settings.recorder.end(self, np.flatnonzero(done))
         for observer in self.observers:
             observer.follow(np.arange(self.n) if active is None else np.flatnonzero(active))
 
