@@ -46,6 +46,16 @@ def test_it_behaves_as_sb3s_own_vector_environment():
                 assert mine["episode"]["l"] == theirs["episode"]["l"] == horizon
 
 
+def test_the_info_of_an_end_is_that_of_the_episode_that_ended():
+    env = make_sb3_env(ONE_AXIS, 1, horizon=2, info_keys=["time"])
+    env.reset()
+    env.step(np.zeros((1, 1)))
+    *_, done, infos = env.step(np.zeros((1, 1)))
+    assert done[0]
+    assert infos[0]["time"] == pytest.approx(0.008)
+    assert env.reset_infos[0]["time"] == 0.0
+
+
 def test_an_emergency_stop_is_no_time_limit():
     env = make_sb3_env(ONE_AXIS, 1, error_limit=1e-4)
     env.reset()

@@ -135,3 +135,15 @@ def test_a_partial_reset_takes_no_new_sample_of_the_others():
     twin.step(np.zeros((2, 1)))
     one, two = (e.step(np.zeros((2, 1)))[0] for e in (env, twin))
     np.testing.assert_array_equal(one[1], two[1])  # nor has it used up any of their noise
+
+
+def test_what_is_drawn_next_does_not_depend_on_how_long_noise_was_drawn():
+    following = []
+    for steps in (3, 30):
+        env = gym.make(CIRCLE, sensing=Sensing(noise=0.01))
+        env.reset(seed=4)
+        for _ in range(steps):
+            env.step(np.zeros(6))
+        following.append([env.reset()[0], env.unwrapped.core.motions[0].label])
+    np.testing.assert_array_equal(following[0][0], following[1][0])
+    assert following[0][1] == following[1][1]
