@@ -1,7 +1,7 @@
 """The engine of all environments: B sub-environments of one robot, stepped together, without automatic reset.
 
-Everything a sub-environment computes is elementwise, or done by the engine one simulation at a time, so that its bits
-do not depend on B, on its neighbours or on the number of threads.
+Everything a sub-environment computes is elementwise, a sum within its row, or done by the engine one simulation at a
+time, so that its bits do not depend on B, on its neighbours or on the number of threads.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -223,7 +223,7 @@ class TrackingCore:
             controls = np.empty((len(rows), self.plant.n_substeps, self.plant.model.nu))
             position, velocity, _ = self.plant.split_controls(controls[:, None])
             samples = rows[:, :2, at.position], rows[:, :2, at.velocity]
-            interpolate_motion(*samples, self.decision_dt, self._fractions, (position, velocity))
+            interpolate_motion(*samples, self.robot.servo.control_dt, self._fractions, (position, velocity))
         interpolate_torque(torque, self._fractions, self.plant.split_controls(controls[:, None])[2])
         return controls
 

@@ -13,7 +13,7 @@ LARGEST = 64 * 2**20
 class SetpointTable:
     """Position and velocity at every physics step of every control step, in MuJoCo's order of controls.
 
-    What it holds is computed as it would be at every step, bit for bit; it saves a sixth of a step's own work.
+    What it holds is computed as it would be at every step, bit for bit; docs/performance.md says what it saves.
     """
 
     def __init__(self, plant: Plant, fractions: Array) -> None:

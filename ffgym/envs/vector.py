@@ -89,7 +89,8 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
                 horizon. `options["each"]`: a list with one such dict per sub-environment.
 
         Raises:
-            FFGymError: if an option or a seed is not valid; nothing has changed then.
+            FFGymError: if an option or a seed is not valid; nothing has changed then. (What fails later, in a layer,
+                leaves the environment waiting for another reset.)
         """
         chosen, mask = options_for_each(options, self.num_envs)
         if mask is not None and None in self.core.starts.rngs:
