@@ -88,14 +88,7 @@ class AxisView(View):
         sheet = Sheet(camera=camera)
         return [
             Panel(left=0, right=split, camera=self.whole_robot(i, model), captions=left),
-            Panel(
-                left=split,
-                right=1,
-                camera=camera,
-                robot=False,
-                marks=[*sheet.marks(), *self.marks(i, model, trail)],
-                captions=right,
-            ),
+            self.sheet_panel(i, model, trail, split, sheet, right),
         ]
 
 

@@ -116,13 +116,13 @@ class ToolView(View):
                     Caption(text="time\nspeed\npath error", values=values, corner=bottom),
                 ],
             ),
-            Panel(
-                left=split,
-                right=1,
-                camera=camera,
-                robot=False,
-                marks=[*sheet.marks(), *self.marks(i, model, trail)],
-                captions=[
+            self.sheet_panel(
+                i,
+                model,
+                trail,
+                split,
+                sheet,
+                [
                     Caption(text=f"blue: path\nred: TCP, error x {self.magnify(i):g}"),
                     Caption(text=f"grid {sheet.step * 1e3:g} mm", corner=bottom),
                 ],

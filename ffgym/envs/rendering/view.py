@@ -8,9 +8,10 @@ import numpy as np
 
 from ffgym.envs.motion import Motion
 from ffgym.envs.rendering.camera import Camera
-from ffgym.envs.rendering.canvas import Panel
+from ffgym.envs.rendering.canvas import Caption, Panel
 from ffgym.envs.rendering.marks import Mark
 from ffgym.envs.rendering.options import Rendering
+from ffgym.envs.rendering.paper import Sheet
 from ffgym.types import Array, IntArray
 
 if TYPE_CHECKING:
@@ -85,6 +86,13 @@ class View(ABC):
     @abstractmethod
     def marks(self, i: int, model: mujoco.MjModel, trail: Array) -> list[Mark]:
         """Path, trail and present error in the world, for a trail (T, W)."""
+
+    def sheet_panel(
+        self, i: int, model: mujoco.MjModel, trail: Array, split: float, sheet: Sheet, captions: list[Caption]
+    ) -> Panel:
+        """What is right of `split`: path, trail and error on a sheet, without the robot."""
+        marks = [*sheet.marks(), *self.marks(i, model, trail)]
+        return Panel(left=split, right=1, camera=sheet.camera, robot=False, marks=marks, captions=captions)
 
     @abstractmethod
     def panels(self, i: int, model: mujoco.MjModel, trail: Array, split: float) -> list[Panel]:
