@@ -1,99 +1,52 @@
-"""LuGre friction compensation as an agent: the torque that the friction model gives at the reference speed.
+"""LuGre friction compensation: the torque that the friction model gives at the speed of the reference.
 
-Idea and source: thesis 4.1 (static) and 4.2 (dynamic); the laws are those of `ffgym.control`, which compute a whole
-motion at once. An agent takes one step at a time: from the observation at t[k] it reads the reference speed now and at
-t[k + 1] (the environment's `preview` must be at least 1), and returns the torque that is to be reached at t[k + 1]. The
-bristle deflection of the dynamic model is the agent's state, relaxed when an episode begins.
+Idea and source: thesis 4.1 (static) and 4.2 (dynamic), after Canudas de Wit et al. (1995). Friction is computed from
+the reference, not from the measured speed, so that no noise enters and the law knows what comes.
 
 Run it:
 
-    env = make_sb3_env("ffgym/CirclePath-v0", n_envs=12, sampling="sequence", action_scale=8)
-    evaluate_policy(LuGreAgent.for_env(DynamicLuGreExact(robot.friction), env), env, n_eval_episodes=12)
+    ffgym demo --agents none lugre_static lugre_dynamic
 
-Departure from the source: none but the clipping of actions; with the default `action_scale` of 2.5 breakaway torques
-the peaks of the dynamic model are cut on circles faster than 10 mm/s.
+Parameters come from a robot description, or from any file that has its `[friction.*]` tables.
+
+Logged: nothing; the laws learn nothing. Departures from the source: the bristles are integrated exactly unless
+`discretisation="euler"` asks for the 40 Euler steps of the thesis (4.6); the added torque starts at zero.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
-import numpy as np
+from ffgym.control import DynamicLuGre, DynamicLuGreEuler, DynamicLuGreExact, StaticLuGre
+from ffgym.errors import check_choice
+from ffgym.friction import LuGreParameters
+from ffgym.robot import RobotDescription, robot_of
 
-from ffgym.control import DynamicLuGre, StaticLuGre
-from ffgym.envs import ObservationLayout
-from ffgym.errors import FFGymError
-from ffgym.types import Array
+DISCRETISATIONS = {"exact": DynamicLuGreExact, "euler": DynamicLuGreEuler}
+"""How the bristles of the dynamic model are integrated."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LuGreAgent:
-    """A static or dynamic LuGre law that acts step by step, in any number of sub-environments."""
+def static_lugre(parameters: LuGreParameters | RobotDescription | str | Path) -> StaticLuGre:
+    """Static LuGre, thesis (4.1), with the friction of a robot: a description, a name, or a file.
 
-    law: StaticLuGre | DynamicLuGre
-    layout: ObservationLayout
-    """Of the environment it acts in; observations may be longer, e.g. with a history behind the newest."""
-    control_dt: float
-    """Time between samples [s]."""
+    Raises:
+        FFGymError: if the file cannot be read or is wrong.
+    """
+    return StaticLuGre(friction_of(parameters))
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.law, StaticLuGre | DynamicLuGre):
-            raise FFGymError(f"law = {self.law!r} must be a StaticLuGre or a DynamicLuGre of ffgym.control.")
-        if self.layout.preview < 1:
-            raise FFGymError("LuGre needs the next reference speed: make the environment with preview=1 or more.")
-        if self.law.friction.n_joints != self.layout.n_joints:
-            raise FFGymError(
-                f"Friction parameters for {self.law.friction.n_joints} joints do not fit an environment with "
-                f"{self.layout.n_joints} motors."
-            )
 
-    @classmethod
-    def for_env(cls, law: StaticLuGre | DynamicLuGre, env: Any) -> "LuGreAgent":
-        """Return the agent for an environment of ffgym: single, vector, or stable-baselines3's.
+def dynamic_lugre(
+    parameters: LuGreParameters | RobotDescription | str | Path, discretisation: str = "exact"
+) -> DynamicLuGre:
+    """Dynamic LuGre, thesis (4.3), with the friction of a robot: a description, a name, or a file.
 
-        Raises:
-            FFGymError: if the environment is another one, normalises observations, or decides less often than the
-                reference is sampled.
-        """
-        if getattr(env, "norm_obs", False):
-            raise FFGymError("LuGre reads physical values: leave out VecNormalize, or give it norm_obs=False.")
-        names = ("observation_layout", "control_dt", "decision_dt")
-        is_sb3 = hasattr(env, "get_attr") and not hasattr(env, "single_action_space")
-        try:
-            layout, dt, decision_dt = (env.get_attr(n)[0] if is_sb3 else getattr(env.unwrapped, n) for n in names)
-        except AttributeError as error:
-            raise FFGymError(
-                f"{env} is not made by gym.make, gym.make_vec or make_sb3_env with an id of ffgym."
-            ) from error
-        if decision_dt != dt:
-            raise FFGymError(
-                f"LuGre acts at every sample of {dt} s, this environment decides every {decision_dt} s; leave out "
-                f"Hold, or put Residual(law) below it."
-            )
-        return cls(law=law, layout=layout, control_dt=dt)
+    Raises:
+        FFGymError: if the file cannot be read or is wrong, or the discretisation is unknown.
+    """
+    law = DISCRETISATIONS[check_choice("discretisation", discretisation, list(DISCRETISATIONS))]
+    return law(friction_of(parameters))
 
-    def predict(
-        self,
-        observation: Array,
-        state: Any = None,
-        episode_start: Any = None,
-        deterministic: bool = True,
-    ) -> tuple[Array, Any]:
-        """Actions for observations (..., D), shape (..., N), and the bristle deflections [rad] for the next call.
 
-        Args:
-            observation: one observation, or a batch of them.
-            state: bristle deflections from the last call, None at first.
-            episode_start: True where an episode begins, shape (...,); None is nowhere.
-            deterministic: without effect, nothing is random.
-        """
-        next_dq = self.layout.read(observation, "reference_velocity", ahead_by=1)
-        scale = self.layout["added_torque"].scale
-        if isinstance(self.law, StaticLuGre):
-            return self.law.at_speed(next_dq) / scale, None
-        memory = np.broadcast_to(self.law.initial_memory(), next_dq.shape) if state is None else state
-        if episode_start is not None:
-            fresh = np.asarray(episode_start, dtype=np.bool_)[..., None]
-            memory = np.where(fresh, self.law.initial_memory(), memory)
-        dq = self.layout.read(observation, "reference_velocity")
-        torque, memory = self.law.step(memory, dq, next_dq, self.control_dt)
-        return torque / scale, memory
+def friction_of(parameters: LuGreParameters | RobotDescription | str | Path) -> LuGreParameters:
+    """Friction parameters themselves, of a description, of a built-in robot, or in a file."""
+    if isinstance(parameters, LuGreParameters):
+        return parameters
+    return robot_of(parameters, "friction parameters").friction

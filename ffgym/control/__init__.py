@@ -1,11 +1,13 @@
 """What a controller may compute: references, rigid feed-forward, feed-forward laws, set-points of the drives."""
 
-from ffgym.control.feedforward import DynamicLuGre as DynamicLuGre
-from ffgym.control.feedforward import DynamicLuGreEuler as DynamicLuGreEuler
-from ffgym.control.feedforward import DynamicLuGreExact as DynamicLuGreExact
+from ffgym.control.feedforward import CausalLaw as CausalLaw
 from ffgym.control.feedforward import FeedForwardLaw as FeedForwardLaw
 from ffgym.control.feedforward import NoCompensation as NoCompensation
-from ffgym.control.feedforward import StaticLuGre as StaticLuGre
+from ffgym.control.feedforward import Window as Window
+from ffgym.control.lugre_laws import DynamicLuGre as DynamicLuGre
+from ffgym.control.lugre_laws import DynamicLuGreEuler as DynamicLuGreEuler
+from ffgym.control.lugre_laws import DynamicLuGreExact as DynamicLuGreExact
+from ffgym.control.lugre_laws import StaticLuGre as StaticLuGre
 from ffgym.control.reference import Reference as Reference
 from ffgym.control.reference import cartesian_reference as cartesian_reference
 from ffgym.control.reference import joint_reference as joint_reference

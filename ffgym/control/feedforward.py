@@ -7,16 +7,17 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.control.reference import Reference
-from ffgym.errors import FFGymError, check_number, check_whole
-from ffgym.friction import LuGreParameters
+from ffgym.errors import FFGymError
 from ffgym.types import Array
 
 
 class FeedForwardLaw(ABC):
     """Maps a reference to added motor torque u_lff, thesis (4.4)."""
 
-    name: ClassVar[str]
-    """Short name in tables and files."""
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """Short name in tables and files; members set a class attribute or a field with a default."""
 
     @abstractmethod
     def torque(self, reference: Reference) -> Array:
@@ -35,159 +36,80 @@ class NoCompensation(FeedForwardLaw):
         return np.zeros_like(reference.q)
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class StaticLuGre(FeedForwardLaw):
-    r"""Steady-state LuGre friction with a smooth sign.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Window:
+    """The reference as a controller sees it at one instant: P + 1 samples, sample 0 is now; shape (..., P + 1, N)."""
 
-    .. math:: F_s = [f_c + (f_s - f_c) e^{-(v / v_s)^2}] \tanh(\beta v) + f_v v
+    q: Array
+    """Joint position, link side [rad]."""
+    motor_dq: Array
+    """Motor speed [rad/s]."""
+    motor_ddq: Array
+    """Motor acceleration [rad/s^2]."""
+    dt: float
+    """Time between samples [s]."""
 
-    Reference:
-        Thesis (4.1)-(4.2).
+    @classmethod
+    def along(cls, reference: Reference, preview: int) -> "Window":
+        """Windows at every sample but the last, shape (T - 1, P + 1, N); beyond its end the last sample stays."""
+        last = len(reference.t) - 1
+        rows = np.minimum(np.arange(last)[:, None] + np.arange(preview + 1), last)
+        return cls(
+            q=reference.q[rows],
+            motor_dq=reference.motor_dq[rows],
+            motor_ddq=reference.motor_ddq[rows],
+            dt=reference.robot.servo.control_dt,
+        )
+
+    def __getitem__(self, row: int) -> "Window":
+        return Window(q=self.q[row], motor_dq=self.motor_dq[row], motor_ddq=self.motor_ddq[row], dt=self.dt)
+
+
+class CausalLaw(FeedForwardLaw):
+    """A law that runs sample by sample: from what it remembers and the next samples of the reference.
+
+    A torque computed at t[k] is reached at t[k + 1], so that it is the one for sample 1 of the window. What is
+    remembered is an array (..., M), passed in and returned, so that one law serves any number of robots. All arithmetic
+    is elementwise over the leading axes: a robot's torque does not depend on the others.
     """
 
-    friction: LuGreParameters
-    steepness: float = 5.0
-    """beta [s/rad], thesis 4.1."""
-    name: ClassVar[str] = "lugre_static"
+    preview: int = 1
+    """Samples P of the reference that it must see ahead, 1 or more."""
 
-    def __post_init__(self) -> None:
-        _check_friction(self.friction)
-        check_number("steepness", self.steepness, unit="s/rad", low=0.0, open_low=True)
-
-    def torque(self, reference: Reference) -> Array:
-        """Friction at the reference speed, motor side [N m], shape (T, N)."""
-        return self.at_speed(_motor_dq(reference, self.friction))
-
-    def at_speed(self, motor_dq: Array) -> Array:
-        """Friction [N m] at motor speed `motor_dq` [rad/s]; same shape."""
-        level = self.friction.stribeck_level(motor_dq)
-        return level * np.tanh(self.steepness * motor_dq) + self.friction.viscous * motor_dq
-
-
-@dataclass(frozen=True, eq=False)
-class DynamicLuGre(FeedForwardLaw):
-    """LuGre friction whose bristles are bent by the reference speed; members differ in how they integrate it.
-
-    For a known speed the bristle equation is linear in z, so that one control step is z_next = keep * z + gain.
-    """
-
-    friction: LuGreParameters
-    name: ClassVar[str] = "lugre_dynamic"
-
-    def __post_init__(self) -> None:
-        _check_friction(self.friction)
+    @property
+    @abstractmethod
+    def n_joints(self) -> int:
+        """Number of motors N."""
 
     @abstractmethod
-    def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
-        """Factors (keep, gain) of a step of `dt` [s]; the speed runs straight from `dq` to `next_dq` [rad/s]."""
+    def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
+        """Torque [N m] for sample 1 of the window, motor side, shape (..., N), and what to remember, (..., M)."""
 
-    def initial_memory(self) -> Array:
-        """Bristle deflection z [rad] at the start, shape (N,): relaxed."""
-        return np.zeros(self.friction.n_joints)
-
-    def step(self, memory: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
-        """Torque [N m] at the end of a control step and the bristle deflection there; shapes as `memory`."""
-        keep, gain = self.advance(dq, next_dq, dt)
-        z = keep * memory + gain
-        return self.friction.torque(z, next_dq), z
+    def initial_memory(self, window: Window) -> Array:
+        """What is remembered when a motion begins with `window`, shape (..., M); nothing, unless overridden."""
+        return np.zeros((*window.q.shape[:-2], 0))
 
     def torque(self, reference: Reference) -> Array:
-        """Friction along the reference, motor side [N m], shape (T, N)."""
-        return self.along(_motor_dq(reference, self.friction), reference.robot.servo.control_dt)
-
-    def along(self, motor_dq: Array, dt: float) -> Array:
-        """Friction [N m] along motor speeds sampled every `dt` [s], both shape (T, N).
+        """Torque along a whole reference, motor side [N m], shape (T, N); zero at sample 0, before which none is set.
 
         Raises:
-            FFGymError: if the integration diverges, as plain Euler does at 4 ms (thesis 4.2).
+            FFGymError: if the reference is for a robot with another number of joints.
         """
-        keep, gain = self.advance(motor_dq[:-1], motor_dq[1:], dt)
-        z = np.empty_like(motor_dq)
-        z[0] = self.initial_memory()
-        with np.errstate(over="ignore", invalid="ignore"):
-            for k in range(len(keep)):
-                z[k + 1] = keep[k] * z[k] + gain[k]
-        _check_bounded(z, self.friction)
-        return self.friction.torque(z, motor_dq)
+        self.check_joints(reference)
+        windows = Window.along(reference, self.preview)
+        memory = self.initial_memory(windows[0])
+        torque = np.zeros_like(reference.q)
+        if memory.shape[-1] == 0:  # nothing links one sample to the next
+            torque[1:] = self.step(np.zeros((len(torque) - 1, 0)), windows)[0]
+            return torque
+        for k in range(len(torque) - 1):
+            torque[k + 1], memory = self.step(memory, windows[k])
+        return torque
 
-
-@final
-@dataclass(frozen=True, eq=False)
-class DynamicLuGreEuler(DynamicLuGre):
-    """Forward Euler on linearly interpolated speed, thesis (4.6) and appendix A.1.
-
-    Reference:
-        Thesis 4.2: 40 interpolated points per 4 ms step are enough for the motions tested; one is not.
-    """
-
-    n_substeps: int = 40
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_whole("n_substeps", self.n_substeps, low=1)
-
-    def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
-        """See base class."""
-        h = dt / self.n_substeps
-        speed = _between(dq, next_dq, np.arange(self.n_substeps) / self.n_substeps)
-        keep = 1 - h * self.friction.bristle_stiffness * np.abs(speed) / self.friction.stribeck_level(speed)
-        return _chained(keep, h * speed)
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class DynamicLuGreExact(DynamicLuGre):
-    """Exact solution for a speed that is frozen at the middle of each sub-step; stable at any step."""
-
-    n_substeps: int = 32
-    """Chosen: within 0.2 % of the breakaway torque of a stiff ODE solution on all test motions (see tests)."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_whole("n_substeps", self.n_substeps, low=1)
-
-    def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
-        """See base class."""
-        speed = _between(dq, next_dq, (np.arange(self.n_substeps) + 0.5) / self.n_substeps)
-        return _chained(*self.friction.exact_bristle_factors(speed, dt / self.n_substeps))
-
-
-def _check_friction(friction: LuGreParameters) -> None:
-    if not isinstance(friction, LuGreParameters):
-        raise FFGymError(f"friction must be LuGreParameters, e.g. robot.friction, got {friction!r}.")
-
-
-def _between(start: Array, end: Array, fractions: Array) -> Array:
-    """Values on the straight line from `start` to `end` (..., N) at `fractions` (S,), shape (S, ..., N)."""
-    return start + (end - start) * fractions.reshape(-1, *[1] * start.ndim)
-
-
-def _chained(keep: Array, gain: Array) -> tuple[Array, Array]:
-    """Factors of all sub-steps (S, ..., N) as one step (..., N); in a loop, so that no shape changes the rounding."""
-    total_keep, total_gain = np.ones_like(keep[0]), np.zeros_like(gain[0])
-    with np.errstate(over="ignore", invalid="ignore"):
-        for factor, offset in zip(keep, gain, strict=True):
-            total_keep, total_gain = total_keep * factor, total_gain * factor + offset
-    return total_keep, total_gain
-
-
-def _motor_dq(reference: Reference, friction: LuGreParameters) -> Array:
-    if friction.n_joints != reference.robot.n_joints:
-        raise FFGymError(
-            f"Friction parameters for {friction.n_joints} joints do not fit robot {reference.robot.name!r} "
-            f"with {reference.robot.n_joints}."
-        )
-    return reference.motor_dq
-
-
-def _check_bounded(z: Array, friction: LuGreParameters) -> None:
-    """In the LuGre model |z| never exceeds f_s / sigma_0; far beyond it the integration has diverged."""
-    limit = 10 * friction.static / friction.bristle_stiffness
-    bad = np.argwhere(~(np.abs(z) <= limit))
-    if bad.size:
-        row, j = (int(i) for i in bad[0])
-        raise FFGymError(
-            f"The bristle deflection of joint {j + 1} diverges at sample {row}: the step is too long for Euler's "
-            f"method. Use more n_substeps (thesis: 40), or DynamicLuGreExact."
-        )
+    def check_joints(self, reference: Reference) -> None:
+        """Raise if the reference is for a robot with another number of joints."""
+        if reference.robot.n_joints != self.n_joints:
+            raise FFGymError(
+                f"Feed-forward law {self.name!r} for {self.n_joints} joints does not fit robot "
+                f"{reference.robot.name!r} with {reference.robot.n_joints}."
+            )

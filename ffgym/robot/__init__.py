@@ -2,6 +2,7 @@
 
 from ffgym.robot.arm import RigidArm as RigidArm
 from ffgym.robot.description import RobotDescription as RobotDescription
+from ffgym.robot.description import Servo as Servo
 from ffgym.robot.elasticity import resonances as resonances
 from ffgym.robot.elasticity import static_deflection as static_deflection
 from ffgym.robot.fingerprint import model_field as model_field

@@ -234,7 +234,7 @@ def test_a_base_agent_that_answers_nonsense_is_blamed_by_name():
 
 def test_a_law_for_another_robot_is_refused(irb4600):
     env = gym.make(ONE_AXIS, layers=[Residual(StaticLuGre(irb4600.friction))])
-    with pytest.raises(FFGymError, match="6 joints do not fit robot 'one_axis'"):
+    with pytest.raises(FFGymError, match="6 joints does not fit robot 'one_axis'"):
         env.reset(seed=0)
 
 

@@ -11,7 +11,7 @@ from stable_baselines3.common.evaluation import evaluate_policy  # noqa: E402
 from stable_baselines3.common.monitor import Monitor  # noqa: E402
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize  # noqa: E402
 
-from agents import LuGreAgent  # noqa: E402
+from agents import LawAgent  # noqa: E402
 from ffgym.control import DynamicLuGreExact, StaticLuGre  # noqa: E402
 from ffgym.envs import EpisodeRecorder, History, Hold  # noqa: E402
 from ffgym.envs.sb3 import SB3VecEnv, make_sb3_env  # noqa: E402
@@ -102,7 +102,7 @@ def test_lugre_as_an_agent_gives_the_numbers_of_the_demo(irb4600, demo, law):
     env = make_sb3_env(
         "ffgym/CirclePath-v0", 6, positions=["p1", "p4"], sampling="sequence", action_scale=8, recorder=recorder
     )
-    agent = LuGreAgent.for_env(law(irb4600.friction), env)
+    agent = LawAgent.for_env(law(irb4600.friction), env)
     evaluate_policy(agent, env, n_eval_episodes=6)
     episodes = {}
     for recording in recorder.recordings:
@@ -122,7 +122,7 @@ def test_lugre_as_an_agent_gives_the_numbers_of_the_demo(irb4600, demo, law):
 def test_lugre_as_an_agent_gives_the_one_axis_numbers_of_the_demo(one_axis, law):
     recorder = EpisodeRecorder()
     env = make_sb3_env(ONE_AXIS, 2, sampling="sequence", action_scale=30, recorder=recorder)
-    evaluate_policy(LuGreAgent.for_env(law(one_axis.friction), env), env, n_eval_episodes=2)
+    evaluate_policy(LawAgent.for_env(law(one_axis.friction), env), env, n_eval_episodes=2)
     results = {result.frequency_hz: result for result in one_axis_study(one_axis).results if result.agent == law.name}
     for recording in recorder.recordings:
         error = motor_error(recording)[recording.t >= 1.0, 0]
@@ -134,21 +134,21 @@ def test_lugre_as_an_agent_gives_the_one_axis_numbers_of_the_demo(one_axis, law)
 def test_lugre_agents_refuse_environments_they_do_not_fit(irb4600, one_axis):
     env = gym.make(ONE_AXIS, preview=0)
     with pytest.raises(FFGymError, match="preview=1"):
-        LuGreAgent.for_env(StaticLuGre(one_axis.friction), env)
-    with pytest.raises(FFGymError, match="6 joints do not fit"):
-        LuGreAgent.for_env(StaticLuGre(irb4600.friction), gym.make(ONE_AXIS))
-    with pytest.raises(FFGymError, match="must be a StaticLuGre"):
-        LuGreAgent.for_env(None, gym.make(ONE_AXIS))
+        LawAgent.for_env(StaticLuGre(one_axis.friction), env)
+    with pytest.raises(FFGymError, match="6 joints does not fit"):
+        LawAgent.for_env(StaticLuGre(irb4600.friction), gym.make(ONE_AXIS))
+    with pytest.raises(FFGymError, match="runs sample by sample"):
+        LawAgent.for_env(None, gym.make(ONE_AXIS))
 
 
 def test_lugre_agents_refuse_to_read_what_they_do_not_understand(one_axis):
     law = DynamicLuGreExact(one_axis.friction)
     with pytest.raises(FFGymError, match=r"every sample of 0.004 s, this environment decides every 0.008 s"):
-        LuGreAgent.for_env(law, gym.make(ONE_AXIS, layers=(Hold(2),)))
+        LawAgent.for_env(law, gym.make(ONE_AXIS, layers=(Hold(2),)))
     with pytest.raises(FFGymError, match="norm_obs=False"):
-        LuGreAgent.for_env(law, VecNormalize(make_sb3_env(ONE_AXIS, 2)))
+        LawAgent.for_env(law, VecNormalize(make_sb3_env(ONE_AXIS, 2)))
     with pytest.raises(FFGymError, match="with an id of ffgym"):
-        LuGreAgent.for_env(law, gym.make_vec(ONE_AXIS, num_envs=2, vectorization_mode="sync"))
+        LawAgent.for_env(law, gym.make_vec(ONE_AXIS, num_envs=2, vectorization_mode="sync"))
 
 
 def test_the_adapter_refuses_what_it_cannot_do():
@@ -173,7 +173,7 @@ def test_lugre_as_an_agent_acts_alike_alone_in_a_batch_and_behind_a_history(one_
     law = DynamicLuGreExact(one_axis.friction)
     single = gym.make(ONE_AXIS, action_scale=30)
     vector = gym.make_vec(ONE_AXIS, num_envs=2, action_scale=30, layers=(History(3),))
-    agents = [LuGreAgent.for_env(law, env) for env in (single, vector)]
+    agents = [LawAgent.for_env(law, env) for env in (single, vector)]
     (one, _), (many, _) = single.reset(seed=1), vector.reset(seed=1)
     memory, memories = None, None
     for _ in range(20):

@@ -1,0 +1,93 @@
+"""All families by name: what each may know, and how a member is made, trained where it learns."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+from agents.lugre import dynamic_lugre, static_lugre
+from agents.trials import SimulatedTrial, Trial
+from ffgym.control import FeedForwardLaw, NoCompensation, Reference
+from ffgym.errors import check_choice
+from ffgym.robot import RigidArm, RobotDescription
+
+Track = Literal["causal", "causal, nominal parameters", "per task", "oracle"]
+"""What a family may know: nothing but its trials; the nominal model too; trials of the very task; the truth."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Setting:
+    """What a family gets to make a law from."""
+
+    arm: RigidArm
+    """Nominal model of the robot: what a controller knows."""
+    trial: Trial
+    """Runs motions on the machine."""
+    references: Sequence[Reference] = ()
+    """Motions the law will be run on; per-task families learn on them, others must not look."""
+    truth: RobotDescription | None = None
+    """The machine's true parameters, for the oracle alone; None if they are the nominal ones."""
+
+    @classmethod
+    def nominal(cls, robot: RobotDescription, references: Sequence[Reference] = (), n_threads: int = 0) -> "Setting":
+        """The robot is its own machine."""
+        arm = RigidArm(robot)
+        return cls(arm=arm, trial=SimulatedTrial(arm=arm, n_threads=n_threads), references=references)
+
+    @property
+    def robot(self) -> RobotDescription:
+        """Nominal description."""
+        return self.arm.robot
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One member of a family, as in tables and on the leaderboard."""
+
+    name: str
+    """Also the name of its law."""
+    title: str
+    track: Track
+    page: str
+    """Its page below docs/agents."""
+    make: Callable[[Setting], FeedForwardLaw] = field(repr=False)
+    """Make the law; learning families run their trials here."""
+    needs_arm: bool = False
+    """Whether it works only on a robot with a tool (TCP)."""
+
+
+_ENTRIES = (
+    Entry(
+        name="none",
+        title="no compensation",
+        track="causal",
+        page="README.md",
+        make=lambda setting: NoCompensation(),
+    ),
+    Entry(
+        name="lugre_static",
+        title="static LuGre",
+        track="causal, nominal parameters",
+        page="lugre.md",
+        make=lambda setting: static_lugre(setting.robot),
+    ),
+    Entry(
+        name="lugre_dynamic",
+        title="dynamic LuGre",
+        track="causal, nominal parameters",
+        page="lugre.md",
+        make=lambda setting: dynamic_lugre(setting.robot),
+    ),
+)
+
+CATALOGUE: Mapping[str, Entry] = MappingProxyType({entry.name: entry for entry in _ENTRIES})
+"""Every family member, in the order of tables."""
+
+
+def entry_of(name: str) -> Entry:
+    """Entry by name.
+
+    Raises:
+        FFGymError: if there is none.
+    """
+    return CATALOGUE[check_choice("agent", name, list(CATALOGUE))]

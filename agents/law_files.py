@@ -1,0 +1,112 @@
+"""Learned laws as files: one NPZ with the arrays and a JSON header that says what they are and where they come from."""
+
+import io
+import json
+import os
+import zipfile
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from ffgym.control import FeedForwardLaw
+from ffgym.errors import FFGymError, check_choice
+from ffgym.files import check_writable, write_bytes
+from ffgym.provenance import versions
+from ffgym.types import Array
+
+FORMAT = 1
+"""Version of the file format; see docs/agents/files.md."""
+
+KINDS: dict[str, tuple[str, str]] = {}
+"""Where the class of each kind of law is: module and name. A module is imported when a file asks for it."""
+
+
+class StoredLaw(ABC):
+    """A law that can be written to a file and read back, bit for bit."""
+
+    kind: ClassVar[str]
+    """Key of KINDS."""
+
+    @abstractmethod
+    def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
+        """Settings that JSON can hold, and arrays of numbers."""
+
+    @classmethod
+    @abstractmethod
+    def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
+        """The law of these parts.
+
+        Raises:
+            FFGymError: if they make no law.
+        """
+
+
+def save_law(path: str | os.PathLike[str], law: StoredLaw, meta: Mapping[str, Any] | None = None) -> Path:
+    """Write a law, whole or not at all; `meta` is kept in the header, e.g. how it was learned.
+
+    Raises:
+        FFGymError: if the file cannot be written, or its name does not end in .npz.
+    """
+    target = Path(path)
+    if target.suffix != ".npz":
+        raise FFGymError(f"{path}: the name of a law's file must end in .npz.")
+    check_writable(target)
+    settings, arrays = law.parts()
+    header = {
+        "format": FORMAT,
+        "kind": law.kind,
+        "settings": settings,
+        "meta": dict(meta or {}),
+        "versions": versions(),
+    }
+    write_bytes(target, pack(header, arrays))
+    return target
+
+
+def load_law(path: str | os.PathLike[str]) -> FeedForwardLaw:
+    """Read a law that `save_law` wrote.
+
+    Raises:
+        FFGymError: if the file is missing or damaged, or holds something else.
+    """
+    header, arrays = unpack(path)
+    kind = check_choice(f"kind of law in {path}", str(header.get("kind")), list(KINDS))
+    module, name = KINDS[kind]
+    try:
+        law: FeedForwardLaw = getattr(import_module(module), name).from_parts(header["settings"], arrays)
+    except (KeyError, TypeError) as error:
+        raise FFGymError(f"{path}: holds no complete law of kind {kind!r}: {error}. Train it again.") from error
+    return law
+
+
+def pack(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
+    """A NPZ file with a JSON header; equal contents give equal bytes."""
+    buffer = io.BytesIO()
+    text = np.array(json.dumps(header, sort_keys=True, allow_nan=False))
+    np.savez(buffer, allow_pickle=False, header=text, **dict(arrays))
+    return buffer.getvalue()
+
+
+def unpack(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Header and arrays of a file that `pack` made.
+
+    Raises:
+        FFGymError: if the file is missing, damaged, or of another format.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        header = json.loads(str(arrays.pop("header")))
+        if not isinstance(header, dict):
+            raise ValueError("its header is no table")
+    except FileNotFoundError as error:
+        raise FFGymError(f"{path}: there is no such file.") from error
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+        raise FFGymError(f"{path}: is damaged or no file of ffgym: {error}.") from error
+    if header.get("format") != FORMAT:
+        raise FFGymError(f"{path}: has format {header.get('format')!r}, this version of ffgym reads {FORMAT}.")
+    return header, arrays

@@ -1,0 +1,109 @@
+"""Runs on the machine that is learned from, and what they say about each motor."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ffgym.control import Reference
+from ffgym.control.setpoints import torque_at_rows
+from ffgym.errors import FFGymError, check_choice
+from ffgym.metrics import motor_error
+from ffgym.recordings import Recording
+from ffgym.robot import ModelOptions, RigidArm, Servo
+from ffgym.simulation import RECORD_DT, Run, Sensor, simulate
+from ffgym.types import Array, BoolArray
+
+Trial = Callable[[Sequence[Run], int], Sequence[Recording]]
+"""Runs motions on a machine and returns what was recorded, one recording a run; the number counts trials from 0."""
+
+Signal = Literal["u_p", "u_c", "e_p"]
+SIGNALS: tuple[Signal, ...] = ("u_p", "u_c", "e_p")
+"""What the feedback says of the missing torque, thesis 5.2.1: without its integral part, all of it, or K_p times the
+position error."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedTrial:
+    """Trials on a simulated robot; sensor noise differs from trial to trial and is the same in every program run."""
+
+    arm: RigidArm
+    options: ModelOptions | None = None
+    sensors: Sequence[Sensor] = ()
+    seed: int = 0
+    record_dt: float = RECORD_DT
+    n_threads: int = 0
+
+    def __call__(self, runs: Sequence[Run], number: int) -> list[Recording]:
+        """Simulate the runs; see `Trial`."""
+        return simulate(
+            runs,
+            arm=self.arm,
+            options=self.options,
+            sensors=self.sensors,
+            seed=int(np.random.SeedSequence([self.seed, number]).generate_state(1)[0]),
+            record_dt=self.record_dt,
+            n_threads=self.n_threads,
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lesson:
+    """What one recording says about each motor: T rows in time order, motor side."""
+
+    reference: Reference
+    t: Array
+    """Times [s], shape (T,)."""
+    motor_dq: Array
+    """Motor speed of the reference [rad/s], shape (T, N)."""
+    motor_ddq: Array
+    """Motor acceleration of the reference [rad/s^2], shape (T, N)."""
+    signal: Array
+    """Torque that was missing, as the feedback shows it [N m], shape (T, N)."""
+    added: Array
+    """Torque that the law added [N m], shape (T, N)."""
+    error: Array
+    """Position error [rad], shape (T, N)."""
+    moving: BoolArray
+    """False while the reference stands still, shape (T,); friction at rest is no function of the reference."""
+
+    @classmethod
+    def of(cls, reference: Reference, recording: Recording, signal: Signal = "u_p") -> "Lesson":
+        """Read a recording of a run along `reference`.
+
+        Raises:
+            FFGymError: if the signal is unknown, or the recording lacks a column or belongs to another reference.
+        """
+        rows_per_step = round(reference.robot.servo.control_dt / recording.dt)
+        motor_dq = recording.joint_array("reference.velocity")
+        motor_ddq = torque_at_rows(reference.motor_ddq, rows_per_step)  # a straight line between samples
+        if motor_ddq.shape != motor_dq.shape:
+            raise FFGymError(
+                f"Recording {recording.header.segment!r} of {len(motor_dq)} rows every {recording.dt:g} s is none of "
+                f"the motion {reference.name!r}, which lasts {reference.duration:g} s."
+            )
+        moving = ~recording.mask(kind="standstill")
+        return cls(
+            reference=reference,
+            t=recording.t,
+            motor_dq=motor_dq,
+            motor_ddq=motor_ddq,
+            signal=learning_signal(recording, reference.robot.servo, signal),
+            added=recording.joint_array("compensation.effort"),
+            error=motor_error(recording),
+            moving=moving,
+        )
+
+
+def learning_signal(recording: Recording, servo: Servo, signal: Signal = "u_p") -> Array:
+    """Missing torque as the feedback shows it, motor side [N m], shape (T, N).
+
+    Raises:
+        FFGymError: if the signal is unknown, or the recording lacks a column.
+    """
+    check_choice("learning signal", signal, SIGNALS)
+    if signal == "e_p":
+        return servo.position_gain * motor_error(recording)
+    feedback = recording.joint_array("feedback.effort")
+    return feedback if signal == "u_c" else feedback - recording.joint_array("feedback.integral")
