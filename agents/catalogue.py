@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
 
+from agents.law_files import load_law
 from agents.lugre import dynamic_lugre, static_lugre
 from agents.trials import SimulatedTrial, Trial
 from ffgym.control import FeedForwardLaw, NoCompensation, Reference
@@ -29,8 +30,8 @@ class Setting:
     """The machine's true parameters, for the oracle alone; None if they are the nominal ones."""
 
     @classmethod
-    def nominal(cls, robot: RobotDescription, references: Sequence[Reference] = (), n_threads: int = 0) -> "Setting":
-        """The robot is its own machine."""
+    def of(cls, robot: RobotDescription, references: Sequence[Reference] = (), n_threads: int = 0) -> "Setting":
+        """A simulated robot whose nominal model is its own description."""
         arm = RigidArm(robot)
         return cls(arm=arm, trial=SimulatedTrial(arm=arm, n_threads=n_threads), references=references)
 
@@ -91,3 +92,12 @@ def entry_of(name: str) -> Entry:
         FFGymError: if there is none.
     """
     return CATALOGUE[check_choice("agent", name, list(CATALOGUE))]
+
+
+def law_named(name: str, setting: Setting) -> FeedForwardLaw:
+    """Law of a catalogue entry, made for `setting`, or of a file that ends in .npz.
+
+    Raises:
+        FFGymError: if there is no such entry, or the file cannot be read.
+    """
+    return load_law(name) if name.endswith(".npz") else entry_of(name).make(setting)

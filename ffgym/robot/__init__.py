@@ -12,6 +12,7 @@ from ffgym.robot.load import builtin_robots as builtin_robots
 from ffgym.robot.load import load_robot as load_robot
 from ffgym.robot.load import parse_robot as parse_robot
 from ffgym.robot.load import robot_of as robot_of
+from ffgym.robot.parameters import with_parameters as with_parameters
 from ffgym.robot.spec import ModelOptions as ModelOptions
 from ffgym.robot.spec import build_spec as build_spec
 from ffgym.robot.spec import compile_model as compile_model

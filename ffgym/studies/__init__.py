@@ -8,3 +8,4 @@ from ffgym.studies.circle_study import thesis_laws as thesis_laws
 from ffgym.studies.one_axis_study import OneAxisStudy as OneAxisStudy
 from ffgym.studies.one_axis_study import SineResult as SineResult
 from ffgym.studies.one_axis_study import one_axis_study as one_axis_study
+from ffgym.studies.one_axis_study import sine_references as sine_references

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.control import FeedForwardLaw, joint_reference
+from ffgym.control import FeedForwardLaw, Reference, joint_reference
 from ffgym.errors import FFGymError
 from ffgym.metrics import motor_error
 from ffgym.paths import joint_sine
@@ -46,6 +46,15 @@ class OneAxisStudy:
     """By law and frequency [Hz]."""
 
 
+def sine_references(robot: RobotDescription, frequencies: Sequence[float] = FREQUENCIES) -> dict[float, Reference]:
+    """References of the sine test by frequency [Hz]."""
+    dt = robot.servo.control_dt
+    return {
+        f: joint_reference(robot, joint_sine([AMPLITUDE], f, DURATION, dt=dt, name=f"sine {f:g} Hz"))
+        for f in frequencies
+    }
+
+
 def one_axis_study(
     robot: RobotDescription, *, laws: Sequence[FeedForwardLaw] | None = None, frequencies: Sequence[float] = FREQUENCIES
 ) -> OneAxisStudy:
@@ -64,11 +73,7 @@ def one_axis_study(
             f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'."
         )
     laws = distinct(thesis_laws(robot) if laws is None else laws)
-    dt = robot.servo.control_dt
-    references = {
-        f: joint_reference(robot, joint_sine([AMPLITUDE], f, DURATION, dt=dt, name=f"sine {f:g} Hz"))
-        for f in frequencies
-    }
+    references = sine_references(robot, frequencies)
     keys = [(law, f) for f in frequencies for law in laws]
     recorded = simulate([Run(reference=references[f], law=law) for law, f in keys])
     recordings = {(law.name, f): recording for (law, f), recording in zip(keys, recorded, strict=True)}

@@ -151,3 +151,38 @@ def test_report_and_numbers_need_two_files(tmp_path, monkeypatch, capsys):
     assert main(["demo", "--report", "a.html", "--json", str(tmp_path / "a.html")]) == 1
     assert "they need two files" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_the_demo_runs_the_agents_and_parameters_it_is_given(tmp_path, irb4600):
+    pytest.importorskip("ffgym.report")
+    values = irb4600.friction.coulomb.tolist()
+    wrong = tmp_path / "wrong.toml"
+    table = "[friction.{}]\nvalue = {}\nunit = 'N m'\nside = 'motor'\norigin = 'chosen'\nsource = 'test'\n"
+    halves = [v / 2 for v in values]
+    wrong.write_text(table.format("coulomb", halves) + table.format("static", halves), encoding="utf-8")
+    shared = ["demo", "--positions", "p1", "--speeds-mm-s", "100", "--report", str(tmp_path / "r.html")]
+    rows = {}
+    for name, more in {"own": [], "wrong": ["--parameters", str(wrong)]}.items():
+        arguments = [*shared, "--agents", "none", "lugre_static", "--json", str(tmp_path / f"{name}.json"), *more]
+        assert main(arguments) == 0
+        rows[name] = json.loads((tmp_path / f"{name}.json").read_text())["rows"]
+    assert {row["agent"] for row in rows["own"]} == {"none", "lugre_static"}
+    for own, other in zip(rows["own"], rows["wrong"], strict=True):
+        assert (own == other) is (own["agent"] == "none")  # the machine is the same, the agent's model is not
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--agents", "nobody"], "Unknown agent 'nobody'. Available: "),
+        (["--agents", "none", "none"], "must have different names"),
+        (["--agents", "absent.npz"], "absent.npz: there is no such file"),
+        (["--parameters", "absent.toml"], "Cannot read parameter file absent.toml"),
+    ],
+)
+def test_agents_and_parameters_that_are_not_there_are_one_line(arguments, message, capsys, tmp_path, monkeypatch):
+    pytest.importorskip("ffgym.report")
+    monkeypatch.chdir(tmp_path)
+    assert main(["demo", "--positions", "p1", "--speeds-mm-s", "100", *arguments]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line

@@ -1,0 +1,75 @@
+"""Parameter files: some numbers of a robot, e.g. freshly identified friction, that replace those of its description."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ffgym.errors import FFGymError
+from ffgym.robot.description import RobotDescription
+from ffgym.robot.quantity import Quantity, parse_quantity
+from ffgym.robot.rules import RULES
+from ffgym.types import Array
+
+GROUPS = {"friction": "friction", "drive": "drive", "links": "bodies", "tool": "tool"}
+"""What a parameter file may hold, and the part of the description it goes to: physics that can be identified. Geometry,
+servo and sample times are known by design and stay in the description."""
+
+
+def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescription:
+    """Return the robot with the numbers of a parameter file in place of its own.
+
+    The file is TOML with any of the tables [friction.*], [drive.*], [links.*] and [tool.*] as in a robot description,
+    and maybe [parameters] with the name of the `robot` they belong to and a `title`.
+
+    Raises:
+        FFGymError: if the file cannot be read, is for another robot, or an entry is unknown or invalid.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        tree = tomllib.loads(text)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        raise FFGymError(f"Cannot read parameter file {path}: {error}.") from error
+    try:
+        _check_head(tree.pop("parameters", {}), robot)
+        return _replaced(robot, _parsed(tree, robot))
+    except FFGymError as error:
+        raise FFGymError(f"{path}: {error}") from error
+
+
+def _check_head(head: Any, robot: RobotDescription) -> None:
+    if not isinstance(head, dict) or not set(head) <= {"robot", "title"}:
+        raise FFGymError(f"[parameters] may have robot and title, got {head!r}.")
+    if head.get("robot", robot.name) != robot.name:
+        raise FFGymError(f"[parameters] are for robot {head['robot']!r}, not for {robot.name!r}.")
+
+
+def _parsed(tree: Mapping[str, Any], robot: RobotDescription) -> dict[str, Quantity]:
+    entries = {
+        f"{group}.{name}": table
+        for group, tables in tree.items()
+        for name, table in (tables.items() if isinstance(tables, dict) else [("", tables)])
+    }
+    known = [path for path in RULES if path.split(".")[0] in GROUPS]
+    unknown = sorted(set(entries) - set(known))
+    if unknown:
+        raise FFGymError(f"Unknown entries {unknown}. A parameter file may have: {', '.join(sorted(known))}.")
+    if not entries:
+        raise FFGymError(f"There are no parameters. A parameter file may have: {', '.join(sorted(known))}.")
+    if robot.tool is None and any(path.startswith("tool.") for path in entries):
+        raise FFGymError(f"Robot {robot.name!r} has no tool to give parameters to.")
+    return {path: parse_quantity(path, table, RULES[path], robot.n_joints) for path, table in entries.items()}
+
+
+def _replaced(robot: RobotDescription, quantities: Mapping[str, Quantity]) -> RobotDescription:
+    parts: dict[str, Any] = {}
+    for group, attribute in GROUPS.items():
+        values = {path.split(".")[1]: _value(q.value) for path, q in quantities.items() if path.split(".")[0] == group}
+        if values:
+            parts[attribute] = replace(getattr(robot, attribute), **values)
+    return replace(robot, **parts, quantities=dict(robot.quantities) | dict(quantities))
+
+
+def _value(array: Array) -> Array | float:
+    return array if array.ndim else float(array)

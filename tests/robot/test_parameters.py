@@ -1,0 +1,105 @@
+"""Parameter files replace some numbers of a description and nothing else."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.robot import compile_model, physics_fingerprint, with_parameters
+from ffgym.robot.load import builtin_robots, load_robot
+
+FRICTION = """
+[parameters]
+robot = "one_axis"
+title = "cell 3"
+
+[friction.coulomb]
+value = [0.4]
+unit = "N m"
+side = "motor"
+origin = "fitted"
+source = "speed ladder"
+prior = [0.5367]
+prior_source = "thesis (6.9)"
+
+[drive.rotor_inertia]
+value = [4.0e-3]
+unit = "kg m^2"
+side = "motor"
+origin = "chosen"
+source = "test"
+"""
+
+
+def written(tmp_path, text):
+    path = tmp_path / "parameters.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_parameter_file_replaces_its_numbers_and_no_others(one_axis, tmp_path):
+    changed = with_parameters(one_axis, written(tmp_path, FRICTION))
+    assert changed.friction.coulomb == [0.4]
+    assert changed.drive.rotor_inertia == [4e-3]
+    assert changed.quantities["friction.coulomb"].prior == [0.5367]
+    for field in fields(one_axis.friction):
+        if field.name != "coulomb":
+            np.testing.assert_array_equal(getattr(changed.friction, field.name), getattr(one_axis.friction, field.name))
+    assert changed.bodies is one_axis.bodies
+    assert one_axis.friction.coulomb == [0.5367]
+    assert physics_fingerprint(compile_model(changed)) != physics_fingerprint(compile_model(one_axis))
+
+
+def test_what_was_changed_in_the_program_stays(one_axis, tmp_path):
+    softer = replace(one_axis, friction=one_axis.friction.scaled(viscous=0.5))
+    changed = with_parameters(softer, written(tmp_path, FRICTION))
+    np.testing.assert_array_equal(changed.friction.viscous, softer.friction.viscous)
+
+
+@pytest.mark.parametrize("robot", builtin_robots())
+def test_a_robot_description_without_its_other_parts_is_a_parameter_file(robot, tmp_path):
+    """The tables have the form of the description: those of a built-in robot, copied out, change nothing."""
+    whole = load_robot(robot)
+    blocks = []
+    for path, quantity in whole.quantities.items():
+        if path.startswith(("friction.", "links.")):
+            fitted = quantity.prior is not None
+            blocks.append(
+                f"[{path}]\nvalue = {quantity.value.tolist()}\nunit = '{quantity.unit}'\nside = '{quantity.side}'\n"
+                f"origin = '{'derived' if fitted else quantity.origin[0]}'\nsource = 'copied'\n"
+            )
+    same = with_parameters(whole, written(tmp_path, "\n".join(blocks)))
+    assert physics_fingerprint(compile_model(same)) == physics_fingerprint(compile_model(whole))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('robot = "one_axis"', 'robot = "other"', "are for robot 'other', not for 'one_axis'"),
+        ("title", "titel", r"\[parameters\] may have robot and title"),
+        ("[friction.coulomb]", "[friction.coulumb]", "Unknown entries .*coulumb"),
+        ("[drive.rotor_inertia]", "[servo.position_gain]", "Unknown entries .*servo.position_gain"),
+        ("value = [0.4]", "value = [0.4, 0.5]", "friction.coulomb"),
+        ("value = [0.4]", "value = [nan]", "friction.coulomb must be finite"),
+        ("value = [0.4]", "value = [0.9]", "static = .* must be >= coulomb"),
+        ('unit = "N m"\n', 'unit = "Nm"\n', "unit is 'Nm', must be 'N m'"),
+        ('[parameters]\nrobot = "one_axis"\ntitle = "cell 3"\n', "links = 3\n", "Unknown entries .*links"),
+        ("value = [0.4]", "value = [0.4", "Cannot read parameter file"),
+    ],
+)
+def test_a_wrong_parameter_file_is_one_clear_error(one_axis, tmp_path, old, new, message):
+    path = written(tmp_path, FRICTION.replace(old, new, 1))
+    with pytest.raises(FFGymError, match=message) as caught:
+        with_parameters(one_axis, path)
+    assert str(path) in str(caught.value)
+
+
+def test_an_empty_or_missing_file_and_a_tool_without_tool_are_refused(one_axis, tmp_path):
+    with pytest.raises(FFGymError, match="no parameters"):
+        with_parameters(one_axis, written(tmp_path, ""))
+    with pytest.raises(FFGymError, match="Cannot read"):
+        with_parameters(one_axis, tmp_path / "missing.toml")
+    tool = "[tool.mass]\nvalue = 3.0\nunit = 'kg'\norigin = 'chosen'\nsource = 'test'\n"
+    with pytest.raises(FFGymError, match="has no tool"):
+        with_parameters(one_axis, written(tmp_path, tool))
