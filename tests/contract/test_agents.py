@@ -1,0 +1,152 @@
+"""The same questions to every member of the catalogue; a new one is picked up by itself."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import pytest
+
+import ffgym  # noqa: F401 - registers the environments
+from agents import LawAgent
+from agents.catalogue import CATALOGUE, Setting, law_named
+from agents.law_files import StoredLaw, load_law, save_law
+from ffgym.control import CausalLaw, Window
+from ffgym.envs import EpisodeRecorder
+from ffgym.metrics import motor_error
+from ffgym.simulation import Run, simulate
+from ffgym.studies import circle_references, sine_references
+
+DOCS = Path(__file__).parents[2] / "docs" / "agents"
+ON_ONE_AXIS = [name for name, entry in CATALOGUE.items() if not entry.needs_arm]
+CAUSAL = [name for name in ON_ONE_AXIS if name != "none"]
+
+
+@pytest.fixture(scope="module")
+def sines(one_axis):
+    """References of the sine test, by frequency [Hz]."""
+    return sine_references(one_axis)
+
+
+@pytest.fixture(scope="module")
+def make(one_axis, sines):
+    """Function of a name that returns the law for one axis, made once."""
+    made = {}
+
+    def law(name):
+        if name not in made:
+            made[name] = law_named(name, Setting.of(one_axis, references=[sines[1.0]]))
+        return made[name]
+
+    return law
+
+
+@pytest.mark.parametrize("name", ON_ONE_AXIS)
+def test_a_law_has_the_name_of_its_entry_and_gives_finite_torque(make, sines, name):
+    law = make(name)
+    torque = law.torque(sines[1.0])
+    assert law.name == name
+    assert torque.shape == sines[1.0].q.shape
+    assert np.isfinite(torque).all()
+    assert (name == "none") == (not torque.any())
+
+
+@pytest.mark.parametrize("name", CAUSAL)
+def test_sample_by_sample_is_the_same_law_as_all_at_once(make, sines, name):
+    law, reference = make(name), sines[1.0]
+    windows = Window.along(reference, law.preview)
+    memory = law.initial_memory(windows[0])
+    whole = law.torque(reference)
+    for k in range(len(reference.t) - 1):
+        torque, memory = law.step(memory, windows[k])
+        np.testing.assert_allclose(torque, whole[k + 1], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", CAUSAL)
+def test_a_batch_is_the_same_as_its_rows_one_by_one(make, sines, name):
+    law = make(name)
+    assert isinstance(law, CausalLaw)
+    windows = Window.along(sines[1.0], law.preview)
+    per_task = CATALOGUE[name].track == "per task"
+    starts = (0, 0, 0) if per_task else (0, 37, 101)  # the learned task begins at its beginning
+
+    def take(rows):
+        return replace(windows, q=windows.q[rows], motor_dq=windows.motor_dq[rows], motor_ddq=windows.motor_ddq[rows])
+
+    together = law.initial_memory(take(list(starts)))
+    alone = [law.initial_memory(windows[start]) for start in starts]
+    for k in range(60):
+        torques, together = law.step(together, take([start + k for start in starts]))
+        for i, start in enumerate(starts):
+            torque, alone[i] = law.step(alone[i], windows[start + k])
+            np.testing.assert_allclose(torques[i], torque, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(together, np.stack(alone), rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", ON_ONE_AXIS)
+def test_making_a_law_again_gives_the_same_bits(make, one_axis, sines, name):
+    again = law_named(name, Setting.of(one_axis, references=[sines[1.0]], n_threads=1))
+    np.testing.assert_array_equal(again.torque(sines[1.0]), make(name).torque(sines[1.0]))
+
+
+@pytest.mark.parametrize("name", CAUSAL)
+def test_an_agent_in_the_environment_does_what_its_law_does_in_a_simulation(make, sines, name):
+    law, recorder = make(name), EpisodeRecorder()
+    env = gym.make_vec(
+        "ffgym/OneAxis-v0", num_envs=2, frequencies=[1.0], preview=law.preview, action_scale=30, recorder=recorder
+    )
+    agent = LawAgent.for_env(law, env)
+    observation, _ = env.reset(seed=0)
+    memory, starts = None, np.ones(2, dtype=np.bool_)
+    while not recorder.recordings:
+        action, memory = agent.predict(observation, memory, starts)
+        observation, _, terminated, truncated, _ = env.step(action)
+        starts = terminated | truncated
+    (simulated,) = simulate([Run(reference=sines[1.0], law=law)])
+    for recording in recorder.recordings:
+        np.testing.assert_allclose(motor_error(recording), motor_error(simulated), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", CAUSAL)
+def test_an_agent_forgets_where_an_episode_begins_and_nowhere_else(make, name):
+    law = make(name)
+    env = gym.make("ffgym/OneAxis-v0", frequencies=[1.0], preview=law.preview, action_scale=30)
+    agent = LawAgent.for_env(law, env)
+    first, _ = env.reset(seed=0)
+    start, memory = agent.predict(first)
+    second = env.step(start)[0]
+    after, memory = agent.predict(second, memory, np.array(False))
+    if CATALOGUE[name].track != "per task":  # which runs its own task only, from the beginning
+        batch, _ = agent.predict(np.stack([first, second]), np.stack([memory, memory]), np.array([True, False]))
+        np.testing.assert_allclose(batch[0], start, rtol=0, atol=1e-12)
+    assert after.shape == start.shape == (1,)
+
+
+@pytest.mark.parametrize("name", CAUSAL)
+def test_a_law_for_one_axis_refuses_a_robot_with_six(make, arm, name):
+    reference = circle_references(arm, ["p1"], [0.1], [0.001])["p1", 0.1]
+    with pytest.raises(ValueError, match=r"for 1 joint|motion"):
+        make(name).torque(reference)
+
+
+@pytest.mark.parametrize("name", CAUSAL)
+def test_a_stored_law_comes_back_bit_for_bit(make, sines, tmp_path, name):
+    law = make(name)
+    if not isinstance(law, StoredLaw):
+        assert "nominal parameters" in CATALOGUE[name].track or CATALOGUE[name].track == "oracle"  # learned nothing
+        return
+    again = load_law(save_law(tmp_path / "law.npz", law))
+    assert again.name == law.name
+    np.testing.assert_array_equal(again.torque(sines[1.0]), law.torque(sines[1.0]))
+
+
+@pytest.mark.parametrize("name", list(CATALOGUE))
+def test_every_member_is_documented(name):
+    text = (DOCS / CATALOGUE[name].page).read_text(encoding="utf-8")
+    assert f"`{name}`" in text
+    if name != "none":
+        headings = re.findall(r"^## (.*)$", text, flags=re.M)
+        for heading in ("Run it", "Logged", "Departures from the source", "Results"):
+            assert heading in headings, f"{CATALOGUE[name].page} lacks '## {heading}'"
+        assert re.search(r"^(ffgym|python -m) ", text, flags=re.M)
