@@ -1,0 +1,61 @@
+"""Motions that learning families are trained on: the one of the thesis, and several that show every speed there is."""
+
+from collections.abc import Sequence
+
+from ffgym.control import Reference
+from ffgym.errors import FFGymError
+from ffgym.paths import SPEEDS
+from ffgym.robot import RigidArm
+from ffgym.studies import circle_references, sine_references
+from ffgym.studies.one_axis_study import FREQUENCIES
+
+POSITIONS = ("p1",)
+"""Positions of the work area to learn at, thesis 5.3.2; the others are held out."""
+
+
+def thesis_motions(arm: RigidArm) -> list[Reference]:
+    """The one motion that chapter 5 learns on: circles at p1 at 10 mm/s, or the sine of 1 Hz on one axis.
+
+    Raises:
+        FFGymError: if the robot has neither a work area nor one joint alone.
+    """
+    return training_motions(arm, speeds=SPEEDS[:1], frequencies=FREQUENCIES[:1])
+
+
+def every_speed(arm: RigidArm) -> list[Reference]:
+    """The motions at every speed of the tests: at p1 at 10, 40 and 100 mm/s, or the sines of 1 and 3 Hz on one axis.
+
+    A network trained on them has met all speeds it will meet, which thesis 5.5 misses at higher speeds than trained.
+
+    Raises:
+        FFGymError: if the robot has neither a work area nor one joint alone.
+    """
+    return training_motions(arm, speeds=SPEEDS, frequencies=FREQUENCIES)
+
+
+def training_motions(
+    arm: RigidArm,
+    positions: Sequence[str] = POSITIONS,
+    speeds: Sequence[float] = SPEEDS[:1],
+    frequencies: Sequence[float] = FREQUENCIES[:1],
+) -> list[Reference]:
+    """Test motions of the robot: circles on one with a work area, sines on one with a single joint.
+
+    Args:
+        arm: nominal model of the robot.
+        positions: names in the work area (circles only).
+        speeds: of the TCP [m/s] (circles only).
+        frequencies: [Hz] (sines only).
+
+    Raises:
+        FFGymError: if the robot has neither a work area nor one joint alone, or cannot follow a motion.
+    """
+    robot = arm.robot
+    if robot.work_area is not None:
+        return list(circle_references(arm, positions, speeds).values())
+    if robot.n_joints == 1:
+        return list(sine_references(robot, frequencies).values())
+    raise FFGymError(
+        f"Robot {robot.name!r} has no work area and {robot.n_joints} joints, and so no test motion to learn on; "
+        f"give references of your own."
+    )
