@@ -1,9 +1,7 @@
 """Learned laws as files: one NPZ with the arrays and a JSON header that says what they are and where they come from."""
 
-import io
 import json
 import os
-import zipfile
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from importlib import import_module
@@ -14,7 +12,7 @@ import numpy as np
 
 from ffgym.control import FeedForwardLaw
 from ffgym.errors import FFGymError, check_choice
-from ffgym.files import check_writable, write_bytes
+from ffgym.files import check_writable, decode_arrays, encode_arrays, write_bytes
 from ffgym.provenance import versions
 from ffgym.types import Array
 
@@ -85,10 +83,7 @@ def load_law(path: str | os.PathLike[str]) -> FeedForwardLaw:
 
 def pack(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
     """A NPZ file with a JSON header; equal contents give equal bytes."""
-    buffer = io.BytesIO()
-    text = np.array(json.dumps(header, sort_keys=True, allow_nan=False))
-    np.savez(buffer, allow_pickle=False, header=text, **dict(arrays))
-    return buffer.getvalue()
+    return encode_arrays({"header": np.array(json.dumps(header, sort_keys=True, allow_nan=False)), **arrays})
 
 
 def unpack(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
@@ -98,15 +93,13 @@ def unpack(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Arra
         FFGymError: if the file is missing, damaged, or of another format.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        header = json.loads(str(arrays.pop("header")))
-        if not isinstance(header, dict):
-            raise ValueError("its header is no table")
-    except FileNotFoundError as error:
-        raise FFGymError(f"{path}: there is no such file.") from error
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, AttributeError) as error:
-        raise FFGymError(f"{path}: is damaged or no file of ffgym: {error}.") from error
-    if header.get("format") != FORMAT:
-        raise FFGymError(f"{path}: has format {header.get('format')!r}, this version of ffgym reads {FORMAT}.")
+        arrays = decode_arrays(Path(path).read_bytes())
+        header = json.loads(str(arrays.pop("header", "")))
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
+    except ValueError as error:  # ours, or a header that is no JSON
+        raise FFGymError(f"{path}: is damaged or no file of ffgym: {error}") from error
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        found = header.get("format") if isinstance(header, dict) else header
+        raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
     return header, arrays

@@ -1,11 +1,15 @@
 """Files that appear whole or not at all."""
 
+import io
 import json
 import os
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
+
+import numpy as np
 
 from ffgym.errors import FFGymError
 
@@ -65,3 +69,34 @@ def write_json(path: str | os.PathLike[str], value: Any) -> None:
     except (TypeError, ValueError) as error:
         raise FFGymError(f"{path}: the result has no JSON form: {error}.") from error
     write_text(path, text + "\n")
+
+
+def encode_arrays(arrays: Mapping[str, Any]) -> bytes:
+    """Bytes of an NPZ file with these arrays; equal arrays in the same order give equal bytes."""
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, **dict(arrays))
+    return buffer.getvalue()
+
+
+def decode_arrays(data: bytes) -> dict[str, Any]:
+    """Arrays in the bytes of an NPZ file.
+
+    Raises:
+        FFGymError: if it is damaged, holds a name twice, or something that is no array.
+    """
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            names = list(file.files)
+            arrays = {name: file[name] for name in names}
+    except Exception as error:  # zipfile, zlib and numpy raise a dozen types for damaged bytes
+        reason = (str(error).splitlines() or [""])[0]
+        raise FFGymError(
+            f"Damaged, cut short or not NPZ ({type(error).__name__}: {reason}). Copy or make it again."
+        ) from error
+    if len(arrays) < len(names):
+        twice = sorted({name for name in names if names.count(name) > 1})
+        raise FFGymError(f"The NPZ file holds {', '.join(twice)} more than once. Keep one entry of each name.")
+    for name, array in arrays.items():
+        if not isinstance(array, np.ndarray):
+            raise FFGymError(f"The NPZ entry {name!r} is not an array. Remove it, or make the file again.")
+    return arrays

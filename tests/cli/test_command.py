@@ -176,7 +176,7 @@ def test_the_demo_runs_the_agents_and_parameters_it_is_given(tmp_path, irb4600):
     [
         (["--agents", "nobody"], "Unknown agent 'nobody'. Available: "),
         (["--agents", "none", "none"], "must have different names"),
-        (["--agents", "absent.npz"], "absent.npz: there is no such file"),
+        (["--agents", "absent.npz"], "absent.npz: cannot be read: No such file"),
         (["--parameters", "absent.toml"], "Cannot read parameter file absent.toml"),
     ],
 )
