@@ -83,7 +83,7 @@ class Lesson:
                 f"Recording {recording.header.segment!r} of {len(motor_dq)} rows every {recording.dt:g} s is none of "
                 f"the motion {reference.name!r}, which lasts {reference.duration:g} s."
             )
-        moving = ~recording.mask(kind="standstill")
+        ended = recording.t >= reference.phases[-1].end  # the last sample lies up to a step beyond
         return cls(
             reference=reference,
             t=recording.t,
@@ -92,7 +92,7 @@ class Lesson:
             signal=learning_signal(recording, reference.robot.servo, signal),
             added=recording.joint_array("compensation.effort"),
             error=motor_error(recording),
-            moving=moving,
+            moving=~recording.mask(kind="standstill") & ~ended,
         )
 
 

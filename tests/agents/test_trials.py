@@ -36,7 +36,7 @@ def test_a_lesson_has_the_reference_the_torque_and_the_error_of_every_row(circle
     torque = StaticLuGre(circle.robot.friction).torque(circle)
     np.testing.assert_allclose(lesson.added[at_samples][1:], torque[1:], atol=1e-12)
     assert not lesson.moving[0]
-    assert not lesson.moving[-5:-1].any()
+    assert not lesson.moving[-1]
     assert np.abs(lesson.motor_dq[~lesson.moving]).max() < 1e-9
 
 
