@@ -1,7 +1,7 @@
 """The circle test of the thesis on a simulated robot: every position, radius and speed, with each feed-forward law."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, physics_fingerprint
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.simulate import Progress
+from ffgym.studies.selection import distinct, picked
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,22 +56,41 @@ class CircleStudy:
         """Cells whose fields equal `wanted`, e.g. agent='none', speed_mm_s=10."""
         return [cell for cell in self.cells if all(getattr(cell, key) == value for key, value in wanted.items())]
 
+    def only(
+        self,
+        laws: Sequence[str] | None = None,
+        positions: Sequence[str] | None = None,
+        speeds: Sequence[float] | None = None,
+    ) -> "CircleStudy":
+        """Return the part of the study with these laws, positions and speeds [m/s]; None takes all.
+
+        Raises:
+            FFGymError: if the study lacks one of them.
+        """
+        keys = picked(self.recordings, law=laws, position=positions, speed=speeds)
+        return replace(
+            self,
+            cells=[c for key in keys for c in self.select(agent=key[0], position=key[1], speed_mm_s=_in_mm(key[2]))],
+            recordings={key: self.recordings[key] for key in keys},
+        )
+
+    def joined(self, other: "CircleStudy") -> "CircleStudy":
+        """Return the study with the results of another study of the same robot added.
+
+        Raises:
+            FFGymError: if the robots differ, or both have results of one law at one position and speed.
+        """
+        if other.fingerprint != self.fingerprint:
+            raise FFGymError(f"Studies of {self.robot.name!r} and {other.robot.name!r} are of unlike robots.")
+        if twice := sorted(self.recordings.keys() & other.recordings.keys()):
+            raise FFGymError(f"Both studies have results of {twice[0]}; leave them out of one with `only`.")
+        recordings = self.recordings | other.recordings
+        return replace(self, cells=self.cells + other.cells, recordings=recordings)
+
 
 def thesis_laws(robot: RobotDescription) -> list[FeedForwardLaw]:
     """No compensation, static LuGre and dynamic LuGre with the robot's own friction parameters (chapter 4)."""
     return [NoCompensation(), StaticLuGre(robot.friction), DynamicLuGreExact(robot.friction)]
-
-
-def distinct(laws: Sequence[FeedForwardLaw]) -> Sequence[FeedForwardLaw]:
-    """Return `laws` if their names differ, since results are filed by name.
-
-    Raises:
-        FFGymError: if two share a name.
-    """
-    names = [law.name for law in laws]
-    if len(set(names)) < len(names):
-        raise FFGymError(f"Feed-forward laws {names} of one study must have different names.")
-    return laws
 
 
 def circle_references(

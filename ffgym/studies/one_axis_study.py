@@ -1,7 +1,7 @@
 """The one-axis test of the thesis (4.3.1): a sine on one motor, with each feed-forward law."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from ffgym.paths import joint_sine
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.simulation import Run, simulate
-from ffgym.studies.circle_study import distinct, thesis_laws
+from ffgym.studies.circle_study import thesis_laws
+from ffgym.studies.selection import distinct, picked
 
 AMPLITUDE = 1.0
 """A [rad], thesis (4.7)."""
@@ -44,6 +45,19 @@ class OneAxisStudy:
     results: list[SineResult]
     recordings: dict[tuple[str, float], Recording]
     """By law and frequency [Hz]."""
+
+    def only(self, laws: Sequence[str] | None = None, frequencies: Sequence[float] | None = None) -> "OneAxisStudy":
+        """Return the part of the study with these laws and frequencies [Hz]; None takes all.
+
+        Raises:
+            FFGymError: if the study lacks one of them.
+        """
+        keys = picked(self.recordings, law=laws, frequency=frequencies)
+        return replace(
+            self,
+            results=[result for result in self.results if (result.agent, result.frequency_hz) in keys],
+            recordings={key: self.recordings[key] for key in keys},
+        )
 
 
 def sine_references(robot: RobotDescription, frequencies: Sequence[float] = FREQUENCIES) -> dict[float, Reference]:

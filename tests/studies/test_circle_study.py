@@ -129,3 +129,29 @@ def test_the_full_study_has_108_cells(irb4600):
     assert len({(c.agent, c.position, c.radius_mm, c.speed_mm_s) for c in study.cells}) == 108
     assert len(study.recordings) == 36
     assert all(np.isfinite([c.rms_mm, c.max_mm, c.rms_3d_mm, c.max_3d_mm, *c.motor_rms_rad]).all() for c in study.cells)
+
+
+def test_a_part_of_a_study_is_the_study_of_that_part(irb4600, study):
+    part = study.only(laws=["none", "lugre_dynamic"], positions=["p2"], speeds=[0.1])
+    laws = [law for law in thesis_laws(irb4600) if law.name != "lugre_static"]
+    assert part.cells == circle_study(irb4600, laws=laws, **SMALL).cells
+    assert list(part.recordings) == [("none", "p2", 0.1), ("lugre_dynamic", "p2", 0.1)]
+    assert study.only().cells == study.cells
+
+
+def test_parts_joined_are_the_whole_study(study):
+    whole = study.only(laws=["none"]).joined(study.only(laws=["lugre_static", "lugre_dynamic"]))
+    assert whole.cells == study.cells
+    assert whole.recordings == study.recordings
+
+
+def test_a_part_that_the_study_lacks_is_refused(study):
+    with pytest.raises(FFGymError, match=r"The study has no position 'p1', only \['p2'\]"):
+        study.only(positions=["p1"])
+
+
+def test_studies_that_overlap_or_are_of_unlike_robots_are_not_joined(study):
+    with pytest.raises(FFGymError, match=r"Both studies have results of \('lugre_dynamic', 'p2', 0.1\)"):
+        study.joined(study.only(laws=["lugre_dynamic"]))
+    with pytest.raises(FFGymError, match="unlike robots"):
+        study.joined(replace(study, recordings={}, fingerprint="another"))

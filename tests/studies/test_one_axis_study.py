@@ -71,3 +71,11 @@ def test_a_study_that_cannot_run_is_refused(one_axis, changes):
 def test_two_laws_of_one_name_are_refused(one_axis):
     with pytest.raises(FFGymError, match="different names"):
         one_axis_study(one_axis, laws=[NoCompensation(), NoCompensation()])
+
+
+def test_a_part_of_a_sine_test_keeps_its_results(study):
+    part = study.only(laws=["none", "lugre_static"], frequencies=[3.0])
+    assert part.results == [r for r in study.results if r.frequency_hz == 3.0 and r.agent != "lugre_dynamic"]
+    assert list(part.recordings) == [("none", 3.0), ("lugre_static", 3.0)]
+    with pytest.raises(FFGymError, match="The study has no frequency 2.0"):
+        study.only(frequencies=[2.0])
