@@ -19,7 +19,10 @@ from ffgym.types import Array
 FORMAT = 1
 """Version of the file format; see docs/agents/files.md."""
 
-KINDS: dict[str, tuple[str, str]] = {}
+KINDS: dict[str, tuple[str, str]] = {
+    "bsn_static": ("agents.bspline", "StaticBSN"),
+    "bsn_extended": ("agents.bspline", "ExtendedBSN"),
+}
 """Where the class of each kind of law is: module and name. A module is imported when a file asks for it."""
 
 

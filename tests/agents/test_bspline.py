@@ -1,0 +1,145 @@
+"""B-spline networks: which curve they add, and that an update follows the gradient."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from agents.bspline import ExtendedBSN, StaticBSN
+from agents.law_files import load_law, save_law
+from agents.spline_basis import SplineBasis
+from ffgym.errors import FFGymError
+from ffgym.studies import sine_references
+from tests.agents.lesson_samples import lesson
+
+NETWORKS = [StaticBSN, ExtendedBSN]
+
+
+@pytest.fixture(scope="module")
+def sine(one_axis):
+    return sine_references(one_axis, [1.0])[1.0]
+
+
+@pytest.fixture
+def random_network():
+    """Function of a class and number of joints that returns a network with weights drawn at random."""
+
+    def make(kind, n_joints=1, order=2):
+        empty = kind.zero(n_joints, SplineBasis(order=order))
+        return replace(empty, coefficients=np.random.default_rng(1).normal(size=empty.coefficients.shape))
+
+    return make
+
+
+def test_the_extended_network_asks_its_first_network_where_the_acceleration_is_not_negative():
+    halves = np.stack([np.full((3, 79), 1.0), np.full((3, 79), -2.0)], axis=1)
+    network = ExtendedBSN(coefficients=halves)
+    np.testing.assert_allclose(network.torque_at(np.array([0.3, -5, 40]), np.array([0.0, 2.0, -1e-9])), [1, 1, -2])
+
+
+def test_joints_have_weights_of_their_own(random_network):
+    network = random_network(StaticBSN, n_joints=3)
+    speeds = np.random.default_rng(0).uniform(-20, 20, (40, 3))
+    together = network.torque_at(speeds, np.zeros_like(speeds))
+    for joint in range(3):
+        alone = replace(network, coefficients=network.coefficients[[joint]])
+        np.testing.assert_array_equal(together[:, [joint]], alone.torque_at(speeds[:, [joint]], np.zeros((40, 1))))
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_torque_is_the_design_matrix_times_the_weights(kind, order, sine, random_network):
+    network = random_network(kind, order=order)
+    matrix = network.design_matrix(sine.motor_dq[:, 0], sine.motor_ddq[:, 0])
+    torque = network.torque_at(sine.motor_dq, sine.motor_ddq)[:, 0]
+    np.testing.assert_allclose(matrix @ network.coefficients.ravel(), torque, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
+def test_the_torque_of_a_sample_belongs_to_the_speed_and_acceleration_there(kind, sine, random_network):
+    network = random_network(kind)
+    expected = network.torque_at(sine.motor_dq, sine.motor_ddq)
+    np.testing.assert_array_equal(network.torque(sine)[1:], expected[1:])
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
+def test_the_update_is_the_gradient_of_the_quadratic_cost_over_the_sum_of_each_spline(kind, sine, random_network):
+    """(3.16) and (5.5): -dJ/dw by finite differences, J = 1/2 sum (y_m - y)^2, where the signal is y_m - y."""
+    network = random_network(kind)
+    wanted = 2 * np.sin(3 * sine.motor_dq)
+
+    def missing(weights):
+        return wanted - replace(network, coefficients=weights).torque_at(sine.motor_dq, sine.motor_ddq)
+
+    weights, eps = network.coefficients, 1e-4
+    gradient = np.zeros_like(weights)
+    for place in np.ndindex(weights.shape):
+        nudge = np.zeros_like(weights)
+        nudge[place] = eps
+        gradient[place] = (np.sum(missing(weights + nudge) ** 2) - np.sum(missing(weights - nudge) ** 2)) / (4 * eps)
+    seen = network.design_matrix(sine.motor_dq[:, 0], sine.motor_ddq[:, 0]).sum(axis=0).reshape(weights.shape)
+    step = network.adapted([lesson(sine, missing(weights))], 0.7).coefficients - weights
+    np.testing.assert_allclose(step * seen, -0.7 * gradient, rtol=0, atol=1e-6)
+    assert np.abs(gradient).max() > 1
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
+def test_several_lessons_count_as_one_long_one(kind, sine, random_network):
+    network = random_network(kind)
+    signal = np.cos(sine.motor_dq)
+    half = len(signal) // 2
+    first = lesson(sine, signal[:half])
+    second = lesson(sine, signal[half:], motor_dq=sine.motor_dq[half:], motor_ddq=sine.motor_ddq[half:])
+    whole = network.adapted([lesson(sine, signal)], 0.5)
+    np.testing.assert_allclose(
+        network.adapted([first, second], 0.5).coefficients, whole.coefficients, rtol=0, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
+def test_speeds_that_were_not_seen_and_standstill_keep_their_weights(kind, sine, random_network):
+    network = random_network(kind)
+    speeds = np.linspace(2, 4, 201)[:, None]
+    moving = speeds[:, 0] > 3
+    update = network.adapted(
+        [lesson(sine, np.ones_like(speeds), motor_dq=speeds, motor_ddq=np.ones_like(speeds), moving=moving)], 0.9
+    )
+    changed = np.argwhere(update.coefficients != network.coefficients)
+    knots = network.basis.knots[changed[:, 2]]
+    np.testing.assert_allclose(knots, [3, 4])
+    np.testing.assert_allclose((update.coefficients - network.coefficients)[tuple(changed.T)], 0.9)
+    assert set(changed[:, 1]) == {0}
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_a_network_can_start_from_a_curve(order):
+    network = ExtendedBSN.zero(2, SplineBasis(order=order)).filled(lambda v: np.array([1.0, -2.0]) * np.tanh(v))
+    speeds = np.repeat(np.linspace(-0.9, 0.9, 361)[:, None], 2, axis=1)
+    for acceleration in (1.0, -1.0):
+        torque = network.torque_at(speeds, np.full_like(speeds, acceleration))
+        tolerance = {1: 0.06, 2: 1e-3, 3: 2e-3}[order]  # knots are 0.05 rad/s apart
+        np.testing.assert_allclose(torque, np.array([1.0, -2.0]) * np.tanh(speeds), rtol=0, atol=tolerance)
+
+
+@pytest.mark.parametrize("kind", NETWORKS)
+def test_any_knots_order_and_name_survive_a_file(kind, tmp_path, sine):
+    basis = SplineBasis(knots=np.array([-7.0, -1.0, 0.25, 7.0]), order=3)
+    network = replace(kind.zero(1, basis, name="mine"), coefficients=np.random.default_rng(2).normal(
+        size=(1, kind.n_networks, basis.n_splines)
+    ))  # fmt: skip
+    again = load_law(save_law(tmp_path / "mine.npz", network))
+    assert isinstance(again, kind)
+    assert again.name == "mine"
+    np.testing.assert_array_equal(again.torque(sine), network.torque(sine))
+
+
+def test_merging_takes_the_chosen_joints_from_the_other():
+    mine, theirs = StaticBSN.zero(3), StaticBSN(coefficients=np.ones((3, 1, 79)))
+    merged = mine.merged(theirs, np.array([True, False, True]))
+    np.testing.assert_array_equal(merged.coefficients[:, 0, 0], [1, 0, 1])
+
+
+@pytest.mark.parametrize("shape", [(0, 1, 79), (2, 2, 79), (2, 1, 78), (2, 79)])
+def test_weights_of_another_shape_are_refused(shape):
+    with pytest.raises(FFGymError, match="coefficients"):
+        StaticBSN(coefficients=np.zeros(shape))
