@@ -2,6 +2,8 @@
 
 from ffgym.metrics.circle import Circle as Circle
 from ffgym.metrics.circle import fit_circle as fit_circle
+from ffgym.metrics.friction_miss import friction_miss as friction_miss
+from ffgym.metrics.friction_miss import relative_rms as relative_rms
 from ffgym.metrics.motor_error import motor_error as motor_error
 from ffgym.metrics.motor_error import motor_error_rms as motor_error_rms
 from ffgym.metrics.path_error import PathError as PathError

@@ -9,6 +9,7 @@ from ffgym.report.figures import one_axis_figures as one_axis_figures
 from ffgym.report.findings import Finding as Finding
 from ffgym.report.findings import findings as findings
 from ffgym.report.headline import headline as headline
+from ffgym.report.laws import law_styles as law_styles
 from ffgym.report.page import render_report as render_report
 from ffgym.report.page import write_report as write_report
 from ffgym.report.tables import format_one_axis as format_one_axis

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ffgym.metrics import friction_miss, relative_rms
 from ffgym.recordings import Recording
 from ffgym.report._matplotlib import house_style, new_figure
 from ffgym.report.laws import LawStyle, compensated, law_styles
@@ -30,7 +31,9 @@ def one_axis_loops_figure(study: OneAxisStudy) -> "Figure":
         for i, frequency in enumerate(frequencies):
             for j, law in enumerate(columns):
                 recording = study.recordings[law, frequency]
-                _draw(grid[i][j], recording, 0, recording.t >= SETTLED, styles[law])
+                rows = recording.t >= SETTLED
+                _draw_friction(grid[i][j], recording, 0, rows)
+                _draw_added(grid[i][j], recording, 0, rows, styles[law])
                 grid[i][j].set_title(f"{styles[law].label}, {frequency:g} Hz")
                 grid[i][j].set_xlabel("motor speed of the reference [rad/s]")
             grid[i][0].set_ylabel("friction torque [N m]")
@@ -39,7 +42,12 @@ def one_axis_loops_figure(study: OneAxisStudy) -> "Figure":
 
 
 def joint_loops_figure(
-    study: CircleStudy, *, position: str | None = None, speed: float | None = None, laws: Sequence[str] | None = None
+    study: CircleStudy,
+    *,
+    position: str | None = None,
+    speed: float | None = None,
+    laws: Sequence[str] | None = None,
+    beside: str | None = None,
 ) -> "Figure":
     """One panel per joint and law that compensates, laws side by side, at one position and speed.
 
@@ -48,10 +56,11 @@ def joint_loops_figure(
         position: name; None takes the first.
         speed: TCP speed [m/s]; None takes the first.
         laws: names; None takes all that compensate.
+        beside: name of a law whose torque is drawn in every panel instead of the friction of the robot.
     """
     agents, positions, speeds = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
     where = (position or positions[0], speed or speeds[0])
-    columns = compensated(agents) if laws is None else list(laws)
+    columns = [law for law in compensated(agents) if law != beside] if laws is None else list(laws)
     styles, joints = law_styles(agents), study.robot.joints
     with house_style():
         figure = new_figure(max(4.2 * len(columns), 5.0), 1.75 * len(joints) + 0.7)
@@ -60,7 +69,11 @@ def joint_loops_figure(
             recording = study.recordings[(law, *where)]
             moving = ~recording.mask(kind="standstill")
             for i, joint in enumerate(joints):
-                _draw(grid[i][j], recording, i, moving, styles[law])
+                if beside is None:
+                    _draw_friction(grid[i][j], recording, i, moving)
+                else:
+                    _draw_added(grid[i][j], study.recordings[(beside, *where)], i, moving, styles[beside], width=1.8)
+                _draw_added(grid[i][j], recording, i, moving, styles[law])
                 grid[i][j].set_title(f"{joint}, {styles[law].label}", fontsize=9)
                 grid[i][0].set_ylabel("torque [N m]")
             grid[-1][j].set_xlabel("motor speed of the reference [rad/s]")
@@ -76,7 +89,7 @@ def one_axis_loops_caption(study: OneAxisStudy) -> str:
     for frequency in frequencies:
         for law in compensated(laws):
             recording = study.recordings[law, frequency]
-            miss = _miss(recording, recording.t >= SETTLED)[0]
+            miss = friction_miss(recording, recording.t >= SETTLED)[0]
             misses.append(f"{styles[law].label} at {frequency:g} Hz {miss:.1%}")
     return (
         "Friction of the motor (black) and what the law adds (colour), over the speed of the reference, without the "
@@ -84,43 +97,61 @@ def one_axis_loops_caption(study: OneAxisStudy) -> str:
     )
 
 
-def joint_loops_caption(study: CircleStudy) -> str:
-    """What the figure shows, with how far each law is from the friction of each joint."""
+def joint_loops_caption(study: CircleStudy, beside: str | None = None) -> str:
+    """What the figure shows, with how far each law is from the friction of each joint, or from the law `beside`."""
     agents, positions, speeds = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
+    where = (positions[0], speeds[0])
     styles = law_styles(agents)
     misses = []
     for law in compensated(agents):
-        recording = study.recordings[law, positions[0], speeds[0]]
-        shares = _miss(recording, ~recording.mask(kind="standstill"))
-        each = ", ".join(f"{joint} {share:.1%}" for joint, share in zip(study.robot.joints, shares, strict=True))
-        misses.append(f"{styles[law].label}: {each}")
+        if law != beside:
+            recording = study.recordings[(law, *where)]
+            shares = (
+                friction_miss(recording) if beside is None else _unlike(recording, study.recordings[(beside, *where)])
+            )
+            each = ", ".join(f"{joint} {share:.1%}" for joint, share in zip(study.robot.joints, shares, strict=True))
+            misses.append(f"{styles[law].label}: {each}")
+    place = f"motor side, at {positions[0]}, {speeds[0] * 1e3:g} mm/s, without standstill"
+    if beside is not None:
+        return (
+            f"What the law adds, and what {styles[beside].label} adds on the same motion, {place}. RMS of their "
+            f"difference, in percent of the RMS of {styles[beside].label}: {'; '.join(misses)}."
+        )
     return (
-        f"Friction of each joint (black) and what the law adds (colour), motor side, at {positions[0]}, "
-        f"{speeds[0] * 1e3:g} mm/s, without standstill. Friction bends with the real speed, the law with that of the "
-        f"reference. RMS of their difference, in percent of the RMS friction: {'; '.join(misses)}."
+        f"Friction of each joint (black) and what the law adds (colour), {place}. Friction bends with the real speed, "
+        "the law with that of the reference. RMS of their difference, in percent of the RMS friction: "
+        f"{'; '.join(misses)}."
     )
 
 
-def _draw(axes: "Axes", recording: Recording, joint: int, rows: BoolArray, style: LawStyle) -> None:
-    speed = _column(recording, "reference.velocity", joint, rows)
-    axes.plot(speed, _column(recording, "friction.effort", joint, rows), **_TRUE)
+def _unlike(recording: Recording, other: Recording) -> Array:
+    """RMS difference of what two laws add on one motion over RMS of the other, without standstill, shape (N,)."""
+    moving = ~recording.mask(kind="standstill")
+    added, others = (part.joint_array("compensation.effort")[moving] for part in (recording, other))
+    return relative_rms(added - others, others)
+
+
+def _draw_friction(axes: "Axes", recording: Recording, joint: int, rows: BoolArray) -> None:
+    axes.plot(_speed(recording, joint, rows), _column(recording, "friction.effort", joint, rows), **_TRUE)
+
+
+def _draw_added(
+    axes: "Axes", recording: Recording, joint: int, rows: BoolArray, style: LawStyle, width: float = 1.1
+) -> None:
     added = _column(recording, "compensation.effort", joint, rows)
-    axes.plot(speed, added, color=style.colour, linestyle=style.line, linewidth=1.1, label=f"added by {style.label}")
+    look: dict[str, Any] = {"color": style.colour, "linestyle": style.line, "linewidth": width}
+    axes.plot(_speed(recording, joint, rows), added, label=f"added by {style.label}", **look)
+
+
+def _speed(recording: Recording, joint: int, rows: BoolArray) -> Array:
+    """Motor speed of the reference [rad/s]."""
+    return _column(recording, "reference.velocity", joint, rows)
 
 
 def _column(recording: Recording, family: str, joint: int, rows: BoolArray) -> Array:
     """One joint's samples, NaN where a stretch of rows ends, so that no line is drawn across."""
     values = np.where(rows, recording.joint_array(family)[:, joint], np.nan)
     return values[rows | np.roll(rows, 1)]
-
-
-def _miss(recording: Recording, rows: BoolArray) -> Array:
-    """RMS of friction minus added torque over RMS friction, shape (N,)."""
-    friction = recording.joint_array("friction.effort")[rows]
-    added = recording.joint_array("compensation.effort")[rows]
-    size = np.sqrt(np.mean(friction**2, axis=0))
-    error = np.sqrt(np.mean((friction - added) ** 2, axis=0))
-    return np.asarray(np.divide(error, size, out=np.zeros_like(size), where=size > 0))
 
 
 def _legend(figure: "Figure", row: "Sequence[Axes]") -> None:

@@ -7,11 +7,11 @@ from matplotlib import rcParams
 from matplotlib.colors import to_hex
 
 from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error, motor_error_rms
+from ffgym.metrics import motor_error, motor_error_rms, relative_rms
 from ffgym.report import circle_figures, one_axis_figures, save_figure
 from ffgym.report._matplotlib import encode_figure
 from ffgym.report.bars import motor_error_figure
-from ffgym.report.friction_loops import joint_loops_figure
+from ffgym.report.friction_loops import joint_loops_caption, joint_loops_figure
 from ffgym.report.laws import law_styles
 from ffgym.report.one_axis_plot import one_axis_figure
 from ffgym.report.paths_plot import flat_circles, magnification, paths_figure
@@ -80,6 +80,19 @@ def test_friction_loops_show_friction_and_added_torque_of_the_same_run(circle):
     ):
         y = drawn[label]
         np.testing.assert_array_equal(y[~np.isnan(y)], recording.joint_array(family)[moving, 1])
+
+
+def test_friction_loops_beside_a_law_show_both_laws_and_no_friction(circle):
+    figure = joint_loops_figure(circle, beside="lugre_dynamic")
+    assert len(figure.axes) == 6  # the other law that compensates, six joints
+    for axes in figure.axes:
+        assert lines_of(axes).keys() == {"added by dynamic LuGre", "added by static LuGre"}
+    where = (circle.cells[0].position, 0.04)
+    recordings = [circle.recordings[law, *where] for law in ("lugre_static", "lugre_dynamic")]
+    moving = ~recordings[0].mask(kind="standstill")
+    added, others = (recording.joint_array("compensation.effort")[moving] for recording in recordings)
+    share = relative_rms(added - others, others)[2]
+    assert f"{circle.robot.joints[2]} {share:.1%}" in joint_loops_caption(circle, beside="lugre_dynamic")
 
 
 def test_sine_figure_shows_before_and_after_in_each_column(sine):
