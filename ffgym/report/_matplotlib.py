@@ -2,8 +2,9 @@
 
 import io
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from math import ceil
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Literal
@@ -37,6 +38,9 @@ _STYLE: dict[str, Any] = {
     "svg.hashsalt": "ffgym",  # equal figures give equal bytes
 }
 
+_LEGEND_HANDLE, _LEGEND_LETTER = 0.55, 0.065
+"""Width of an entry's line with its margins and of a letter [inch], at the font size above; measured, rounded up."""
+
 
 def require_matplotlib() -> ModuleType:
     """Return matplotlib.
@@ -66,6 +70,14 @@ def new_figure(width: float, height: float) -> "Figure":
     """Empty figure of that size [inch] that belongs to no window."""
     figure: Figure = require_matplotlib().figure.Figure(figsize=(width, height), layout="constrained")
     return figure
+
+
+def legend_above(figure: "Figure", handles: Sequence[Any], labels: Sequence[str]) -> None:
+    """Legend above all panels, in as many columns as the figure is wide enough for."""
+    longest = max(len(label) for label in labels)
+    room = max(int(figure.get_figwidth() / (_LEGEND_HANDLE + longest * _LEGEND_LETTER)), 1)
+    rows = ceil(len(labels) / room)
+    figure.legend(handles, labels, loc="outside upper center", ncols=ceil(len(labels) / rows))
 
 
 def encode_figure(figure: "Figure", kind: Literal["svg", "png", "pdf"] = "svg", dpi: float = 110) -> bytes:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ffgym.metrics import motor_error_rms
-from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import CircleStudy
 from ffgym.types import Array
@@ -34,7 +34,7 @@ def motor_error_figure(study: CircleStudy, *, positions: Sequence[str] | None = 
                 _draw(grid[i][j], _errors(study, laws, position, speed), study.robot.joints, styles)
                 grid[i][j].set_title(f"{position}, {speed * 1e3:g} mm/s")
             grid[i][0].set_ylabel("RMS motor error [mrad]")
-        figure.legend(*grid[0][0].get_legend_handles_labels(), loc="outside upper center", ncols=len(laws))
+        legend_above(figure, *grid[0][0].get_legend_handles_labels())
     return figure
 
 
@@ -75,4 +75,4 @@ def _draw(axes: "Axes", errors: dict[str, Array], joints: Sequence[str], styles:
 
 def _low(value: float, errors: dict[str, Array]) -> str:
     """Number over a bar that is too low to see."""
-    return f"{value:.1f}" if value < 0.03 * max(float(values.max()) for values in errors.values()) else ""
+    return f"{value:.2g}" if value < 0.03 * max(float(values.max()) for values in errors.values()) else ""

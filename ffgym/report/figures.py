@@ -28,7 +28,7 @@ class ReportFigure:
     """For file names and links."""
     title: str
     thesis: str
-    """Where the thesis shows the same."""
+    """Where the thesis shows the same; empty where the page says it."""
     caption: str
     figure: "Figure"
 

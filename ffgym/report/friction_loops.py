@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.metrics import friction_miss, relative_rms
 from ffgym.recordings import Recording
-from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, compensated, law_styles
 from ffgym.studies import CircleStudy, OneAxisStudy
 from ffgym.studies.one_axis_study import SETTLED
@@ -157,4 +157,4 @@ def _column(recording: Recording, family: str, joint: int, rows: BoolArray) -> A
 def _legend(figure: "Figure", row: "Sequence[Axes]") -> None:
     found = [axes.get_legend_handles_labels() for axes in row]
     entries = {label: handle for handles, labels in found for handle, label in zip(handles, labels, strict=True)}
-    figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=len(entries))
+    legend_above(figure, list(entries.values()), list(entries))

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from ffgym.metrics import motor_error
 from ffgym.recordings import Recording
-from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, baseline_of, compensated, law_styles
 from ffgym.studies import OneAxisStudy
 from ffgym.studies.one_axis_study import SETTLED
@@ -36,7 +36,7 @@ def one_axis_figure(study: OneAxisStudy, frequency: float) -> "Figure":
         handles = {
             label: line for axes in grid[0] for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
         }
-        figure.legend(list(handles.values()), list(handles), loc="outside upper center", ncols=len(handles))
+        legend_above(figure, list(handles.values()), list(handles))
         figure.align_ylabels()
     return figure
 

@@ -10,7 +10,7 @@ from ffgym.errors import FFGymError
 from ffgym.metrics import Circle, circle_deviation, fit_circle, standstill_offset
 from ffgym.paths.circles import Plane, plane_of
 from ffgym.recordings import Phase, Recording
-from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import CircleStudy
 from ffgym.types import Array, BoolArray
@@ -102,7 +102,7 @@ def paths_figure(
                 grid[i][j].set_ylabel("y [mm]" if j == 0 else "")
                 grid[-1][j].set_xlabel("x [mm]")
             _share_limits(grid[i])
-        figure.legend(*grid[0][0].get_legend_handles_labels(), loc="outside upper center", ncols=len(laws) + 1)
+        legend_above(figure, *grid[0][0].get_legend_handles_labels())
     return figure
 
 

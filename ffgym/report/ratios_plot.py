@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from ffgym.errors import FFGymError
-from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.comparison import FACTOR, SpeedTable, circle_tables, nearness
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import CircleStudy
@@ -34,7 +34,7 @@ def ratios_figure(study: CircleStudy) -> "Figure":
             _draw(axes, table, styles)
         _set_scale(row[0], [ratio for table in tables for agent in styles for ratio in table.ratios(agent).values()])
         row[0].set_ylabel("RMS path error, simulated / published")
-        figure.legend(*row[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(styles) + 1)
+        legend_above(figure, *row[0].get_legend_handles_labels())
     return figure
 
 

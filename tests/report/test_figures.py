@@ -118,6 +118,14 @@ def test_ratio_figure_without_published_numbers_is_refused(circle, made_up):
         ratios_figure(study)
 
 
+def test_a_legend_is_no_wider_than_its_figure(circle):
+    for figure in (paths_figure(circle.only(speeds=[0.04])), motor_error_figure(circle.only(speeds=[0.04]))):
+        figure.draw_without_rendering()
+        [legend] = figure.legends
+        box = legend.get_window_extent()
+        assert 0 <= box.x0 < box.x1 <= figure.bbox.width
+
+
 def test_a_law_has_one_colour_in_all_figures(circle, sine):
     expected = law_styles(["lugre_static"])["lugre_static"].colour
     for entry in [*circle_figures(circle), *one_axis_figures(sine)]:
