@@ -69,6 +69,13 @@ class LuGreParameters:
         """Rate of the bristle deflection dz/dt [rad/s] at deflection `z` [rad] and motor speed `dq` [rad/s]."""
         return dq - self.bristle_stiffness * np.abs(dq) / self.stribeck_level(dq) * z
 
+    def bristle_rate_slopes(self, z: Array, dq: Array) -> tuple[Array, Array]:
+        """Partial derivatives of `bristle_rate` by `dq` [1] and by `z` [1/s]; where `dq` is 0, the mean of both sides."""
+        level, stiffness = self.stribeck_level(dq), self.bristle_stiffness
+        level_slope = -2 * dq / self.stribeck_velocity**2 * (level - self.coulomb)
+        by_dq = 1 - stiffness * z * (np.sign(dq) - np.abs(dq) * level_slope / level) / level
+        return by_dq, -stiffness * np.abs(dq) / level
+
     def torque(self, z: Array, dq: Array) -> Array:
         """Friction torque [N m] at bristle deflection `z` [rad] and motor speed `dq` [rad/s]; opposes the motion."""
         return self.bristle_stiffness * z + self.bristle_damping * self.bristle_rate(z, dq) + self.viscous * dq

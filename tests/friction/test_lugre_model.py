@@ -127,6 +127,20 @@ def test_friction_takes_energy_over_a_cycle_of_any_periodic_motion(friction, amp
     assert work.mean() >= 0
 
 
+@given(friction=parameters, bent=st.floats(-1, 1), v=st.floats(0.01, 30), sign=st.sampled_from([-1, 1]))
+def test_slopes_of_the_bristle_rate_are_its_finite_differences(friction, bent, v, sign):
+    v, z = one(sign * v), bent * friction.static / friction.bristle_stiffness
+    by_dq, by_z = friction.bristle_rate_slopes(z, v)
+
+    def difference(rate, step):
+        return (rate(step) - rate(-step)) / (2 * step)
+
+    step = 1e-4 * float(min(np.abs(v[0]), friction.stribeck_velocity[0]))
+    numeric = difference(lambda h: friction.bristle_rate(z, v + h), step)
+    np.testing.assert_allclose(by_dq, numeric, rtol=1e-5, atol=1e-5)
+    np.testing.assert_allclose(by_z, difference(lambda h: friction.bristle_rate(z + h, v), 1.0), rtol=1e-9)
+
+
 @given(friction=parameters, start=st.floats(-1, 1), v=speeds)
 def test_sliding_friction_opposes_the_motion_once_it_is_steady(friction, start, v):
     assert friction.steady_torque(one(v))[0] * v >= 0
