@@ -1,0 +1,112 @@
+"""Learning feed-forward control online: a B-spline network that adapts at every sample while it compensates.
+
+Idea and source: thesis (3.13) and (3.15), which the thesis states and leaves out in practice (5.2.2), as its robot's
+controller could not be changed. With u_p, the feedback without its integral part, in place of y_m - y:
+
+    w_s(k + 1) = w_s(k) + rate u_p(k) mu_s(v(k)),       u_p = K_p e + K_v de
+
+where v is the motor speed of the reference now, e and de the observed motor error and its rate. The torque returned is
+that of the new weights at the speed of the next sample. Nothing is learned at standstill (v = 0).
+
+Run it (the weights are the agent's state, one set per sub-environment; they outlive episodes):
+
+    agent = OnlineLFFC.for_env(ExtendedBSN.zero(1), env, load_robot("one_axis").servo)
+    action, state = agent.predict(observation, state, episode_start)
+    network = agent.network_of(state)
+
+Logged: nothing; `network_of` shows what was learned, as a law of its own.
+
+Departures from the source: none in the update; the rate is smaller than that of (5.5), since it is applied 250 times a
+second and not once a motion.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from agents.bspline import BSplineNetwork
+from agents.law_agent import LawAgent
+from ffgym.control import servo_torque
+from ffgym.errors import FFGymError, check_number
+from ffgym.robot import Servo
+from ffgym.types import Array
+
+RATE = 0.1
+"""Share of u_p that goes into the weights at each sample; chosen, see docs/agents/online_lffc.md."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OnlineLFFC:
+    """An agent that learns; nothing in it changes, what it has learned is the state that `predict` returns."""
+
+    agent: LawAgent
+    """Acts with the network to begin with."""
+    servo: Servo
+    """Gains of the drive."""
+    rate: float = RATE
+    """Share of u_p that goes into the weights at each sample."""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.agent.law, BSplineNetwork):
+            raise FFGymError(f"{self.agent.law.name} is no B-spline network, so that it cannot learn online.")
+        if len(self.servo.position_gain) != self.network.n_joints:
+            raise FFGymError(
+                f"A servo of {len(self.servo.position_gain)} motors does not fit a network for {self.network.n_joints}."
+            )
+        check_number("rate", self.rate, low=0.0, high=1.0, open_low=True)
+
+    @classmethod
+    def for_env(cls, network: BSplineNetwork, env: Any, servo: Servo, rate: float = RATE) -> "OnlineLFFC":
+        """Return the agent for an environment of ffgym; see `LawAgent.for_env`."""
+        return cls(agent=LawAgent.for_env(network, env), servo=servo, rate=rate)
+
+    @property
+    def network(self) -> BSplineNetwork:
+        """What every sub-environment begins with."""
+        network = self.agent.law
+        assert isinstance(network, BSplineNetwork)
+        return network
+
+    def predict(
+        self,
+        observation: Array,
+        state: Any = None,
+        episode_start: Any = None,
+        deterministic: bool = True,
+    ) -> tuple[Array, Any]:
+        """Actions for observations (..., D), shape (..., N), and the weights after this sample, shape (..., N H S).
+
+        Args:
+            observation: one observation, or a batch of them.
+            state: what the last call returned, None at first.
+            episode_start: without effect, what was learned is kept.
+            deterministic: without effect, nothing is random.
+        """
+        window = self.agent.window(observation)
+        weights = self._weights(state, window.q.shape[:-2])
+        dq, ddq = window.motor_dq, window.motor_ddq
+        values, places = self.network.active(dq[..., 0, :], ddq[..., 0, :])
+        missing = np.where(dq[..., 0, :] == 0, 0.0, self._missing(observation))
+        learned = np.take_along_axis(weights, places, axis=-1) + self.rate * missing[..., None] * values
+        np.put_along_axis(weights, places, learned, axis=-1)
+        values, places = self.network.active(dq[..., 1, :], ddq[..., 1, :])
+        torque = (values * np.take_along_axis(weights, places, axis=-1)).sum(axis=-1)
+        action = torque / self.agent.layout["added_torque"].scale
+        return action, weights.reshape(*weights.shape[:-2], -1)
+
+    def network_of(self, state: Array) -> BSplineNetwork:
+        """What one sub-environment has learned; `state` is its row, shape (N H S,)."""
+        return self.network.with_weights({"coefficients": state.reshape(self.network.coefficients.shape)})
+
+    def _weights(self, state: Any, batch: tuple[int, ...]) -> Array:
+        """A copy of the weights in `state`, or those to begin with, shape (..., N, H S)."""
+        n = self.network.n_joints
+        if state is None:
+            return np.tile(self.network.coefficients.reshape(n, -1), (*batch, 1, 1))
+        return np.array(state, dtype=np.float64).reshape(*batch, n, -1)
+
+    def _missing(self, observation: Array) -> Array:
+        """u_p as observed [N m], shape (..., N)."""
+        error, rate = (self.agent.layout.read(observation, name) for name in ("error", "error_rate"))
+        return servo_torque(self.servo, error, rate, np.zeros_like(error)).u_p

@@ -1,0 +1,173 @@
+"""`ffgym lffc`: learning feed-forward control, a B-spline network trained from trials on a simulated robot."""
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from agents.bspline import BSplineNetwork, ExtendedBSN, StaticBSN
+from agents.bspline_recipes import thesis_training
+from agents.coulomb_prior import CoulombPrior
+from agents.law_files import save_law
+from agents.learning import Learning, relative
+from agents.lessons import training_motions
+from agents.lffc import LFFC, robot_seconds
+from agents.spline_basis import SplineBasis
+from agents.trials import SimulatedTrial
+from ffgym.control import Reference
+from ffgym.errors import FFGymError
+from ffgym.files import check_writable, write_json
+from ffgym.provenance import versions
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot, physics_fingerprint
+from ffgym.types import Array
+
+NETWORKS: dict[str, type[StaticBSN] | type[ExtendedBSN]] = {"static": StaticBSN, "extended": ExtendedBSN}
+"""Networks by the word for them on the command line."""
+
+
+@dataclass(frozen=True)
+class Lffc:
+    """Train a network on test motions, trial by trial; print how errors fall; write the law that was learned."""
+
+    network: Literal["static", "extended"] = "extended"
+    """One B-spline network per motor, or two by the sign of the acceleration."""
+    order: int = 2
+    """Order of the splines; 2 is hats."""
+    robot: str = "irb4600_60_205"
+    """Built-in robot, or a path to a description that ends in .toml."""
+    positions: tuple[str, ...] = ("p1",)
+    """Positions of the circles to learn on (robots with a work area)."""
+    speeds_mm_s: tuple[float, ...] = (10.0,)
+    """TCP speeds of the circles to learn on (robots with a work area)."""
+    frequencies_hz: tuple[float, ...] = (1.0,)
+    """Frequencies of the sines to learn on (robots with one axis)."""
+    gamma: float | None = None
+    """Learning rate; none given is the thesis', 0.95, or 0.8 on one axis."""
+    iterations: int | None = None
+    """Updates at most; none given is the thesis', 10, or 15 on one axis."""
+    signal: Literal["u_p", "u_c", "e_p"] = "u_p"
+    """Learning signal."""
+    prior: bool = False
+    """Begin with a Coulomb torque, estimated from one more trial, instead of zero weights."""
+    out: Path = Path("network.npz")
+    """Law to write; its name is that of the file without .npz."""
+    resume: bool = False
+    """Go on where an interrupted training with the same options stopped; begin if there is none."""
+    json: Path | None = None
+    """Also write every number to this file."""
+    threads: int = 0
+    """Threads of the simulation, 0 for all cores; results are the same at any number."""
+
+    def run(self) -> None:
+        """Learn, write, print."""
+        self._check()
+        robot = load_robot(self.robot)
+        arm = RigidArm(robot)
+        motions = training_motions(
+            arm, self.positions, [speed / 1e3 for speed in self.speeds_mm_s], self.frequencies_hz
+        )
+        trial = SimulatedTrial(arm=arm, n_threads=self.threads)
+        fingerprint = physics_fingerprint(compile_model(robot, ModelOptions(looks=False)))
+        learning = self._learn(self._first(robot, motions, trial), motions, trial, fingerprint)
+        info = self._provenance(robot, motions, learning, fingerprint)
+        save_law(self.out, learning.best, meta=info)
+        if self.json is not None:
+            write_json(self.json, info)
+        self._state.unlink(missing_ok=True)
+        print(learning_table(learning, robot.joints))
+        print(f"{info['trials']} trials, {info['robot_seconds']:.0f} s of robot time")
+        print(f"law: {self.out}")
+        if self.json is not None:
+            print(f"numbers: {self.json}")
+
+    @property
+    def _state(self) -> Path:
+        """What is kept between trials, beside the law."""
+        return self.out.with_suffix(".state.npz")
+
+    def _check(self) -> None:
+        if self.out.suffix != ".npz":
+            raise FFGymError(f"--out {self.out}: the name of a law's file must end in .npz.")
+        check_writable(self.out)
+        if self.json is not None:
+            check_writable(self.json)
+            if self.json.resolve() == self.out.resolve():
+                raise FFGymError(f"--out and --json are both {self.out}; they need two files.")
+        if self._state.exists() and not self.resume:
+            raise FFGymError(
+                f"{self._state}: holds a training that was interrupted; go on with it by --resume, or delete it."
+            )
+
+    def _first(self, robot: RobotDescription, motions: list[Reference], trial: SimulatedTrial) -> BSplineNetwork:
+        """The network to begin with."""
+        network = NETWORKS[self.network].zero(robot.n_joints, SplineBasis(order=self.order), name=self.out.stem)
+        return network.filled(CoulombPrior.estimated(motions, trial).torque_at) if self.prior else network
+
+    def _learn(
+        self, first: BSplineNetwork, motions: list[Reference], trial: SimulatedTrial, fingerprint: str
+    ) -> Learning:
+        from ffgym.cli.progress import progress_bar
+
+        with progress_bar("learning", "trials") as progress:
+            return self._procedure(first.n_joints).learn(
+                first,
+                motions,
+                trial,
+                state=self._state,
+                machine=fingerprint,
+                watch=lambda learning, total: progress(learning.trials, total),
+            )
+
+    def _procedure(self, n_joints: int) -> LFFC:
+        usual = thesis_training(n_joints)
+        return LFFC(
+            rate=usual.rate if self.gamma is None else self.gamma,
+            iterations=usual.iterations if self.iterations is None else self.iterations,
+            signal=self.signal,
+        )
+
+    def _provenance(
+        self, robot: RobotDescription, motions: list[Reference], learning: Learning, fingerprint: str
+    ) -> dict[str, Any]:
+        """Every number, and its origin. Nothing is random, so that the seed is null."""
+        trials = learning.trials + self.prior
+        return {
+            "command": "ffgym lffc",
+            "config": {k: str(v) if isinstance(v, Path) else v for k, v in asdict(self).items()},
+            "learning": asdict(self._procedure(robot.n_joints)),
+            "robot": robot.name,
+            "motions": [motion.name for motion in motions],
+            "trials": trials,
+            "robot_seconds": robot_seconds(motions, trials),
+            "mean_square_error_rad2": learning.error.tolist(),
+            "mean_square_signal": learning.signal.tolist(),
+            "best_trial": learning.best_trial.tolist(),
+            "locked": learning.locked.tolist(),
+            "seed": None,
+            "versions": versions(),
+            "physics_fingerprint": fingerprint,
+        }
+
+
+def learning_table(learning: Learning, joints: tuple[str, ...]) -> str:
+    """Relative mean squares per trial and joint as text; the best trial of a joint has a star."""
+    width = max(9, *(len(joint) for joint in joints))
+
+    def rows(title: str, values: Array) -> list[str]:
+        head = [title, "trial" + "".join(joint.rjust(width + 1) for joint in joints)]
+        for k, row in enumerate(values):
+            marks = ["*" if k == best else " " for best in learning.best_trial]
+            head.append(f"{k:5d}" + "".join(f"{x:{width}.4f}{m}" for x, m in zip(row, marks, strict=True)))
+        return head
+
+    lines = [
+        *rows("mean square of the motor error, trial 0 is 1", relative(learning.error)),
+        "",
+        *rows("mean square of the learning signal, trial 0 is 1", relative(learning.signal)),
+        "",
+        f"* weights kept. Done before the end: {_named(joints, learning)}.",
+    ]
+    return "\n".join(lines)
+
+
+def _named(joints: tuple[str, ...], learning: Learning) -> str:
+    return ", ".join(joint for joint, locked in zip(joints, learning.locked, strict=True) if locked) or "no joint"
