@@ -37,14 +37,18 @@ def _run(arguments: Sequence[str] | None) -> int:
 
     from ffgym.cli.demo import Demo
     from ffgym.cli.export import Export
+    from ffgym.cli.lffc import Lffc
+    from ffgym.cli.reproduce import Reproduce
     from ffgym.cli.video import Video
 
     command = Annotated[
         Annotated[Demo, tyro.conf.subcommand("demo")]
         | Annotated[Export, tyro.conf.subcommand("export")]
+        | Annotated[Lffc, tyro.conf.subcommand("lffc")]
+        | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Video = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
+    chosen: Demo | Export | Lffc | Reproduce | Video = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
     chosen.run()
     return 0

@@ -1,0 +1,174 @@
+"""Thesis 4.4, LuGre feed-forward on the real robot: Tables 4.1 and 4.2, and what stands for Figures 4.10 to 4.12."""
+
+from ffgym.report import circle_tables
+from ffgym.report.comparison import FACTOR
+from ffgym.reproduction.claims import CLEAR, MOST, Check, Claim
+from ffgym.reproduction.comparisons import (
+    as_large_as_published,
+    clear_mean_gain,
+    label,
+    less_gained_than,
+    lower_motor_errors,
+    lower_path_errors,
+    mean_motor_reduction,
+    mean_path_reduction,
+    more_gained_than_published,
+)
+from ffgym.reproduction.items import Item
+from ffgym.reproduction.laboratory import Laboratory
+from ffgym.reproduction.lugre_robot import DYNAMIC, LAWS, STATIC, at, trouble_inside
+from ffgym.studies import CircleStudy
+
+
+def _circles(laboratory: Laboratory, speed: float) -> CircleStudy:
+    return laboratory.lugre_circles.only(speeds=[speed])
+
+
+def _dynamic_better(laboratory: Laboratory) -> list[Check]:
+    checks = lower_path_errors(_circles(laboratory, 0.010), DYNAMIC, STATIC)
+    return [check for check in checks if "p3, r = 5 mm" not in check.where]
+
+
+def _nearer_together(laboratory: Laboratory) -> list[Check]:
+    apart = [
+        abs(mean_path_reduction(study, DYNAMIC) - mean_path_reduction(study, STATIC))
+        for study in (_circles(laboratory, 0.040), _circles(laboratory, 0.010))
+    ]
+    return [Check(where="static and dynamic LuGre apart, share of the mean RMS path error, 40 against 10 mm/s",
+                  value=apart[0], limit=apart[1])]  # fmt: skip
+
+
+def _static_better_but_on_joint_2(study: CircleStudy) -> list[Check]:
+    others = [joint for joint in range(1, study.robot.n_joints + 1) if joint != 2]
+    return [
+        *lower_motor_errors(study, STATIC, DYNAMIC, joints=others),
+        *lower_motor_errors(study, DYNAMIC, STATIC, joints=[2]),
+    ]
+
+
+def _static_better_in_the_mean(study: CircleStudy) -> list[Check]:
+    return [Check(where="dynamic against static LuGre, share of the RMS motor error that is gone",
+                  value=mean_motor_reduction(study, DYNAMIC), limit=mean_motor_reduction(study, STATIC))]  # fmt: skip
+
+
+def _little_gained(study: CircleStudy) -> list[Check]:
+    return [
+        Check(where=f"{label(law)}, share of the mean RMS {what} error that is gone", value=reduction(study, law),
+              limit=CLEAR)
+        for what, reduction in (("path", mean_path_reduction), ("motor", mean_motor_reduction))
+        for law in LAWS
+    ]  # fmt: skip
+
+
+def _sizes(name: str, speed: float) -> Claim:
+    return Claim(
+        name=name,
+        statement="The path of the simulated robot and of the real one are almost the same, before and with "
+        "compensation (4.4).",
+        criterion=f"Simulated and published RMS path error of a circle within a factor of {FACTOR:g}, with every law.",
+        checks=lambda laboratory: as_large_as_published(_circles(laboratory, speed), ("none", *LAWS)),
+        share=MOST,
+    )
+
+
+ITEMS = (
+    Item(
+        name="figure-4.10",
+        chapter="chapter-4",
+        title="LuGre on the real robot at p1, 10 mm/s",
+        counterpart="Figure 4.6 shows the simulated robot.",
+        claims=(
+            Claim(
+                name="4.10-joints",
+                statement="On the real robot the dynamic law is better than the static one on joint 2 only.",
+                criterion="RMS motor error of every joint, simulated.",
+                checks=lambda laboratory: _static_better_but_on_joint_2(at(laboratory, "p1", 0.010)),
+            ),
+            Claim(
+                name="4.10-practice",
+                statement="Compensation removes less of the path error in practice than in simulation.",
+                criterion="Share of the mean RMS path error at 10 mm/s that is gone (Table 4.1).",
+                checks=lambda laboratory: more_gained_than_published(_circles(laboratory, 0.010), LAWS),
+            ),
+        ),
+    ),
+    Item(
+        name="figure-4.11",
+        chapter="chapter-4",
+        title="LuGre on the real robot at p1, 40 mm/s",
+        counterpart="Figure 4.8 shows the simulated robot.",
+        claims=(
+            Claim(
+                name="4.11-inner",
+                statement="The gain is limited on the smallest circle and noteworthy on the others.",
+                criterion="Share of the RMS path error that is gone, simulated.",
+                checks=lambda laboratory: trouble_inside(at(laboratory, "p1", 0.040)),
+            ),
+            Claim(
+                name="4.11-motors",
+                statement="The dynamic law lowers the motor errors by less than the static one.",
+                criterion="Share of the RMS motor error that is gone, mean over the joints, simulated.",
+                checks=lambda laboratory: _static_better_in_the_mean(at(laboratory, "p1", 0.040)),
+            ),
+        ),
+    ),
+    Item(
+        name="figure-4.12",
+        chapter="chapter-4",
+        title="LuGre on the real robot at p1, 100 mm/s",
+        counterpart="Figure 4.9 shows the simulated robot.",
+        claims=(
+            Claim(
+                name="4.12-limited",
+                statement="The gain is very limited in path error and in motor error.",
+                criterion=f"Less than {CLEAR:.0%} of the mean RMS error is gone, simulated.",
+                checks=lambda laboratory: _little_gained(at(laboratory, "p1", 0.100)),
+            ),
+        ),
+    ),
+    Item(
+        name="table-4.1",
+        chapter="chapter-4",
+        title="path error with LuGre at 10 mm/s, simulated beside published",
+        tables=lambda laboratory: circle_tables(_circles(laboratory, 0.010)),
+        claims=(
+            Claim(
+                name="T4.1-clear",
+                statement="Both laws do significantly better than no compensation.",
+                criterion=f"Mean RMS path error at least {CLEAR:.0%} lower than without, simulated.",
+                checks=lambda laboratory: clear_mean_gain(_circles(laboratory, 0.010), LAWS),
+            ),
+            Claim(
+                name="T4.1-dynamic",
+                statement="The dynamic law is better than the static one on all circles but that of 5 mm at p3.",
+                criterion="RMS path error of the other 11 circles, simulated.",
+                checks=_dynamic_better,
+                share=MOST,
+            ),
+            _sizes("T4.1-sizes", 0.010),
+        ),
+    ),
+    Item(
+        name="table-4.2",
+        chapter="chapter-4",
+        title="path error with LuGre at 40 mm/s, simulated beside published",
+        tables=lambda laboratory: circle_tables(_circles(laboratory, 0.040)),
+        claims=(
+            Claim(
+                name="T4.2-less",
+                statement="The gain is smaller than at 10 mm/s.",
+                criterion="Share of the mean RMS path error that is gone, simulated.",
+                checks=lambda laboratory: less_gained_than(
+                    _circles(laboratory, 0.040), _circles(laboratory, 0.010), LAWS
+                ),
+            ),
+            Claim(
+                name="T4.2-nearer",
+                statement="Static and dynamic law are nearer to one another than at 10 mm/s.",
+                criterion="Shares of the mean RMS path error that are gone, simulated.",
+                checks=_nearer_together,
+            ),
+            _sizes("T4.2-sizes", 0.040),
+        ),
+    ),
+)

@@ -1,0 +1,73 @@
+"""The report's figures under the names of the thesis' figures."""
+
+from ffgym.report import ReportFigure
+from ffgym.report.bars import motor_error_caption, motor_error_figure
+from ffgym.report.friction_loops import (
+    joint_loops_caption,
+    joint_loops_figure,
+    one_axis_loops_caption,
+    one_axis_loops_figure,
+)
+from ffgym.report.one_axis_plot import one_axis_caption, one_axis_figure
+from ffgym.report.paths_plot import paths_caption, paths_figure
+from ffgym.studies import CircleStudy, OneAxisStudy
+
+
+def axis_friction(name: str, study: OneAxisStudy) -> list[ReportFigure]:
+    """Friction of one axis over speed, and what each law adds."""
+    return [
+        ReportFigure(
+            name=name,
+            title="Friction and added torque over speed",
+            thesis="",
+            caption=one_axis_loops_caption(study),
+            figure=one_axis_loops_figure(study),
+        )
+    ]
+
+
+def axis_outputs(name: str, study: OneAxisStudy) -> list[ReportFigure]:
+    """Speed, error and feedback of one axis over time, at the only frequency of the study."""
+    [frequency] = {f for _, f in study.recordings}
+    return [
+        ReportFigure(
+            name=name,
+            title="Speed, motor error and feedback before and after",
+            thesis="",
+            caption=one_axis_caption(study, frequency),
+            figure=one_axis_figure(study, frequency),
+        )
+    ]
+
+
+def paths_and_errors(name: str, study: CircleStudy) -> list[ReportFigure]:
+    """Path of the tool (a) and motor errors (b)."""
+    return [
+        ReportFigure(
+            name=f"{name}a",
+            title="Path of the tool",
+            thesis="",
+            caption=paths_caption(study),
+            figure=paths_figure(study),
+        ),
+        ReportFigure(
+            name=f"{name}b",
+            title="RMS motor position error per joint",
+            thesis="",
+            caption=motor_error_caption(study),
+            figure=motor_error_figure(study),
+        ),
+    ]
+
+
+def joint_friction(name: str, study: CircleStudy, beside: str) -> list[ReportFigure]:
+    """Friction of each joint over speed, what each law adds, and what the law `beside` would add."""
+    return [
+        ReportFigure(
+            name=name,
+            title="Friction and added torque of each joint over speed",
+            thesis="",
+            caption=joint_loops_caption(study, beside=beside),
+            figure=joint_loops_figure(study, beside=beside),
+        )
+    ]

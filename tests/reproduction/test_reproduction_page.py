@@ -1,0 +1,108 @@
+"""The page of the reproduction: every item once, and the numbers as data."""
+
+import base64
+import json
+import re
+from dataclasses import replace
+
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.reproduction import ITEMS, Laboratory, as_json, chosen, count, render_page, reproduce
+
+FIGURES = [f"figure-4.{n}" for n in range(2, 13)]
+TABLES = ["table-4.1", "table-4.2"]
+
+
+@pytest.fixture(scope="module")
+def sines() -> Laboratory:
+    """A laboratory that simulates; shared by tests that need the one axis only."""
+    return Laboratory()
+
+
+@pytest.fixture(scope="module")
+def results(sines):
+    return list(reproduce(chosen(ITEMS, ["figure-4.2", "figure-4.3"]), sines))
+
+
+@pytest.fixture(scope="module")
+def page(results) -> str:
+    return render_page(results, {"seed": None, "versions": {"numpy": "9.9"}})
+
+
+def test_every_figure_and_table_with_numbers_or_curves_is_an_item():
+    thesis = [item.name for item in ITEMS if item.chapter != "beyond"]
+    assert sorted(thesis) == sorted(FIGURES + TABLES)
+
+
+def test_names_of_items_and_claims_are_unique():
+    for names in ([item.name for item in ITEMS], [claim.name for item in ITEMS for claim in item.claims]):
+        assert len(set(names)) == len(names)
+
+
+def test_every_item_of_the_thesis_has_something_to_say_and_to_show():
+    for item in ITEMS:
+        if item.chapter != "beyond":
+            assert item.claims
+
+
+def test_the_page_has_every_item_exactly_once(laboratory):
+    blank = {"claims": (), "figures": lambda _: (), "tables": lambda _: (), "numbers": lambda _: ()}
+    page = render_page(list(reproduce([replace(item, **blank) for item in ITEMS], laboratory)), {})
+    for item in ITEMS:
+        assert page.count(f'<section id="{item.name}">') == 1
+        assert page.count(f"<h3>{item.heading}: ") == 1
+
+
+def test_the_page_has_every_claim_with_its_verdict_and_numbers(page, results):
+    for result in results:
+        for judgement in result.judgements:
+            row = re.search(rf'<tr id="{judgement.claim.name}">.*</tr>', page)[0]
+            assert f">{judgement.verdict}</span>" in row
+            assert judgement.claim.statement in row
+            assert f"{judgement.checks[0].value:.3g}" in row
+
+
+def test_the_page_has_every_picture_once_and_needs_no_other_file(page, results):
+    figures = [figure for result in results for figure in result.figures]
+    assert len(re.findall(r"svg\+xml;base64,", page)) == len(figures) == 2
+    for figure in figures:
+        assert page.count(f'<figure id="{figure.name}">') == 1
+    assert "http" not in re.sub(r"base64,[\w+/=]+", "", page)
+    assert b"<svg" in base64.b64decode(re.search(r"base64,([\w+/=]+)", page)[1])
+
+
+def test_the_page_says_where_its_numbers_come_from(page):
+    assert '<th class="l">numpy</th><td class="wrap"><code>9.9</code>' in page
+
+
+def test_a_table_stands_on_the_page_beside_the_published_numbers(laboratory, made_up_circles):
+    laboratory.lugre_circles = made_up_circles(("none", "lugre_static", "lugre_dynamic"), lambda *where: 0.125)
+    page = render_page(list(reproduce(chosen(ITEMS, ["table-4.1"]), laboratory)), {})
+    assert page.count('0.125 <span class="max">(0.250)</span>') == 36
+    assert page.count('<td class="published">0.140 <span class="max">(0.31)</span>') == 1
+
+
+def test_the_numbers_hold_every_claim_with_its_comparisons(results):
+    found = json.loads(json.dumps(as_json(results, {"seed": None}), allow_nan=False))
+    assert found["seed"] is None
+    assert found["verdicts"] == count(results)
+    assert sum(found["verdicts"].values()) == sum(len(result.judgements) for result in results)
+    [first] = [item for item in found["items"] if item["name"] == "figure-4.2"]
+    judgement = results[0].judgements[0]
+    assert first["claims"][0]["verdict"] == judgement.verdict
+    assert first["claims"][0]["checks"][0]["value"] == judgement.checks[0].value
+    assert first["figures"].keys() == {"figure-4.2"}
+
+
+def test_two_reproductions_find_the_same(results):
+    again = list(reproduce([result.item for result in results], Laboratory(n_threads=1)))
+    assert as_json(again, {}) == as_json(results, {})
+
+
+def test_items_are_chosen_by_name_or_chapter_in_the_order_of_the_thesis():
+    assert [item.name for item in chosen(ITEMS, ["figure-4.5", "figure-4.2"])] == ["figure-4.2", "figure-4.5"]
+    assert chosen(ITEMS, ["chapter-4"]) == [item for item in ITEMS if item.chapter == "chapter-4"]
+    assert chosen(ITEMS, []) == list(ITEMS)
+    with pytest.raises(FFGymError, match=r"Unknown item 'figure-9.9'. Available: chapter-4, .*figure-4.2"):
+        chosen(ITEMS, ["figure-9.9"])
