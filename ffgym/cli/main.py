@@ -49,6 +49,8 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Lffc | Reproduce | Video = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
+    chosen: Demo | Export | Lffc | Reproduce | Video = tyro.cli(
+        command, prog="ffgym", args=arguments, description=__doc__
+    )
     chosen.run()
     return 0
