@@ -5,8 +5,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
 
+from agents.bspline import ExtendedBSN, StaticBSN
+from agents.bspline_recipes import trained_as_in_thesis, trained_at_every_speed
+from agents.elastic import elastic_law
+from agents.iterative import iterative_law
 from agents.law_files import load_law
 from agents.lugre import dynamic_lugre, static_lugre
+from agents.oracle import oracle_law
 from agents.trials import SimulatedTrial, Trial
 from ffgym.control import FeedForwardLaw, NoCompensation, Reference
 from ffgym.errors import check_choice
@@ -22,6 +27,8 @@ class Setting:
 
     arm: RigidArm
     """Nominal model of the robot: what a controller knows."""
+    controller: RigidArm | None = None
+    """What the robot's existing controller was made for, its servo and rigid feed-forward; None is `arm`."""
     trial: Trial
     """Runs motions on the machine."""
     references: Sequence[Reference] = ()
@@ -78,6 +85,56 @@ _ENTRIES = (
         track="causal, nominal parameters",
         page="lugre.md",
         make=lambda setting: dynamic_lugre(setting.robot),
+    ),
+    Entry(
+        name="bsn_static",
+        title="static B-spline network",
+        track="causal",
+        page="bspline.md",
+        make=lambda setting: trained_as_in_thesis(StaticBSN, setting.arm, setting.trial),
+    ),
+    Entry(
+        name="bsn_extended",
+        title="extended B-spline network",
+        track="causal",
+        page="bspline.md",
+        make=lambda setting: trained_as_in_thesis(ExtendedBSN, setting.arm, setting.trial),
+    ),
+    Entry(
+        name="bsn_extended_prior",
+        title="extended B-spline network, trained at every speed",
+        track="causal",
+        page="bspline.md",
+        make=lambda setting: trained_at_every_speed(setting.arm, setting.trial, "bsn_extended_prior"),
+    ),
+    Entry(
+        name="ilc_motor",
+        title="iterative learning on motor positions",
+        track="per task",
+        page="iterative.md",
+        make=lambda setting: iterative_law(setting.arm, "motor", setting.references, setting.trial),
+    ),
+    Entry(
+        name="ilc_tcp",
+        title="iterative learning on the tool's position",
+        track="per task",
+        page="iterative.md",
+        make=lambda setting: iterative_law(setting.arm, "tcp", setting.references, setting.trial),
+        needs_arm=True,
+    ),
+    Entry(
+        name="elastic",
+        title="elastic feed-forward",
+        track="causal, nominal parameters",
+        page="elastic.md",
+        make=lambda setting: elastic_law(setting.arm, setting.controller),
+    ),
+    Entry(
+        name="oracle",
+        title="elastic feed-forward with the true parameters",
+        track="oracle",
+        page="oracle.md",
+        make=lambda setting: oracle_law(setting.truth or setting.robot, setting.controller or setting.arm),
     ),
 )
 

@@ -96,9 +96,8 @@ def acting_in(env: Any) -> tuple[ObservationLayout, float]:
     if getattr(env, "norm_obs", False):
         raise FFGymError("A law reads physical values: leave out VecNormalize, or give it norm_obs=False.")
     names = ("observation_layout", "control_dt", "decision_dt")
-    is_sb3 = hasattr(env, "get_attr") and not hasattr(env, "single_action_space")
     try:
-        layout, dt, decision_dt = (env.get_attr(n)[0] if is_sb3 else getattr(env.unwrapped, n) for n in names)
+        layout, dt, decision_dt = (attribute_of(env, name) for name in names)
     except AttributeError as error:
         raise FFGymError(f"{env} is not made by gym.make, gym.make_vec or make_sb3_env with an id of ffgym.") from error
     if decision_dt != dt:
@@ -107,3 +106,9 @@ def acting_in(env: Any) -> tuple[ObservationLayout, float]:
             f"put Residual(law) below it."
         )
     return layout, float(dt)
+
+
+def attribute_of(env: Any, name: str) -> Any:
+    """Attribute of an environment below its wrappers: single, vector, or stable-baselines3's."""
+    is_sb3 = hasattr(env, "get_attr") and not hasattr(env, "single_action_space")
+    return env.get_attr(name)[0] if is_sb3 else getattr(env.unwrapped, name)

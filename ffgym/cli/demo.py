@@ -72,7 +72,8 @@ class Demo:
         setting = Setting.of(robot, n_threads=self.threads)
         setting = replace(setting, references=[*circle_references(setting.arm, positions, speeds).values()])
         if self.parameters is not None:
-            setting = replace(setting, arm=RigidArm(with_parameters(robot, self.parameters)))
+            model = RigidArm(with_parameters(robot, self.parameters))
+            setting = replace(setting, arm=model, controller=setting.arm, truth=robot)
         laws = self._laws(self.agents, setting)
         with progress_bar("simulating", "s") as progress:
             return circle_study(

@@ -1,0 +1,236 @@
+r"""Elastic feed-forward: the motors lead the arm by what their gearboxes bend, so that the arm stays on the path.
+
+Idea: a servo holds the motor on the reference, but the arm hangs on a spring behind it. The torque tau_s that the links
+need along the reference bends that spring; with joint stiffness K and damping d (all link side) the motor must lead by
+
+.. math:: K \Delta + d \dot\Delta = \tau_s(q, \dot q, \ddot q)
+
+and with gear ratio n, rotor inertia J_m and friction tau_f the added torque is what moves the motor along q + Delta,
+less what the existing controller gives: its rigid feed-forward u_ff, and its servo, which sees an error of -n Delta,
+
+.. math:: u_{lff} = \frac{\tau_s}{n} + J_m n (\ddot q + \ddot\Delta) + \tau_f(n (\dot q + \dot\Delta)) - u_{ff}
+                    + n (K_p \Delta + K_v \dot\Delta + K_i \int \Delta \, dt)
+
+A motion begins in equilibrium, where springs and servo integral carry gravity: tau_s, Delta and the integral count from
+there, so that the change of gravity along the motion is compensated and the sag at its start is kept.
+
+Source: inverse dynamics of flexible joint robots (De Luca 2000, IEEE ICRA, doi 10.1109/ROBOT.2000.844098), through the
+torque input alone. Departures: the damping is in the spring equation, the set-points stay those of the rigid robot, and
+torques run straight between samples, so that friction is averaged between them.
+
+Run it:
+
+    ffgym demo --agents none lugre_dynamic elastic
+
+Logged: nothing, the law learns nothing; `ElasticLaw.motor_torque` says what it asks of the drives.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import final
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from agents.lead import Lead, lead_between
+from agents.mean_friction import friction_along, step_friction
+from ffgym.control import CausalLaw, DynamicLuGreExact, Reference, Window
+from ffgym.errors import FFGymError, check_whole
+from ffgym.robot import RigidArm, RobotDescription, robot_of
+from ffgym.types import Array
+
+
+def elastic_feedforward(parameters: RobotDescription | str | Path, *, compensate_friction: bool = True) -> "ElasticLaw":
+    """Elastic feed-forward with the parameters of a robot: a description, a name, or a file.
+
+    Args:
+        parameters: the robot.
+        compensate_friction: False leaves friction to the servo, to see what elasticity alone is worth.
+
+    Raises:
+        FFGymError: if the file cannot be read or is wrong, or the robot's springs are damped too strongly.
+    """
+    arm = RigidArm(robot_of(parameters, "parameters"))
+    return elastic_law(arm) if compensate_friction else ElasticLaw(model=arm, friction=None)
+
+
+def elastic_law(model: RigidArm, controller: RigidArm | None = None, name: str = "elastic") -> "ElasticLaw":
+    """Elastic feed-forward with dynamic LuGre friction of a model; arguments as in `ElasticLaw`."""
+    return ElasticLaw(model=model, controller=controller, friction=DynamicLuGreExact(model.robot.friction), name=name)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ElasticLaw(CausalLaw):
+    """Flexible-joint inverse dynamics along the reference, added to the controller that is there.
+
+    Joints of infinite stiffness have no lead: what is left for them is friction, and the change of gravity.
+    """
+
+    model: RigidArm
+    """What the law believes of the robot: links, springs, rotors."""
+    controller: RigidArm | None = None
+    """What the existing controller was made for, its servo and its rigid feed-forward; None is `model`."""
+    friction: DynamicLuGreExact | None
+    """Friction of the motors; None leaves it to the servo."""
+    preview: int = 4
+    """Samples P to see ahead; the lead at a sample comes from P - 2 samples on either side of it."""
+    name: str = "elastic"
+
+    def __post_init__(self) -> None:
+        check_whole("preview of elastic feed-forward", self.preview, unit="samples", low=3, high=5)
+        if not isinstance(self.model, RigidArm):
+            raise FFGymError(
+                f"model must be a RigidArm, e.g. RigidArm(load_robot('one_axis')), got {type(self.model).__name__}."
+            )
+        if not isinstance(self.friction, DynamicLuGreExact | None):
+            raise FFGymError(f"friction must be a DynamicLuGreExact or None, got {type(self.friction).__name__}.")
+        robot, known = self.model.robot, self._known.robot
+        if self.friction is not None and self.friction.n_joints != robot.n_joints:
+            raise FFGymError(
+                f"Friction for {self.friction.n_joints} joints does not fit robot {robot.name!r} with {robot.n_joints}."
+            )
+        if not np.array_equal(known.drive.gear_ratio, robot.drive.gear_ratio):
+            raise FFGymError(
+                f"The controller is for gear ratios {known.drive.gear_ratio}, robot {robot.name!r} has "
+                f"{robot.drive.gear_ratio}; both must describe one robot."
+            )
+        if np.any(self._relaxation > known.servo.control_dt):
+            raise FFGymError(
+                f"joint_damping / joint_stiffness = {self._relaxation} s of robot {robot.name!r} must be at most the "
+                f"control step of {known.servo.control_dt} s: samples do not show how slower springs follow."
+            )
+
+    @property
+    def n_joints(self) -> int:
+        """See base class."""
+        return self.model.robot.n_joints
+
+    @property
+    def _known(self) -> RigidArm:
+        return self.controller or self.model
+
+    @property
+    def _relaxation(self) -> Array:
+        """Time constant of the springs d / K [s], shape (N,); 0 for rigid joints."""
+        return self.model.robot.drive.joint_damping / self.model.robot.drive.joint_stiffness
+
+    # Along a whole reference
+
+    def torque(self, reference: Reference) -> Array:
+        """See base class; what `step` gives one by one, for all samples at once."""
+        needed, lead, integral = self._along(reference)
+        torque = needed - self._given(reference.q, reference.motor_dq, reference.motor_ddq, lead, integral)
+        torque[0] = 0.0
+        return torque
+
+    def motor_torque(self, reference: Reference) -> Array:
+        """All torque that the motors must give, gravity included [N m], shape (T, N).
+
+        Beyond `drive.peak_torque` the drive clips it, and no feed-forward can help.
+        """
+        gravity = self.model.gravity_torque(reference.q[:1])
+        return self._along(reference)[0] + gravity / self.model.robot.drive.gear_ratio
+
+    def _along(self, reference: Reference) -> tuple[Array, Lead, Array]:
+        """Torque that the motors need beyond gravity at the start [N m], lead, integral of the lead [rad s], (T, N)."""
+        self.check_joints(reference)
+        dt, reach = reference.robot.servo.control_dt, self.preview - 2
+        links = self._links(reference.q, reference.motor_dq, reference.motor_ddq)
+        links -= self.model.gravity_torque(reference.q[:1])
+        rows = np.pad(links, ((reach, reach + 1), (0, 0)), mode="edge")  # one sample more, which friction looks at
+        ahead = self._lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
+        speed = self._motor_speed(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), ahead)
+        lead = Lead(angle=ahead.angle[:-1], speed=ahead.speed[:-1], acceleration=ahead.acceleration[:-1])
+        integral = np.zeros_like(links)
+        np.cumsum(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), axis=0, out=integral[1:])
+        friction = np.zeros_like(links) if self.friction is None else friction_along(self.friction, speed, dt)
+        return self._needed(links, reference.motor_ddq, lead, friction), lead, integral
+
+    # Sample by sample
+
+    def initial_memory(self, window: Window) -> Array:
+        """See base class; what is remembered stands in `_remembered`."""
+        reach, dt = self.preview - 2, window.dt
+        gravity = self._links(window.q[..., 0, :], *np.zeros((2, *window.q[..., 0, :].shape)))
+        seen = slice(0, reach + 2)
+        links = self._links(window.q[..., seen, :], window.motor_dq[..., seen, :], window.motor_ddq[..., seen, :])
+        links = links - gravity[..., None, :]
+        links = np.concatenate([np.repeat(links[..., :1, :], reach, axis=-2), links], axis=-2)  # it rested before
+        first, second = self._lead(links[..., :-1, :], dt), self._lead(links[..., 1:, :], dt)
+        dq, next_dq = (self._motor_speed(window.motor_dq[..., k, :], lead) for k, lead in enumerate((first, second)))
+        _, friction, bristle = self._friction(np.zeros_like(gravity), dq, next_dq, dt)  # from relaxed bristles on
+        integral = 0.5 * dt * (first.angle + second.angle)
+        return _remembered(gravity, links[..., 2:, :], second, integral, bristle, friction)
+
+    def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
+        """See base class."""
+        dt, rows = window.dt, memory.reshape(*memory.shape[:-1], -1, self.n_joints)
+        gravity, links = rows[..., 0, :], rows[..., 1:-6, :]
+        angle, speed, acceleration, integral, bristle, friction = (rows[..., k, :] for k in range(-6, 0))
+        lead = Lead(angle=angle, speed=speed, acceleration=acceleration)
+        here, after, newest = (_sample(window, k) for k in (1, 2, self.preview))
+        links = np.concatenate([links, (self._links(*newest) - gravity)[..., None, :]], axis=-2)
+        next_lead = self._lead(links, dt)
+        dq, next_dq = self._motor_speed(here[1], lead), self._motor_speed(after[1], next_lead)
+        more, next_friction, next_bristle = self._friction(bristle, dq, next_dq, dt)
+        needed = self._needed(links[..., self.preview - 3, :], here[2], lead, friction + more)
+        next_integral = integral + 0.5 * dt * (angle + next_lead.angle)
+        memory = _remembered(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
+        return needed - self._given(*here, lead, integral), memory
+
+    # Parts of the equation in the head of this file, shape (..., N)
+
+    def _links(self, q: Array, motor_dq: Array, motor_ddq: Array) -> Array:
+        """Torque of the links with gravity, link side [N m]."""
+        return _inverse_dynamics(self.model, q, motor_dq, motor_ddq, gravity=True)
+
+    def _lead(self, links: Array, dt: float) -> Lead:
+        """Lead at the middle one of samples of the links' torque [N m], (..., 2 w + 1, N)."""
+        return lead_between(links / self.model.robot.drive.joint_stiffness, self._relaxation, dt)
+
+    def _motor_speed(self, motor_dq: Array, lead: Lead) -> Array:
+        """Motor speed [rad/s] that keeps the arm on the reference."""
+        return motor_dq + self.model.robot.drive.gear_ratio * lead.speed
+
+    def _friction(self, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array, Array]:
+        """See `step_friction`."""
+        if self.friction is None:
+            return np.zeros_like(z), np.zeros_like(z), z
+        return step_friction(self.friction, z, dq, next_dq, dt)
+
+    def _needed(self, links: Array, motor_ddq: Array, lead: Lead, friction: Array) -> Array:
+        """Torque that moves arm and motors [N m], beyond gravity at the start."""
+        drive = self.model.robot.drive
+        rotor = drive.rotor_inertia * (motor_ddq + drive.gear_ratio * lead.acceleration)
+        return links / drive.gear_ratio + rotor + friction
+
+    def _given(self, q: Array, motor_dq: Array, motor_ddq: Array, lead: Lead, integral: Array) -> Array:
+        """Torque of the existing controller when the motors lead [N m], beyond gravity at the start."""
+        drive, servo = self._known.robot.drive, self._known.robot.servo
+        links = _inverse_dynamics(self._known, q, motor_dq, motor_ddq, gravity=False)
+        rigid = links / drive.gear_ratio + drive.rotor_inertia * motor_ddq
+        error = servo.position_gain * lead.angle + servo.velocity_gain * lead.speed + servo.integral_gain * integral
+        return rigid - drive.gear_ratio * error
+
+
+def _sample(window: Window, k: int) -> tuple[Array, Array, Array]:
+    """Position, motor speed and motor acceleration of sample `k`."""
+    return window.q[..., k, :], window.motor_dq[..., k, :], window.motor_ddq[..., k, :]
+
+
+def _inverse_dynamics(arm: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, *, gravity: bool) -> Array:
+    """Torque of the links [N m] for motions of any shape (..., N)."""
+    ratio = arm.robot.drive.gear_ratio
+    rows = (part.reshape(-1, arm.robot.n_joints) for part in (q, motor_dq / ratio, motor_ddq / ratio))
+    return arm.inverse_dynamics(*rows, gravity=gravity).reshape(q.shape)
+
+
+def _remembered(gravity: Array, links: Array, lead: Lead, integral: Array, bristle: Array, friction: Array) -> Array:
+    """Memory (..., (2 w + 7) N): gravity at the start, torque of the links around sample 1, and at sample 1 the lead.
+
+    Then integral and bristles there, and the friction of the step before it.
+    """
+    last = (lead.angle, lead.speed, lead.acceleration, integral, bristle, friction)
+    rows = np.concatenate([gravity[..., None, :], links, np.stack(last, axis=-2)], axis=-2)
+    return rows.reshape(*rows.shape[:-2], -1)

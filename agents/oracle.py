@@ -1,0 +1,90 @@
+"""Oracle: elastic feed-forward that knows the machine's true parameters; what no real controller can know.
+
+Idea: the same law as in `agents.elastic`, made with the true masses, springs, rotors and friction of the machine, where
+any other law has a nominal model. It shows what a model without error is worth; the rest is what the law itself leaves.
+It is shown beside the others and never ranked. Reading the truth is allowed here and nowhere else.
+
+Run it:
+
+    ffgym demo --agents lugre_dynamic elastic oracle --parameters FILE
+
+Logged: nothing, nothing is learned. Departures from `agents.elastic`: none but the parameters.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from agents.elastic import ElasticLaw, elastic_law
+from agents.law_agent import LawAgent, acting_in, attribute_of
+from ffgym.envs import ObservationLayout
+from ffgym.envs.core import TrackingCore
+from ffgym.errors import FFGymError
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.types import Array
+
+
+def oracle_law(truth: RobotDescription, controller: RigidArm) -> ElasticLaw:
+    """Elastic feed-forward for a machine that is `truth`, whose existing controller was made for `controller`."""
+    return elastic_law(RigidArm(truth), controller, name="oracle")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OracleAgent:
+    """The oracle in an environment: at each step it looks up which robots are simulated, also randomised ones."""
+
+    core: TrackingCore
+    """Engine of the environment."""
+    layout: ObservationLayout
+    """Of its observations."""
+    control_dt: float
+    """Time between samples [s]."""
+    _agents: dict[int, tuple[RobotDescription, LawAgent]] = field(default_factory=dict, init=False, repr=False)
+    """By identity, for the robots of the present episodes."""
+
+    @classmethod
+    def for_env(cls, env: Any) -> "OracleAgent":
+        """Return the oracle of an environment of ffgym: single, vector, or stable-baselines3's.
+
+        Raises:
+            FFGymError: if no law can act in it, see `LawAgent.for_env`.
+        """
+        layout, dt = acting_in(env)
+        return cls(core=attribute_of(env, "core"), layout=layout, control_dt=dt)
+
+    def predict(
+        self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Array, Any]:
+        """See `LawAgent.predict`; the observations must be of all sub-environments, (B, D), or of the only one, (D,).
+
+        Raises:
+            FFGymError: if there are observations of fewer or more, or one of the robots is not for this law.
+        """
+        batch, n = np.atleast_2d(observation), self.core.n
+        if len(batch) != n:
+            raise FFGymError(f"The oracle needs the observations of all {n} sub-environments, {len(batch)} are given.")
+        starts = np.zeros(n, dtype=np.bool_) if episode_start is None else np.atleast_1d(episode_start)
+        action, memory = np.empty((n, self.layout.n_joints)), [np.empty(0)] * n
+        for agent, rows in self._teams():
+            known = None if state is None else np.atleast_2d(state)[rows]
+            action[rows], remembered = agent.predict(batch[rows], known, starts[rows])
+            for row, part in zip(rows, remembered, strict=True):
+                memory[row] = part
+        shape = np.shape(observation)[:-1]
+        return action.reshape(*shape, -1), np.stack(memory).reshape(*shape, -1)
+
+    def _teams(self) -> list[tuple[LawAgent, list[int]]]:
+        """An agent for each distinct robot, and the sub-environments where that is simulated."""
+        rows: dict[int, list[int]] = {}
+        for i, robot in enumerate(self.core.plant.robots):
+            rows.setdefault(id(robot), []).append(i)
+            if id(robot) not in self._agents:
+                self._agents[id(robot)] = (robot, self._agent(robot))
+        for key in self._agents.keys() - rows.keys():
+            del self._agents[key]
+        return [(self._agents[key][1], chosen) for key, chosen in rows.items()]
+
+    def _agent(self, robot: RobotDescription) -> LawAgent:
+        law = oracle_law(robot, self.core.tasks.arm)
+        return LawAgent(law=law, layout=self.layout, control_dt=self.control_dt)
