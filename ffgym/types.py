@@ -9,5 +9,8 @@ Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 """One truth value per sample, a mask."""
 
+ComplexArray = NDArray[np.complex128]
+"""Complex numbers, e.g. eigenvalues."""
+
 IntArray = NDArray[np.intp]
 """Indices."""

@@ -39,6 +39,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     from ffgym.cli.export import Export
     from ffgym.cli.lffc import Lffc
     from ffgym.cli.reproduce import Reproduce
+    from ffgym.cli.stability import Stability
     from ffgym.cli.video import Video
 
     command = Annotated[
@@ -46,10 +47,11 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Export, tyro.conf.subcommand("export")]
         | Annotated[Lffc, tyro.conf.subcommand("lffc")]
         | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
+        | Annotated[Stability, tyro.conf.subcommand("stability")]
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Lffc | Reproduce | Video = tyro.cli(
+    chosen: Demo | Export | Lffc | Reproduce | Stability | Video = tyro.cli(
         command, prog="ffgym", args=arguments, description=__doc__
     )
     chosen.run()

@@ -1,5 +1,6 @@
 """Tables, figures and a page of the studies; the only package of ffgym that draws."""
 
+from ffgym.report._matplotlib import check_figure as check_figure
 from ffgym.report._matplotlib import save_figure as save_figure
 from ffgym.report.comparison import SpeedTable as SpeedTable
 from ffgym.report.comparison import circle_tables as circle_tables

@@ -89,14 +89,26 @@ def encode_figure(figure: "Figure", kind: Literal["svg", "png", "pdf"] = "svg", 
     return buffer.getvalue()
 
 
+def check_figure(path: str | os.PathLike[str]) -> Path:
+    """Path for `save_figure`; for use before work that ends in a figure.
+
+    Raises:
+        FFGymError: if the suffix is unknown, the file cannot be written, or matplotlib is not installed.
+    """
+    require_matplotlib()
+    target = Path(path)
+    check_choice("figure format", target.suffix.lower().lstrip("."), FIGURE_FORMATS)
+    check_writable(target)
+    return target
+
+
 def save_figure(figure: "Figure", path: str | os.PathLike[str], dpi: float = 150) -> Path:
     """Write a figure to `path`, which ends in .svg, .png or .pdf, whole or not at all.
 
     Raises:
         FFGymError: if the suffix is unknown or the file cannot be written.
     """
-    target = Path(path)
-    kind: Any = check_choice("figure format", target.suffix.lower().lstrip("."), FIGURE_FORMATS)
-    check_writable(target)
+    target = check_figure(path)
+    kind: Any = target.suffix.lower().lstrip(".")
     write_bytes(target, encode_figure(figure, kind, dpi))
     return target

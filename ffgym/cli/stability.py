@@ -1,0 +1,94 @@
+"""`ffgym stability`: how fast a B-spline network may learn, predicted from the robot's description."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from agents.bspline import BSplineNetwork
+from agents.bspline_recipes import thesis_training
+from agents.learning_stability import LearningStability
+from agents.lessons import training_motions
+from agents.trials import SimulatedTrial
+from ffgym.cli.lffc import NETWORKS
+from ffgym.control import Reference
+from ffgym.errors import check_number, check_whole
+from ffgym.paths import SPEEDS
+from ffgym.robot import RigidArm, load_robot
+
+
+@dataclass(frozen=True)
+class Stability:
+    """Print the largest stable learning rate per motion and joint, and what is left of the signal at a chosen rate."""
+
+    network: Literal["static", "extended"] = "extended"
+    """One B-spline network per motor, or two by the sign of the acceleration."""
+    robot: str = "irb4600_60_205"
+    """Built-in robot, or a path to a description that ends in .toml."""
+    positions: tuple[str, ...] = ("p1",)
+    """Positions of the circles to learn on (robots with a work area)."""
+    speeds_mm_s: tuple[float, ...] = tuple(speed * 1e3 for speed in SPEEDS)
+    """TCP speeds of the circles to learn on (robots with a work area)."""
+    frequencies_hz: tuple[float, ...] = (1.0, 3.0)
+    """Frequencies of the sines to learn on (robots with one axis)."""
+    gamma: float | None = None
+    """Learning rate; none given is the thesis', 0.95, or 0.8 on one axis."""
+    iterations: int | None = None
+    """Updates; none given is the thesis', 10, or 15 on one axis."""
+    signal: Literal["u_p", "u_c", "e_p"] = "u_p"
+    """Learning signal."""
+    record_dt_ms: float = 1.0
+    """Time between the rows that are learned from; 4 is where the law acts, and nothing in between."""
+    figure: Path | None = None
+    """Also simulate learning along the first motion, and draw it beside the prediction, in this file."""
+    figure_rates: tuple[float, ...] = (0.4, 0.95, 1.6, 2.2)
+    """Learning rates of the figure, ascending."""
+    threads: int = 0
+    """Threads of the simulation, 0 for all cores."""
+
+    def run(self) -> None:
+        """Predict, print, and maybe simulate and draw."""
+        if self.figure is not None:
+            from ffgym.report import check_figure
+
+            check_figure(self.figure)
+        arm = RigidArm(load_robot(self.robot))
+        joints, usual = arm.robot.joints, thesis_training(arm.robot.n_joints)
+        rate = check_number("gamma", usual.rate if self.gamma is None else self.gamma, low=0.0, open_low=True)
+        iterations = check_whole("iterations", usual.iterations if self.iterations is None else self.iterations, low=0)
+        speeds = [speed / 1e3 for speed in self.speeds_mm_s]
+        motions = training_motions(arm, self.positions, speeds, self.frequencies_hz)
+        network = NETWORKS[self.network].zero(len(joints))
+        groups = [[motion] for motion in motions] + ([motions] if len(motions) > 1 else [])
+        for group in groups:
+            study = LearningStability.of(network, arm, group, signal=self.signal, record_dt=self.record_dt_ms / 1e3)
+            print(f"{' + '.join(motion.name for motion in group)}\n{stability_table(study, rate, iterations)}")
+            print(f"{(study.warning(rate) or f'{rate:g} is stable on every joint').capitalize()}.\n")
+        if self.figure is not None:
+            self._draw(network, arm, motions[0], iterations, self.figure)
+
+    def _draw(self, network: BSplineNetwork, arm: RigidArm, motion: Reference, iterations: int, path: Path) -> None:
+        from agents.learning_check import learning_curves
+        from ffgym.report import save_figure
+        from ffgym.report.learning_plot import learning_caption, learning_figure
+
+        trial = SimulatedTrial(arm=arm, record_dt=self.record_dt_ms / 1e3, n_threads=self.threads)
+        curves = learning_curves(network, trial, motion, self.figure_rates, iterations, signal=self.signal)
+        save_figure(learning_figure(curves), path)
+        print(f"{learning_caption(curves)}\nfigure: {path}")
+
+
+def stability_table(study: LearningStability, rate: float, iterations: int) -> str:
+    """Largest stable rates, growth at `rate`, and friction's share in the signal that is left, per joint, as text."""
+    mean_squares = study.mean_squares(rate, iterations)
+    left = np.sqrt(mean_squares[-1] / mean_squares[0])
+    rows = {
+        "largest stable learning rate": study.largest_rate,
+        f"growth per iteration at {rate:g}": study.growth(rate),
+        f"friction left after {iterations} (RMS)": left,
+    }
+    width = max(map(len, rows))
+    lines = [" " * width + "".join(joint.rjust(9) for joint in study.joints)]
+    lines += [name.ljust(width) + "".join(f"{value:9.3f}" for value in values) for name, values in rows.items()]
+    return "\n".join(lines)

@@ -1,0 +1,69 @@
+"""`ffgym stability`: what it prints is what the analysis says, and its figure is made on request only."""
+
+import re
+
+import numpy as np
+import pytest
+
+from agents.bspline import StaticBSN
+from agents.learning_stability import LearningStability
+from ffgym.cli.main import main
+from ffgym.robot import RigidArm
+from ffgym.studies import sine_references
+
+
+@pytest.fixture(scope="module")
+def study(one_axis) -> LearningStability:
+    """Of the sine of 1 Hz."""
+    return LearningStability.of(StaticBSN.zero(1), RigidArm(one_axis), [sine_references(one_axis)[1.0]])
+
+
+def numbers_after(words: str, text: str) -> list[float]:
+    (line,) = re.findall(rf"^{re.escape(words)} +(.*)$", text, flags=re.M)
+    return [float(value) for value in line.split()]
+
+
+def test_it_prints_the_largest_rate_the_growth_and_what_is_left(study, capsys):
+    arguments = ["--robot", "one_axis", "--network", "static", "--frequencies-hz", "1", "--gamma", "1.9"]
+    assert main(["stability", *arguments, "--iterations", "3"]) == 0
+    text = capsys.readouterr().out
+    left = np.sqrt(study.mean_squares(1.9, 3)[-1] / study.mean_squares(1.9, 3)[0])
+    assert text.startswith("sine 1 Hz\n")
+    assert numbers_after("largest stable learning rate", text) == pytest.approx(study.largest_rate, abs=5e-4)
+    assert numbers_after("growth per iteration at 1.9", text) == pytest.approx(study.growth(1.9), abs=5e-4)
+    assert numbers_after("friction left after 3 (RMS)", text) == pytest.approx(left, abs=5e-4)
+    assert "Learning rate 1.9 is above the largest stable one (j1 1.7)" in text
+
+
+def test_several_motions_are_shown_alone_and_together(capsys):
+    assert main(["stability", "--robot", "one_axis"]) == 0
+    blocks = capsys.readouterr().out.strip().split("\n\n")
+    assert [block.split("\n")[0] for block in blocks] == ["sine 1 Hz", "sine 3 Hz", "sine 1 Hz + sine 3 Hz"]
+    assert all("growth per iteration at 0.8 " in block for block in blocks)  # the rate of the thesis
+    assert all("friction left after 15" in block for block in blocks)
+    assert blocks[0].endswith("0.8 is stable on every joint.")
+
+
+def test_a_figure_is_simulated_and_drawn_on_request(tmp_path, capsys):
+    target = tmp_path / "learning.svg"
+    arguments = ["--robot", "one_axis", "--frequencies-hz", "3", "--iterations", "1", "--figure-rates", "0.5", "0.9"]
+    assert main(["stability", *arguments, "--figure", str(target)]) == 0
+    assert "<svg" in target.read_text(encoding="utf-8")
+    assert f"figure: {target}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--gamma", "0"], "gamma = 0.0"),
+        (["--iterations", "-1"], "iterations = -1"),
+        (["--record-dt-ms", "3"], "record_dt = 0.003 s must divide"),
+        (["--figure", "picture.gif"], "figure format"),
+    ],
+)
+def test_impossible_options_are_one_clear_line(arguments, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["stability", "--robot", "one_axis", *arguments]) == 1
+    output = capsys.readouterr()
+    assert message in output.err
+    assert output.out == ""

@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.report.learning_plot import LearningCurves, learning_caption, learning_figure
+
+
+@pytest.fixture
+def curves() -> LearningCurves:
+    """Two rates over three iterations, made up."""
+    return LearningCurves(
+        title="j1, made up",
+        rates=np.array([0.5, 2.5]),
+        predicted=np.array([[4.0, 2.0, 1.0, 0.5], [4.0, 6.0, 9.0, 13.5]]),
+        simulated=np.array([[8.0, 4.2, 2.1, 1.0], [8.0, 12.5, 18.0, 30.0]]),
+        eigenvalues=np.array([0.5 + 0.2j, 0.5 - 0.2j, 0.9]),
+        largest_rate=2.0 / 0.9,
+    )
+
+
+def test_lines_are_predictions_and_dots_are_simulations_over_their_first_value(curves):
+    left = learning_figure([curves]).axes[0]
+    drawn = left.get_lines()
+    for k in range(2):
+        line, dots = drawn[2 * k : 2 * k + 2]
+        np.testing.assert_allclose(line.get_ydata(), curves.predicted[k] / curves.predicted[k, 0])
+        np.testing.assert_allclose(dots.get_ydata(), curves.simulated[k] / curves.simulated[k, 0])
+        assert (dots.get_linestyle(), dots.get_marker()) == ("None", "o")
+        assert line.get_color() == dots.get_color()
+
+
+def test_the_circle_of_the_largest_rate_passes_through_zero_and_the_fastest_eigenvalue(curves):
+    right = learning_figure([curves]).axes[1]
+    limit, shown, eigenvalues = right.get_lines()
+    for circle, rate in ((limit, curves.largest_rate), (shown, 2.5)):
+        x, y = circle.get_xdata(), circle.get_ydata()
+        np.testing.assert_allclose(np.hypot(x - 1 / rate, y), 1 / rate)
+    assert np.hypot(limit.get_xdata() - 0.9, limit.get_ydata()).min() < 1e-9
+    np.testing.assert_allclose(eigenvalues.get_xdata(), curves.eigenvalues.real)
+    np.testing.assert_allclose(eigenvalues.get_ydata(), curves.eigenvalues.imag)
+
+
+def test_every_joint_has_a_row_and_its_limit_stands_in_the_caption(curves):
+    assert len(learning_figure([curves, curves]).axes) == 4
+    assert "j1, made up: 2.22" in learning_caption([curves])
+
+
+def test_rates_out_of_order_and_missing_curves_are_refused(curves):
+    values = vars(curves)
+    with pytest.raises(FFGymError, match="must ascend"):
+        LearningCurves(**(values | {"rates": np.array([2.5, 0.5])}))
+    with pytest.raises(FFGymError, match="simulated has shape"):
+        LearningCurves(**(values | {"simulated": curves.simulated[:1]}))
