@@ -1,5 +1,6 @@
 """`ffgym lffc`: learning feed-forward control, a B-spline network trained from trials on a simulated robot."""
 
+import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -9,6 +10,7 @@ from agents.bspline_recipes import thesis_training
 from agents.coulomb_prior import CoulombPrior
 from agents.law_files import save_law
 from agents.learning import Learning, relative
+from agents.learning_stability import LearningStability
 from agents.lessons import training_motions
 from agents.lffc import LFFC, robot_seconds
 from agents.spline_basis import SplineBasis
@@ -67,7 +69,9 @@ class Lffc:
         )
         trial = SimulatedTrial(arm=arm, n_threads=self.threads)
         fingerprint = physics_fingerprint(compile_model(robot, ModelOptions(looks=False)))
-        learning = self._learn(self._first(robot, motions, trial), motions, trial, fingerprint)
+        first = self._first(robot, motions, trial)
+        self._warn(first, motions, trial)
+        learning = self._learn(first, motions, trial, fingerprint)
         info = self._provenance(robot, motions, learning, fingerprint)
         save_law(self.out, learning.best, meta=info)
         if self.json is not None:
@@ -101,6 +105,13 @@ class Lffc:
         """The network to begin with."""
         network = NETWORKS[self.network].zero(robot.n_joints, SplineBasis(order=self.order), name=self.out.stem)
         return network.filled(CoulombPrior.estimated(motions, trial).torque_at) if self.prior else network
+
+    def _warn(self, first: BSplineNetwork, motions: list[Reference], trial: SimulatedTrial) -> None:
+        """Say so where the rate is too high for these motions; training goes on, and keeps its best trial."""
+        study = LearningStability.of(first, trial.arm, motions, signal=self.signal, record_dt=trial.record_dt)
+        warning = study.warning(self._procedure(first.n_joints).rate)
+        if warning is not None:
+            print(f"ffgym: warning: {warning}", file=sys.stderr)
 
     def _learn(
         self, first: BSplineNetwork, motions: list[Reference], trial: SimulatedTrial, fingerprint: str

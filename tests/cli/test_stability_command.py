@@ -67,3 +67,13 @@ def test_impossible_options_are_one_clear_line(arguments, message, capsys, tmp_p
     output = capsys.readouterr()
     assert message in output.err
     assert output.out == ""
+
+
+@pytest.mark.parametrize(("rate", "warned"), [("0.8", False), ("1.9", True)])
+def test_training_warns_of_a_rate_above_the_limit_and_goes_on(study, rate, warned, tmp_path, capsys):
+    law = tmp_path / "law.npz"
+    arguments = ["--robot", "one_axis", "--network", "static", "--iterations", "1", "--gamma", rate]
+    assert main(["lffc", *arguments, "--out", str(law)]) == 0
+    message = f"ffgym: warning: {study.warning(float(rate))}"
+    assert (message in capsys.readouterr().err) == warned
+    assert law.exists()
