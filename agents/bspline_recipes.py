@@ -1,12 +1,13 @@
 """B-spline networks as the catalogue trains them: as in the thesis, and with the remedies that it proposes.
 
 Thesis 5.5 finds that a network trained at 10 mm/s gains little at 40 mm/s, as weights at speeds that it never met stay
-zero, and proposes first weights from a constant friction. `trained_at_every_speed` does that, and trains at all speeds.
+zero, and proposes first weights from a constant friction, and training over several speeds. `trained_with_prior` does
+both.
 """
 
 from agents.bspline import BSplineNetwork, ExtendedBSN
 from agents.coulomb_prior import CoulombPrior
-from agents.lessons import every_speed, thesis_motions
+from agents.lessons import friction_motions, thesis_motions
 from agents.lffc import LFFC
 from agents.network import Network
 from agents.trials import Trial
@@ -28,12 +29,15 @@ def trained_as_in_thesis(kind: type[BSplineNetwork], arm: RigidArm, trial: Trial
     return thesis_training(n).learn(kind.zero(n), thesis_motions(arm), trial).best
 
 
-def trained_at_every_speed(arm: RigidArm, trial: Trial, name: str) -> Network:
-    """An extended network from a Coulomb torque, estimated from one more trial, on the motions of every speed.
+def trained_with_prior(arm: RigidArm, trial: Trial, name: str) -> Network:
+    """An extended network from a Coulomb torque, estimated from one more trial, on motions of two speeds.
+
+    The estimate is made on the slow motion of the thesis, where viscous friction and inertia are least.
 
     Raises:
         FFGymError: if the robot has neither a work area nor one joint alone.
     """
-    n, references = arm.robot.n_joints, every_speed(arm)
-    first = ExtendedBSN.zero(n, name=name).filled(CoulombPrior.estimated(references, trial).torque_at)
-    return thesis_training(n).learn(first, references, trial).best
+    n = arm.robot.n_joints
+    prior = CoulombPrior.estimated(thesis_motions(arm), trial)
+    first = ExtendedBSN.zero(n, name=name).filled(prior.torque_at)
+    return thesis_training(n).learn(first, friction_motions(arm), trial).best

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from agents.bspline import ExtendedBSN, StaticBSN
-from agents.bspline_recipes import trained_as_in_thesis, trained_at_every_speed
+from agents.bspline_recipes import trained_as_in_thesis, trained_with_prior
 from agents.elastic import elastic_law
 from agents.iterative import iterative_law
 from agents.law_files import load_law
@@ -102,10 +102,10 @@ _ENTRIES = (
     ),
     Entry(
         name="bsn_extended_prior",
-        title="extended B-spline network, trained at every speed",
+        title="extended B-spline network with prior",
         track="causal",
         page="bspline.md",
-        make=lambda setting: trained_at_every_speed(setting.arm, setting.trial, "bsn_extended_prior"),
+        make=lambda setting: trained_with_prior(setting.arm, setting.trial, "bsn_extended_prior"),
     ),
     Entry(
         name="ilc_motor",

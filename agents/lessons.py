@@ -33,6 +33,18 @@ def every_speed(arm: RigidArm) -> list[Reference]:
     return training_motions(arm, speeds=SPEEDS, frequencies=FREQUENCIES)
 
 
+def friction_motions(arm: RigidArm) -> list[Reference]:
+    """Motions on which friction is most of what the feedback does: p1 at 10 and 40 mm/s, or the sines of 1 and 3 Hz.
+
+    At 100 mm/s the elastic joints ask for more torque than friction does, and a network over speed would learn that as
+    friction: with it in training, the tool strays further at 100 mm/s than without (see docs/agents/bspline.md).
+
+    Raises:
+        FFGymError: if the robot has neither a work area nor one joint alone.
+    """
+    return training_motions(arm, speeds=SPEEDS[:2], frequencies=FREQUENCIES)
+
+
 def training_motions(
     arm: RigidArm,
     positions: Sequence[str] = POSITIONS,

@@ -62,7 +62,7 @@ class LFFC:
     """Trials in a row without improvement after which a joint is locked; chosen."""
 
     def __post_init__(self) -> None:
-        check_number("rate", self.rate, low=0.0, open_low=True)
+        check_number("learning rate gamma", self.rate, low=0.0, open_low=True)
         check_whole("iterations", self.iterations, low=0)
         check_choice("learning signal", self.signal, SIGNALS)
         check_number("tolerance", self.tolerance, low=0.0, high=1.0)
