@@ -11,7 +11,7 @@ takes off the feedback (`agents.feedback_loop`). A pattern of weights that is an
 
 Run it:
 
-    ffgym stability --network extended --rate 0.95
+    ffgym stability --network extended --gamma 0.95
 
 Reported per motion and joint: `largest_rate`, the largest gamma with |1 - gamma lambda| <= 1.001 for all lambda;
 `growth`, max |1 - gamma lambda| at the given rate; and the RMS of the learning signal predicted to be left.

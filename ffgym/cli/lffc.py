@@ -20,6 +20,7 @@ from ffgym.errors import FFGymError
 from ffgym.files import check_writable, write_json
 from ffgym.provenance import versions
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot, physics_fingerprint
+from ffgym.simulation import RECORD_DT
 from ffgym.types import Array
 
 NETWORKS: dict[str, type[StaticBSN] | type[ExtendedBSN]] = {"static": StaticBSN, "extended": ExtendedBSN}
@@ -48,6 +49,9 @@ class Lffc:
     """Updates at most; none given is the thesis', 10, or 15 on one axis."""
     signal: Literal["u_p", "u_c", "e_p"] = "u_p"
     """Learning signal."""
+    record_dt_ms: float = RECORD_DT * 1e3
+    """Time between the rows that are learned from. 4 is the samples of the reference, where the law acts: steadier at
+    high speeds, see docs/agents/learning_stability.md."""
     prior: bool = False
     """Begin with a Coulomb torque, estimated from one more trial, instead of zero weights."""
     out: Path = Path("network.npz")
@@ -67,7 +71,7 @@ class Lffc:
         motions = training_motions(
             arm, self.positions, [speed / 1e3 for speed in self.speeds_mm_s], self.frequencies_hz
         )
-        trial = SimulatedTrial(arm=arm, n_threads=self.threads)
+        trial = SimulatedTrial(arm=arm, record_dt=self.record_dt_ms / 1e3, n_threads=self.threads)
         fingerprint = physics_fingerprint(compile_model(robot, ModelOptions(looks=False)))
         first = self._first(robot, motions, trial)
         self._warn(first, motions, trial)
@@ -124,7 +128,7 @@ class Lffc:
                 motions,
                 trial,
                 state=self._state,
-                machine=fingerprint,
+                machine=f"{fingerprint}, rows every {self.record_dt_ms:g} ms",
                 watch=lambda learning, total: progress(learning.trials, total),
             )
 

@@ -13,9 +13,10 @@ from agents.lessons import training_motions
 from agents.trials import SimulatedTrial
 from ffgym.cli.lffc import NETWORKS
 from ffgym.control import Reference
-from ffgym.errors import check_number, check_whole
+from ffgym.errors import check_choice, check_number, check_whole
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation import RECORD_DT
 
 
 @dataclass(frozen=True)
@@ -38,12 +39,14 @@ class Stability:
     """Updates; none given is the thesis', 10, or 15 on one axis."""
     signal: Literal["u_p", "u_c", "e_p"] = "u_p"
     """Learning signal."""
-    record_dt_ms: float = 1.0
-    """Time between the rows that are learned from; 4 is where the law acts, and nothing in between."""
+    record_dt_ms: float = RECORD_DT * 1e3
+    """Time between the rows that are learned from; 4 is the samples of the reference, where the law acts."""
     figure: Path | None = None
     """Also simulate learning along the first motion, and draw it beside the prediction, in this file."""
     figure_rates: tuple[float, ...] = (0.4, 0.95, 1.6, 2.2)
     """Learning rates of the figure, ascending."""
+    figure_joints: tuple[str, ...] = ()
+    """Joints of the figure; none given is all."""
     threads: int = 0
     """Threads of the simulation, 0 for all cores."""
 
@@ -54,12 +57,14 @@ class Stability:
 
             check_figure(self.figure)
         arm = RigidArm(load_robot(self.robot))
-        joints, usual = arm.robot.joints, thesis_training(arm.robot.n_joints)
+        for joint in self.figure_joints:
+            check_choice("joint", joint, arm.robot.joints)
+        usual = thesis_training(arm.robot.n_joints)
         rate = check_number("gamma", usual.rate if self.gamma is None else self.gamma, low=0.0, open_low=True)
         iterations = check_whole("iterations", usual.iterations if self.iterations is None else self.iterations, low=0)
         speeds = [speed / 1e3 for speed in self.speeds_mm_s]
         motions = training_motions(arm, self.positions, speeds, self.frequencies_hz)
-        network = NETWORKS[self.network].zero(len(joints))
+        network = NETWORKS[self.network].zero(arm.robot.n_joints)
         groups = [[motion] for motion in motions] + ([motions] if len(motions) > 1 else [])
         for group in groups:
             study = LearningStability.of(network, arm, group, signal=self.signal, record_dt=self.record_dt_ms / 1e3)
@@ -75,6 +80,8 @@ class Stability:
 
         trial = SimulatedTrial(arm=arm, record_dt=self.record_dt_ms / 1e3, n_threads=self.threads)
         curves = learning_curves(network, trial, motion, self.figure_rates, iterations, signal=self.signal)
+        shown = [joint in (self.figure_joints or arm.robot.joints) for joint in arm.robot.joints]
+        curves = [each for each, wanted in zip(curves, shown, strict=True) if wanted]
         save_figure(learning_figure(curves), path)
         print(f"{learning_caption(curves)}\nfigure: {path}")
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agents.bspline import StaticBSN
+from agents.law_files import load_law
 from agents.learning_stability import LearningStability
 from ffgym.cli.main import main
 from ffgym.robot import RigidArm
@@ -44,12 +45,14 @@ def test_several_motions_are_shown_alone_and_together(capsys):
     assert blocks[0].endswith("0.8 is stable on every joint.")
 
 
-def test_a_figure_is_simulated_and_drawn_on_request(tmp_path, capsys):
+def test_a_figure_of_the_joints_asked_for_is_simulated_and_drawn(tmp_path, capsys):
     target = tmp_path / "learning.svg"
-    arguments = ["--robot", "one_axis", "--frequencies-hz", "3", "--iterations", "1", "--figure-rates", "0.5", "0.9"]
+    arguments = ["--speeds-mm-s", "100", "--iterations", "1", "--figure-rates", "0.5", "0.9", "--figure-joints", "j4"]
     assert main(["stability", *arguments, "--figure", str(target)]) == 0
     assert "<svg" in target.read_text(encoding="utf-8")
-    assert f"figure: {target}" in capsys.readouterr().out
+    *_, caption, file, _ = capsys.readouterr().out.split("\n")
+    assert file == f"figure: {target}"
+    assert re.findall(r"(j\d), p1, 100 mm/s: ", caption) == ["j4"]
 
 
 @pytest.mark.parametrize(
@@ -59,6 +62,7 @@ def test_a_figure_is_simulated_and_drawn_on_request(tmp_path, capsys):
         (["--iterations", "-1"], "iterations = -1"),
         (["--record-dt-ms", "3"], "record_dt = 0.003 s must divide"),
         (["--figure", "picture.gif"], "figure format"),
+        (["--figure-joints", "j2"], "joint 'j2'"),
     ],
 )
 def test_impossible_options_are_one_clear_line(arguments, message, capsys, tmp_path, monkeypatch):
@@ -77,3 +81,12 @@ def test_training_warns_of_a_rate_above_the_limit_and_goes_on(study, rate, warne
     message = f"ffgym: warning: {study.warning(float(rate))}"
     assert (message in capsys.readouterr().err) == warned
     assert law.exists()
+
+
+def test_training_learns_from_the_rows_that_are_asked_for(tmp_path):
+    arguments = ["--robot", "one_axis", "--frequencies-hz", "3", "--network", "static", "--iterations", "1"]
+    for folder, rows in (("every", "1"), ("samples", "4")):
+        (tmp_path / folder).mkdir()
+        assert main(["lffc", *arguments, "--record-dt-ms", rows, "--out", str(tmp_path / folder / "law.npz")]) == 0
+    every, samples = (load_law(tmp_path / folder / "law.npz").coefficients for folder in ("every", "samples"))
+    assert np.count_nonzero(every) > np.count_nonzero(samples) > 0  # some splines are met between samples only
