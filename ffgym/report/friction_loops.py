@@ -107,7 +107,7 @@ def joint_loops_caption(study: CircleStudy, beside: str | None = None) -> str:
         if law != beside:
             recording = study.recordings[(law, *where)]
             shares = (
-                friction_miss(recording) if beside is None else _unlike(recording, study.recordings[(beside, *where)])
+                friction_miss(recording) if beside is None else unlike(recording, study.recordings[(beside, *where)])
             )
             each = ", ".join(f"{joint} {share:.1%}" for joint, share in zip(study.robot.joints, shares, strict=True))
             misses.append(f"{styles[law].label}: {each}")
@@ -124,7 +124,7 @@ def joint_loops_caption(study: CircleStudy, beside: str | None = None) -> str:
     )
 
 
-def _unlike(recording: Recording, other: Recording) -> Array:
+def unlike(recording: Recording, other: Recording) -> Array:
     """RMS difference of what two laws add on one motion over RMS of the other, without standstill, shape (N,)."""
     moving = ~recording.mask(kind="standstill")
     added, others = (part.joint_array("compensation.effort")[moving] for part in (recording, other))

@@ -5,8 +5,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ffgym.metrics import motor_error_rms
-from ffgym.report import circle_tables, law_styles
-from ffgym.report.comparison import FACTOR, reduction
+from ffgym.report import law_styles
 from ffgym.reproduction.claims import CLEAR, Check
 from ffgym.studies import Cell, CircleStudy, OneAxisStudy
 from ffgym.types import Array
@@ -95,47 +94,26 @@ def mean_path_reduction(study: CircleStudy, law: str, than: str = "none", radius
 def clear_mean_gain(study: CircleStudy, laws: Sequence[str]) -> list[Check]:
     """Whether each law takes a clear share of the mean RMS path error away."""
     return [
-        Check(where=f"{label(law)}, share of the mean RMS path error that is left",
-              value=1 - mean_path_reduction(study, law), limit=1 - CLEAR)
+        Check(
+            where=f"{label(law)}, share of the mean RMS path error that is left",
+            value=1 - mean_path_reduction(study, law),
+            limit=1 - CLEAR,
+        )
         for law in laws
-    ]  # fmt: skip
+    ]
 
 
 def less_gained_than(study: CircleStudy, other: CircleStudy, laws: Sequence[str]) -> list[Check]:
     """Whether a smaller share of the mean RMS path error is gone in one study than in the other, law by law."""
     here, there = (f"{part.cells[0].speed_mm_s:g} mm/s" for part in (study, other))
     return [
-        Check(where=f"{label(law)}, share of the mean RMS path error that is gone, {here} against {there}",
-              value=mean_path_reduction(study, law), limit=mean_path_reduction(other, law))
+        Check(
+            where=f"{label(law)}, share of the mean RMS path error that is gone, {here} against {there}",
+            value=mean_path_reduction(study, law),
+            limit=mean_path_reduction(other, law),
+        )
         for law in laws
-    ]  # fmt: skip
-
-
-def as_large_as_published(study: CircleStudy, laws: Sequence[str]) -> list[Check]:
-    """Whether simulated and published RMS path error of a circle are within a factor of FACTOR of one another."""
-    ratios = {
-        (law, table.speed_mm_s, radius, position): ratio
-        for table in circle_tables(study)
-        for law in laws
-        for (radius, position), ratio in table.ratios(law).items()
-    }
-    return [
-        Check(where=f"{label(law)}, {position}, r = {radius:g} mm, the larger over the smaller",
-              value=max(ratio, 1 / ratio), limit=FACTOR)
-        for (law, _, radius, position), ratio in ratios.items()
-    ]  # fmt: skip
-
-
-def more_gained_than_published(study: CircleStudy, laws: Sequence[str]) -> list[Check]:
-    """Whether a larger share of the mean RMS path error is gone in simulation than was on the real robot."""
-    [table] = circle_tables(study)
-    gained = {law: reduction(table.mean_published_rms(law), table.mean_published_rms("none")) for law in laws}
-    return [
-        Check(where=f"{label(law)}, share of the mean RMS path error that is gone, published against simulated",
-              value=share, limit=mean_path_reduction(study, law))
-        for law, share in gained.items()
-        if share is not None
-    ]  # fmt: skip
+    ]
 
 
 def sine_rms_mrad(study: OneAxisStudy, law: str, frequency: float) -> float:
@@ -151,3 +129,16 @@ def lower_sine_errors(study: OneAxisStudy, law: str, than: str, frequency: float
         value=sine_rms_mrad(study, law, frequency),
         limit=(1 - by) * sine_rms_mrad(study, than, frequency),
     )
+
+
+def less_left_than(study: OneAxisStudy, laws: Sequence[str], frequency: float, other: float) -> list[Check]:
+    """Whether a smaller share of the RMS motor error is left at one frequency [Hz] than at the other."""
+    left = {(result.agent, result.frequency_hz): 1 - result.reduction for result in study.results}
+    return [
+        Check(
+            where=f"{label(law)}, share of the RMS error that is left, {frequency:g} against {other:g} Hz",
+            value=left[law, frequency],
+            limit=left[law, other],
+        )
+        for law in laws
+    ]

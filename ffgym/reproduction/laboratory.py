@@ -1,15 +1,25 @@
 """Everything that the claims and figures need, simulated when it is first asked for, and only then."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 
+from agents.bspline import ExtendedBSN, StaticBSN
+from agents.bspline_recipes import thesis_training
+from agents.catalogue import Setting
+from agents.learning import Learning
+from agents.lessons import thesis_motions, training_motions
+from ffgym.control import NoCompensation, Reference
+from ffgym.paths import SPEEDS
 from ffgym.robot import RobotDescription, load_robot
 from ffgym.simulation.simulate import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_study, one_axis_study
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Called with a title and a unit when a piece of work begins; yields what is told of its progress."""
+
+FAST = SPEEDS[1]
+"""TCP speed [m/s] of the second training, thesis 5.4.2."""
 
 
 def silent(title: str, unit: str) -> AbstractContextManager[Progress]:
@@ -50,3 +60,65 @@ class Laboratory:
         """The 36 circles with no compensation and both LuGre laws."""
         with self.stage("circles with LuGre", "s") as progress:
             return circle_study(self.robot, n_threads=self.n_threads, progress=progress)
+
+    @cached_property
+    def setting(self) -> Setting:
+        """The robot as those who learn know it."""
+        return Setting.of(self.robot, n_threads=self.n_threads)
+
+    @cached_property
+    def axis_learning(self) -> dict[str, Learning]:
+        """Both B-spline networks, by name, after learning on the sine of 1 Hz (thesis 5.3.1)."""
+        setting = Setting.of(self.axis, n_threads=self.n_threads)
+        return self._learning(setting, thesis_motions(setting.arm), "sine of 1 Hz")
+
+    @cached_property
+    def learning(self) -> dict[str, Learning]:
+        """Both networks after learning at p1 at 10 mm/s (thesis 5.3.2)."""
+        return self._learning(self.setting, thesis_motions(self.setting.arm), "10 mm/s")
+
+    @cached_property
+    def fast_learning(self) -> dict[str, Learning]:
+        """Both networks after learning at p1 at 40 mm/s (thesis 5.4.2)."""
+        return self._learning(self.setting, training_motions(self.setting.arm, speeds=[FAST]), "40 mm/s")
+
+    @cached_property
+    def bsn_sines(self) -> OneAxisStudy:
+        """Sine test with no compensation and both networks."""
+        laws = [learning.best for learning in self.axis_learning.values()]
+        return one_axis_study(self.axis, laws=[NoCompensation(), *laws])
+
+    @cached_property
+    def bsn_circles(self) -> CircleStudy:
+        """The 36 circles with no compensation, dynamic LuGre, and both networks as trained at 10 mm/s."""
+        return self._with_networks(self.learning, SPEEDS, "10 mm/s")
+
+    @cached_property
+    def fast_bsn_circles(self) -> CircleStudy:
+        """The 12 circles at 40 mm/s with no compensation, dynamic LuGre, and both networks as trained at 40 mm/s."""
+        return self._with_networks(self.fast_learning, [FAST], "40 mm/s")
+
+    def _learning(self, setting: Setting, references: Sequence[Reference], where: str) -> dict[str, Learning]:
+        n = setting.robot.n_joints
+        found = {}
+        for kind in (StaticBSN, ExtendedBSN):
+            network = kind.zero(n)
+            with self.stage(f"training {network.name}, {where}", "trials") as progress:
+                found[network.name] = thesis_training(n).learn(
+                    network,
+                    references,
+                    setting.trial,
+                    watch=lambda learning, total, progress=progress: progress(learning.trials, total),  # type: ignore[misc]
+                )
+        return found
+
+    def _with_networks(self, learning: dict[str, Learning], speeds: Sequence[float], where: str) -> CircleStudy:
+        with self.stage(f"circles with networks of {where}", "s") as progress:
+            networks = circle_study(
+                self.robot,
+                laws=[each.best for each in learning.values()],
+                speeds=speeds,
+                n_threads=self.n_threads,
+                progress=progress,
+            )
+        return self.lugre_circles.only(laws=["none", "lugre_dynamic"], speeds=speeds).joined(networks)

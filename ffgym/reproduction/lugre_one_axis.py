@@ -2,54 +2,16 @@
 
 import numpy as np
 
-from ffgym.metrics import friction_miss, motor_error
+from ffgym.metrics import motor_error
 from ffgym.recordings import Recording
+from ffgym.reproduction.axis_measures import BEND, axis_miss, feedback_rms, settled, static_law_averages
 from ffgym.reproduction.claims import CLEAR, ROUGH, ZERO, Check, Claim
-from ffgym.reproduction.comparisons import label, lower_sine_errors, sine_rms_mrad
+from ffgym.reproduction.comparisons import label, less_left_than, lower_sine_errors, sine_rms_mrad
 from ffgym.reproduction.items import Item
 from ffgym.reproduction.laboratory import Laboratory
 from ffgym.reproduction.pictures import axis_friction, axis_outputs
-from ffgym.studies.one_axis_study import SETTLED
-from ffgym.types import Array
 
 STATIC, DYNAMIC = "lugre_static", "lugre_dynamic"
-BEND = 1.0
-"""Motor speed [rad/s] below which the thesis sees friction's nonlinearity (5.1.1)."""
-
-
-def settled(recording: Recording) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
-    """Rows after the start has settled, shape (T,)."""
-    return np.asarray(recording.t >= SETTLED)
-
-
-def axis_miss(recording: Recording) -> float:
-    """RMS of friction minus added torque over RMS friction of one axis."""
-    return float(friction_miss(recording, settled(recording))[0])
-
-
-def branches(recording: Recording, family: str, speeds: Array) -> tuple[Array, Array]:
-    """Torque of `family` [N m] at motor speeds [rad/s] of the reference while it rises, and while it falls; (K,)."""
-    rows = settled(recording)
-    speed = recording.joint_array("reference.velocity")[rows, 0]
-    torque = recording.joint_array(family)[rows, 0]
-    rises = np.gradient(speed) > 0
-
-    def branch(wanted: Array) -> Array:
-        order = np.argsort(speed[wanted])
-        return np.interp(speeds, speed[wanted][order], torque[wanted][order])
-
-    return branch(rises), branch(~rises)
-
-
-def static_law_averages(recording: Recording) -> list[Check]:
-    """Whether a static law lies nearer to the mean of the two branches of friction than they do themselves."""
-    speeds = np.linspace(-BEND, BEND, 41)
-    up, down = branches(recording, "friction.effort", speeds)
-    added = np.mean(branches(recording, "compensation.effort", speeds), axis=0)
-    off = float(np.sqrt(np.mean((added - (up + down) / 2) ** 2)))
-    half_width = float(np.sqrt(np.mean(((up - down) / 2) ** 2)))
-    return [Check(where=f"distance to the mean of both branches, half the loop's width, below {BEND:g} rad/s [N m]",
-                  value=off, limit=half_width)]  # fmt: skip
 
 
 def _same_curve(laboratory: Laboratory, frequency: float) -> list[Check]:
@@ -71,10 +33,13 @@ def _only_partly(laboratory: Laboratory) -> list[Check]:
     recordings = laboratory.lugre_sines.recordings
     miss = axis_miss(recordings[STATIC, 3.0])
     return [
-        Check(where="dynamic against static LuGre, RMS difference / RMS friction",
-              value=axis_miss(recordings[DYNAMIC, 3.0]), limit=miss),
+        Check(
+            where="dynamic against static LuGre, RMS difference / RMS friction",
+            value=axis_miss(recordings[DYNAMIC, 3.0]),
+            limit=miss,
+        ),
         Check(where="static LuGre, RMS difference / RMS friction", value=miss, limit=ROUGH),
-    ]  # fmt: skip
+    ]
 
 
 def _clearly_lower(laboratory: Laboratory, frequency: float) -> list[Check]:
@@ -83,15 +48,11 @@ def _clearly_lower(laboratory: Laboratory, frequency: float) -> list[Check]:
 
 def _nothing_left(laboratory: Laboratory) -> list[Check]:
     study = laboratory.lugre_sines
-    feedback = {law: _feedback_rms(study.recordings[law, 1.0]) for law in ("none", DYNAMIC)}
+    feedback = {law: feedback_rms(study.recordings[law, 1.0]) for law in ("none", DYNAMIC)}
     return [
         lower_sine_errors(study, DYNAMIC, "none", 1.0, by=1 - ZERO),
         Check(where="RMS feedback [N m]", value=feedback[DYNAMIC], limit=ZERO * feedback["none"]),
     ]
-
-
-def _feedback_rms(recording: Recording) -> float:
-    return float(np.sqrt(np.mean(recording.joint_array("feedback.effort")[settled(recording), 0] ** 2)))
 
 
 def _error_at_reversals(laboratory: Laboratory) -> list[Check]:
@@ -102,19 +63,12 @@ def _error_at_reversals(laboratory: Laboratory) -> list[Check]:
     speed = np.abs(recording.joint_array("reference.velocity")[rows, 0])
     return [
         Check(where="speed at which the error is largest [rad/s]", value=float(speed[error.argmax()]), limit=BEND),
-        Check(where="a noticeable error, against what static LuGre leaves [mrad]",
-              value=ZERO * sine_rms_mrad(study, "none", 1.0), limit=sine_rms_mrad(study, STATIC, 1.0)),
-    ]  # fmt: skip
-
-
-def _less_gained(laboratory: Laboratory) -> list[Check]:
-    study = laboratory.lugre_sines
-    left = {(r.agent, r.frequency_hz): 1 - r.reduction for r in study.results}
-    return [
-        Check(where=f"{label(law)}, share of the RMS error that is left, 1 Hz against 3 Hz",
-              value=left[law, 1.0], limit=left[law, 3.0])
-        for law in (STATIC, DYNAMIC)
-    ]  # fmt: skip
+        Check(
+            where="a noticeable error, against what static LuGre leaves [mrad]",
+            value=ZERO * sine_rms_mrad(study, "none", 1.0),
+            limit=sine_rms_mrad(study, STATIC, 1.0),
+        ),
+    ]
 
 
 ITEMS = (
@@ -206,7 +160,7 @@ ITEMS = (
                 name="4.5-less",
                 statement="The error is reduced by less than at 1 Hz.",
                 criterion="A larger share of the RMS error is left at 3 Hz than at 1 Hz.",
-                checks=_less_gained,
+                checks=lambda laboratory: less_left_than(laboratory.lugre_sines, (STATIC, DYNAMIC), 1.0, 3.0),
             ),
         ),
     ),

@@ -1,10 +1,8 @@
 """Thesis 4.4, LuGre feed-forward on the real robot: Tables 4.1 and 4.2, and what stands for Figures 4.10 to 4.12."""
 
 from ffgym.report import circle_tables
-from ffgym.report.comparison import FACTOR
 from ffgym.reproduction.claims import CLEAR, MOST, Check, Claim
 from ffgym.reproduction.comparisons import (
-    as_large_as_published,
     clear_mean_gain,
     label,
     less_gained_than,
@@ -12,11 +10,11 @@ from ffgym.reproduction.comparisons import (
     lower_path_errors,
     mean_motor_reduction,
     mean_path_reduction,
-    more_gained_than_published,
 )
 from ffgym.reproduction.items import Item
 from ffgym.reproduction.laboratory import Laboratory
 from ffgym.reproduction.lugre_robot import DYNAMIC, LAWS, STATIC, at, trouble_inside
+from ffgym.reproduction.published_sizes import more_gained_than_published, sizes_as_published
 from ffgym.studies import CircleStudy
 
 
@@ -34,8 +32,13 @@ def _nearer_together(laboratory: Laboratory) -> list[Check]:
         abs(mean_path_reduction(study, DYNAMIC) - mean_path_reduction(study, STATIC))
         for study in (_circles(laboratory, 0.040), _circles(laboratory, 0.010))
     ]
-    return [Check(where="static and dynamic LuGre apart, share of the mean RMS path error, 40 against 10 mm/s",
-                  value=apart[0], limit=apart[1])]  # fmt: skip
+    return [
+        Check(
+            where="static and dynamic LuGre apart, share of the mean RMS path error, 40 against 10 mm/s",
+            value=apart[0],
+            limit=apart[1],
+        )
+    ]
 
 
 def _static_better_but_on_joint_2(study: CircleStudy) -> list[Check]:
@@ -47,28 +50,25 @@ def _static_better_but_on_joint_2(study: CircleStudy) -> list[Check]:
 
 
 def _static_better_in_the_mean(study: CircleStudy) -> list[Check]:
-    return [Check(where="dynamic against static LuGre, share of the RMS motor error that is gone",
-                  value=mean_motor_reduction(study, DYNAMIC), limit=mean_motor_reduction(study, STATIC))]  # fmt: skip
+    return [
+        Check(
+            where="dynamic against static LuGre, share of the RMS motor error that is gone",
+            value=mean_motor_reduction(study, DYNAMIC),
+            limit=mean_motor_reduction(study, STATIC),
+        )
+    ]
 
 
 def _little_gained(study: CircleStudy) -> list[Check]:
     return [
-        Check(where=f"{label(law)}, share of the mean RMS {what} error that is gone", value=reduction(study, law),
-              limit=CLEAR)
+        Check(
+            where=f"{label(law)}, share of the mean RMS {what} error that is gone",
+            value=reduction(study, law),
+            limit=CLEAR,
+        )
         for what, reduction in (("path", mean_path_reduction), ("motor", mean_motor_reduction))
         for law in LAWS
-    ]  # fmt: skip
-
-
-def _sizes(name: str, speed: float) -> Claim:
-    return Claim(
-        name=name,
-        statement="The path of the simulated robot and of the real one are almost the same, before and with "
-        "compensation (4.4).",
-        criterion=f"Simulated and published RMS path error of a circle within a factor of {FACTOR:g}, with every law.",
-        checks=lambda laboratory: as_large_as_published(_circles(laboratory, speed), ("none", *LAWS)),
-        share=MOST,
-    )
+    ]
 
 
 ITEMS = (
@@ -145,7 +145,7 @@ ITEMS = (
                 checks=_dynamic_better,
                 share=MOST,
             ),
-            _sizes("T4.1-sizes", 0.010),
+            sizes_as_published("T4.1-sizes", lambda laboratory: _circles(laboratory, 0.010), ("none", *LAWS)),
         ),
     ),
     Item(
@@ -168,7 +168,7 @@ ITEMS = (
                 criterion="Shares of the mean RMS path error that are gone, simulated.",
                 checks=_nearer_together,
             ),
-            _sizes("T4.2-sizes", 0.040),
+            sizes_as_published("T4.2-sizes", lambda laboratory: _circles(laboratory, 0.040), ("none", *LAWS)),
         ),
     ),
 )

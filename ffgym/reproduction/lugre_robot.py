@@ -26,13 +26,16 @@ def at(laboratory: Laboratory, position: str, speed: float) -> CircleStudy:
 def larger_circles_are_better(study: CircleStudy, laws: Sequence[str]) -> list[Check]:
     """Whether the RMS path error is smaller on the larger of two circles, for every pair and law."""
     return [
-        Check(where=f"{label(law)}, {large.position}, r = {large.radius_mm:g} against {small.radius_mm:g} mm [mm]",
-              value=large.rms_mm, limit=small.rms_mm)
+        Check(
+            where=f"{label(law)}, {large.position}, r = {large.radius_mm:g} against {small.radius_mm:g} mm [mm]",
+            value=large.rms_mm,
+            limit=small.rms_mm,
+        )
         for law in laws
         for large in study.select(agent=law)
         for small in study.select(agent=law, position=large.position, speed_mm_s=large.speed_mm_s)
         if small.radius_mm < large.radius_mm
-    ]  # fmt: skip
+    ]
 
 
 def _rounder(study: CircleStudy) -> list[Check]:
@@ -54,33 +57,41 @@ def _dynamic_better_but_on_joint_3(study: CircleStudy) -> list[Check]:
 def _as_at_p1(laboratory: Laboratory) -> list[Check]:
     first, third = (at(laboratory, position, 0.010) for position in ("p1", "p3"))
     return [
-        Check(where=f"{label(law)}, share of the {what} that is gone, p1 minus p3",
-              value=abs(reduction(first, law) - reduction(third, law)), limit=SIMILAR)
+        Check(
+            where=f"{label(law)}, share of the {what} that is gone, p1 minus p3",
+            value=abs(reduction(first, law) - reduction(third, law)),
+            limit=SIMILAR,
+        )
         for what, reduction in (("RMS path error", mean_path_reduction), ("RMS motor error", mean_motor_reduction))
         for law in LAWS
-    ]  # fmt: skip
+    ]
 
 
 def trouble_inside(study: CircleStudy) -> list[Check]:
     """Whether less of the RMS path error is gone on the smallest circle than on the others, with every law."""
     return [
-        Check(where=f"{label(law)}, share of the RMS path error that is gone, r = 1 mm against {radius:g} mm",
-              value=mean_path_reduction(study, law, radius_mm=1.0),
-              limit=mean_path_reduction(study, law, radius_mm=radius))
+        Check(
+            where=f"{label(law)}, share of the RMS path error that is gone, r = 1 mm against {radius:g} mm",
+            value=mean_path_reduction(study, law, radius_mm=1.0),
+            limit=mean_path_reduction(study, law, radius_mm=radius),
+        )
         for law in LAWS
         for radius in (3.0, 5.0)
-    ]  # fmt: skip
+    ]
 
 
 def _trouble_everywhere(laboratory: Laboratory) -> list[Check]:
     slow, fast = (at(laboratory, "p1", speed) for speed in (0.010, 0.100))
     before = {cell.radius_mm: cell.rms_mm for cell in slow.select(agent="none")}
     return [
-        Check(where=f"r = {cell.radius_mm:g} mm, 10 mm/s without against 100 mm/s with {label(law)} [mm]",
-              value=before[cell.radius_mm], limit=cell.rms_mm)
+        Check(
+            where=f"r = {cell.radius_mm:g} mm, 10 mm/s without against 100 mm/s with {label(law)} [mm]",
+            value=before[cell.radius_mm],
+            limit=cell.rms_mm,
+        )
         for law in LAWS
         for cell in fast.select(agent=law)
-    ]  # fmt: skip
+    ]
 
 
 def _item(name: str, position: str, speed: float, *claims: Claim) -> Item:

@@ -1,6 +1,9 @@
 """The report's figures under the names of the thesis' figures."""
 
-from ffgym.report import ReportFigure
+from collections.abc import Mapping, Sequence
+
+from agents.learning import Learning
+from ffgym.report import ReportFigure, law_styles
 from ffgym.report.bars import motor_error_caption, motor_error_figure
 from ffgym.report.friction_loops import (
     joint_loops_caption,
@@ -10,6 +13,7 @@ from ffgym.report.friction_loops import (
 )
 from ffgym.report.one_axis_plot import one_axis_caption, one_axis_figure
 from ffgym.report.paths_plot import paths_caption, paths_figure
+from ffgym.report.training_plot import Training, training_caption, training_figure
 from ffgym.studies import CircleStudy, OneAxisStudy
 
 
@@ -69,5 +73,26 @@ def joint_friction(name: str, study: CircleStudy, beside: str) -> list[ReportFig
             thesis="",
             caption=joint_loops_caption(study, beside=beside),
             figure=joint_loops_figure(study, beside=beside),
+        )
+    ]
+
+
+def trainings(learning: Mapping[str, Learning]) -> list[Training]:
+    """How each network learned, for figures; all learn on one motion."""
+    return [
+        Training(title=law_styles([name])[name].label, error=each.error[:, 0], signal=each.signal[:, 0])
+        for name, each in learning.items()
+    ]
+
+
+def training_curves(name: str, learning: Mapping[str, Learning], joints: Sequence[str]) -> list[ReportFigure]:
+    """Mean squares of error and learning signal of each network over iterations."""
+    return [
+        ReportFigure(
+            name=name,
+            title="Mean squares of error and learning signal over iterations",
+            thesis="",
+            caption=training_caption(trainings(learning), joints),
+            figure=training_figure(trainings(learning), joints),
         )
     ]

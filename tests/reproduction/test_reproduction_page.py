@@ -10,8 +10,8 @@ import pytest
 from ffgym.errors import FFGymError
 from ffgym.reproduction import ITEMS, Laboratory, as_json, chosen, count, render_page, reproduce
 
-FIGURES = [f"figure-4.{n}" for n in range(2, 13)]
-TABLES = ["table-4.1", "table-4.2"]
+FIGURES = [f"figure-4.{n}" for n in range(2, 13)] + [f"figure-5.{n}" for n in (2, 3, *range(5, 21))]
+TABLES = ["table-4.1", "table-4.2", "table-5.1", "table-5.2"]
 
 
 @pytest.fixture(scope="module")

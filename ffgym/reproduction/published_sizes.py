@@ -1,0 +1,55 @@
+"""Comparisons of simulated with published path errors."""
+
+from collections.abc import Callable, Sequence
+
+from ffgym.report import circle_tables
+from ffgym.report.comparison import FACTOR, reduction
+from ffgym.reproduction.claims import MOST, Check, Claim
+from ffgym.reproduction.comparisons import label, mean_path_reduction
+from ffgym.reproduction.laboratory import Laboratory
+from ffgym.studies import CircleStudy
+
+
+def sizes_as_published(name: str, circles: Callable[[Laboratory], CircleStudy], laws: Sequence[str]) -> Claim:
+    """Claim that the simulated robot strays as far as the real one with every law."""
+    return Claim(
+        name=name,
+        statement="The tool of the simulated robot and that of the real one move almost alike, with and without "
+        "compensation (4.4, 5.4).",
+        criterion=f"Simulated and published RMS path error of a circle within a factor of {FACTOR:g}, with every law.",
+        checks=lambda laboratory: as_large_as_published(circles(laboratory), laws),
+        share=MOST,
+    )
+
+
+def as_large_as_published(study: CircleStudy, laws: Sequence[str]) -> list[Check]:
+    """Whether simulated and published RMS path error of a circle are within a factor of FACTOR of one another."""
+    ratios = {
+        (law, table.speed_mm_s, radius, position): ratio
+        for table in circle_tables(study)
+        for law in laws
+        for (radius, position), ratio in table.ratios(law).items()
+    }
+    return [
+        Check(
+            where=f"{label(law)}, {position}, r = {radius:g} mm, the larger over the smaller",
+            value=max(ratio, 1 / ratio),
+            limit=FACTOR,
+        )
+        for (law, _, radius, position), ratio in ratios.items()
+    ]
+
+
+def more_gained_than_published(study: CircleStudy, laws: Sequence[str]) -> list[Check]:
+    """Whether a larger share of the mean RMS path error is gone in simulation than was on the real robot."""
+    [table] = circle_tables(study)
+    gained = {law: reduction(table.mean_published_rms(law), table.mean_published_rms("none")) for law in laws}
+    return [
+        Check(
+            where=f"{label(law)}, share of the mean RMS path error that is gone, published against simulated",
+            value=share,
+            limit=mean_path_reduction(study, law),
+        )
+        for law, share in gained.items()
+        if share is not None
+    ]
