@@ -1,7 +1,8 @@
 """B-splines over motor speed: the basis of thesis 3.2.1, with SciPy's B-splines in place of its recursion (3.11).
 
 The outermost knots are repeated (a clamped knot vector). The splines then add up to one on the whole interval, where
-those of (3.9)-(3.11) fade out towards its ends; inside they are the same. Order j means pieces of degree j - 1.
+those of (3.9)-(3.11) fade out towards its ends; inside they are the same. Order j means pieces of degree j - 1, as in
+the text of the thesis; its (3.11) counts the knots one too far for that.
 """
 
 from dataclasses import dataclass, field

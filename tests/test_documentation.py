@@ -15,6 +15,8 @@ ROOT = Path(__file__).parent.parent
 EXECUTED = [
     "README.md",
     "docs/recorder.md",
+    "docs/agents/bspline.md",
+    "docs/agents/online_lffc.md",
     *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs" / "tutorials").glob("*.md")),
 ]
 

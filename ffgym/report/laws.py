@@ -25,6 +25,7 @@ _KNOWN = {
     "lugre_dynamic": LawStyle(label="dynamic LuGre", colour="#009E73", marker="^"),
     "bsn_static": LawStyle(label="static B-spline network", colour="#CC79A7", marker="D"),
     "bsn_extended": LawStyle(label="extended B-spline network", colour="#E69F00", marker="v"),
+    "bsn_extended_prior": LawStyle(label="B-spline network with prior", colour="#B8860B", marker="^", line="--"),
 }
 """Blue, red, green as in the thesis, in the colour-blind safe shades of Okabe and Ito."""
 _SPARE = tuple(product(("-", "--", ":"), (("#56B4E9", "P"), ("#8C6BB1", "X"), ("#7F4F24", "*"), ("#5C5C5C", "h"))))
