@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
 ACTION_SCALE = 2.5
 """Torque of an action of 1, in breakaway torques. Static LuGre needs 2.4 on the fastest test motion; the peaks of
-dynamic LuGre need 2.9 on circles at 40 mm/s and 6.7 at 100 mm/s, so choose 8 there, and for elastic compensation."""
+dynamic LuGre need 2.9 on circles at 40 mm/s and 6.7 at 100 mm/s, so choose 8 there. Elastic feed-forward, which moves
+the motors against their servos, needs 7.2 and 102."""
 ERROR_LIMIT = 0.5
 """Servo error at which the controller stops, motor side [rad]; four times the largest uncompensated error of the circle
 test (0.11 rad, joint 1 at 100 mm/s)."""
