@@ -80,10 +80,10 @@ def test_on_machines_that_differ_it_leaves_a_tenth_of_what_the_nominal_law_leave
 def test_it_sees_every_new_machine_when_its_episode_begins(irb4600, arm):
     env = gym.make("ffgym/CirclePath-v0", **SHORT)
     agent = OracleAgent.for_env(env)
-    scale = env.unwrapped.action_torque
+    scale, state = env.unwrapped.action_torque, None
     for robot in (irb4600, with_payload(irb4600, 5.0), irb4600):
         observation, _ = env.reset(seed=0, options={"plant": robot})
-        law, state, start = oracle_law(robot, arm), None, True
+        law, start = oracle_law(robot, arm), True
         windows = Window.along(env.unwrapped.core.motions[0].reference, law.preview)
         memory = law.initial_memory(windows[0])
         for k in range(90):
