@@ -14,9 +14,9 @@ less what the existing controller gives: its rigid feed-forward u_ff, and its se
 A motion begins in equilibrium, where springs and servo integral carry gravity: tau_s, Delta and the integral count from
 there, so that the change of gravity along the motion is compensated and the sag at its start is kept.
 
-Source: inverse dynamics of flexible joint robots (De Luca 2000, IEEE ICRA, doi 10.1109/ROBOT.2000.844098), through the
-torque input alone. Departures: the damping is in the spring equation, the set-points stay those of the rigid robot, and
-torques run straight between samples, so that friction is averaged between them.
+Source: inverse dynamics of robots with flexible joints (De Luca and Book, Springer Handbook of Robotics, 2008, section
+13.1.2). Departures: only the torque is changed, the set-points stay those of the rigid robot; the springs are damped;
+torques run straight between samples, so that friction is averaged around them.
 
 Run it:
 
