@@ -16,7 +16,7 @@ from ffgym.control import Reference, Setpoints
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.errors import FFGymError, check_number
 from ffgym.robot import RigidArm
-from ffgym.types import Array, ComplexArray, IntArray
+from ffgym.types import Array, BoolArray, ComplexArray, IntArray
 
 STABLE_GROWTH = 1.001
 """Growth per iteration that still counts as stable. Chosen: doubling takes 700 iterations, more than any training; and
@@ -123,17 +123,12 @@ class _Motion:
         )
         _, motor_dq, motor_ddq = setpoints.at_rows(recorded * stride)
         rows = np.arange(0, motor_dq.shape[1], stride)
-        t = rows // stride * record_dt
-        moving = np.zeros(len(rows), dtype=np.bool_)
-        for phase in reference.phases:
-            if phase.kind != "standstill":
-                moving |= (t >= phase.start) & (t < phase.end)
         return cls(
             reference=reference,
             rows_per_step=recorded * stride,
             motor_dq=motor_dq[0],
             motor_ddq=motor_ddq[0],
-            learned=rows[moving],
+            learned=rows[_moving(reference, rows // stride * record_dt)],
         )
 
     def splines(self, network: BSplineNetwork, joint: int) -> csr_array:
@@ -158,3 +153,12 @@ class _Motion:
         between[:, :, -1] += friction.torque(z, self.motor_dq)
         loop = FeedbackLoop.along(arm, reference.q.mean(axis=0), self.motor_dq, z, dt)
         return loop.loss(between, signal)[self.learned]
+
+
+def _moving(reference: Reference, t: Array) -> BoolArray:
+    """Times [s] at which lessons say that the reference moves; same shape."""
+    moving = np.zeros(len(t), dtype=np.bool_)
+    for phase in reference.phases:
+        if phase.kind != "standstill":
+            moving |= (t >= phase.start) & (t < phase.end)
+    return moving
