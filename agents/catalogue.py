@@ -8,7 +8,7 @@ from typing import Literal
 from agents.bspline import ExtendedBSN, StaticBSN
 from agents.bspline_recipes import trained_as_in_thesis, trained_with_prior
 from agents.elastic import elastic_law
-from agents.iterative import iterative_law
+from agents.iterative import motor_law, tool_law
 from agents.law_files import load_law
 from agents.lugre import dynamic_lugre, static_lugre
 from agents.oracle import oracle_law
@@ -112,14 +112,14 @@ _ENTRIES = (
         title="iterative learning on motor positions",
         track="per task",
         page="iterative.md",
-        make=lambda setting: iterative_law(setting.arm, "motor", setting.references, setting.trial),
+        make=lambda setting: motor_law(setting.arm, setting.references, setting.trial),
     ),
     Entry(
         name="ilc_tcp",
         title="iterative learning on the tool's position",
         track="per task",
         page="iterative.md",
-        make=lambda setting: iterative_law(setting.arm, "tcp", setting.references, setting.trial),
+        make=lambda setting: tool_law(setting.arm, setting.references, setting.trial, setting.controller),
         needs_arm=True,
     ),
     Entry(

@@ -1,13 +1,13 @@
 """Error over trials, for whatever learns from trial to trial."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ffgym.errors import FFGymError, check_shape
-from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import law_styles
 from ffgym.types import Array
 
@@ -22,19 +22,21 @@ class TrialCurves:
 
     title: str
     errors: Array
-    """Error of each of C cells in each of J trials, > 0, in the unit of the figure, shape (J, C)."""
+    """Error on each of C circles in each of J trials, > 0, in the unit of the figure, shape (J, C)."""
     levels: Mapping[str, float] = field(default_factory=dict)
     """Errors of laws that do not learn, by name: lines to compare with."""
 
     def __post_init__(self) -> None:
         errors = check_shape(f"errors of {self.title!r}", self.errors, (None, None))
         if errors.size == 0 or (errors <= 0).any():
-            raise FFGymError(f"errors of {self.title!r} must be at least one trial and cell, all > 0, for a logarithm.")
+            raise FFGymError(
+                f"errors of {self.title!r} must be at least one trial and circle, all > 0, for a logarithm."
+            )
         object.__setattr__(self, "errors", errors)
 
 
-def trials_figure(panels: list[TrialCurves], label: str) -> "Figure":
-    """One panel beside the other, logarithmic: a thin line per cell, dots for the median cell, dashes for other laws.
+def trials_figure(panels: Sequence[TrialCurves], label: str) -> "Figure":
+    """One panel beside the other, logarithmic: a thin line per circle, dots for the median, dashes for other laws.
 
     Args:
         panels: what to show.
@@ -55,7 +57,7 @@ def trials_figure(panels: list[TrialCurves], label: str) -> "Figure":
                 axes.axhline(level, color=styles[name].colour, linestyle="--", label=styles[name].label)
         row[0].set_ylabel(label)
         entries = {text: line for axes in row for line, text in zip(*axes.get_legend_handles_labels(), strict=True)}
-        figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=4)
+        legend_above(figure, list(entries.values()), list(entries))
     return figure
 
 
