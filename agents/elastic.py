@@ -32,6 +32,7 @@ from typing import final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from agents.existing_torque import given_torque, links_torque
 from agents.lead import Lead, lead_between
 from agents.mean_friction import friction_along, step_friction
 from ffgym.control import CausalLaw, DynamicLuGreExact, Reference, Window
@@ -120,7 +121,8 @@ class ElasticLaw(CausalLaw):
     def torque(self, reference: Reference) -> Array:
         """See base class; what `step` gives one by one, for all samples at once."""
         needed, lead, integral = self._along(reference)
-        torque = needed - self._given(reference.q, reference.motor_dq, reference.motor_ddq, lead, integral)
+        motion = (reference.q, reference.motor_dq, reference.motor_ddq)
+        torque = needed - given_torque(self._known, *motion, lead, integral)
         torque[0] = 0.0
         return torque
 
@@ -164,9 +166,9 @@ class ElasticLaw(CausalLaw):
         return _remembered(gravity, links[..., 2:, :], second, integral, bristle, friction)
 
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
-        """See base class."""
+        """See base class; `here` is sample 1, whose torque is wanted, `after` the next one."""
         dt, rows = window.dt, memory.reshape(*memory.shape[:-1], -1, self.n_joints)
-        gravity, links = rows[..., 0, :], rows[..., 1:-6, :]
+        gravity, links = rows[..., 0, :], rows[..., 1:-6, :]  # in the order of `_remembered`
         angle, speed, acceleration, integral, bristle, friction = (rows[..., k, :] for k in range(-6, 0))
         lead = Lead(angle=angle, speed=speed, acceleration=acceleration)
         here, after, newest = (_sample(window, k) for k in (1, 2, self.preview))
@@ -174,16 +176,16 @@ class ElasticLaw(CausalLaw):
         next_lead = self._lead(links, dt)
         dq, next_dq = self._motor_speed(here[1], lead), self._motor_speed(after[1], next_lead)
         more, next_friction, next_bristle = self._friction(bristle, dq, next_dq, dt)
-        needed = self._needed(links[..., self.preview - 3, :], here[2], lead, friction + more)
+        needed = self._needed(links[..., self.preview - 3, :], here[2], lead, friction + more)  # the row of sample 1
         next_integral = integral + 0.5 * dt * (angle + next_lead.angle)
         memory = _remembered(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
-        return needed - self._given(*here, lead, integral), memory
+        return needed - given_torque(self._known, *here, lead, integral), memory
 
     # Parts of the equation in the head of this file, shape (..., N)
 
     def _links(self, q: Array, motor_dq: Array, motor_ddq: Array) -> Array:
         """Torque of the links with gravity, link side [N m]."""
-        return _inverse_dynamics(self.model, q, motor_dq, motor_ddq, gravity=True)
+        return links_torque(self.model, q, motor_dq, motor_ddq, gravity=True)
 
     def _lead(self, links: Array, dt: float) -> Lead:
         """Lead at the middle one of samples of the links' torque [N m], (..., 2 w + 1, N)."""
@@ -205,25 +207,10 @@ class ElasticLaw(CausalLaw):
         rotor = drive.rotor_inertia * (motor_ddq + drive.gear_ratio * lead.acceleration)
         return links / drive.gear_ratio + rotor + friction
 
-    def _given(self, q: Array, motor_dq: Array, motor_ddq: Array, lead: Lead, integral: Array) -> Array:
-        """Torque of the existing controller when the motors lead [N m], beyond gravity at the start."""
-        drive, servo = self._known.robot.drive, self._known.robot.servo
-        links = _inverse_dynamics(self._known, q, motor_dq, motor_ddq, gravity=False)
-        rigid = links / drive.gear_ratio + drive.rotor_inertia * motor_ddq
-        error = servo.position_gain * lead.angle + servo.velocity_gain * lead.speed + servo.integral_gain * integral
-        return rigid - drive.gear_ratio * error
-
 
 def _sample(window: Window, k: int) -> tuple[Array, Array, Array]:
     """Position, motor speed and motor acceleration of sample `k`."""
     return window.q[..., k, :], window.motor_dq[..., k, :], window.motor_ddq[..., k, :]
-
-
-def _inverse_dynamics(arm: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, *, gravity: bool) -> Array:
-    """Torque of the links [N m] for motions of any shape (..., N)."""
-    ratio = arm.robot.drive.gear_ratio
-    rows = (part.reshape(-1, arm.robot.n_joints) for part in (q, motor_dq / ratio, motor_ddq / ratio))
-    return arm.inverse_dynamics(*rows, gravity=gravity).reshape(q.shape)
 
 
 def _remembered(gravity: Array, links: Array, lead: Lead, integral: Array, bristle: Array, friction: Array) -> Array:
