@@ -128,7 +128,7 @@ class _Motion:
             rows_per_step=recorded * stride,
             motor_dq=motor_dq[0],
             motor_ddq=motor_ddq[0],
-            learned=rows[_moving(reference, rows // stride * record_dt)],
+            learned=rows[_moving(reference, np.arange(len(rows), dtype=np.float64) * record_dt)],
         )
 
     def splines(self, network: BSplineNetwork, joint: int) -> csr_array:
