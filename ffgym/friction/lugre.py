@@ -70,7 +70,7 @@ class LuGreParameters:
         return dq - self.bristle_stiffness * np.abs(dq) / self.stribeck_level(dq) * z
 
     def bristle_rate_slopes(self, z: Array, dq: Array) -> tuple[Array, Array]:
-        """Partial derivatives of `bristle_rate` by `dq` [1] and by `z` [1/s]; where `dq` is 0, the mean of both sides."""
+        """Partial derivatives of `bristle_rate` by `dq` [1] and `z` [1/s]; the mean of both sides where `dq` is 0."""
         level, stiffness = self.stribeck_level(dq), self.bristle_stiffness
         level_slope = -2 * dq / self.stribeck_velocity**2 * (level - self.coulomb)
         by_dq = 1 - stiffness * z * (np.sign(dq) - np.abs(dq) * level_slope / level) / level
