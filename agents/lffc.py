@@ -92,7 +92,8 @@ class LFFC:
             FFGymError: if there is no reference, one is for another robot than the network, or the file belongs to
                 other learning or has come further.
         """
-        self._check(network, references)
+        if not references:
+            raise FFGymError("There is no motion to learn from; give one or more references.")
         settings = self._settings(network, references, machine)
         file = None if state is None else LearningFile(path=state, settings=settings)
         learning = self._begin(network, len(references), file)
@@ -117,12 +118,6 @@ class LFFC:
     def _try(self, learning: Learning, references: Sequence[Reference], trial: Trial) -> list[Lesson]:
         recordings = trial([Run(reference=r, law=learning.network) for r in references], learning.trials)
         return [Lesson.of(r, recording, self.signal) for r, recording in zip(references, recordings, strict=True)]
-
-    def _check(self, network: Network, references: Sequence[Reference]) -> None:
-        if not references:
-            raise FFGymError("There is no motion to learn from; give one or more references.")
-        for reference in references:
-            network.check_joints(reference)
 
     def _settings(self, network: Network, references: Sequence[Reference], machine: str) -> dict[str, Any]:
         """What must not change while learning; more iterations may be asked for later."""
