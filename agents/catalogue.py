@@ -8,10 +8,13 @@ from typing import Literal
 from agents.bspline import ExtendedBSN, StaticBSN
 from agents.bspline_recipes import trained_as_in_thesis, trained_with_prior
 from agents.elastic import elastic_law
+from agents.feedback_error import trained_mlp
 from agents.iterative import motor_law, tool_law
 from agents.law_files import load_law
 from agents.lugre import dynamic_lugre, static_lugre
+from agents.narx_fit import trained_narx
 from agents.oracle import oracle_law
+from agents.residual_fit import trained_residual_torque
 from agents.trials import SimulatedTrial, Trial
 from ffgym.control import FeedForwardLaw, NoCompensation, Reference
 from ffgym.errors import check_choice
@@ -106,6 +109,27 @@ _ENTRIES = (
         track="causal",
         page="bspline.md",
         make=lambda setting: trained_with_prior(setting.arm, setting.trial, "bsn_extended_prior"),
+    ),
+    Entry(
+        name="mlp_fel",
+        title="perceptron, feedback-error learning",
+        track="causal, nominal parameters",
+        page="feedback_error.md",
+        make=lambda setting: trained_mlp(setting.arm, setting.trial),
+    ),
+    Entry(
+        name="narx",
+        title="NARX network",
+        track="causal",
+        page="narx.md",
+        make=lambda setting: trained_narx(setting.arm, setting.trial),
+    ),
+    Entry(
+        name="residual_gp",
+        title="residual torque model",
+        track="causal",
+        page="residual_torque.md",
+        make=lambda setting: trained_residual_torque(setting.arm, setting.trial),
     ),
     Entry(
         name="ilc_motor",

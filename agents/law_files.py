@@ -22,6 +22,9 @@ FORMAT = 1
 KINDS: dict[str, tuple[str, str]] = {
     "bsn_static": ("agents.bspline", "StaticBSN"),
     "bsn_extended": ("agents.bspline", "ExtendedBSN"),
+    "mlp_fel": ("agents.feedback_error", "MLP"),
+    "narx": ("agents.narx", "NARX"),
+    "residual_gp": ("agents.residual_torque", "ResidualTorque"),
     "task_torques": ("agents.task_torques", "TaskTorques"),
 }
 """Where the class of each kind of law is: module and name. A module is imported when a file asks for it."""

@@ -17,6 +17,9 @@ EXECUTED = [
     "docs/recorder.md",
     "docs/agents/bspline.md",
     "docs/agents/online_lffc.md",
+    "docs/agents/feedback_error.md",
+    "docs/agents/residual_torque.md",
+    "docs/agents/narx.md",
     *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "docs" / "tutorials").glob("*.md")),
 ]
 

@@ -11,7 +11,7 @@ import ffgym
 from ffgym.provenance import installed, versions
 
 CORE = {"numpy", "scipy", "gymnasium", "mujoco"}
-EXTRAS = {"rl", "plot", "cli", "logs", "report", "minari", "video", "cluster", "gpu", "dev", "all"}
+EXTRAS = {"rl", "plot", "cli", "logs", "report", "minari", "gp", "video", "cluster", "gpu", "dev", "all"}
 OPTIONAL = (
     "torch",
     "matplotlib",
@@ -24,6 +24,7 @@ OPTIONAL = (
     "ray",
     "minari",
     "imageio",
+    "sklearn",
 )
 MODULES = (
     "simulation",

@@ -26,6 +26,9 @@ _KNOWN = {
     "bsn_static": LawStyle(label="static B-spline network", colour="#CC79A7", marker="D"),
     "bsn_extended": LawStyle(label="extended B-spline network", colour="#E69F00", marker="v"),
     "bsn_extended_prior": LawStyle(label="B-spline network with prior", colour="#B8860B", marker="^", line="--"),
+    "mlp_fel": LawStyle(label="perceptron", colour="#7F4F24", marker="X", line="-."),
+    "residual_gp": LawStyle(label="residual torque model", colour="#8C6BB1", marker="P", line="-."),
+    "narx": LawStyle(label="NARX network", colour="#56B4E9", marker="*", line="-."),
 }
 """Blue, red, green as in the thesis, in the colour-blind safe shades of Okabe and Ito."""
 _SPARE = tuple(product(("-", "--", ":"), (("#56B4E9", "P"), ("#8C6BB1", "X"), ("#7F4F24", "*"), ("#5C5C5C", "h"))))

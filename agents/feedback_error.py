@@ -1,0 +1,193 @@
+"""Feedback-error learning: a small multi-layer perceptron per motor in place of the B-spline network.
+
+Idea and source: Kawato, Furukawa & Suzuki (1987), Biological Cybernetics 57: the feedback torque is the error of the
+feed-forward, and trains it; thesis 3.2 names it as where LFFC comes from. With motor speed v and acceleration a of the
+reference, in units of what breakaway torque f_s does (`ffgym.envs.observation.Scales`),
+
+    u_lff / f_s = d + sum_h c_h tanh(w_h v + m_h a + b_h)
+
+Offline, an update is the one of LFFC (`agents.lffc`): the network is fitted to what it said plus the rate times what
+the feedback still did. Online, thesis (3.13) and (3.15): every sample moves all weights down the gradient of its own
+squared error, in the order of time (`adapted_in_order`).
+
+Run it:
+
+    ffgym demo --agents none lugre_dynamic mlp_fel
+    python -m scripts.forgetting
+
+Logged while learning: mean squares of motor error and learning signal per joint, see `agents.lffc`.
+
+Departures from the source: one hidden layer instead of two, and only speed and acceleration as inputs, since the rigid
+feed-forward is the drive's own; the fit runs a fixed number of full-batch steps of Adam instead of back-propagation
+sample by sample, which is there for comparison (`agents.forgetting`). Training needs torch, running does not.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Self, final
+
+import numpy as np
+
+from agents import mlp_training
+from agents.bspline_recipes import thesis_training
+from agents.lessons import every_speed
+from agents.mlp_training import Examples
+from agents.network import Network
+from agents.trials import Lesson, Trial
+from ffgym.control import Window
+from ffgym.envs.observation import Scales
+from ffgym.errors import FFGymError, check_shape, check_whole
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.types import Array
+
+N_HIDDEN = 16
+"""Hidden neurons per motor. Chosen: as many as make a curve of friction, with some to spare."""
+SPEED_SLOPES = (1.0, 100.0)
+"""First slopes w over scaled speed, drawn evenly in their logarithm: neurons that turn over within the whole range of
+about 10 rad/s, and such that turn over within 0.1 rad/s, where friction changes its sign."""
+ACCELERATION_SLOPES = (0.3, 30.0)
+"""First slopes m over scaled acceleration, in the same way: between all of the fastest circles and the slowest."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MLP(Network):
+    """One hidden layer of tanh per motor; learning never changes the scales."""
+
+    hidden: Array
+    """Slopes w and m, shape (N, H, 2): over scaled speed, over scaled acceleration."""
+    bias: Array
+    """b, shape (N, H)."""
+    output: Array
+    """c, shape (N, H)."""
+    offset: Array
+    """d, shape (N,)."""
+    scales: Array = field(repr=False)
+    """Motor speed [rad/s], acceleration [rad/s^2] and torque [N m] that count as 1, shape (3, N), > 0."""
+    name: str = "mlp_fel"
+    kind: ClassVar[str] = "mlp_fel"
+
+    def __post_init__(self) -> None:
+        n, h, _ = check_shape("hidden", self.hidden, (None, None, 2)).shape
+        shapes = {"hidden": (n, h, 2), "bias": (n, h), "output": (n, h), "offset": (n,), "scales": (3, n)}
+        for name, shape in shapes.items():
+            object.__setattr__(self, name, check_shape(name, getattr(self, name), shape))
+        if np.any(self.scales <= 0):
+            raise FFGymError(f"scales = {self.scales.tolist()} of law {self.name!r} must be > 0.")
+
+    @classmethod
+    def untrained(cls, robot: RobotDescription, rng: np.random.Generator, n_hidden: int = N_HIDDEN) -> Self:
+        """A network that adds nothing yet: hidden weights are drawn, output weights are 0.
+
+        Raises:
+            FFGymError: if a parameter of the robot that gives a scale is 0.
+        """
+        scales = Scales.of(robot)
+        shape = (robot.n_joints, check_whole("n_hidden", n_hidden, low=1))
+        slopes = [_drawn(rng, limits, shape) for limits in (SPEED_SLOPES, ACCELERATION_SLOPES)]
+        return cls(
+            hidden=np.stack(slopes, axis=-1),
+            bias=rng.normal(size=shape),
+            output=np.zeros(shape),
+            offset=np.zeros(robot.n_joints),
+            scales=np.stack([scales.velocity, scales.acceleration, robot.friction.static]),
+        )
+
+    @property
+    def n_joints(self) -> int:
+        """See base class."""
+        return len(self.offset)
+
+    @property
+    def weights(self) -> dict[str, Array]:
+        """See base class."""
+        return {"hidden": self.hidden, "bias": self.bias, "output": self.output, "offset": self.offset}
+
+    def with_weights(self, weights: dict[str, Array]) -> Self:
+        """See base class."""
+        return replace(
+            self,
+            hidden=weights["hidden"],
+            bias=weights["bias"],
+            output=weights["output"],
+            offset=weights["offset"],
+        )
+
+    def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
+        """See base class; nothing is remembered."""
+        return self.torque_at(window.motor_dq[..., 1, :], window.motor_ddq[..., 1, :]), memory
+
+    def torque_at(self, motor_dq: Array, motor_ddq: Array) -> Array:
+        """Torque [N m] at motor speed [rad/s] and acceleration [rad/s^2], all of shape (..., N)."""
+        v, a = self._inputs(motor_dq, motor_ddq)
+        active = np.tanh(self.hidden[..., 0] * v[..., None] + self.hidden[..., 1] * a[..., None] + self.bias)
+        return np.asarray(self.scales[2] * (self.offset + (self.output * active).sum(axis=-1)))
+
+    def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
+        """See base class: fitted to its own torque plus `rate` times the signal, at some samples of each lesson.
+
+        Raises:
+            FFGymError: if torch is missing.
+        """
+        rows = [mlp_training.evenly(lesson.moving) for lesson in lessons]
+        dq, ddq, signal = (
+            np.concatenate([getattr(lesson, name)[chosen] for lesson, chosen in zip(lessons, rows, strict=True)])
+            for name in ("motor_dq", "motor_ddq", "signal")
+        )
+        return self.fitted_to(dq, ddq, self.torque_at(dq, ddq) + rate * signal)
+
+    def fitted_to(self, motor_dq: Array, motor_ddq: Array, wanted: Array) -> Self:
+        """After a fit to all samples at once; arguments as for `adapted_in_order`.
+
+        Raises:
+            FFGymError: if torch is missing.
+        """
+        return self.with_weights(mlp_training.fitted(self.weights, self._examples(motor_dq, motor_ddq, wanted)))
+
+    def adapted_in_order(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float) -> Self:
+        """After samples one by one, each a step of `rate` down the gradient of its own squared error, thesis (3.15).
+
+        Args:
+            motor_dq: motor speed [rad/s], shape (T, N).
+            motor_ddq: motor acceleration [rad/s^2], shape (T, N).
+            wanted: torque that the network should give there [N m], shape (T, N).
+            rate: learning rate for errors in units of the torque scale.
+
+        Raises:
+            FFGymError: if torch is missing.
+        """
+        examples = self._examples(motor_dq, motor_ddq, wanted)
+        return self.with_weights(mlp_training.walked(self.weights, examples, rate))
+
+    def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
+        """See base class."""
+        return {"name": self.name}, {**self.weights, "scales": self.scales}
+
+    @classmethod
+    def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
+        """See base class."""
+        return cls(name=settings["name"], **arrays)
+
+    def _inputs(self, motor_dq: Array, motor_ddq: Array) -> tuple[Array, Array]:
+        return motor_dq / self.scales[0], motor_ddq / self.scales[1]
+
+    def _examples(self, motor_dq: Array, motor_ddq: Array, wanted: Array) -> Examples:
+        inputs = np.stack(self._inputs(motor_dq, motor_ddq), axis=-1)
+        return Examples(inputs=inputs.swapaxes(0, 1), targets=(wanted / self.scales[2]).T)
+
+
+def trained_mlp(arm: RigidArm, trial: Trial) -> Network:
+    """Member of the catalogue: on the motions of every speed, with rate and iterations of the thesis, seed 0.
+
+    Raises:
+        FFGymError: if torch is missing, or the robot has neither a work area nor one joint alone.
+    """
+    first = MLP.untrained(arm.robot, np.random.default_rng(0))
+    return thesis_training(arm.robot.n_joints).learn(first, every_speed(arm), trial).best
+
+
+def _drawn(rng: np.random.Generator, limits: tuple[float, float], shape: tuple[int, int]) -> Array:
+    """Numbers of either sign, evenly in the logarithm of their size between `limits`."""
+    low, high = np.log(limits)
+    size = np.exp(rng.uniform(low, high, shape))
+    return np.asarray(size * rng.choice([-1.0, 1.0], shape))

@@ -1,0 +1,32 @@
+"""Slip elements: memory of a motor's last turn and of how far it has come since, which is what friction remembers."""
+
+import numpy as np
+
+from ffgym.types import Array
+
+WIDTHS = np.array([0.002, 0.004, 0.008, 0.016, 0.032])
+"""Motor travel [rad] after which an element slips. Chosen: octaves around 8 mrad, over which the bristles of the
+built-in robots bend; five cover presliding between a quarter and four times of that, and which of them matter is
+learned."""
+
+
+def advanced(slip: Array, dq: Array, next_dq: Array, dt: float, widths: Array = WIDTHS) -> Array:
+    r"""Elements (..., N, W), from -1 to 1, a step of `dt` [s] later; the motor speed runs straight between (..., N).
+
+    Each is a spring that slips beyond its width w, the stop operator of Prandtl's model of presliding friction:
+
+    .. math:: s_+ = \min(\max(s + \Delta q / w, -1), 1)
+
+    A weighted sum of them is a hysteresis loop with memory of the loops within it (Krasnosel'skii & Pokrovskii 1989,
+    "Systems with Hysteresis").
+    """
+    travel = 0.5 * dt * (dq + next_dq)
+    return np.clip(slip + travel[..., None] / widths, -1.0, 1.0)
+
+
+def along(motor_dq: Array, dt: float) -> Array:
+    """Elements along motor speeds (T, N) [rad/s] sampled every `dt` [s], shape (T, N, W); relaxed at the start."""
+    slip = np.zeros((*motor_dq.shape, len(WIDTHS)))
+    for k in range(len(motor_dq) - 1):
+        slip[k + 1] = advanced(slip[k], motor_dq[k], motor_dq[k + 1], dt)
+    return slip
