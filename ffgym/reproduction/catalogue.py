@@ -1,6 +1,7 @@
 """All items in the order of the thesis."""
 
 from ffgym.reproduction import (
+    beyond,
     bsn_basis,
     bsn_fast,
     bsn_one_axis,
@@ -22,5 +23,6 @@ CHAPTER_5 = (
     *bsn_real.ITEMS,
     *bsn_fast.ITEMS,
 )
-ITEMS: tuple[Item, ...] = (*CHAPTER_4, *CHAPTER_5)
-"""Every figure and table of chapters 4 and 5 that has numbers or curves. Figures 4.1, 5.1 and 5.4 are diagrams."""
+ITEMS: tuple[Item, ...] = (*CHAPTER_4, *CHAPTER_5, *beyond.ITEMS)
+"""Every figure and table of chapters 4 and 5 that has numbers or curves. Figures 4.1, 5.1 and 5.4 are diagrams.
+Two more items go beyond it."""

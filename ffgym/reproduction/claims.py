@@ -92,7 +92,7 @@ class Judgement:
         return f"{count}; not {'; '.join(wrong[:_LISTED])}{more}."
 
 
-_LISTED = 6
+_LISTED = 3
 """Comparisons that one line has room for."""
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from functools import cached_property
 
 from agents.bspline import ExtendedBSN, StaticBSN
@@ -11,9 +12,10 @@ from agents.learning import Learning
 from agents.lessons import thesis_motions, training_motions
 from ffgym.control import NoCompensation, Reference
 from ffgym.paths import SPEEDS
+from ffgym.reproduction.contenders import Contender, available, contender
 from ffgym.robot import RobotDescription, load_robot
 from ffgym.simulation.simulate import Progress
-from ffgym.studies import CircleStudy, OneAxisStudy, circle_study, one_axis_study
+from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Called with a title and a unit when a piece of work begins; yields what is told of its progress."""
@@ -97,6 +99,25 @@ class Laboratory:
     def fast_bsn_circles(self) -> CircleStudy:
         """The 12 circles at 40 mm/s with no compensation, dynamic LuGre, and both networks as trained at 40 mm/s."""
         return self._with_networks(self.fast_learning, [FAST], "40 mm/s")
+
+    @cached_property
+    def contenders(self) -> list[Contender]:
+        """Members of the agents' catalogue, made for the 36 circles."""
+        setting = replace(self.setting, references=[*circle_references(self.setting.arm).values()])
+        found = []
+        with self.stage("making agents", "agents") as progress:
+            for i, name in enumerate(names := available()):
+                progress(i, len(names))
+                found.append(contender(name, setting))
+            progress(len(names), len(names))
+        return found
+
+    @cached_property
+    def all_circles(self) -> CircleStudy:
+        """The 36 circles with all of them."""
+        with self.stage("circles with all agents", "s") as progress:
+            laws = [each.law for each in self.contenders]
+            return circle_study(self.robot, laws=laws, n_threads=self.n_threads, progress=progress)
 
     def _learning(self, setting: Setting, references: Sequence[Reference], where: str) -> dict[str, Learning]:
         n = setting.robot.n_joints

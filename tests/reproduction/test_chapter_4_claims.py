@@ -105,3 +105,21 @@ def test_more_is_gained_than_published_where_friction_vanishes(laboratory, made_
     ideal = made_up_circles(LAWS, lambda law, *where: 1.0 if law == "none" else 0.01)
     assert verdict("4.10-practice", laboratory, ideal) == "holds"
     assert verdict("4.10-practice", laboratory, made_up_circles(LAWS)) == "does not hold"
+
+
+def test_the_circle_that_the_thesis_excepts_does_not_count(laboratory, made_up_circles):
+    def excepted(law, speed, radius, position):
+        worse = law == "lugre_dynamic" and (radius, position) == (5.0, "p3")
+        return 2.0 if worse else as_told(law, speed, radius, position)
+
+    laboratory.lugre_circles = made_up_circles(LAWS, excepted)
+    checks = judge(CLAIMS["T4.1-dynamic"], laboratory).checks
+    assert len(checks) == 11
+    assert all(check.true for check in checks)
+
+
+def test_only_the_circles_that_a_claim_speaks_of_count(laboratory, told):
+    laboratory.lugre_circles = told
+    checks = judge(CLAIMS["4.8-others"], laboratory).checks
+    assert len(checks) == 4  # two laws on circles of 3 and 5 mm
+    assert not any("r = 1 mm" in check.where for check in checks)

@@ -40,6 +40,24 @@ def test_names_of_items_and_claims_are_unique():
         assert len(set(names)) == len(names)
 
 
+@pytest.mark.slow
+def test_the_whole_reproduction_shows_and_judges_everything():
+    results = list(reproduce(ITEMS, Laboratory()))
+    page = render_page(results, {})
+    names = [figure.name for result in results for figure in result.figures]
+    assert len(set(names)) == len(names)
+    for result in results:
+        assert page.count(f'<section id="{result.item.name}">') == 1
+        assert result.figures or result.tables or result.item.counterpart
+    for name in names:
+        assert page.count(f'<figure id="{name}">') == 1
+    verdicts = {j.claim.name: j.verdict for result in results for j in result.judgements}
+    assert verdicts["agents-elastic"] == "holds"  # acceptance: 70 % of what dynamic LuGre leaves at 40 and 100 mm/s
+    told = ("5.6-zero", "5.9-both", "5.9-less", "5.10-falls", "5.12-motors", "5.12-path", "5.13-less", "5.13-path")
+    assert {verdicts[name] for name in told} == {"holds"}
+    json.dumps(as_json(results, {}), allow_nan=False)
+
+
 def test_every_item_of_the_thesis_has_something_to_say_and_to_show():
     for item in ITEMS:
         if item.chapter != "beyond":
