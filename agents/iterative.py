@@ -169,7 +169,6 @@ class IterativeLearning:
         own = recording.joint_array("feedforward.effort") + recording.joint_array("feedback.effort")
         control = at_samples(own, recording, reference)
         following = np.clip(wanted, -peak - control, peak - control)  # or torque that never comes would pile up
-        following[0] = 0.0
         return practice.tried(rms(error), list(circle_rms(error, reference).values()), following)
 
 
