@@ -1,4 +1,4 @@
-"""Speed and memory of simulation and environments, as ratios to the bare engine on the same model in the same run.
+"""Speed and memory of simulation, environments and agents, as ratios to the bare engine on the same model in one run.
 
 python -m scripts.bench
 """
@@ -14,6 +14,7 @@ from typing import Any, Literal, get_args
 from ffgym.files import check_writable, write_json
 from ffgym.provenance import versions
 from ffgym.robot import compile_model, load_robot, physics_fingerprint
+from scripts.bench.agents import decision_ratios
 from scripts.bench.environments import (
     CIRCLES,
     against_the_engine,
@@ -25,7 +26,7 @@ from scripts.bench.simulation import simulation_ratios
 from scripts.bench.training import training_ratios
 from scripts.bench.turns import Amount, Ratio
 
-Part = Literal["simulation", "environments", "vectors", "training", "memory"]
+Part = Literal["simulation", "environments", "vectors", "agents", "training", "memory"]
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,8 @@ def measurements(config: Config) -> Iterator[Ratio | Amount]:
         yield from beginnings(config.threads)
     if "vectors" in config.parts:
         yield from against_vectors_of_single_ones(config.repeats, config.threads)
+    if "agents" in config.parts:
+        yield from decision_ratios((1, 64), config.long_repeats)
     if "training" in config.parts:
         learned = training_ratios(config.long_repeats)
         yield from learned

@@ -6,10 +6,12 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from agents.catalogue import CATALOGUE
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run
 from ffgym.studies import circle_references, thesis_laws
 from scripts.bench import Config, main
+from scripts.bench.agents import decision_ratios
 from scripts.bench.environments import CIRCLES, Bare, Stepped
 from scripts.bench.memory import import_time, memory_of
 from scripts.bench.simulation import bare_rate, measure
@@ -85,6 +87,13 @@ def test_training_is_left_out_where_the_learner_is_missing(monkeypatch, capsys):
     monkeypatch.setattr("scripts.bench.training.installed", lambda package: False)
     assert main(Config(parts=("training",))) == []
     assert "training: left out" in capsys.readouterr().out
+
+
+@pytest.mark.slow  # trains every family
+def test_every_agent_that_one_axis_has_a_use_for_is_timed():
+    titles = [ratio.title for ratio in decision_ratios((1,), 1)]
+    wanted = [name for name, entry in CATALOGUE.items() if name != "none" and not entry.needs_arm]
+    assert titles == [f"{name} / environment, 1 robot" for name in wanted]
 
 
 @pytest.mark.slow
