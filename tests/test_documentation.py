@@ -15,6 +15,7 @@ ROOT = Path(__file__).parent.parent
 EXECUTED = [
     "README.md",
     "docs/recorder.md",
+    "docs/reproduction.md",
     "docs/agents/bspline.md",
     "docs/agents/online_lffc.md",
     "docs/agents/feedback_error.md",

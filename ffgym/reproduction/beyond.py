@@ -47,7 +47,7 @@ def _table(laboratory: Laboratory) -> list[PlainTable]:
             each.entry.track,
             f"{each.trials}",
             f"{each.robot_seconds:.0f}",
-            *map(_error, errors[each.law.name], errors["lugre_dynamic"]),
+            *map(_error, errors[each.law.name], errors["none"]),
         )
         for each in laboratory.contenders
     )
@@ -56,7 +56,7 @@ def _table(laboratory: Laboratory) -> list[PlainTable]:
         PlainTable(
             headings=("law", "what it may know", "trials", "robot time [s]", *speeds),
             rows=rows,
-            note="Mean RMS path error over 3 radii and 4 positions, nominal robot; in brackets against dynamic LuGre. "
+            note="Mean RMS path error over 3 radii and 4 positions, nominal robot; in brackets against none. "
             "Trials are those that a law learned from; one may run several motions. The oracle knows the machine's "
             "true parameters, which are the nominal ones here." + _left_out(),
         )
@@ -69,9 +69,9 @@ def _left_out() -> str:
     return f" Left out, as a package is not installed: {', '.join(missing)}." if missing else ""
 
 
-def _error(value: float, lugre: float) -> str:
-    """An error [mm] in micrometres, and how it compares to that of dynamic LuGre."""
-    change = "" if value == lugre else f" ({percent(1 - value / lugre)})"
+def _error(value: float, without: float) -> str:
+    """An error [mm] in micrometres, and how it compares to that without compensation."""
+    change = "" if value == without else f" ({percent(1 - value / without)})"
     return f"{value * 1e3:.4g}{change}"
 
 
