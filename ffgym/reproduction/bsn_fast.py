@@ -203,7 +203,7 @@ ITEMS = (
                 statement="The extended network is better than the static one in most cases, if only slightly.",
                 criterion="RMS path error of every circle, simulated.",
                 checks=lambda laboratory: lower_path_errors(fast(laboratory), EXTENDED, STATIC),
-                share=MAJORITY,
+                share=MOST,
             ),
             sizes_as_published("T5.2-sizes", fast, LAWS),
         ),

@@ -1,7 +1,7 @@
 """Thesis 4.4, LuGre feed-forward on the real robot: Tables 4.1 and 4.2, and what stands for Figures 4.10 to 4.12."""
 
 from ffgym.report import circle_tables
-from ffgym.reproduction.claims import CLEAR, MOST, Check, Claim
+from ffgym.reproduction.claims import CLEAR, Check, Claim
 from ffgym.reproduction.comparisons import (
     clear_mean_gain,
     label,
@@ -143,7 +143,6 @@ ITEMS = (
                 statement="The dynamic law is better than the static one on all circles but that of 5 mm at p3.",
                 criterion="RMS path error of the other 11 circles, simulated.",
                 checks=_dynamic_better,
-                share=MOST,
             ),
             sizes_as_published("T4.1-sizes", lambda laboratory: _circles(laboratory, 0.010), ("none", *LAWS)),
         ),
