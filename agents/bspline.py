@@ -11,10 +11,10 @@ Run it:
     ffgym lffc --network extended --out network.npz
     ffgym demo --agents none bsn_static bsn_extended network.npz
 
-Logged while learning: mean squares of motor error and learning signal per joint, see `agents.lffc`.
+Logged while learning: mean squares of motor error and learning signal per joint, see `agents.learning.lffc`.
 
 Departures from the source: the torque is the one for the next sample, at the speed and acceleration there, since the
-drive reaches it then; outermost knots are repeated, and beyond them the last value stays (`agents.spline_basis`).
+drive reaches it then; outermost knots are repeated, and beyond them the last value stays (`agents.splines.basis`).
 """
 
 from abc import abstractmethod
@@ -25,9 +25,9 @@ from typing import Any, ClassVar, Self, final
 import numpy as np
 from scipy.sparse import csr_array
 
-from agents.network import Network
-from agents.spline_basis import SplineBasis
-from agents.trials import Lesson
+from agents.common.network import Network
+from agents.common.trials import Lesson
+from agents.splines.basis import SplineBasis
 from ffgym.control import Window
 from ffgym.errors import FFGymError, check_shape
 from ffgym.types import Array, IntArray

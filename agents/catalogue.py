@@ -6,18 +6,19 @@ from types import MappingProxyType
 from typing import Literal
 
 from agents.bspline import ExtendedBSN, StaticBSN
-from agents.bspline_recipes import trained_as_in_thesis, trained_with_prior
+from agents.common.law_files import load_law
+from agents.common.trials import SimulatedTrial, Trial
 from agents.elastic import elastic_law
 from agents.feedback_error import trained_mlp
+from agents.fitting.narx_fit import trained_narx
+from agents.fitting.residual_fit import trained_residual_torque
 from agents.iterative import motor_law, tool_law
-from agents.law_files import load_law
 from agents.lugre import dynamic_lugre, static_lugre
-from agents.narx_fit import trained_narx
 from agents.oracle import oracle_law
-from agents.residual_fit import trained_residual_torque
-from agents.trials import SimulatedTrial, Trial
+from agents.splines.recipes import trained_as_in_thesis, trained_with_prior
 from ffgym.control import FeedForwardLaw, NoCompensation, Reference
 from ffgym.errors import check_choice
+from ffgym.provenance import installed
 from ffgym.robot import RigidArm, RobotDescription
 
 Track = Literal["causal", "causal, nominal parameters", "per task", "oracle"]
@@ -65,6 +66,13 @@ class Entry:
     """Make the law; learning families run their trials here."""
     needs_arm: bool = False
     """Whether it works only on a robot with a tool (TCP)."""
+    package: str | None = None
+    """Package that it needs to learn, beside those of the core."""
+
+    @property
+    def is_available(self) -> bool:
+        """Whether all that it needs is installed."""
+        return self.package is None or installed(self.package)
 
 
 _ENTRIES = (
@@ -116,6 +124,7 @@ _ENTRIES = (
         track="causal, nominal parameters",
         page="feedback_error.md",
         make=lambda setting: trained_mlp(setting.arm, setting.trial),
+        package="torch",
     ),
     Entry(
         name="narx",
@@ -130,6 +139,7 @@ _ENTRIES = (
         track="causal",
         page="residual_torque.md",
         make=lambda setting: trained_residual_torque(setting.arm, setting.trial),
+        package="scikit-learn",
     ),
     Entry(
         name="ilc_motor",

@@ -32,9 +32,9 @@ from typing import final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from agents.existing_torque import given_torque, links_torque
-from agents.lead import Lead, lead_between
-from agents.mean_friction import friction_along, step_friction
+from agents.elasticity.existing_torque import given_torque, links_torque
+from agents.elasticity.lead import Lead, lead_between
+from agents.elasticity.mean_friction import friction_along, step_friction
 from ffgym.control import CausalLaw, DynamicLuGreExact, Reference, Window
 from ffgym.errors import FFGymError, check_whole
 from ffgym.robot import RigidArm, RobotDescription, robot_of

@@ -6,20 +6,20 @@ reference, in units of what breakaway torque f_s does (`ffgym.envs.observation.S
 
     u_lff / f_s = d + sum_h c_h tanh(w_h v + m_h a + b_h)
 
-Offline, an update is the one of LFFC (`agents.lffc`): the network is fitted to what it said plus the rate times what
-the feedback still did. Online, thesis (3.13) and (3.15): every sample moves all weights down the gradient of its own
-squared error, in the order of time (`adapted_in_order`).
+Offline, an update is the one of LFFC (`agents.learning.lffc`): the network is fitted to what it said plus the rate
+times what the feedback still did. Online, thesis (3.13) and (3.15): every sample moves all weights down the gradient of
+its own squared error, in the order of time (`adapted_in_order`).
 
 Run it:
 
     ffgym demo --agents none lugre_dynamic mlp_fel
     python -m scripts.forgetting
 
-Logged while learning: mean squares of motor error and learning signal per joint, see `agents.lffc`.
+Logged while learning: mean squares of motor error and learning signal per joint, see `agents.learning.lffc`.
 
 Departures from the source: one hidden layer instead of two, and only speed and acceleration as inputs, since the rigid
 feed-forward is the drive's own; the fit runs a fixed number of full-batch steps of Adam instead of back-propagation
-sample by sample, which is there for comparison (`agents.forgetting`). Training needs torch, running does not.
+sample by sample, which is there for comparison (`agents.learning.forgetting`). Training needs torch, running does not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,12 +28,12 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from agents import mlp_training
-from agents.bspline_recipes import thesis_training
-from agents.lessons import every_speed
-from agents.mlp_training import Examples
-from agents.network import Network
-from agents.trials import Lesson, Trial
+from agents.common.lessons import every_speed
+from agents.common.network import Network
+from agents.common.trials import Lesson, Trial
+from agents.fitting import mlp_training
+from agents.fitting.mlp_training import Examples
+from agents.splines.recipes import thesis_training
 from ffgym.control import Window
 from ffgym.envs.observation import Scales
 from ffgym.errors import FFGymError, check_shape, check_whole

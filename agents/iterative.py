@@ -24,19 +24,21 @@ control, as the last trial shows it; the torque that did best is kept, not the l
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
+from agents.common.law_files import digest
+from agents.common.trials import Trial
 from agents.elastic import elastic_law
 from agents.lugre import dynamic_lugre
-from agents.norm_optimal import NormOptimalStep
-from agents.practice import Practice, StateFile, fingerprint_of
-from agents.task_error import at_samples, circle_rms, rms, task_error
-from agents.task_torques import Task, TaskTorques, same_motion
-from agents.torque_response import TARGETS, Target, TorqueResponse
-from agents.trials import Trial
+from agents.per_task.norm_optimal import NormOptimalStep
+from agents.per_task.practice import Practice, StateFile
+from agents.per_task.task_error import at_samples, circle_rms, rms, task_error
+from agents.per_task.task_torques import Task, TaskTorques, same_motion
+from agents.per_task.torque_response import TARGETS, Target, TorqueResponse
 from ffgym.control import FeedForwardLaw, NoCompensation, Reference
 from ffgym.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.recordings import Recording
@@ -203,9 +205,8 @@ def _fingerprint(
 ) -> str:
     """Of all that learning depends on but the machine."""
     parts = zip(references, steps, practices, strict=True)
-    return fingerprint_of(
-        array for r, step, practice in parts for array in (r.q, practice.torque, step.gain, step.from_error)
-    )
+    arrays = ((r.q, practice.torque, step.gain, step.from_error) for r, step, practice in parts)
+    return digest(*chain.from_iterable(arrays))
 
 
 def _circles(reference: Reference) -> tuple[str, ...]:

@@ -15,7 +15,8 @@ Run it:
 
     ffgym demo --agents none lugre_dynamic narx
 
-Logged: see `agents.supervised.Supervised`. How it is fitted, and what departs from the source: `agents.narx_fit`.
+Logged: see `agents.fitting.supervised.Supervised`. How it is fitted, and what departs from the source:
+`agents.fitting.narx_fit`.
 """
 
 from collections.abc import Mapping
@@ -24,7 +25,7 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from agents.law_files import StoredLaw
+from agents.common.law_files import StoredLaw
 from ffgym.control import CausalLaw, Window
 from ffgym.errors import FFGymError, check_shape, check_whole
 from ffgym.types import Array

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from agents.bspline import BSplineNetwork
-from agents.law_agent import LawAgent
+from agents.common.law_agent import LawAgent
 from ffgym.control import servo_torque
 from ffgym.errors import FFGymError, check_number
 from ffgym.robot import Servo

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from agents.common.law_agent import LawAgent, acting_in, attribute_of
 from agents.elastic import ElasticLaw, elastic_law
-from agents.law_agent import LawAgent, acting_in, attribute_of
 from ffgym.envs import ObservationLayout
 from ffgym.envs.core import TrackingCore
 from ffgym.errors import FFGymError

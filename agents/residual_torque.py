@@ -6,8 +6,9 @@ model is the drive's own feed-forward, and the difference is friction before all
 
     u_lff = b . [s_1 ... s_W, v, a] + g(x),      x = [s_1 ... s_W, asinh(v / v_0) / asinh(v_max / v_0)]
 
-with slip elements s (`agents.slip_elements`: what remembers the last reversal), motor speed v and acceleration a. The
-linear part is the mean of a Gaussian process, g its deviation from it: a sum of bells around some of the samples seen,
+with slip elements s (`agents.fitting.slip_elements`: what remembers the last reversal), motor speed v and acceleration
+a. The linear part is the mean of a Gaussian process, g its deviation from it: a sum of bells around some of the
+samples seen,
 
     g(x) = sum_i alpha_i exp(-|x - x_i|^2 / (2 l^2))
 
@@ -18,7 +19,8 @@ Run it:
 
     ffgym demo --agents none lugre_dynamic residual_gp
 
-Logged: see `agents.supervised.Supervised`. How it is fitted, and what departs from the source: `agents.residual_fit`.
+Logged: see `agents.fitting.supervised.Supervised`. How it is fitted, and what departs from the source:
+`agents.fitting.residual_fit`.
 """
 
 from collections.abc import Mapping
@@ -27,10 +29,10 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from agents import slip_elements
-from agents.law_files import StoredLaw
-from agents.slip_elements import WIDTHS
-from agents.supervised import linear_features
+from agents.common.law_files import StoredLaw
+from agents.fitting import slip_elements
+from agents.fitting.slip_elements import WIDTHS
+from agents.fitting.supervised import linear_features
 from ffgym.control import CausalLaw, Window
 from ffgym.errors import FFGymError, check_shape
 from ffgym.types import Array

@@ -6,15 +6,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 from agents.bspline import BSplineNetwork, ExtendedBSN, StaticBSN
-from agents.bspline_recipes import thesis_training
-from agents.coulomb_prior import CoulombPrior
-from agents.law_files import save_law
-from agents.learning import Learning, relative
-from agents.learning_stability import LearningStability
-from agents.lessons import training_motions
-from agents.lffc import LFFC, robot_seconds
-from agents.spline_basis import SplineBasis
-from agents.trials import SimulatedTrial
+from agents.common.law_files import save_law
+from agents.common.lessons import training_motions
+from agents.common.trials import SimulatedTrial
+from agents.learning.coulomb_prior import CoulombPrior
+from agents.learning.lffc import LFFC, robot_seconds
+from agents.learning.progress import Learning, relative
+from agents.splines.basis import SplineBasis
+from agents.splines.recipes import thesis_training
+from agents.stability.limits import LearningStability
 from ffgym.control import Reference
 from ffgym.errors import FFGymError
 from ffgym.files import check_writable, write_json

@@ -7,10 +7,10 @@ from typing import Literal
 import numpy as np
 
 from agents.bspline import BSplineNetwork
-from agents.bspline_recipes import thesis_training
-from agents.learning_stability import LearningStability
-from agents.lessons import training_motions
-from agents.trials import SimulatedTrial
+from agents.common.lessons import training_motions
+from agents.common.trials import SimulatedTrial
+from agents.splines.recipes import thesis_training
+from agents.stability.limits import LearningStability
 from ffgym.cli.lffc import NETWORKS
 from ffgym.control import Reference
 from ffgym.errors import check_choice, check_number, check_whole
@@ -74,7 +74,7 @@ class Stability:
             self._draw(network, arm, motions[0], iterations, self.figure)
 
     def _draw(self, network: BSplineNetwork, arm: RigidArm, motion: Reference, iterations: int, path: Path) -> None:
-        from agents.learning_check import learning_curves
+        from agents.stability.check import learning_curves
         from ffgym.report import save_figure
         from ffgym.report.learning_plot import learning_caption, learning_figure
 

@@ -4,9 +4,9 @@ import numpy as np
 
 from agents.bspline import StaticBSN
 from agents.catalogue import CATALOGUE
-from agents.learning_check import learning_curves
-from agents.lessons import thesis_motions
-from agents.trials import SimulatedTrial
+from agents.common.lessons import thesis_motions
+from agents.common.trials import SimulatedTrial
+from agents.stability.check import learning_curves
 from ffgym.paths import SPEEDS
 from ffgym.report import ReportFigure
 from ffgym.report.agents_plot import agents_figure
@@ -14,7 +14,6 @@ from ffgym.report.comparison import percent
 from ffgym.report.learning_plot import LearningCurves, learning_caption, learning_figure
 from ffgym.reproduction.claims import Check, Claim
 from ffgym.reproduction.comparisons import mean_path_reduction
-from ffgym.reproduction.contenders import PACKAGES, available
 from ffgym.reproduction.items import Item, PlainTable
 from ffgym.reproduction.laboratory import Laboratory
 from ffgym.robot import RigidArm
@@ -65,7 +64,7 @@ def _table(laboratory: Laboratory) -> list[PlainTable]:
 
 def _left_out() -> str:
     """Which members could not take part, and why; empty if all did."""
-    missing = [f"{entry.title} ({PACKAGES[name]})" for name, entry in CATALOGUE.items() if name not in available()]
+    missing = [f"{entry.title} ({entry.package})" for entry in CATALOGUE.values() if not entry.is_available]
     return f" Left out, as a package is not installed: {', '.join(missing)}." if missing else ""
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from agents.spline_basis import FINE_RANGE, SplineBasis
+from agents.splines.basis import FINE_RANGE, SplineBasis
 from ffgym.report import ReportFigure
 from ffgym.report.basis_plot import basis_figure
 from ffgym.report.feedback_plot import feedback_over_speed_figure, feedback_parts_figure

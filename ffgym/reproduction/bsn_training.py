@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from agents.learning import Learning
+from agents.learning.progress import Learning
 from ffgym.report import law_styles
 from ffgym.report.friction_loops import unlike
 from ffgym.reproduction.claims import ROUGH, ZERO, Check, Claim

@@ -3,20 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from agents.catalogue import CATALOGUE, Entry, Setting, entry_of
-from agents.trials import Trial
+from agents.catalogue import Entry, Setting, entry_of
+from agents.common.trials import Trial
 from ffgym.control import FeedForwardLaw
-from ffgym.provenance import installed
 from ffgym.recordings import Recording
 from ffgym.simulation import Run
-
-PACKAGES = {"mlp_fel": "torch", "residual_gp": "scikit-learn"}
-"""What members of the catalogue need besides the core to learn, by name."""
-
-
-def available() -> list[str]:
-    """Members of the catalogue whose packages are installed, in its order."""
-    return [name for name in CATALOGUE if name not in PACKAGES or installed(PACKAGES[name])]
 
 
 class CountedTrial:

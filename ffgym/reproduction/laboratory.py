@@ -6,13 +6,13 @@ from dataclasses import replace
 from functools import cached_property
 
 from agents.bspline import ExtendedBSN, StaticBSN
-from agents.bspline_recipes import thesis_training
-from agents.catalogue import Setting
-from agents.learning import Learning
-from agents.lessons import thesis_motions, training_motions
+from agents.catalogue import CATALOGUE, Setting
+from agents.common.lessons import thesis_motions, training_motions
+from agents.learning.progress import Learning
+from agents.splines.recipes import thesis_training
 from ffgym.control import NoCompensation, Reference
 from ffgym.paths import SPEEDS
-from ffgym.reproduction.contenders import Contender, available, contender
+from ffgym.reproduction.contenders import Contender, contender
 from ffgym.robot import RobotDescription, load_robot
 from ffgym.simulation.simulate import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
@@ -106,7 +106,8 @@ class Laboratory:
         setting = replace(self.setting, references=[*circle_references(self.setting.arm).values()])
         found = []
         with self.stage("making agents", "agents") as progress:
-            for i, name in enumerate(names := available()):
+            names = [name for name, entry in CATALOGUE.items() if entry.is_available]
+            for i, name in enumerate(names):
                 progress(i, len(names))
                 found.append(contender(name, setting))
             progress(len(names), len(names))

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from agents.learning import Learning
+from agents.learning.progress import Learning
 from ffgym.report import ReportFigure, law_styles
 from ffgym.report.bars import motor_error_caption, motor_error_figure
 from ffgym.report.friction_loops import (

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from agents.trials import Lesson
+from agents.common.trials import Lesson
 from ffgym.control import Reference
 
 

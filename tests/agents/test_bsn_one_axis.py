@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from agents.bspline import ExtendedBSN, StaticBSN
-from agents.bspline_recipes import thesis_training
-from agents.learning import relative
-from agents.lessons import thesis_motions
-from agents.trials import SimulatedTrial
+from agents.common.lessons import thesis_motions
+from agents.common.trials import SimulatedTrial
+from agents.learning.progress import relative
+from agents.splines.recipes import thesis_training
 from ffgym.control import NoCompensation
 from ffgym.robot import RigidArm
 from ffgym.studies import one_axis_study

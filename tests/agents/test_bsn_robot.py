@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from agents.bspline import ExtendedBSN, StaticBSN
-from agents.bspline_recipes import thesis_training
-from agents.coulomb_prior import CoulombPrior
-from agents.trials import SimulatedTrial
+from agents.common.trials import SimulatedTrial
+from agents.learning.coulomb_prior import CoulombPrior
+from agents.splines.recipes import thesis_training
 from ffgym.control import NoCompensation
 from ffgym.metrics import friction_miss
 from ffgym.paths import RADII

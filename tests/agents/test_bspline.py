@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agents.bspline import ExtendedBSN, StaticBSN
-from agents.law_files import load_law, save_law
-from agents.spline_basis import SplineBasis
+from agents.common.law_files import load_law, save_law
+from agents.splines.basis import SplineBasis
 from ffgym.errors import FFGymError
 from ffgym.studies import sine_references
 from tests.agents.lesson_samples import lesson

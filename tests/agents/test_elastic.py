@@ -7,7 +7,7 @@ import pytest
 
 from agents import LawAgent
 from agents.elastic import ElasticLaw, elastic_feedforward, elastic_law
-from agents.mean_friction import friction_along
+from agents.elasticity.mean_friction import friction_along
 from ffgym.control import CausalLaw, DynamicLuGreExact, Window, joint_reference
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.sb3 import make_sb3_env

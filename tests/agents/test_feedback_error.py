@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from agents.catalogue import Setting
+from agents.common.trials import Lesson
 from agents.feedback_error import MLP
-from agents.forgetting import compare
-from agents.lffc import LFFC
-from agents.trials import Lesson
+from agents.learning.forgetting import compare
+from agents.learning.lffc import LFFC
 from ffgym.control import StaticLuGre
 from ffgym.errors import FFGymError
 from ffgym.report.forgetting_plot import forgetting_figure

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from agents.catalogue import CATALOGUE, Setting, law_named
+from agents.common.trials import SimulatedTrial
 from agents.iterative import TRIALS, IterativeLearning
-from agents.task_error import rms, task_error
-from agents.trials import SimulatedTrial
+from agents.per_task.task_error import rms, task_error
 from ffgym.control import DynamicLuGreExact, StaticLuGre
 from ffgym.errors import FFGymError
 from ffgym.metrics import motor_error, path_errors

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.catalogue import Setting
+from agents.fitting.narx_fit import Errors, Structure, fitted, learn_narx
+from agents.fitting.supervised import MotorRecord
 from agents.narx import NARX, sigmoid
-from agents.narx_fit import Errors, Structure, fitted, learn_narx
-from agents.supervised import MotorRecord
 from ffgym.control import Window
 from ffgym.errors import FFGymError
 from ffgym.simulation import Run

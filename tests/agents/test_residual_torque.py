@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents import slip_elements
 from agents.catalogue import Setting
-from agents.residual_fit import fitted, learn_residual_torque
+from agents.fitting import slip_elements
+from agents.fitting.residual_fit import fitted, learn_residual_torque
+from agents.fitting.supervised import MotorRecord
 from agents.residual_torque import ResidualTorque
-from agents.supervised import MotorRecord
 from ffgym.control import DynamicLuGreExact, NoCompensation, Window
 from ffgym.errors import FFGymError
 from ffgym.metrics import motor_error_rms

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agents.bspline import ExtendedBSN, StaticBSN
-from agents.law_files import load_law, unpack
-from agents.lessons import thesis_motions
+from agents.common.law_files import load_law, unpack
+from agents.common.lessons import thesis_motions
 from ffgym.cli.main import main
 from ffgym.robot import ModelOptions, RigidArm, compile_model, physics_fingerprint
 

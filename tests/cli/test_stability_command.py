@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from agents.bspline import StaticBSN
-from agents.law_files import load_law
-from agents.learning_stability import LearningStability
+from agents.common.law_files import load_law
+from agents.stability.limits import LearningStability
 from ffgym.cli.main import main
 from ffgym.robot import RigidArm
 from ffgym.studies import sine_references

@@ -11,7 +11,7 @@ import pytest
 import ffgym  # noqa: F401 - registers the environments
 from agents import LawAgent
 from agents.catalogue import CATALOGUE, Setting, law_named
-from agents.law_files import StoredLaw, load_law, save_law
+from agents.common.law_files import StoredLaw, load_law, save_law
 from ffgym.control import CausalLaw, Window
 from ffgym.envs import EpisodeRecorder
 from ffgym.metrics import motor_error

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import pytest
 
 from agents.catalogue import CATALOGUE, Setting
-from agents.lessons import thesis_motions
+from agents.common.lessons import thesis_motions
 from ffgym.control import NoCompensation
 from ffgym.reproduction import ITEMS
 from ffgym.reproduction.claims import judge
-from ffgym.reproduction.contenders import CountedTrial, available, contender
+from ffgym.reproduction.contenders import CountedTrial, contender
 from ffgym.simulation import Run
 
 CLAIMS = {claim.name: claim for item in ITEMS for claim in item.claims}
@@ -36,13 +36,11 @@ def test_a_law_that_learns_counts_its_trials_and_one_that_does_not_has_none(one_
 
 
 def test_members_whose_packages_are_missing_are_left_out_and_named(compared, monkeypatch):
-    assert available() == list(CATALOGUE)
-    monkeypatch.setattr("ffgym.reproduction.contenders.PACKAGES", {"elastic": "torch"})
-    monkeypatch.setattr("ffgym.reproduction.beyond.PACKAGES", {"elastic": "torch"})
-    monkeypatch.setattr("ffgym.reproduction.contenders.installed", lambda package: package != "torch")
-    assert available() == [name for name in CATALOGUE if name != "elastic"]
+    assert all(entry.is_available for entry in CATALOGUE.values())
+    monkeypatch.setattr("agents.catalogue.installed", lambda package: package != "torch")
+    assert [name for name, entry in CATALOGUE.items() if not entry.is_available] == ["mlp_fel"]
     [table] = AGENTS.numbers(compared({"none": 1.0, "lugre_dynamic": 0.5}))
-    assert table.note.endswith("a package is not installed: elastic feed-forward (torch).")
+    assert table.note.endswith("a package is not installed: perceptron, feedback-error learning (torch).")
 
 
 @pytest.fixture

@@ -1,0 +1,1 @@
+"""What all families share: laws as agents, laws as files, trials, networks, standard motions."""

@@ -1,0 +1,1 @@
+"""Learning feed-forward control: the training loop, what it keeps, first weights."""

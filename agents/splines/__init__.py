@@ -1,0 +1,1 @@
+"""B-spline bases, and how the catalogue trains networks on them."""

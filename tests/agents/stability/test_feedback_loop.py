@@ -1,0 +1,133 @@
+"""The linear model of a motor's loop: against formulas where there are some, else against the simulator."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from agents.bspline import StaticBSN
+from agents.common.trials import SIGNALS, learning_signal
+from agents.stability.feedback_loop import FeedbackLoop, nominal_bristles
+from ffgym.control import DynamicLuGreExact, FeedForwardLaw, joint_reference
+from ffgym.control.setpoints import torque_at_rows
+from ffgym.errors import FFGymError
+from ffgym.paths import joint_sine
+from ffgym.robot import RigidArm
+from ffgym.simulation import Run, simulate
+from ffgym.types import Array
+
+
+@pytest.fixture(scope="module")
+def without_friction():
+    """Function that returns a robot with next to no friction."""
+
+    def remove(robot):
+        return replace(robot, friction=robot.friction.scaled(bristle_stiffness=1e-9, bristle_damping=0, viscous=0))
+
+    return remove
+
+
+def loop_at_rest(robot, q, duration, dt):
+    """Loop of motors that stand still, and the times of its rows."""
+    t = np.arange(round(duration / dt) + 1) * dt
+    still = np.zeros((len(t), robot.n_joints))
+    return FeedbackLoop.along(RigidArm(robot), q, still, still, dt), t
+
+
+def settled_gain(loop, t, frequency, signal="u_p"):
+    """Complex gain from torque to loss at `frequency` [Hz], from the last ten of many periods, shape (N,)."""
+    wave = np.exp(2j * np.pi * frequency * t)
+    torque = np.broadcast_to(wave.imag[:, None, None], (len(t), loop.entry.shape[1], 1))
+    last = t > t[-1] - 10 / frequency
+    phasor = wave[last].conj()[:, None]
+    return 2j * np.mean(loop.loss(torque, signal)[last, :, 0] * phasor, axis=0)
+
+
+@pytest.mark.parametrize("frequency", [1.0, 5.0, 20.0])
+def test_without_friction_a_rigid_motor_answers_as_its_transfer_function(one_axis, without_friction, frequency):
+    robot = without_friction(one_axis)
+    loop, t = loop_at_rest(robot, np.zeros(1), 20 / frequency + 2, 0.005 / frequency)
+    s = 2j * np.pi * frequency
+    gains, inertia = robot.servo, robot.drive.rotor_inertia + RigidArm(robot).mass_matrix(np.zeros((1, 1)))[0, 0]
+    answer = gains.velocity_gain * s**2 + gains.position_gain * s
+    expected = answer / (inertia * s**3 + answer + gains.integral_gain)
+    np.testing.assert_allclose(settled_gain(loop, t, frequency), expected, rtol=2e-3)
+
+
+@pytest.mark.parametrize("frequency", [2.0, 8.0, 30.0])
+def test_without_friction_an_elastic_motor_answers_as_two_masses_on_a_spring(
+    irb4600, arm, corners, without_friction, frequency
+):
+    robot, q = without_friction(irb4600), corners["p1"]
+    loop, t = loop_at_rest(robot, q, 20 / frequency + 2, 0.005 / frequency)
+    s, drive, gains, square = 2j * np.pi * frequency, robot.drive, robot.servo, robot.drive.gear_ratio**2
+    link = np.diag(arm.mass_matrix(q[None])[0]) / square
+    spring = (drive.joint_stiffness + drive.joint_damping * s) / square
+    inertia = drive.rotor_inertia + link * spring / (link * s**2 + spring)
+    answer = gains.velocity_gain * s + gains.position_gain
+    expected = answer / (inertia * s**2 + answer + gains.integral_gain / s)
+    np.testing.assert_allclose(settled_gain(loop, t, frequency), expected, rtol=5e-3)
+
+
+def test_the_integral_takes_lasting_torque_out_of_u_p_and_keeps_it_in_u_c(irb4600, corners):
+    loop, t = loop_at_rest(irb4600, corners["p1"], 20.0, 0.004)
+    torque = np.ones((len(t), 6, 1))
+    lasting = {signal: loop.loss(torque, signal)[-1, :, 0] for signal in SIGNALS}
+    np.testing.assert_allclose(lasting["u_p"], 0, atol=1e-3)
+    np.testing.assert_allclose(lasting["e_p"], 0, atol=1e-3)
+    np.testing.assert_allclose(lasting["u_c"], 1, atol=1e-3)
+
+
+def test_bristles_take_up_torque_where_a_motor_stands_and_not_where_it_slides(one_axis):
+    t = np.arange(201) * 0.001
+    torque = np.ones((len(t), 1, 1))
+
+    def loss(speed):
+        motor_dq = np.full((len(t), 1), speed)
+        z = np.zeros_like(motor_dq) if speed == 0 else one_axis.friction.stribeck_level(motor_dq) / 69.9787
+        return FeedbackLoop.along(RigidArm(one_axis), np.zeros(1), motor_dq, z, 0.001).loss(torque)[20:100].max()
+
+    assert loss(0.0) < 0.5 * loss(5.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Given(FeedForwardLaw):
+    """Torque that is given, for one motion."""
+
+    added: Array
+    name: ClassVar[str] = "given"
+
+    def torque(self, reference):
+        return self.added
+
+
+@pytest.mark.parametrize("frequency", [1.0, 3.0])
+def test_splines_take_off_the_feedback_what_they_do_in_the_simulator(one_axis, frequency):
+    reference = joint_reference(one_axis, joint_sine([1.0], frequency, 2.0))
+    network, friction = StaticBSN.zero(1), one_axis.friction
+    splines = network.design_matrix(reference.motor_dq[:, 0], reference.motor_ddq[:, 0]).toarray()
+    columns = np.flatnonzero(splines.sum(axis=0) > 2)[::7]
+    added = splines[:, columns].copy()
+    added[0] = 0.0
+    base, size = DynamicLuGreExact(friction).torque(reference), 0.01
+    laws = [Given(base + sign * size * column[:, None]) for column in added.T for sign in (-1, 1)]
+    signals = [
+        learning_signal(recording, one_axis.servo)
+        for recording in simulate([Run(reference=reference, law=law) for law in laws])
+    ]
+    measured = np.hstack([(less - more) / (2 * size) for less, more in zip(signals[::2], signals[1::2], strict=True)])
+
+    motor_dq, dt = torque_at_rows(reference.motor_dq, 4), 0.001
+    z = nominal_bristles(friction, motor_dq, dt)
+    loop = FeedbackLoop.along(RigidArm(one_axis), reference.q.mean(axis=0), motor_dq, z, dt)
+    predicted = loop.loss(torque_at_rows(added, 4)[:, None])[:, 0]
+    assert predicted.shape[1] >= 4
+    miss = np.linalg.norm(predicted - measured, axis=0) / np.linalg.norm(measured, axis=0)
+    assert miss.max() < 0.03
+
+
+def test_an_unknown_learning_signal_is_refused(one_axis):
+    loop, t = loop_at_rest(one_axis, np.zeros(1), 0.1, 0.004)
+    with pytest.raises(FFGymError, match="learning signal"):
+        loop.loss(np.zeros((len(t), 1, 1)), "u")
