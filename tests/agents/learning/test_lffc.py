@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -200,7 +201,7 @@ def test_a_killed_process_loses_no_more_than_its_last_trial(trial, sines, learne
             return simulated(runs, number)
         LFFC(rate=0.8, iterations=3).learn(StaticBSN.zero(1), [sine], trial, state=Path("state.npz"))
     """)
-    root = os.path.dirname(os.path.dirname(os.path.dirname(__file__)))
+    root = str(Path(__file__).parents[3])
     killed = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, env=os.environ | {"PYTHONPATH": root})
     assert killed.returncode == -signal.SIGKILL
     assert [p.name for p in tmp_path.iterdir()] == ["state.npz"]
