@@ -1,7 +1,7 @@
 """Runs on the machine that is learned from, and what they say about each motor."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -29,6 +29,7 @@ class SimulatedTrial:
     """Trials on a simulated robot; sensor noise differs from trial to trial and is the same in every program run."""
 
     arm: RigidArm
+    """Of the robot that moves, whatever model of it the references were made with."""
     options: ModelOptions | None = None
     sensors: Sequence[Sensor] = ()
     seed: int = 0
@@ -36,9 +37,13 @@ class SimulatedTrial:
     n_threads: int = 0
 
     def __call__(self, runs: Sequence[Run], number: int) -> list[Recording]:
-        """Simulate the runs; see `Trial`."""
+        """Simulate the runs; see `Trial`.
+
+        Raises:
+            FFGymError: if a run is for another number of joints, or cannot be simulated.
+        """
         return simulate(
-            runs,
+            [self._here(run) for run in runs],
             arm=self.arm,
             options=self.options,
             sensors=self.sensors,
@@ -46,6 +51,11 @@ class SimulatedTrial:
             record_dt=self.record_dt,
             n_threads=self.n_threads,
         )
+
+    def _here(self, run: Run) -> Run:
+        """The run on this robot: a reference names the model that it was made with, which may be a wrong one."""
+        robot, reference = self.arm.robot, run.reference
+        return run if reference.robot is robot else replace(run, reference=replace(reference, robot=robot))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

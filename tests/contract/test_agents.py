@@ -15,6 +15,7 @@ from agents.common.law_files import StoredLaw, load_law, save_law
 from ffgym.control import CausalLaw, Window
 from ffgym.envs import EpisodeRecorder
 from ffgym.metrics import motor_error
+from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references, sine_references
 
@@ -88,6 +89,14 @@ def test_a_batch_is_the_same_as_its_rows_one_by_one(make, sines, name):
 def test_making_a_law_again_gives_the_same_bits(make, one_axis, sines, name):
     again = law_named(name, Setting.of(one_axis, references=[sines[1.0]], n_threads=1))
     np.testing.assert_array_equal(again.torque(sines[1.0]), make(name).torque(sines[1.0]))
+
+
+@pytest.mark.parametrize("name", [name for name in ON_ONE_AXIS if CATALOGUE[name].track == "causal"])
+def test_what_may_not_know_the_model_is_the_same_with_a_wrong_one(make, one_axis, sines, name):
+    own = Setting.of(one_axis, references=[sines[1.0]])
+    wrong = replace(one_axis, friction=one_axis.friction.scaled(coulomb=2.0, static=2.0, viscous=0.5))
+    law = law_named(name, replace(own, arm=RigidArm(wrong), controller=own.arm, truth=one_axis))
+    np.testing.assert_array_equal(law.torque(sines[1.0]), make(name).torque(sines[1.0]))
 
 
 @pytest.mark.parametrize("name", CAUSAL)
