@@ -1,18 +1,18 @@
 """The results in a few sentences, all of them computed."""
 
 from ffgym.report.comparison import FACTOR, SpeedTable, circle_tables, nearness, percent, reduction
-from ffgym.report.laws import baseline_of, law_styles
+from ffgym.report.laws import ORACLE, baseline_of, law_styles
 from ffgym.studies import CircleStudy, OneAxisStudy
 
 
 def headline(circle: CircleStudy, one_axis: OneAxisStudy) -> list[str]:
     """What the best law does at each speed, how near the simulation is to the real robot, and what one axis shows.
 
-    The best law is the one with the smallest mean RMS path error at the slowest speed.
+    The best law is the one with the smallest mean RMS path error at the slowest speed; the oracle does not compete.
     """
     tables = circle_tables(circle)
     base = baseline_of(tables[0].agents)
-    others = [agent for agent in tables[0].agents if agent != base]
+    others = [agent for agent in tables[0].agents if agent not in (base, ORACLE)]
     sentences = []
     if others:
         best = min(others, key=lambda agent: tables[0].mean_rms(agent) or 0.0)
@@ -46,7 +46,7 @@ def _one_axis(study: OneAxisStudy) -> list[str]:
     """What the best law does to the motor error of one axis."""
     styles = law_styles(result.agent for result in study.results)
     base = baseline_of(list(styles))
-    others = [result for result in study.results if result.agent != base]
+    others = [result for result in study.results if result.agent not in (base, ORACLE)]
     if not others:
         return []
     best = max(others, key=lambda result: result.reduction).agent

@@ -6,6 +6,8 @@ from itertools import cycle, product
 
 UNCOMPENSATED = "none"
 """Name of the law that adds nothing; others are compared with it."""
+ORACLE = "oracle"
+"""Name of the law that knows the machine's true parameters; it is shown, and never called the best."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +31,10 @@ _KNOWN = {
     "mlp_fel": LawStyle(label="perceptron", colour="#7F4F24", marker="X", line="-."),
     "residual_gp": LawStyle(label="residual torque model", colour="#8C6BB1", marker="P", line="-."),
     "narx": LawStyle(label="NARX network", colour="#56B4E9", marker="*", line="-."),
+    "elastic": LawStyle(label="elastic feed-forward", colour="#A50F15", marker="p"),
+    "ilc_motor": LawStyle(label="iterative learning, motors", colour="#3B0F70", marker="<", line=":"),
+    "ilc_tcp": LawStyle(label="iterative learning, tool", colour="#3B0F70", marker=">"),
+    "oracle": LawStyle(label="oracle (true parameters)", colour="#A50F15", marker="H", line=":"),
 }
 """Blue, red, green as in the thesis, in the colour-blind safe shades of Okabe and Ito."""
 _SPARE = tuple(product(("-", "--", ":"), (("#56B4E9", "P"), ("#8C6BB1", "X"), ("#7F4F24", "*"), ("#5C5C5C", "h"))))

@@ -150,6 +150,16 @@ def test_a_stored_law_comes_back_bit_for_bit(make, sines, tmp_path, name):
     np.testing.assert_array_equal(again.torque(sines[1.0]), law.torque(sines[1.0]))
 
 
+def test_every_member_has_words_and_a_look_of_its_own():
+    pytest.importorskip("ffgym.report")
+    from ffgym.report import law_styles
+
+    styles = law_styles([*CATALOGUE, "my_law", "another"]).values()
+    assert len({style.label for style in styles}) == len(styles)
+    assert len({(style.colour, style.line) for style in styles}) == len(styles)
+    assert not any(name.replace("_", " ") == law_styles([name])[name].label for name in CATALOGUE)
+
+
 @pytest.mark.parametrize("name", list(CATALOGUE))
 def test_every_member_is_documented(name):
     text = (DOCS / CATALOGUE[name].page).read_text(encoding="utf-8")

@@ -48,6 +48,15 @@ def test_the_headline_takes_the_best_law_of_the_slowest_speed(made_up, sine):
     assert "with static LuGre is" in sentence
 
 
+def test_the_headline_never_takes_the_oracle_as_the_best_law(made_up, sine):
+    best = made_up(
+        lambda law, *_: 0.1 if law == "lugre_static" else 1,
+        rename=lambda law: "oracle" if law == "lugre_static" else law,
+    )
+    [sentence, *_] = headline(best, sine)
+    assert "with dynamic LuGre is" in sentence
+
+
 def test_the_headline_counts_circles_near_the_real_robot(made_up, sine):
     sentences = headline(made_up(lambda law, speed, radius, position: 1.2 if position == "p1" else 2), sine)
     assert any("on 6 of 24 circles (median ratio 2.00)" in sentence for sentence in sentences)
