@@ -113,7 +113,7 @@ class ResidualTorque(CausalLaw, StoredLaw):
     @classmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
         """See base class."""
-        return cls(name=settings["name"], **arrays)
+        return cls(**{"name": settings["name"], "widths": arrays["widths"], **arrays})  # a file has no default
 
 
 def bell_features(slip: Array, motor_dq: Array, top_speed: Array) -> Array:

@@ -84,8 +84,11 @@ def load_law(path: str | os.PathLike[str]) -> FeedForwardLaw:
     module, name = KINDS[kind]
     try:
         law: FeedForwardLaw = getattr(import_module(module), name).from_parts(header["settings"], arrays)
-    except (KeyError, TypeError) as error:
-        raise FFGymError(f"{path}: holds no complete law of kind {kind!r}: {error}. Train it again.") from error
+        if not isinstance(law.name, str):
+            raise FFGymError(f"name = {law.name!r} must be text.")
+    except (KeyError, TypeError, FFGymError) as error:
+        reason = str(error).rstrip(".")
+        raise FFGymError(f"{path}: holds no complete law of kind {kind!r}: {reason}. Train it again.") from error
     return law
 
 

@@ -6,12 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from agents.common.law_files import FORMAT, pack, unpack
 from agents.common.network import Network
 from agents.learning.progress import Learning
-from ffgym.errors import FFGymError
+from ffgym.errors import FFGymError, check_shape
 from ffgym.files import check_writable, write_bytes
 from ffgym.provenance import versions
+from ffgym.types import Array
 
 KIND = "learning"
 """Kind of the file, beside those of laws."""
@@ -46,19 +49,23 @@ class LearningFile:
         """Learning in the file, or its beginning with the network `first` where there is no file yet.
 
         Raises:
-            FFGymError: if the file is damaged, or of learning with other settings; the message says which.
+            FFGymError: if the file is damaged or incomplete, or of learning with other settings; the message says
+                which.
         """
         if not self.path.exists():
             return Learning.begin(first, n_motions)
         header, arrays = unpack(self.path)
         if header.get("kind") != KIND:
             raise FFGymError(f"{self.path}: is a file of kind {header.get('kind')!r}, not of learning to go on with.")
-        self._check(header["settings"])
-        network, best = (
-            first.with_weights({name: arrays[f"{role}.{name}"] for name in first.weights}) for role in _NETWORKS
-        )
-        rows: dict[str, Any] = {name: arrays[name] for name in _ROWS}
-        return Learning(network=network, best=best, **rows)
+        settings = header.get("settings")
+        self._check(settings if isinstance(settings, dict) else {})
+        try:
+            return _learning(first, n_motions, arrays)
+        except (KeyError, FFGymError) as error:
+            reason = str(error).rstrip(".")
+            raise FFGymError(
+                f"{self.path}: holds no complete learning: {reason}. Begin anew with another file."
+            ) from error
 
     def _check(self, stored: Mapping[str, Any]) -> None:
         wanted = json.loads(json.dumps(dict(self.settings)))  # as a file gives them back
@@ -69,3 +76,22 @@ class LearningFile:
                 f"{self.path}: learning cannot go on with other settings than it began with: {found}. "
                 f"Go on with the same, or begin anew with another file."
             )
+
+
+def _learning(first: Network, n_motions: int, arrays: Mapping[str, Array]) -> Learning:
+    n = first.n_joints
+    network, best = (
+        first.with_weights({name: arrays[f"{role}.{name}"] for name in first.weights}) for role in _NETWORKS
+    )
+    error = check_shape("error", arrays["error"], (None, n_motions, n))
+    signal = check_shape("signal", arrays["signal"], error.shape)
+    best_trial, stale, locked = (check_shape(name, arrays[name], (n,)) for name in ("best_trial", "stale", "locked"))
+    return Learning(
+        network=network,
+        best=best,
+        error=error,
+        signal=signal,
+        best_trial=best_trial.astype(np.intp),
+        stale=stale.astype(np.intp),
+        locked=locked.astype(np.bool_),
+    )

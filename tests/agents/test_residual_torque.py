@@ -146,3 +146,10 @@ def test_one_trial_on_small_circles_takes_most_of_the_motor_error_away_and_elsew
         assert trained.mean() < 0.15 * before.mean()
         assert np.all(trained < before)
     np.testing.assert_allclose(learned.error[0, 0], error["none"][0], rtol=1e-3)
+
+
+def test_a_file_without_widths_is_refused_and_does_not_get_those_of_today(model):
+    settings, arrays = model.parts()
+    del arrays["widths"]
+    with pytest.raises(KeyError, match="widths"):
+        ResidualTorque.from_parts(settings, arrays)

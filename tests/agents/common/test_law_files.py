@@ -89,6 +89,18 @@ def test_what_is_no_law_is_one_clear_error(stored, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("coefficient", "name", "reason"),
+    [([1.0, np.nan], "viscous", "must be finite"), ([[1.0]], "viscous", "has shape"), ([1.0], None, "must be text")],
+)
+def test_numbers_and_names_that_make_no_law_are_refused_with_the_file_they_stand_in(stored, coefficient, name, reason):
+    _, path = stored
+    header, _ = unpack(path)
+    path.write_bytes(pack(header | {"settings": {"name": name}}, {"coefficient": np.array(coefficient)}))
+    with pytest.raises(FFGymError, match=rf"law\.npz: holds no complete law of kind 'viscous': .*{reason}"):
+        load_law(path)
+
+
+@pytest.mark.parametrize(
     "damage",
     [
         lambda data: b"",

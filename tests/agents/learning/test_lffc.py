@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from agents.bspline import ExtendedBSN, StaticBSN
+from agents.common.law_files import pack, unpack
 from agents.common.trials import Lesson, SimulatedTrial, learning_signal
 from agents.learning.lffc import LFFC, robot_seconds
 from agents.learning.progress import Learning, relative
@@ -252,6 +253,23 @@ def test_a_law_is_no_state_of_learning(trial, sines, tmp_path):
     path = save_law(tmp_path / "law.npz", StaticBSN.zero(1))
     with pytest.raises(FFGymError, match="kind 'bsn_static', not of learning"):
         LFFC().learn(StaticBSN.zero(1), sines[:1], trial, state=path)
+
+
+@pytest.mark.parametrize("part", ["error", "signal", "best_trial", "stale", "locked", "network.coefficients"])
+@pytest.mark.parametrize("change", [lambda x: None, lambda x: x[..., :0], lambda x: x * np.nan])
+def test_a_state_that_lacks_something_or_holds_nonsense_is_one_clear_error(part, change, state, trial, sines):
+    header, arrays = unpack(state)
+    changed = {name: change(array) if name == part else array for name, array in arrays.items()}
+    state.write_bytes(pack(header, {name: array for name, array in changed.items() if array is not None}))
+    with pytest.raises(FFGymError, match=r"state\.npz: holds no complete learning: .*Begin anew with another file"):
+        LFFC(rate=0.8, iterations=2).learn(StaticBSN.zero(1), sines[:1], trial, state=state, machine="mine")
+
+
+def test_a_state_without_settings_is_not_resumed(state, trial, sines):
+    header, arrays = unpack(state)
+    state.write_bytes(pack(header | {"settings": [1]}, arrays))
+    with pytest.raises(FFGymError, match="cannot go on with other settings"):
+        LFFC(rate=0.8, iterations=2).learn(StaticBSN.zero(1), sines[:1], trial, state=state, machine="mine")
 
 
 def test_learning_without_motion_or_for_another_robot_is_refused(trial, sines):
