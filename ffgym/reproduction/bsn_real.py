@@ -14,7 +14,7 @@ from ffgym.reproduction.comparisons import (
 from ffgym.reproduction.items import Item
 from ffgym.reproduction.laboratory import Laboratory
 from ffgym.reproduction.pictures import trainings
-from ffgym.reproduction.published_sizes import sizes_as_published
+from ffgym.reproduction.published_sizes import sizes_as_published, table_claim
 from ffgym.studies import CircleStudy
 
 LAWS = ("none", *NETWORKS)
@@ -110,18 +110,20 @@ ITEMS = (
         title="path error with networks of 10 mm/s at 10 mm/s, simulated beside published",
         tables=lambda laboratory: circle_tables(slow(laboratory)),
         claims=(
-            Claim(
-                name="T5.1-clear",
-                statement="Both networks reduce the path error significantly.",
-                criterion=f"Mean RMS path error at least {CLEAR:.0%} lower than without, simulated.",
-                checks=lambda laboratory: clear_mean_gain(slow(laboratory), NETWORKS),
+            table_claim(
+                "T5.1-clear",
+                "Both networks reduce the path error significantly.",
+                f"Mean RMS path error at least {CLEAR:.0%} lower than without",
+                slow,
+                lambda study: clear_mean_gain(study, NETWORKS),
             ),
-            Claim(
-                name="T5.1-extended",
-                statement="The extended network is better than the static one in almost all instances.",
-                criterion="RMS path error of every circle, simulated.",
-                checks=lambda laboratory: lower_path_errors(slow(laboratory), EXTENDED, STATIC),
-                share=MOST,
+            table_claim(
+                "T5.1-extended",
+                "The extended network is better than the static one in almost all instances.",
+                "RMS path error of every circle",
+                slow,
+                lambda study: lower_path_errors(study, EXTENDED, STATIC),
+                MOST,
             ),
             sizes_as_published("T5.1-sizes", slow, LAWS),
         ),

@@ -67,6 +67,9 @@ class Claim:
     """The comparisons; none if nothing comparable was published or can be simulated."""
     share: float = EVERY
     """Share of them that must be true."""
+    published: Callable[["Laboratory"], Sequence[Check]] = lambda laboratory: ()
+    """The same comparisons of the numbers in a published table, where there is one. They decide nothing here; they say
+    whether the thesis' own numbers bear the claim."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,10 +79,19 @@ class Judgement:
     claim: Claim
     verdict: Verdict
     checks: tuple[Check, ...]
+    published: tuple[Check, ...] = ()
+    """The same of published numbers, for comparison."""
 
     @property
     def text(self) -> str:
         """The numbers that decide, in one line; of many comparisons those that are not true."""
+        if not self.published:
+            return self._decisive
+        true = sum(check.true for check in self.published)
+        return f"{self._decisive} Of the published numbers themselves: {true} of {len(self.published)}."
+
+    @property
+    def _decisive(self) -> str:
         if not self.checks:
             return self.claim.criterion
         true = sum(check.true for check in self.checks)
@@ -100,7 +112,8 @@ _LISTED = 3
 def judge(claim: Claim, laboratory: "Laboratory") -> Judgement:
     """Simulate what the claim needs, if that has not been done, and compare."""
     checks = tuple(claim.checks(laboratory))
-    return Judgement(claim=claim, verdict=verdict_of(checks, claim.share), checks=checks)
+    published = tuple(claim.published(laboratory))
+    return Judgement(claim=claim, verdict=verdict_of(checks, claim.share), checks=checks, published=published)
 
 
 def verdict_of(checks: Sequence[Check], share: float = EVERY) -> Verdict:

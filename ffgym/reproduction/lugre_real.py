@@ -14,7 +14,7 @@ from ffgym.reproduction.comparisons import (
 from ffgym.reproduction.items import Item
 from ffgym.reproduction.laboratory import Laboratory
 from ffgym.reproduction.lugre_robot import DYNAMIC, LAWS, STATIC, at, trouble_inside
-from ffgym.reproduction.published_sizes import more_gained_than_published, sizes_as_published
+from ffgym.reproduction.published_sizes import more_gained_than_published, sizes_as_published, table_claim
 from ffgym.studies import CircleStudy
 
 
@@ -22,15 +22,23 @@ def _circles(laboratory: Laboratory, speed: float) -> CircleStudy:
     return laboratory.lugre_circles.only(speeds=[speed])
 
 
-def _dynamic_better(laboratory: Laboratory) -> list[Check]:
-    checks = lower_path_errors(_circles(laboratory, 0.010), DYNAMIC, STATIC)
+def _slow(laboratory: Laboratory) -> CircleStudy:
+    return _circles(laboratory, 0.010)
+
+
+def _slow_and_fast(laboratory: Laboratory) -> CircleStudy:
+    return laboratory.lugre_circles.only(speeds=[0.010, 0.040])
+
+
+def _dynamic_better(study: CircleStudy) -> list[Check]:
+    checks = lower_path_errors(study, DYNAMIC, STATIC)
     return [check for check in checks if "p3, r = 5 mm" not in check.where]
 
 
-def _nearer_together(laboratory: Laboratory) -> list[Check]:
+def _nearer_together(study: CircleStudy) -> list[Check]:
     apart = [
-        abs(mean_path_reduction(study, DYNAMIC) - mean_path_reduction(study, STATIC))
-        for study in (_circles(laboratory, 0.040), _circles(laboratory, 0.010))
+        abs(mean_path_reduction(part, DYNAMIC) - mean_path_reduction(part, STATIC))
+        for part in (study.only(speeds=[0.040]), study.only(speeds=[0.010]))
     ]
     return [
         Check(
@@ -130,21 +138,23 @@ ITEMS = (
         name="table-4.1",
         chapter="chapter-4",
         title="path error with LuGre at 10 mm/s, simulated beside published",
-        tables=lambda laboratory: circle_tables(_circles(laboratory, 0.010)),
+        tables=lambda laboratory: circle_tables(_slow(laboratory)),
         claims=(
-            Claim(
-                name="T4.1-clear",
-                statement="Both laws do significantly better than no compensation.",
-                criterion=f"Mean RMS path error at least {CLEAR:.0%} lower than without, simulated.",
-                checks=lambda laboratory: clear_mean_gain(_circles(laboratory, 0.010), LAWS),
+            table_claim(
+                "T4.1-clear",
+                "Both laws do significantly better than no compensation.",
+                f"Mean RMS path error at least {CLEAR:.0%} lower than without",
+                _slow,
+                lambda study: clear_mean_gain(study, LAWS),
             ),
-            Claim(
-                name="T4.1-dynamic",
-                statement="The dynamic law is better than the static one on all circles but that of 5 mm at p3.",
-                criterion="RMS path error of the other 11 circles, simulated.",
-                checks=_dynamic_better,
+            table_claim(
+                "T4.1-dynamic",
+                "The dynamic law is better than the static one on all circles but that of 5 mm at p3.",
+                "RMS path error of the other 11 circles",
+                _slow,
+                _dynamic_better,
             ),
-            sizes_as_published("T4.1-sizes", lambda laboratory: _circles(laboratory, 0.010), ("none", *LAWS)),
+            sizes_as_published("T4.1-sizes", _slow, ("none", *LAWS)),
         ),
     ),
     Item(
@@ -153,19 +163,19 @@ ITEMS = (
         title="path error with LuGre at 40 mm/s, simulated beside published",
         tables=lambda laboratory: circle_tables(_circles(laboratory, 0.040)),
         claims=(
-            Claim(
-                name="T4.2-less",
-                statement="The gain is smaller than at 10 mm/s.",
-                criterion="Share of the mean RMS path error that is gone, simulated.",
-                checks=lambda laboratory: less_gained_than(
-                    _circles(laboratory, 0.040), _circles(laboratory, 0.010), LAWS
-                ),
+            table_claim(
+                "T4.2-less",
+                "The gain is smaller than at 10 mm/s.",
+                "Share of the mean RMS path error that is gone",
+                _slow_and_fast,
+                lambda study: less_gained_than(study.only(speeds=[0.040]), study.only(speeds=[0.010]), LAWS),
             ),
-            Claim(
-                name="T4.2-nearer",
-                statement="Static and dynamic law are nearer to one another than at 10 mm/s.",
-                criterion="Shares of the mean RMS path error that are gone, simulated.",
-                checks=_nearer_together,
+            table_claim(
+                "T4.2-nearer",
+                "Static and dynamic law are nearer to one another than at 10 mm/s.",
+                "Shares of the mean RMS path error that are gone",
+                _slow_and_fast,
+                _nearer_together,
             ),
             sizes_as_published("T4.2-sizes", lambda laboratory: _circles(laboratory, 0.040), ("none", *LAWS)),
         ),

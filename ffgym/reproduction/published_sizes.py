@@ -1,16 +1,48 @@
-"""Comparisons of simulated with published path errors."""
+"""Claims about tables of path errors: simulated, published, and both beside one another."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
+from ffgym.published import published_mm
 from ffgym.report import circle_tables
 from ffgym.report.comparison import FACTOR, reduction
-from ffgym.reproduction.claims import MOST, Check, Claim
+from ffgym.reproduction.claims import EVERY, MOST, Check, Claim
 from ffgym.reproduction.comparisons import label, mean_path_reduction
 from ffgym.reproduction.laboratory import Laboratory
 from ffgym.studies import CircleStudy
 
+Circles = Callable[[Laboratory], CircleStudy]
 
-def sizes_as_published(name: str, circles: Callable[[Laboratory], CircleStudy], laws: Sequence[str]) -> Claim:
+
+def as_published(study: CircleStudy) -> CircleStudy:
+    """The study with the published RMS path errors of the real robot; circles without one are left out."""
+    found = [
+        (cell, published_mm(cell.agent, "rms", cell.speed_mm_s / 1e3, cell.radius_mm / 1e3, cell.position))
+        for cell in study.cells
+    ]
+    return replace(study, cells=[replace(cell, rms_mm=rms) for cell, rms in found if rms is not None])
+
+
+def table_claim(
+    name: str,
+    statement: str,
+    criterion: str,
+    circles: Circles,
+    checks: Callable[[CircleStudy], Sequence[Check]],
+    share: float = EVERY,
+) -> Claim:
+    """Claim about the RMS path errors of a table, simulated, and the same comparisons of the published numbers."""
+    return Claim(
+        name=name,
+        statement=statement,
+        criterion=f"{criterion}, simulated.",
+        checks=lambda laboratory: checks(circles(laboratory)),
+        share=share,
+        published=lambda laboratory: checks(as_published(circles(laboratory))),
+    )
+
+
+def sizes_as_published(name: str, circles: Circles, laws: Sequence[str]) -> Claim:
     """Claim that the simulated robot strays as far as the real one with every law."""
     return Claim(
         name=name,

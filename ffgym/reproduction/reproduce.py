@@ -73,4 +73,5 @@ def _claim(judgement: Judgement) -> dict[str, Any]:
         "share": judgement.claim.share,
         "verdict": judgement.verdict,
         "checks": [asdict(check) | {"true": bool(check.true)} for check in judgement.checks],
+        "published": [asdict(check) | {"true": bool(check.true)} for check in judgement.published],
     }

@@ -23,10 +23,10 @@ def test_other_laws_are_lines_across_and_stand_in_the_legend_once():
     panels = [TrialCurves(title=str(i), errors=ERRORS, levels=level) for i, level in enumerate(levels)]
     figure = trials_figure(panels, "error")
     drawn = {line.get_label(): line.get_ydata()[0] for line in figure.axes[0].get_lines()[-2:]}
-    assert drawn == {"no compensation": 9.0, "elastic": 0.5}
+    assert drawn == {"no compensation": 9.0, "elastic feed-forward": 0.5}
     (legend,) = figure.legends
     texts = [text.get_text() for text in legend.get_texts()]
-    assert sorted(texts) == sorted(["each circle", "median circle", "no compensation", "elastic"])
+    assert sorted(texts) == sorted(["each circle", "median circle", "no compensation", "elastic feed-forward"])
 
 
 def test_a_long_history_keeps_room_between_its_ticks():
