@@ -44,6 +44,8 @@ class LearningStability:
     joints: tuple[str, ...]
     maps: tuple[LearningMap, ...]
     """One per joint."""
+    cure: str = ""
+    """What may stop a pattern that grows at every rate; empty if nothing is known."""
 
     @classmethod
     def of(
@@ -67,7 +69,9 @@ class LearningStability:
         Raises:
             FFGymError: if nothing moves, joints do not fit, or `record_dt` does not divide the control step.
         """
-        return cls(joints=arm.robot.joints, maps=learning_maps(network, arm, references, signal, record_dt))
+        maps = learning_maps(network, arm, references, signal, record_dt)
+        cure = _cure(signal, has_rows_between=record_dt < 0.99 * arm.robot.servo.control_dt)
+        return cls(joints=arm.robot.joints, maps=maps, cure=cure)
 
     @property
     def largest_rate(self) -> Array:
@@ -90,12 +94,15 @@ class LearningStability:
         if not above:
             return None
         worst = int(growth.argmax())
-        remedy = (
-            "lower the rate"
-            if self.maps[worst].fastest(rate).real > 0
-            else "a lower rate only slows it down, learning from the samples of the reference alone may stop it"
-        )
+        grows_at_every_rate = self.maps[worst].fastest(rate).real <= 0
+        remedy = f"a lower rate only slows it down{self.cure}" if grows_at_every_rate else "lower the rate"
         return (
             f"learning rate {rate:g} is above the largest stable one ({', '.join(above)}): on {self.joints[worst]} a "
             f"pattern of weights grows by {growth[worst] - 1:.1%} in each iteration; {remedy}"
         )
+
+
+def _cure(signal: Signal, *, has_rows_between: bool) -> str:
+    if signal == "e_p":  # the angle lags behind the torque, whatever the rows
+        return ", learning from u_p may stop it"
+    return ", learning from the samples of the reference alone may stop it" if has_rows_between else ""

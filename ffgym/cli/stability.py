@@ -13,7 +13,7 @@ from agents.splines.recipes import thesis_training
 from agents.stability.limits import LearningStability
 from ffgym.cli.lffc import NETWORKS
 from ffgym.control import Reference
-from ffgym.errors import check_choice, check_number, check_whole
+from ffgym.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import RECORD_DT
@@ -56,6 +56,7 @@ class Stability:
             from ffgym.report import check_figure
 
             check_figure(self.figure)
+            self._check_rates()
         arm = RigidArm(load_robot(self.robot))
         for joint in self.figure_joints:
             check_choice("joint", joint, arm.robot.joints)
@@ -64,14 +65,23 @@ class Stability:
         iterations = check_whole("iterations", usual.iterations if self.iterations is None else self.iterations, low=0)
         speeds = [speed / 1e3 for speed in self.speeds_mm_s]
         motions = training_motions(arm, self.positions, speeds, self.frequencies_hz)
+        if not motions:
+            raise FFGymError("There is no motion to learn on; give one frequency or more.")
         network = NETWORKS[self.network].zero(arm.robot.n_joints)
         groups = [[motion] for motion in motions] + ([motions] if len(motions) > 1 else [])
         for group in groups:
             study = LearningStability.of(network, arm, group, signal=self.signal, record_dt=self.record_dt_ms / 1e3)
             print(f"{' + '.join(motion.name for motion in group)}\n{stability_table(study, rate, iterations)}")
-            print(f"{(study.warning(rate) or f'{rate:g} is stable on every joint').capitalize()}.\n")
+            verdict = study.warning(rate) or f"{rate:g} is stable on every joint"
+            print(f"{verdict[0].upper()}{verdict[1:]}.\n")
         if self.figure is not None:
             self._draw(network, arm, motions[0], iterations, self.figure)
+
+    def _check_rates(self) -> None:
+        for rate in self.figure_rates:
+            check_number("figure rate", rate, low=0.0, open_low=True)
+        if not self.figure_rates or np.any(np.diff(self.figure_rates) <= 0):
+            raise FFGymError(f"figure rates = {list(self.figure_rates)} must be one or more, ascending.")
 
     def _draw(self, network: BSplineNetwork, arm: RigidArm, motion: Reference, iterations: int, path: Path) -> None:
         from agents.stability.check import learning_curves

@@ -63,6 +63,10 @@ def test_a_figure_of_the_joints_asked_for_is_simulated_and_drawn(tmp_path, capsy
         (["--record-dt-ms", "3"], "record_dt = 0.003 s must divide"),
         (["--figure", "picture.gif"], "figure format"),
         (["--figure-joints", "j2"], "joint 'j2'"),
+        (["--figure", "a.png", "--figure-rates"], "figure rates = [] must be one or more"),
+        (["--figure", "a.png", "--figure-rates", "2", "1"], "figure rates = [2.0, 1.0] must be one or more, ascending"),
+        (["--figure", "a.png", "--figure-rates", "-1"], "figure rate = -1.0"),
+        (["--frequencies-hz"], "no motion to learn on"),
     ],
 )
 def test_impossible_options_are_one_clear_line(arguments, message, capsys, tmp_path, monkeypatch):

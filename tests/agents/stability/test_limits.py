@@ -136,6 +136,18 @@ def test_rows_between_samples_make_fast_learning_drift_and_samples_alone_do_not(
     assert steady.warning(0.95) is None
 
 
+def test_a_warning_advises_only_what_is_not_done_yet(axis, sines):
+    def warning(signal, record_dt):
+        study = LearningStability.of(StaticBSN.zero(1), axis, [sines[1.0]], signal=signal, record_dt=record_dt)
+        return str(study.warning(0.8))
+
+    for record_dt in (0.001, 0.004):  # the angle lags behind the torque, so that some patterns learn the wrong way
+        assert warning("e_p", record_dt).endswith("a lower rate only slows it down, learning from u_p may stop it")
+        assert warning("u_p", record_dt) == "None"
+    grown = LearningStability(joints=("j1",), maps=(one_iteration([[-0.1]]),))
+    assert str(grown.warning(0.8)).endswith("a lower rate only slows it down")
+
+
 def test_without_friction_a_damped_servo_guarantees_a_rate_on_any_motion(one_axis, sines):
     servo = replace(one_axis.servo, velocity_gain=2 * one_axis.servo.velocity_gain)
     friction = one_axis.friction.scaled(bristle_stiffness=1e-9, bristle_damping=0, viscous=0)
