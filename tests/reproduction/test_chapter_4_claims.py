@@ -13,7 +13,7 @@ CLAIMS = {claim.name: claim for item in ITEMS for claim in item.claims}
 
 def as_told(law, speed, radius, position):
     """Path errors as chapter 4 describes them: less gain at speed and inside, dynamic better than static."""
-    gain = (1 - SHARES[law]) * {0.010: 1.0, 0.040: 0.4, 0.100: 0.2}[speed] * (0.5 if radius == 1.0 else 1.0)
+    gain = (1 - SHARES[law]) * {0.010: 1.0, 0.040: 0.6, 0.100: 0.2}[speed] * (0.5 if radius == 1.0 else 1.0)
     return speed * (10 - radius) * (1 - gain)
 
 
@@ -89,6 +89,14 @@ def test_a_claim_does_not_hold_where_no_law_changes_anything(name, laboratory, m
 def test_a_law_that_only_helps_on_half_of_the_circles_is_partly_as_claimed(laboratory, made_up_circles):
     study = made_up_circles(LAWS, lambda law, speed, radius, position: 0.5 if law == "lugre_static" else 1.0)
     assert verdict("4.6-round", laboratory, study) == "partly"
+
+
+def test_a_gain_that_is_smaller_inside_but_small_everywhere_is_not_noteworthy(laboratory, made_up_circles):
+    def little(law, speed, radius, position):
+        return 1.0 if law == "none" or radius == 1.0 else 0.9
+
+    assert verdict("4.8-inner", laboratory, made_up_circles(LAWS, little)) == "holds"
+    assert verdict("4.11-inner", laboratory, made_up_circles(LAWS, little)) == "does not hold"
 
 
 def test_errors_as_published_are_as_large_as_published(laboratory, made_up_circles):
