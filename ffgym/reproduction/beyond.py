@@ -57,7 +57,10 @@ def _table(laboratory: Laboratory) -> list[PlainTable]:
             rows=rows,
             note="Mean RMS path error over 3 radii and 4 positions, nominal robot; in brackets against none. "
             "Trials are those that a law learned from; one may run several motions. The oracle knows the machine's "
-            "true parameters, which are the nominal ones here." + _left_out(),
+            "true parameters, which are the nominal ones here, and is not ranked. Laws that learn, but not per task, "
+            "were trained at p1: the circles at p1, which they learned on, are among those that are scored; p2 to p4 "
+            "are held out. Laws per task learned on every circle that is scored, and begin with laws of nominal "
+            "parameters." + _left_out(),
         )
     ]
 

@@ -116,7 +116,8 @@ ITEMS = (
             Claim(
                 name="5.2-range",
                 statement="The motors stay within ±20 rad/s, and joint 3 is the fastest.",
-                criterion="Largest motor speed of the reference at p1, 100 mm/s.",
+                criterion="Largest motor speed of the reference at p1, 100 mm/s; by construction, as a gear ratio and "
+                "the work area were chosen for it.",
                 checks=_speeds_of_the_basis,
             ),
         ),

@@ -5,7 +5,7 @@ from typing import Any
 
 from ffgym.report import law_styles
 from ffgym.report.html import embedded, provenance_lines, render
-from ffgym.reproduction.claims import EVERY, MOST, PARTLY
+from ffgym.reproduction.claims import EVERY, MAJORITY, MOST, PARTLY
 from ffgym.reproduction.reproduce import Reproduced, count
 
 TITLES = {
@@ -36,7 +36,7 @@ def render_page(results: Sequence[Reproduced], info: Mapping[str, Any]) -> str:
             for chapter in chapters
         },
         styles=law_styles([agent for result in results for table in result.tables for agent in table.agents]),
-        shares={"every": EVERY, "most": MOST, "partly": PARTLY},
+        shares={"every": EVERY, "most": MOST, "majority": MAJORITY, "partly": PARTLY},
         provenance=provenance_lines(info),
     )
 

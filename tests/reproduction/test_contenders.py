@@ -40,6 +40,7 @@ def test_members_whose_packages_are_missing_are_left_out_and_named(compared, mon
     monkeypatch.setattr("agents.catalogue.installed", lambda package: package != "torch")
     assert [name for name, entry in CATALOGUE.items() if not entry.is_available] == ["mlp_fel"]
     [table] = AGENTS.numbers(compared({"none": 1.0, "lugre_dynamic": 0.5}))
+    assert "circles at p1, which they learned on, are among those that are scored" in table.note
     assert table.note.endswith("a package is not installed: perceptron, feedback-error learning (torch).")
 
 

@@ -90,6 +90,18 @@ def test_the_page_has_every_picture_once_and_needs_no_other_file(page, results):
     assert b"<svg" in base64.b64decode(re.search(r"base64,([\w+/=]+)", page)[1])
 
 
+def test_the_page_says_which_shares_decide_and_what_was_fitted(page):
+    for words in ("every one: 100%", "most: 75%", "a majority: 50%", "fitted"):
+        assert words in page
+
+
+def test_what_holds_by_construction_or_was_fitted_says_so():
+    criteria = {claim.name: claim.criterion for item in ITEMS for claim in item.claims}
+    assert "by construction" in criteria["5.2-range"]
+    for table in ("4.1", "4.2", "5.1", "5.2"):
+        assert "fitted" in criteria[f"T{table}-sizes"]
+
+
 def test_the_page_says_where_its_numbers_come_from(page):
     assert '<th class="l">numpy</th><td class="wrap"><code>9.9</code>' in page
 
