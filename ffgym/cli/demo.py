@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from agents.catalogue import CATALOGUE, Setting, law_named
+from agents.catalogue import CATALOGUE, Setting, entry_of, law_named
+from agents.common.law_files import load_law
 from ffgym.control import FeedForwardLaw
 from ffgym.errors import FFGymError
 from ffgym.files import check_writable, write_json
@@ -50,6 +51,7 @@ class Demo:
             check_writable(self.json)
             if self.json.resolve() == self.report.resolve():
                 raise FFGymError(f"--report and --json are both {self.json}; they need two files.")
+        self._check_agents()
         from ffgym.report import format_one_axis, format_text, write_report
 
         circles = self._circles(load_robot(self.robot))
@@ -64,6 +66,20 @@ class Demo:
         print(f"report: {page}")
         if self.json is not None:
             print(f"numbers: {self.json}")
+
+    def _check_agents(self) -> None:
+        """Refuse wrong agents before any is made, as some take minutes to learn."""
+        if not self.agents:
+            raise FFGymError(
+                f"There is no agent to run. Name some, e.g. --agents none elastic; {', '.join(CATALOGUE)}."
+            )
+        if len(set(self.agents)) < len(self.agents):
+            raise FFGymError(f"Agents must have different names, got {' '.join(self.agents)}.")
+        for name in self.agents:
+            if name.endswith(".npz"):
+                load_law(name)
+            else:
+                entry_of(name)
 
     def _circles(self, robot: RobotDescription) -> CircleStudy:
         from ffgym.cli.progress import progress_bar

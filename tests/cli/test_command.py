@@ -171,9 +171,18 @@ def test_the_demo_runs_the_agents_and_parameters_it_is_given(tmp_path, irb4600):
         assert (own == other) is (own["agent"] == "none")  # the machine is the same, the agent's model is not
 
 
+@pytest.mark.parametrize("wrong", ["nobody", "absent.npz", "lugre_static"])
+def test_wrong_agents_are_refused_before_any_is_made(wrong, capsys, monkeypatch):
+    pytest.importorskip("ffgym.report")
+    monkeypatch.setattr("ffgym.cli.demo.law_named", lambda name, setting: pytest.fail(f"made {name}"))
+    assert main(["demo", "--agents", "lugre_static", wrong]) == 1
+    assert wrong in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        (["--agents"], "There is no agent to run"),
         (["--agents", "nobody"], "Unknown agent 'nobody'. Available: "),
         (["--agents", "none", "none"], "must have different names"),
         (["--agents", "absent.npz"], "absent.npz: cannot be read: No such file"),
