@@ -62,8 +62,8 @@ class Curves:
 
     @property
     def forgotten(self) -> float:
-        """RMS of what moved at speeds that did not come again, as a share of the RMS friction there."""
-        other = self.speed < SEEN_FROM - 1.0  # the nearest spline reaches that far
+        """RMS of what moved at all speeds that did not come again, as a share of the RMS friction there."""
+        other = self.speed < SEEN_FROM
         return _rms((self.after - self.before)[other]) / _rms(self.friction[other])
 
     @property
