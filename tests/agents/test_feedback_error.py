@@ -117,6 +117,9 @@ def test_a_perceptron_forgets_where_b_splines_do_not(one_axis):
     assert splines.missed < 0.01
     assert perceptron.forgotten > 0.05
     assert np.abs(perceptron.after - perceptron.before)[splines.speed < 0].max() > 0.05
+    panels = {name: (curves.before, curves.after) for name, curves in results.items()}
+    figure = forgetting_figure(splines.speed, panels, seen_from=5.0)
+    assert [axes.get_title() for axes in figure.axes] == ["bsn_static", "mlp_fel"]
 
 
 def test_a_perceptron_forgets_offline_too_if_a_trial_shows_high_speeds_only(one_axis):
@@ -129,9 +132,6 @@ def test_a_perceptron_forgets_offline_too_if_a_trial_shows_high_speeds_only(one_
     slow = speed[:, 0] < 4
     moved = (after.torque_at(speed, np.zeros_like(speed)) - network.torque_at(speed, np.zeros_like(speed)))[slow]
     assert np.sqrt(np.mean(moved**2) / np.mean(friction(speed)[slow] ** 2)) > 0.05
-    panels = {name: (curves.before, curves.after) for name, curves in results.items()}
-    figure = forgetting_figure(splines.speed, panels, seen_from=5.0)
-    assert [axes.get_title() for axes in figure.axes] == ["bsn_static", "mlp_fel"]
 
 
 def test_running_needs_no_torch():
