@@ -143,7 +143,8 @@ ITEMS = (
             Claim(
                 name="agents-elastic",
                 statement="At higher speeds the flexible joints may be what bends the path (suspected in 4.5).",
-                criterion=f"Elastic feed-forward removes at least {BROKEN:.0%} of what dynamic LuGre leaves.",
+                criterion=f"Elastic feed-forward removes at least {BROKEN:.0%} of what dynamic LuGre leaves, in "
+                "simulation, where joints are flexible by construction.",
                 checks=_limit_is_elastic,
             ),
             Claim(
