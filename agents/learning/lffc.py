@@ -22,7 +22,8 @@ did not both fall by more than `tolerance`, `patience` trials in a row. Its weig
 lowest relative error so far, and the law that comes out has the weights of the lowest on every joint.
 
 Departures from the source: the last update is tried as well, so that n iterations are n + 1 trials and no weights come
-out that were not tried; `patience`, since one bad trial does not make a trend; several motions can be learned from at
+out that were not tried, if not all in one trial: joints whose lowest errors lie in different trials never ran together
+as they come out; `patience`, since one bad trial does not make a trend; several motions can be learned from at
 once, each counting alike however large its errors; z = e_p is multiplied by K_p, so that it is a torque and the rate
 means the same.
 """

@@ -1,5 +1,7 @@
 """First weights from a constant friction: estimated from a trial, without parameters of the machine."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,6 +33,13 @@ def test_known_friction_is_found_whatever_constant_torque_stands_beside_it(sine)
     found = CoulombPrior.fitted(lessons, viscous=True)
     np.testing.assert_allclose(found.coulomb, coulomb, rtol=1e-9)
     np.testing.assert_allclose(found.viscous, viscous, rtol=1e-9)
+
+
+def test_what_a_law_already_added_counts_as_friction_too(sine):
+    speed = np.sin(np.linspace(0, 9, 400))[:, None]
+    known = lesson(sine, friction(speed, 0.2), motor_dq=speed, motor_ddq=speed)
+    found = CoulombPrior.fitted([replace(known, added=friction(speed, 0.3))])
+    np.testing.assert_allclose(found.coulomb, 0.5, rtol=1e-9)
 
 
 def test_standstill_does_not_count(sine):

@@ -118,6 +118,14 @@ def test_a_joint_is_locked_after_patience_trials_without_improvement_and_keeps_i
     assert weight(learning.network, 1) > weight(learning.best, 1) > tried_first
 
 
+def test_a_joint_that_is_locked_stays_so_with_the_same_weights_whatever_its_errors_do_then():
+    error = np.array([[4, 9], [5, 8], [6, 7], [3, 6], [1, 5]])
+    learning = series(StaticBSN.zero(2), error, error)
+    assert learning.locked.tolist() == [True, False]
+    assert learning.best_trial.tolist() == [0, 4]
+    assert weight(learning.network, 0) == weight(learning.best, 0) == 0
+
+
 def test_improvement_needs_error_and_signal_to_fall():
     falling, flat = [[3.0], [2.0], [1.0]], [[1.0], [1.0], [1.0]]
     assert not series(StaticBSN.zero(1), falling, falling).locked.any()
