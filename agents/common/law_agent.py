@@ -62,9 +62,23 @@ class LawAgent:
             state: what the last call returned, None at first.
             episode_start: True where an episode begins, shape (...,); None is nowhere.
             deterministic: without effect, nothing is random.
+
+        Raises:
+            FFGymError: if observations are of another environment, or the state is of another batch.
         """
+        observation = np.asarray(observation)
+        if observation.shape[-1:] < (self.layout.size,):
+            raise FFGymError(
+                f"Observations must have {self.layout.size} numbers each, as those of the environment that this agent "
+                f"was made for, got shape {observation.shape}."
+            )
         window = self.window(observation)
         memory = self.law.initial_memory(window) if state is None else np.asarray(state, dtype=np.float64)
+        if memory.shape[:-1] != observation.shape[:-1]:
+            raise FFGymError(
+                f"The state of shape {memory.shape} is not what predict returned for observations of shape "
+                f"{observation.shape}; give None where a batch begins."
+            )
         if state is not None and episode_start is not None and np.any(episode_start):
             fresh = np.asarray(episode_start, dtype=np.bool_)[..., None]
             memory = np.where(fresh, self.law.initial_memory(window), memory)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import floor, log10
 from statistics import fmean, median
 
 from ffgym.published import published_mm
@@ -114,8 +115,8 @@ def reduction(value: float | None, baseline: float | None) -> float | None:
 
 
 def percent(share: float) -> str:
-    """A reduction in words: '53% less' for 0.53, '20% more' for -0.2, '99.7% less' for 0.997."""
-    digits = 1 if 0.98 <= share < 1 else 0
+    """A reduction in words: '53% less' for 0.53, '20% more' for -0.2, '99.7% less' for 0.997, never 100 but for all."""
+    digits = max(1, floor(-log10(1 - share)) - 1) if 0.98 <= share < 1 else 0
     return f"{abs(share):.{digits}%}" + (" less" if share >= 0 else " more")
 
 

@@ -14,6 +14,7 @@ from agents.catalogue import CATALOGUE, Setting, law_named
 from agents.common.law_files import StoredLaw, load_law, save_law
 from ffgym.control import CausalLaw, Window
 from ffgym.envs import EpisodeRecorder
+from ffgym.errors import FFGymError
 from ffgym.metrics import motor_error
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
@@ -130,6 +131,17 @@ def test_an_agent_forgets_where_an_episode_begins_and_nowhere_else(make, name):
         batch, _ = agent.predict(np.stack([first, second]), np.stack([memory, memory]), np.array([True, False]))
         np.testing.assert_allclose(batch[0], start, rtol=0, atol=1e-12)
     assert after.shape == start.shape == (1,)
+
+
+def test_an_agent_refuses_observations_and_states_of_others(make):
+    env = gym.make_vec("ffgym/OneAxis-v0", num_envs=3, preview=4, action_scale=30)
+    agent = LawAgent.for_env(make("elastic"), env)
+    observation, _ = env.reset(seed=0)
+    _, state = agent.predict(observation)
+    with pytest.raises(FFGymError, match=r"Observations must have \d+ numbers each, .* got shape \(3, 5\)"):
+        agent.predict(observation[:, :5])
+    with pytest.raises(FFGymError, match=r"The state of shape \(3, 11\) is not what predict returned"):
+        agent.predict(observation[:2], state)
 
 
 @pytest.mark.parametrize("name", CAUSAL)
