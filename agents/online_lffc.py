@@ -28,7 +28,7 @@ import numpy as np
 from agents.bspline import BSplineNetwork
 from agents.common.law_agent import LawAgent
 from ffgym.control import servo_torque
-from ffgym.errors import FFGymError, check_number
+from ffgym.errors import FFGymError, check_number, check_shape
 from ffgym.robot import Servo
 from ffgym.types import Array
 
@@ -104,7 +104,8 @@ class OnlineLFFC:
         n = self.network.n_joints
         if state is None:
             return np.tile(self.network.coefficients.reshape(n, -1), (*batch, 1, 1))
-        return np.array(state, dtype=np.float64).reshape(*batch, n, -1)
+        own = check_shape("state", state, (*batch, self.network.coefficients.size))
+        return own.reshape(*batch, n, -1).copy()
 
     def _missing(self, observation: Array) -> Array:
         """u_p as observed [N m], shape (..., N)."""

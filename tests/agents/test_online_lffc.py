@@ -102,6 +102,14 @@ def test_the_state_that_is_passed_in_is_not_changed(env, one_axis):
     assert (second != first).any()
 
 
+@pytest.mark.parametrize("wrong", [np.zeros(3), np.zeros((2, 79)), np.full(79, np.nan)])
+def test_a_state_of_another_shape_or_without_numbers_is_refused(wrong, env, one_axis):
+    agent = OnlineLFFC.for_env(StaticBSN.zero(1), env, one_axis.servo)
+    observation, _ = env.reset(seed=0)
+    with pytest.raises(FFGymError, match="state"):
+        agent.predict(observation, wrong)
+
+
 def test_what_cannot_learn_online_is_refused(env, one_axis, irb4600):
     with pytest.raises(FFGymError, match="lugre_static is no B-spline network"):
         OnlineLFFC(agent=LawAgent.for_env(static_lugre(one_axis), env), servo=one_axis.servo)
