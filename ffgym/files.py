@@ -89,9 +89,9 @@ def decode_arrays(data: bytes) -> dict[str, Any]:
             names = list(file.files)
             arrays = {name: file[name] for name in names}
     except Exception as error:  # zipfile, zlib and numpy raise a dozen types for damaged bytes
-        reason = (str(error).splitlines() or [""])[0]
+        kind = type(error).__name__  # and not its text: numpy's advises to load what may run as a program
         raise FFGymError(
-            f"Damaged, cut short or not NPZ ({type(error).__name__}: {reason}). Copy or make it again."
+            f"Damaged, cut short, not NPZ, or with Python objects in it ({kind}). Copy or make it again."
         ) from error
     if len(arrays) < len(names):
         twice = sorted({name for name in names if names.count(name) > 1})

@@ -63,7 +63,8 @@ def test_the_headline_counts_circles_near_the_real_robot(made_up, sine):
 
 
 @pytest.mark.parametrize(
-    ("share", "words"), [(0.53, "53% less"), (-0.2, "20% more"), (0.997, "99.7% less"), (0.99985, "99.98% less"), (0, "0% less")]
+    ("share", "words"),
+    [(0.53, "53% less"), (-0.2, "20% more"), (0.997, "99.7% less"), (0.99985, "99.98% less"), (0, "0% less")],
 )
 def test_reductions_are_put_in_words(share, words):
     assert percent(share) == words
