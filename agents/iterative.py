@@ -31,7 +31,7 @@ from types import MappingProxyType
 import numpy as np
 
 from agents.common.law_files import digest
-from agents.common.trials import Trial
+from agents.common.trials import Trial, performed
 from agents.elastic import elastic_law
 from agents.lugre import dynamic_lugre
 from agents.per_task.norm_optimal import NormOptimalStep
@@ -143,7 +143,9 @@ class IterativeLearning:
             ]
             practices = [
                 self._after(practice, run.reference, recording, step)
-                for practice, run, recording, step in zip(practices, runs, trial(runs, number), steps, strict=True)
+                for practice, run, recording, step in zip(
+                    practices, runs, performed(trial, runs, number), steps, strict=True
+                )
             ]
             if file is not None:
                 file.write(practices)

@@ -24,6 +24,18 @@ SIGNALS: tuple[Signal, ...] = ("u_p", "u_c", "e_p")
 position error."""
 
 
+def performed(trial: Trial, runs: Sequence[Run], number: int) -> list[Recording]:
+    """Recordings of a trial, one per run.
+
+    Raises:
+        FFGymError: if the machine returned another number of recordings.
+    """
+    recordings = list(trial(runs, number))
+    if len(recordings) != len(runs):
+        raise FFGymError(f"Trial {number} returned {len(recordings)} recordings of {len(runs)} runs, must be one each.")
+    return recordings
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SimulatedTrial:
     """Trials on a simulated robot; sensor noise differs from trial to trial and is the same in every program run."""

@@ -13,7 +13,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from agents.common.trials import Lesson, Trial
+from agents.common.trials import Lesson, Trial, performed
 from agents.fitting import slip_elements
 from ffgym.control import CausalLaw, FeedForwardLaw, NoCompensation, Reference
 from ffgym.errors import FFGymError, check_whole
@@ -115,7 +115,7 @@ def learn(
     law: FeedForwardLaw = NoCompensation()
     errors, noises = [], []
     for number in range(n_trials):
-        recordings = trial([Run(reference=reference, law=law) for reference in references], number)
+        recordings = performed(trial, [Run(reference=reference, law=law) for reference in references], number)
         records = [MotorRecord.of(*pair) for pair in zip(references, recordings, strict=True)]
         errors.append([record.error for record in records])
         noises.append([record.noise for record in records])

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from agents.common.trials import Lesson, Trial
+from agents.common.trials import Lesson, Trial, performed
 from ffgym.control import Reference
 from ffgym.errors import FFGymError, check_number, check_shape
 from ffgym.simulation import Run
@@ -51,7 +51,7 @@ class CoulombPrior:
         Raises:
             FFGymError: if there is no reference, or the recordings lack the feedback torque.
         """
-        recordings = trial([Run(reference=reference) for reference in references], 0)
+        recordings = performed(trial, [Run(reference=reference) for reference in references], 0)
         lessons = [
             Lesson.of(reference, recording, "u_c") for reference, recording in zip(references, recordings, strict=True)
         ]

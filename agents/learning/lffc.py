@@ -35,7 +35,7 @@ from typing import Any
 
 from agents.common.law_files import digest
 from agents.common.network import Network
-from agents.common.trials import SIGNALS, Lesson, Signal, Trial
+from agents.common.trials import SIGNALS, Lesson, Signal, Trial, performed
 from agents.learning.progress import Learning
 from agents.learning.progress_file import LearningFile
 from ffgym.control import Reference
@@ -116,7 +116,7 @@ class LFFC:
         return learning
 
     def _try(self, learning: Learning, references: Sequence[Reference], trial: Trial) -> list[Lesson]:
-        recordings = trial([Run(reference=r, law=learning.network) for r in references], learning.trials)
+        recordings = performed(trial, [Run(reference=r, law=learning.network) for r in references], learning.trials)
         return [Lesson.of(r, recording, self.signal) for r, recording in zip(references, recordings, strict=True)]
 
     def _settings(self, network: Network, references: Sequence[Reference], machine: str) -> dict[str, Any]:

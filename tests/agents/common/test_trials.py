@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.common.trials import SIGNALS, Lesson, SimulatedTrial, learning_signal
+from agents.common.trials import SIGNALS, Lesson, SimulatedTrial, learning_signal, performed
 from ffgym.control import NoCompensation, StaticLuGre, joint_reference
 from ffgym.errors import FFGymError
 from ffgym.paths import joint_sine
@@ -65,3 +65,9 @@ def test_sensor_noise_differs_from_trial_to_trial_and_repeats_itself(one_axis):
     np.testing.assert_array_equal(
         trial(runs, 3)[0].joint_array("motor.position"), trial(runs, 3)[0].joint_array("motor.position")
     )
+
+
+def test_a_machine_that_loses_a_recording_is_named(one_axis):
+    run = Run(reference=joint_reference(one_axis, joint_sine([1.0], 1.0, 0.2)))
+    with pytest.raises(FFGymError, match="Trial 3 returned 1 recordings of 2 runs"):
+        performed(lambda runs, number: SimulatedTrial(arm=RigidArm(one_axis))(runs, number)[1:], [run, run], 3)
