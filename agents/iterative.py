@@ -141,11 +141,10 @@ class IterativeLearning:
                 Run(reference=reference, law=self._law([reference], [practice.torque]))
                 for reference, practice in zip(references, practices, strict=True)
             ]
+            recordings = performed(trial, runs, number)
             practices = [
                 self._after(practice, run.reference, recording, step)
-                for practice, run, recording, step in zip(
-                    practices, runs, performed(trial, runs, number), steps, strict=True
-                )
+                for practice, run, recording, step in zip(practices, runs, recordings, steps, strict=True)
             ]
             if file is not None:
                 file.write(practices)
