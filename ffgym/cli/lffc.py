@@ -15,6 +15,7 @@ from agents.learning.progress import Learning, relative
 from agents.splines.basis import SplineBasis
 from agents.splines.recipes import thesis_training
 from agents.stability.limits import LearningStability
+from ffgym.cli.unused import refuse_unused
 from ffgym.control import Reference
 from ffgym.errors import FFGymError
 from ffgym.files import check_writable, write_json
@@ -67,6 +68,7 @@ class Lffc:
         """Learn, write, print."""
         self._check()
         robot = load_robot(self.robot)
+        refuse_unused(self, robot)
         arm = RigidArm(robot)
         motions = training_motions(
             arm, self.positions, [speed / 1e3 for speed in self.speeds_mm_s], self.frequencies_hz

@@ -95,3 +95,19 @@ def test_a_training_that_cannot_run_is_one_line_and_exit_code_1(arguments, messa
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["lffc", *FEW, "--positions", "p9"], "--positions has no effect: robot 'one_axis' runs sines"),
+        (["lffc", "--frequencies-hz", "3"], "--frequencies-hz has no effect: robot 'irb4600_60_205' runs circles"),
+        (["stability", "--robot", "one_axis", "--speeds-mm-s", "7"], "--speeds-mm-s has no effect"),
+    ],
+)
+def test_an_option_without_effect_is_refused(arguments, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
+    assert not list(tmp_path.iterdir())
