@@ -38,7 +38,7 @@ format: .venv/.dev
 	$(PYTHON) -m venv .venv
 
 .venv/.demo: .venv/bin/python pyproject.toml constraints.txt
-	$(PIP) -e '.[cli,report]'
+	$(PIP) -e '.[cli,report,paths]'
 	@touch $@
 
 .venv/.dev: .venv/bin/python pyproject.toml constraints.txt

@@ -11,7 +11,7 @@ import ffgym
 from ffgym.provenance import installed, versions
 
 CORE = {"numpy", "scipy", "gymnasium", "mujoco"}
-EXTRAS = {"rl", "plot", "cli", "logs", "report", "minari", "gp", "video", "cluster", "gpu", "dev", "all"}
+EXTRAS = {"rl", "plot", "cli", "logs", "report", "minari", "gp", "video", "cluster", "gpu", "dev", "all", "paths"}
 OPTIONAL = (
     "torch",
     "matplotlib",
@@ -25,6 +25,8 @@ OPTIONAL = (
     "minari",
     "imageio",
     "sklearn",
+    "lark",
+    "ruckig",
 )
 MODULES = (
     "simulation",

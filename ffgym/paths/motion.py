@@ -29,7 +29,11 @@ class Segment:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CartesianPath:
-    """Sampled TCP motion in the world frame, at fixed tool orientation."""
+    """Sampled TCP motion in the world frame.
+
+    Where `rotation` is None the tool keeps one orientation, that of the work area; otherwise the angular quantities
+    belong to it.
+    """
 
     name: str
     t: Array
@@ -41,11 +45,24 @@ class CartesianPath:
     acceleration: Array
     """TCP [m/s^2], shape (T, 3)."""
     phases: tuple[Phase, ...]
+    rotation: Array | None = None
+    """Orientation of tool0, shape (T, 3, 3)."""
+    angular_velocity: Array | None = None
+    """Of tool0 [rad/s], in world axes, shape (T, 3)."""
+    angular_acceleration: Array | None = None
+    """Of tool0 [rad/s^2], in world axes, shape (T, 3)."""
+
+    def __post_init__(self) -> None:
+        turning = (self.rotation, self.angular_velocity, self.angular_acceleration)
+        if len({part is None for part in turning}) > 1:
+            raise FFGymError(
+                f"Path {self.name!r}: rotation, angular_velocity and angular_acceleration belong together."
+            )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointPath:
-    """Sampled motion of the joints, link side."""
+    """Sampled motion of the joints, link side; a sliding joint has m in place of rad."""
 
     name: str
     t: Array

@@ -1,0 +1,1 @@
+"""Motions from files and names (path descriptions, tables, RAPID programs) as references for a robot."""

@@ -1,0 +1,115 @@
+"""What a motion program asks for, independent of the robot: a list of moves between targets, with speeds and zones."""
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_number, check_rotation, check_shape
+from ffgym.types import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pose:
+    """Where the tool centre point is to be, and how the tool is to be turned."""
+
+    position: Array
+    """TCP in the world [m], shape (3,)."""
+    rotation: Array | None = None
+    """Orientation of tool0 (the flange) in the world, shape (3, 3); None keeps the one before."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", check_shape("position", self.position, (3,)))
+        if self.rotation is not None:
+            object.__setattr__(self, "rotation", check_rotation("rotation", self.rotation))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Speed:
+    """Programmed speed of a move; the robot's own limits hold beside it."""
+
+    tcp: float
+    """Of the tool centre point [m/s], > 0."""
+    turn: float = np.deg2rad(500.0)
+    """Of the tool's orientation [rad/s], > 0; 500 deg/s is that of RAPID's predefined speeds."""
+
+    def __post_init__(self) -> None:
+        check_number("speed", self.tcp, unit="m/s", low=0.0, open_low=True)
+        check_number("turning speed", self.turn, unit="rad/s", low=0.0, open_low=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Zone:
+    """How near the target the path must come before it may turn towards the next one."""
+
+    radius: float = 0.0
+    """Distance of the TCP from the target [m] at which the corner may begin; 0 stops at the target (`fine`)."""
+
+    def __post_init__(self) -> None:
+        check_number("zone", self.radius, unit="m", low=0.0)
+
+    @property
+    def stops(self) -> bool:
+        """Whether the robot comes to rest at the target."""
+        return self.radius == 0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Move:
+    """One instruction. Members differ in what lies between the last target and this one."""
+
+    zone: Zone = field(default_factory=Zone)
+    label: str = ""
+    """Name of the target, for phases and messages."""
+    where: str = ""
+    """Place in the program, e.g. 'cut.mod:12:5', that starts error messages; empty if there is none."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MoveLinear(Move):
+    """Straight line of the TCP; the orientation turns evenly along it."""
+
+    to: Pose
+    speed: Speed
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MoveArc(Move):
+    """Arc of the TCP through `via`; the orientation turns evenly along it."""
+
+    via: Array
+    """Point on the arc, TCP in the world [m], shape (3,)."""
+    to: Pose
+    speed: Speed
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "via", check_shape("via", self.via, (3,)))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MoveJoint(Move):
+    """Straight line in joint space, all joints together; to joint angles or to a pose."""
+
+    to: Pose | Array
+    """Pose, or joint positions, link side, shape (N,) [rad, or m for a sliding joint]."""
+    speed: Speed
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Wait(Move):
+    """Rest where the last move ended; that move must stop."""
+
+    duration: float
+    """[s], > 0."""
+
+    def __post_init__(self) -> None:
+        check_number("wait", self.duration, unit="s", low=0.0, open_low=True)
+
+
+def located(move: Move, message: str) -> FFGymError:
+    """Return an error that begins with the move's place in the program, if it has one."""
+    return FFGymError(f"{move.where}: {message}" if move.where else message)
