@@ -91,10 +91,10 @@ class ElasticLaw(CausalLaw):
             raise FFGymError(
                 f"Friction for {self.friction.n_joints} joints does not fit robot {robot.name!r} with {robot.n_joints}."
             )
-        if not np.array_equal(known.drive.gear_ratio, robot.drive.gear_ratio):
+        if not np.array_equal(known.drive.matrix, robot.drive.matrix):
             raise FFGymError(
-                f"The controller is for gear ratios {known.drive.gear_ratio}, robot {robot.name!r} has "
-                f"{robot.drive.gear_ratio}; both must describe one robot."
+                f"The controller is for gear ratios {known.drive.matrix.tolist()}, robot {robot.name!r} has "
+                f"{robot.drive.matrix.tolist()}; both must describe one robot."
             )
         if np.any(self._relaxation > known.servo.control_dt):
             raise FFGymError(
@@ -131,15 +131,14 @@ class ElasticLaw(CausalLaw):
 
         Beyond `drive.peak_torque` the drive clips it, and no feed-forward can help.
         """
-        gravity = self.model.gravity_torque(reference.q[:1])
-        return self._along(reference)[0] + gravity / self.model.robot.drive.gear_ratio
+        return self._along(reference)[0] + self.model.robot.drive.motor_torque(self._load(reference.q[:1]))
 
     def _along(self, reference: Reference) -> tuple[Array, Lead, Array]:
         """Torque that the motors need beyond gravity at the start [N m], lead, integral of the lead [rad s], (T, N)."""
         self.check_joints(reference)
         dt, reach = reference.robot.servo.control_dt, self.preview - 2
         links = self._links(reference.q, reference.motor_dq, reference.motor_ddq)
-        links -= self.model.gravity_torque(reference.q[:1])
+        links -= self._load(reference.q[:1])
         rows = np.pad(links, ((reach, reach + 1), (0, 0)), mode="edge")  # one sample more, which friction looks at
         ahead = self._lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
         speed = self._motor_speed(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), ahead)
@@ -184,8 +183,12 @@ class ElasticLaw(CausalLaw):
     # Parts of the equation in the head of this file, shape (..., N)
 
     def _links(self, q: Array, motor_dq: Array, motor_ddq: Array) -> Array:
-        """Torque of the links with gravity, link side [N m]."""
-        return links_torque(self.model, q, motor_dq, motor_ddq, gravity=True)
+        """Torque of the links with the load they carry at rest, link side [N m]."""
+        return links_torque(self.model, q, motor_dq, motor_ddq, load=True)
+
+    def _load(self, q: Array) -> Array:
+        """Torque that holds the arm at rest, link side [N m]."""
+        return self.model.gravity_torque(q) + self.model.spring_torque(q)
 
     def _lead(self, links: Array, dt: float) -> Lead:
         """Lead at the middle one of samples of the links' torque [N m], (..., 2 w + 1, N)."""
@@ -193,7 +196,7 @@ class ElasticLaw(CausalLaw):
 
     def _motor_speed(self, motor_dq: Array, lead: Lead) -> Array:
         """Motor speed [rad/s] that keeps the arm on the reference."""
-        return motor_dq + self.model.robot.drive.gear_ratio * lead.speed
+        return motor_dq + self.model.robot.drive.motor_angle(lead.speed)
 
     def _friction(self, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array, Array]:
         """See `step_friction`."""
@@ -204,8 +207,8 @@ class ElasticLaw(CausalLaw):
     def _needed(self, links: Array, motor_ddq: Array, lead: Lead, friction: Array) -> Array:
         """Torque that moves arm and motors [N m], beyond gravity at the start."""
         drive = self.model.robot.drive
-        rotor = drive.rotor_inertia * (motor_ddq + drive.gear_ratio * lead.acceleration)
-        return links / drive.gear_ratio + rotor + friction
+        rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
+        return drive.motor_torque(links) + rotor + friction
 
 
 def _sample(window: Window, k: int) -> tuple[Array, Array, Array]:

@@ -21,14 +21,21 @@ def given_torque(
         integral: integral of the lead since the start, link side [rad s], shape (..., N).
     """
     drive, servo = controller.robot.drive, controller.robot.servo
-    rigid = links_torque(controller, q, motor_dq, motor_ddq, gravity=False) / drive.gear_ratio
+    rigid = drive.motor_torque(links_torque(controller, q, motor_dq, motor_ddq, load=False))
     rigid += drive.rotor_inertia * motor_ddq
-    error = servo.position_gain * lead.angle + servo.velocity_gain * lead.speed + servo.integral_gain * integral
-    return rigid - drive.gear_ratio * error
+    angle, speed, sum_of_angle = (drive.motor_angle(part) for part in (lead.angle, lead.speed, integral))
+    return rigid - (servo.position_gain * angle + servo.velocity_gain * speed + servo.integral_gain * sum_of_angle)
 
 
-def links_torque(arm: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, *, gravity: bool) -> Array:
-    """Torque of the links, link side [N m], for a motion of any shape (..., N)."""
-    ratio = arm.robot.drive.gear_ratio
-    rows = (part.reshape(-1, arm.robot.n_joints) for part in (q, motor_dq / ratio, motor_ddq / ratio))
-    return arm.inverse_dynamics(*rows, gravity=gravity).reshape(q.shape)
+def links_torque(arm: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, *, load: bool) -> Array:
+    """Torque of the links, link side [N m], for a motion of any shape (..., N).
+
+    `load` adds what must be carried at rest too: gravity, and springs between links.
+    """
+    drive = arm.robot.drive
+    motion = (q, drive.joint_angle(motor_dq), drive.joint_angle(motor_ddq))
+    rows = [part.reshape(-1, arm.robot.n_joints) for part in motion]
+    torque = arm.inverse_dynamics(*rows, gravity=load)
+    if load:
+        torque += arm.spring_torque(rows[0])
+    return torque.reshape(q.shape)

@@ -59,7 +59,7 @@ class MotorRecord:
         lesson = Lesson.of(reference, recording, "u_c")
         dt = reference.robot.servo.control_dt
         rows = slice(None, None, round(dt / recording.dt))
-        position = reference.q * reference.robot.drive.gear_ratio - lesson.error[rows]
+        position = reference.motor_q - lesson.error[rows]
         motor_dq = np.gradient(position, dt, axis=0)
         slip, moving = slip_elements.along(motor_dq, dt), lesson.moving[rows]
         total = lesson.added[rows] + lesson.signal[rows]

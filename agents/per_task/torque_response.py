@@ -80,14 +80,14 @@ def _motion(arm: RigidArm, q: Array) -> tuple[Array, Array]:
     Positions are those of motors (divided by gear ratio) and deflections; a link turns by their sum.
     """
     robot = arm.robot
-    drive, servo, ratio = robot.drive, robot.servo, robot.drive.gear_ratio
+    drive, servo = robot.drive, robot.servo
     elastic = ~drive.is_rigid
     links = _links(robot)
     inertia = links.T @ arm.mass_matrix(q[None])[0] @ links
-    inertia += _diagonal(ratio**2 * drive.rotor_inertia, np.zeros(elastic.sum()))
-    stiffness = _diagonal(ratio**2 * servo.position_gain, drive.joint_stiffness[elastic])
-    damping = _diagonal(ratio**2 * (servo.velocity_gain + robot.friction.viscous), drive.joint_damping[elastic])
-    motors = np.eye(robot.n_joints, len(inertia)).T * ratio  # motor torque on positions; transposed, motor angles
+    inertia += _blocks(robot, drive.rotor_inertia, np.zeros(elastic.sum()))
+    stiffness = _blocks(robot, servo.position_gain, drive.joint_stiffness[elastic])
+    damping = _blocks(robot, servo.velocity_gain + robot.friction.viscous, drive.joint_damping[elastic])
+    motors = np.eye(robot.n_joints, len(inertia)).T @ drive.matrix.T  # motor torque on positions; transposed, angles
     kept = servo.integral_gain > 0
     integrals = motors[:, kept] * servo.integral_gain[kept]
     n, m = len(inertia), int(kept.sum())
@@ -103,10 +103,8 @@ def _motion(arm: RigidArm, q: Array) -> tuple[Array, Array]:
 def _observed(arm: RigidArm, q: Array, target: Target, states: int) -> Array:
     """Rows that read the target from the state, shape (m, states)."""
     links = _links(arm.robot)
-    if target == "motor":
-        rows = np.eye(*links.shape) * arm.robot.drive.gear_ratio[:, None]
-    else:
-        rows = arm.jacobian(q[None])[0, :3] @ links
+    motors = arm.robot.drive.matrix @ np.eye(*links.shape)
+    rows = motors if target == "motor" else arm.jacobian(q[None])[0, :3] @ links
     return np.hstack([rows, np.zeros((len(rows), states - links.shape[1]))])
 
 
@@ -115,5 +113,7 @@ def _links(robot: RobotDescription) -> Array:
     return np.hstack([np.eye(robot.n_joints), np.eye(robot.n_joints)[:, ~robot.drive.is_rigid]])
 
 
-def _diagonal(motors: Array, deflections: Array) -> Array:
-    return block_diag(np.diag(motors), np.diag(deflections))
+def _blocks(robot: RobotDescription, motors: Array, deflections: Array) -> Array:
+    """Matrix on positions, of coefficients of the motors, motor side (N,), and of the deflections, link side."""
+    gear = robot.drive.matrix
+    return block_diag(gear.T @ (motors[:, None] * gear), np.diag(deflections))

@@ -109,14 +109,14 @@ class _Motion:
     @classmethod
     def along(cls, reference: Reference, record_dt: float) -> Self:
         """Rows every `record_dt`, and more between them if the model needs them."""
-        servo, ratio = reference.robot.servo, reference.robot.drive.gear_ratio
+        servo = reference.robot.servo
         check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
         recorded = round(servo.control_dt / record_dt)
         if recorded < 1 or abs(recorded * record_dt - servo.control_dt) > 1e-9:
             raise FFGymError(f"record_dt = {record_dt} s must divide control_dt = {servo.control_dt} s.")
         stride = ceil(_STEPS / recorded)
         setpoints = Setpoints(
-            position=(reference.q * ratio)[None],
+            position=reference.motor_q[None],
             velocity=reference.motor_dq[None],
             torque=reference.motor_ddq[None],  # straight lines between samples, as lessons see it
             dt=servo.control_dt,

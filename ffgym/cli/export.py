@@ -51,6 +51,6 @@ def spec_with_home(robot: RobotDescription, options: ModelOptions) -> mujoco.MjS
     plant = Plant(robot, 1, options=options)
     plant.rest(pose[None])
     controls = np.zeros(plant.model.nu)
-    plant.split_controls(controls)[0][:] = pose * robot.drive.gear_ratio
+    plant.split_controls(controls)[0][:] = robot.drive.motor_angle(pose)
     spec.add_key(name="home", qpos=plant.batch.qpos[0], act=plant.batch.act[0], ctrl=controls)
     return spec

@@ -35,14 +35,19 @@ class Reference:
         _check_limits(self)
 
     @property
+    def motor_q(self) -> Array:
+        """Motor angle [rad], shape (T, N)."""
+        return self.robot.drive.motor_angle(self.q)
+
+    @property
     def motor_dq(self) -> Array:
         """Motor speed [rad/s], shape (T, N)."""
-        return self.dq * self.robot.drive.gear_ratio
+        return self.robot.drive.motor_angle(self.dq)
 
     @property
     def motor_ddq(self) -> Array:
         """Motor acceleration [rad/s^2], shape (T, N)."""
-        return self.ddq * self.robot.drive.gear_ratio
+        return self.robot.drive.motor_angle(self.ddq)
 
     @property
     def duration(self) -> float:

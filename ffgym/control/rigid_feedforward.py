@@ -8,10 +8,10 @@ from ffgym.types import Array
 def rigid_feedforward(arm: RigidArm, reference: Reference) -> Array:
     r"""Feed-forward torque u_ff, motor side [N m], shape (T, N).
 
-    .. math:: u_{ff} = \frac{M(q) \ddot q + C(q, \dot q) \dot q}{n} + n J_m \ddot q
+    .. math:: u_{ff} = G^{-T} (M(q) \ddot q + C(q, \dot q) \dot q) + J_m \ddot\theta
 
     Gravity and friction are left to the feedback, as in the thesis (2.13).
     """
     drive = reference.robot.drive
     links = arm.inverse_dynamics(reference.q, reference.dq, reference.ddq)
-    return links / drive.gear_ratio + drive.gear_ratio * drive.rotor_inertia * reference.ddq
+    return drive.motor_torque(links) + drive.rotor_inertia * reference.motor_ddq

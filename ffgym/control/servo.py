@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ffgym.robot.description import Servo
+from ffgym.robot.parts import Servo
 from ffgym.types import Array
 
 

@@ -58,9 +58,8 @@ class RandomTasks(Tasks):
             centre = _checked_centre(options["centre"], kinematics.range)
         if "peak_speed" in options:
             speed = _checked_speed(options["peak_speed"], n)
-        path = random_multisine(
-            rng, centre, speed / self.robot.drive.gear_ratio, self._duration, dt=self.robot.servo.control_dt
-        )
+        joint_speed = speed / np.abs(self.robot.drive.gear_ratio)
+        path = random_multisine(rng, centre, joint_speed, self._duration, dt=self.robot.servo.control_dt)
         task = {"centre": centre.tolist(), "peak_speed": speed.tolist()}
         return Motion(reference=joint_reference(self.robot, path), arm=self.arm, task=task)
 

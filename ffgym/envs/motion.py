@@ -112,7 +112,7 @@ class Motion:
         """One row per sample, and the last one `padding` times more; shape (T + padding, W)."""
         reference, at = self.reference, self.columns
         rows = np.zeros((len(reference.t), at.width))
-        rows[:, at.position] = reference.q * reference.robot.drive.gear_ratio
+        rows[:, at.position] = reference.motor_q
         rows[:, at.velocity] = reference.motor_dq
         rows[:, at.acceleration] = reference.motor_ddq
         rows[:, at.feedforward] = rigid_feedforward(self.arm, reference)

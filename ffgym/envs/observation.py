@@ -38,7 +38,7 @@ class ObservationLayout(Mapping[str, Entry]):
         self.preview = check_whole("preview", preview, low=0, high=1000)
         self.n_joints = n = robot.n_joints
         scales = Scales.of(robot)
-        motor_position = scales.position * robot.drive.gear_ratio
+        motor_position = scales.position * np.abs(robot.drive.gear_ratio)
         reference = np.concatenate([motor_position, scales.velocity, scales.acceleration])
         self._scale = np.concatenate(
             [scales.error, scales.error_rate, np.ones(n), np.tile(reference, self.preview + 1)]  # actions as they are

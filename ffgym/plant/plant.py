@@ -65,6 +65,7 @@ class Plant:
                 f"physics_dt = {self.physics_dt} s must divide control_dt = {robot.servo.control_dt} s exactly."
             )
         self.addresses = Addresses.of(self.model, robot)
+        self._has_springs = bool(robot.springs) and options.springs
         self._servo_columns = self._find_servo_columns()
 
     def _find_servo_columns(self) -> tuple[IntArray, Array]:
@@ -77,7 +78,8 @@ class Plant:
         }
         integral = np.where(at.has_integral, starts.get("act", 0) + at.integral, 0)
         columns = np.concatenate([starts["qpos"] + at.motor_qpos, starts["qvel"] + at.motor_qpos, integral])
-        return columns, np.concatenate([ratio, ratio, at.has_integral])
+        both = ratio if self.robot.drive.coupling is None else np.ones_like(ratio)
+        return columns, np.concatenate([both, both, at.has_integral])
 
     @property
     def n_robots(self) -> int:
@@ -123,8 +125,8 @@ class Plant:
         """Put robots into static equilibrium: springs and servo integrals carry gravity, bristles are relaxed.
 
         Args:
-            motor_q: motor angle / gear ratio [rad], shape (B, N).
-            motor_dq: motor speed / gear ratio [rad/s], shape (B, N); None is at rest.
+            motor_q: joint position at the gearbox output [rad], shape (B, N).
+            motor_dq: joint speed at the gearbox output [rad/s], shape (B, N); None is at rest.
             ids: which robots, shape (B,); None is all.
 
         Raises:
@@ -137,20 +139,21 @@ class Plant:
         engine.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
-        load = self._sag(rows) if np.any(self.model.opt.gravity) else np.zeros_like(motor_q)
+        loaded = np.any(self.model.opt.gravity) or self._has_springs
+        load = self._sag(rows) if loaded else np.zeros_like(motor_q)
         self._qvel[np.ix_(rows, at.motor_qpos)] = speed
-        gain = self.robot.servo.integral_gain * self.robot.drive.gear_ratio
-        integral = np.divide(load, gain, out=np.zeros_like(load), where=gain > 0)
+        gain = self.robot.servo.integral_gain
+        integral = np.divide(self.robot.drive.motor_torque(load), gain, out=np.zeros_like(load), where=gain > 0)
         self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
 
     def _sag(self, rows: IntArray) -> Array:
-        """Bend the springs of resting robots until they carry gravity; returns its torque, link side [N m], (B, N).
+        """Bend the joints of resting robots until they carry the load; returns its torque, link side [N m], (B, N).
 
         Solves K delta = -g(q + delta) by fixed-point iteration in the engine, where each robot has its own masses;
-        each row stops on its own, whatever the others do.
+        each row stops on its own, whatever the others do. The load is gravity, and springs between links if there are.
         """
         engine, at = self.batch, self.addresses
-        gravity = engine.bind("qfrc_bias")
+        gravity, passive = engine.bind("qfrc_bias"), engine.bind("qfrc_passive")
         stiffness = np.stack([self.robots[i].drive.joint_stiffness for i in rows])[:, at.is_elastic]
         moving = np.arange(len(rows))
         for _ in range(100):
@@ -158,7 +161,10 @@ class Plant:
             if not at.is_elastic.any():
                 break
             here = np.ix_(rows[moving], at.deflection_qpos)
-            update = -gravity[here] / stiffness[moving]
+            load = gravity[here]
+            if self._has_springs:  # what is passive but not the joint's own spring
+                load = load - (passive[here] + stiffness[moving] * self._qpos[here])
+            update = -load / stiffness[moving]
             change = np.abs(update - self._qpos[here]).max(axis=1)
             self._qpos[here] = update
             moving = moving[change >= _TOLERANCE]
@@ -170,7 +176,8 @@ class Plant:
                 f"Robot {robot.name!r} finds no equilibrium under gravity: joint_stiffness = "
                 f"{robot.drive.joint_stiffness} N m/rad is too soft for its masses."
             )
-        return gravity[np.ix_(rows, at.motor_qpos)]
+        motors = np.ix_(rows, at.motor_qpos)
+        return gravity[motors] - passive[motors] if self._has_springs else gravity[motors]
 
     def state(self) -> PlantState:
         """State of all robots now, arrays of shape (B, N), copies."""
@@ -179,11 +186,16 @@ class Plant:
     def servo_state(self) -> Array:
         """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, 3 N), a copy."""
         columns, scale = self._servo_columns
-        return self.batch.state.take(columns, axis=1) * scale
+        state: Array = self.batch.state.take(columns, axis=1) * scale
+        drive, n = self.robot.drive, self.robot.n_joints
+        if drive.coupling is not None:
+            for part in (slice(0, n), slice(n, 2 * n)):
+                state[:, part] = drive.motor_angle(state[:, part])
+        return state
 
     def unpack(self, qpos: Array, qvel: Array, act: Array) -> PlantState:
         """State from MuJoCo's arrays of any leading shape, motor quantities in motor units."""
-        at, ratio = self.addresses, self.robot.drive.gear_ratio
+        at, drive = self.addresses, self.robot.drive
         motor_q, motor_dq = qpos[..., at.motor_qpos], qvel[..., at.motor_qpos]
         link_q, link_dq = motor_q.copy(), motor_dq.copy()
         link_q[..., at.is_elastic] += qpos[..., at.deflection_qpos]
@@ -192,8 +204,8 @@ class Plant:
         bristle[..., at.has_bristle] = act[..., at.bristle[at.has_bristle]]
         integral[..., at.has_integral] = act[..., at.integral[at.has_integral]]
         return PlantState(
-            motor_position=motor_q * ratio,
-            motor_velocity=motor_dq * ratio,
+            motor_position=drive.motor_angle(motor_q),
+            motor_velocity=drive.motor_angle(motor_dq),
             link_position=link_q,
             link_velocity=link_dq,
             bristle=bristle,
@@ -243,6 +255,8 @@ def _check_same_controller(own: RobotDescription, other: RobotDescription) -> No
     pairs: dict[str, tuple[Any, Any]] = {
         "joints": (own.joints, other.joints),
         "drive.gear_ratio": (own.drive.gear_ratio, other.drive.gear_ratio),
+        "drive.coupling": (own.drive.matrix, other.drive.matrix),
+        "springs": (len(own.springs), len(other.springs)),
         "simulation.physics_dt": (own.physics_dt, other.physics_dt),
     }
     pairs |= {f"servo.{f.name}": (getattr(own.servo, f.name), getattr(other.servo, f.name)) for f in fields(own.servo)}

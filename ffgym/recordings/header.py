@@ -7,6 +7,8 @@ from typing import Any, Literal, Self, get_args
 from ffgym.errors import FFGymError, check_choice
 from ffgym.recordings.header_fields import (
     as_bits,
+    as_coupling,
+    as_joint_types,
     as_joints,
     as_json,
     as_payload,
@@ -42,6 +44,10 @@ class Header:
     """Joint names, shape (N,), as they end the per-joint columns."""
     gear_ratio: tuple[float, ...]
     """Motor angle over joint angle, shape (N,), not zero; negative where motor and joint turn opposite ways."""
+    coupling: tuple[tuple[float, ...], ...] | None = None
+    """How far motor i turns with joint j, shape (N, N), beside `gear_ratio` for i = j; None if motors turn alone."""
+    joint_types: tuple[str, ...] = ()
+    """'hinge' or 'slide', shape (N,); link-side quantities of a slide have m and N for rad and N m. Empty is hinges."""
     schema_version: int = SCHEMA_VERSION
     """Version of the format."""
     position_side: PositionSide = "motor"
@@ -89,7 +95,10 @@ class Header:
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "gear_ratio", as_ratios(self.gear_ratio, len(self.joints)))
+        n = len(self.joints)
+        object.__setattr__(self, "gear_ratio", as_ratios(self.gear_ratio, n))
+        object.__setattr__(self, "coupling", as_coupling(self.coupling, n))
+        object.__setattr__(self, "joint_types", as_joint_types(self.joint_types, n))
 
     def to_json(self, indent: int | None = None) -> str:
         """Return the header as ASCII JSON, from which `from_json` makes an equal header."""

@@ -47,6 +47,26 @@ def as_ratios(value: Any, n_joints: int) -> tuple[float, ...]:
     return tuple(ratios.tolist())
 
 
+def as_coupling(value: Any, n_joints: int) -> tuple[tuple[float, ...], ...] | None:
+    """Matrix of couplings between axes, zero on its diagonal; None if there are none."""
+    if value is None:
+        return None
+    coupling = check_shape("header coupling", value, (n_joints, n_joints))
+    if np.any(np.diag(coupling)):
+        raise FFGymError(f"header coupling has {np.diag(coupling)} on its diagonal, must be 0; see gear_ratio.")
+    return tuple(tuple(row) for row in coupling.tolist())
+
+
+def as_joint_types(value: Any, n_joints: int) -> tuple[str, ...]:
+    """'hinge' or 'slide' for each joint; nothing is all hinges."""
+    types = as_texts("joint_types", value) or ("hinge",) * n_joints
+    for kind in types:
+        check_choice("header joint_types entry", kind, ("hinge", "slide"))
+    if len(types) != n_joints:
+        raise FFGymError(f"header joint_types = {types} must be one for each of {n_joints} joints.")
+    return types
+
+
 def as_bits(value: Any) -> int | None:
     """Encoder resolution [bit], or None."""
     if value is not None and (isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 64):

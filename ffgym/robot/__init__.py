@@ -2,7 +2,6 @@
 
 from ffgym.robot.arm import RigidArm as RigidArm
 from ffgym.robot.description import RobotDescription as RobotDescription
-from ffgym.robot.description import Servo as Servo
 from ffgym.robot.elasticity import resonances as resonances
 from ffgym.robot.elasticity import static_deflection as static_deflection
 from ffgym.robot.fingerprint import model_field as model_field
@@ -13,6 +12,7 @@ from ffgym.robot.load import load_robot as load_robot
 from ffgym.robot.load import parse_robot as parse_robot
 from ffgym.robot.load import robot_of as robot_of
 from ffgym.robot.parameters import with_parameters as with_parameters
+from ffgym.robot.parts import Servo as Servo
 from ffgym.robot.spec import ModelOptions as ModelOptions
 from ffgym.robot.spec import build_spec as build_spec
 from ffgym.robot.spec import compile_model as compile_model

@@ -109,6 +109,12 @@ class RigidArm:
         """Torque [N m] that holds the links still at `q`, shape (T, N)."""
         return self._evaluate(("qfrc_bias",), q, stage="velocity", gravity=True)["qfrc_bias"]
 
+    def spring_torque(self, q: Array) -> Array:
+        """Torque [N m] that holds the arm still at `q` against the springs between its links, shape (T, N)."""
+        if not self.robot.springs:
+            return np.zeros(check_shape("q", q, (None, self.robot.n_joints)).shape)
+        return -self._evaluate(("qfrc_passive",), q, stage="velocity")["qfrc_passive"]
+
     def inverse_dynamics(self, q: Array, dq: Array, ddq: Array, *, gravity: bool = False) -> Array:
         """Joint torque [N m] of the rigid links for a motion, M(q) ddq + C(q, dq) dq (+ g(q)), shape (T, N)."""
         ddq = check_shape("ddq", ddq, (len(q), self.robot.n_joints))

@@ -1,148 +1,16 @@
-"""What a robot is: names, geometry, masses, drives, friction, servo and work area, read from one TOML file."""
+"""What a robot is: names, geometry, masses, drives, friction, servo and work area, complete once built."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
 from ffgym.errors import FFGymError, check_choice
 from ffgym.friction import LuGreParameters
+from ffgym.robot.drive import Drive
+from ffgym.robot.parts import Geom, Kinematics, Links, Logs, Sensors, Servo, Spring, Tool, WorkArea, plain, rebuilt
 from ffgym.robot.quantity import Quantity
-from ffgym.types import Array, BoolArray
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Kinematics:
-    """Serial chain of hinges; at q = 0 all link frames are parallel to the world."""
-
-    position: Array
-    """Origin of each joint in the previous link frame [m], shape (N, 3)."""
-    axis: Array
-    """Unit axis of each joint in its link frame, shape (N, 3)."""
-    range: Array
-    """Lower and upper joint limit, link side [rad], shape (N, 2)."""
-    max_speed: Array
-    """Joint speed limit, link side [rad/s], shape (N,)."""
-
-    def __post_init__(self) -> None:
-        if np.any(np.abs(np.hypot.reduce(self.axis, axis=1) - 1) > 1e-6):
-            raise FFGymError(f"kinematics.axis = {self.axis.tolist()} must be unit vectors.")
-        if np.any(self.range[:, 0] >= self.range[:, 1]):
-            raise FFGymError(f"kinematics.range = {self.range.tolist()} rad must be lower before upper limit.")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Links:
-    """Rigid bodies that the joints move."""
-
-    mass: Array
-    """[kg], shape (N,)."""
-    com: Array
-    """Centre of mass in the link frame [m], shape (N, 3)."""
-    inertia: Array
-    """About the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (N, 6)."""
-
-    def __post_init__(self) -> None:
-        for i, inertia in enumerate(self.inertia):
-            _check_inertia(f"links.inertia[{i}]", inertia)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Tool:
-    """What hangs on the flange, given in the tool0 frame."""
-
-    rotation: Array
-    """Orientation of tool0 in the last link frame, shape (3, 3)."""
-    mass: float
-    """[kg]."""
-    com: Array
-    """Centre of mass [m], shape (3,)."""
-    inertia: Array
-    """About the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (6,)."""
-    tcp: Array
-    """Tool centre point [m], shape (3,)."""
-
-    def __post_init__(self) -> None:
-        _check_inertia("tool.inertia", self.inertia)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Drive:
-    """Motor, gearbox and the elasticity behind it, one entry per joint."""
-
-    gear_ratio: Array
-    """Motor turns per joint turn n, shape (N,)."""
-    rotor_inertia: Array
-    """Motor and gear input inertia J_m, motor side [kg m^2], shape (N,)."""
-    joint_stiffness: Array
-    """Elasticity between gearbox and arm K, link side [N m/rad], shape (N,); inf is a rigid joint."""
-    joint_damping: Array
-    """Damping of that elasticity d, link side [N m s/rad], shape (N,)."""
-    peak_torque: Array
-    """Largest torque the drive gives, motor side [N m], shape (N,)."""
-
-    @property
-    def is_rigid(self) -> BoolArray:
-        """True for joints without elasticity, shape (N,)."""
-        return np.isinf(self.joint_stiffness)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Servo:
-    """The existing feedback controller of each motor, motor side, one entry per joint."""
-
-    position_gain: Array
-    """K_p [N m/rad], shape (N,)."""
-    velocity_gain: Array
-    """K_v [N m s/rad], shape (N,)."""
-    integral_gain: Array
-    """K_i [N m/(rad s)], shape (N,)."""
-    control_dt: float
-    """Sample time of references and torques sent to the drive [s]."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Sensors:
-    """What the machine and the laser tracker can see."""
-
-    encoder_bits: int
-    """Resolution of the motor position [bit/turn]."""
-    tracker_noise: float
-    """Standard deviation of each TCP coordinate [m]; 0 if there is no tracker."""
-    tracker_period: float
-    """Sample time of the tracker [s]; 0 if there is no tracker."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class WorkArea:
-    """Where the tool works."""
-
-    positions: Mapping[str, Array]
-    """Named points in the world [m], shape (3,) each."""
-    tool_rotation: Array
-    """Orientation of tool0 in the world, shape (3, 3)."""
-    home: Array
-    """Joint angles that seed the inverse kinematics, link side [rad], shape (N,)."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "positions", MappingProxyType(dict(self.positions)))
-
-    def __reduce__(self) -> Any:
-        return _rebuilt, (type(self), _plain(self))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Geom:
-    """One primitive of the robot's looks."""
-
-    body: str
-    type: str
-    size: tuple[float, ...]
-    pos: tuple[float, float, float]
-    end: tuple[float, float, float] | None
-    colour: tuple[float, ...]
+from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,10 +34,12 @@ class RobotDescription:
     gravity: Array
     work_area: WorkArea | None
     geoms: tuple[Geom, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    logs: Logs = field(default_factory=Logs)
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
 
     def __reduce__(self) -> Any:
-        return _rebuilt, (type(self), _plain(self))
+        return rebuilt, (type(self), plain(self))
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))
@@ -182,12 +52,23 @@ class RobotDescription:
         bodies = ["world", "base", "tool", *self.links, *(f"{link}_rotor" for link in self.links)]
         if len(set(bodies)) != len(bodies):
             raise FFGymError(f"Link names {self.links} clash with the bodies world, base, tool or <link>_rotor.")
+        self._check_springs()
         substeps = self.servo.control_dt / self.physics_dt
         if abs(substeps - round(substeps)) > 1e-9 or substeps < 1:
             raise FFGymError(
                 f"servo.control_dt = {self.servo.control_dt} s must be a whole multiple of "
                 f"simulation.physics_dt = {self.physics_dt} s."
             )
+
+    def _check_springs(self) -> None:
+        bodies = ("base", *self.links, *(["tool"] if self.tool is not None else []))
+        for spring in self.springs:
+            for body in spring.bodies:
+                check_choice(f"body of springs.{spring.name}", body, bodies)
+            if spring.bodies[0] == spring.bodies[1]:
+                raise FFGymError(f"springs.{spring.name} joins {spring.bodies[0]!r} to itself; it needs two bodies.")
+        if len({spring.name for spring in self.springs}) < len(self.springs):
+            raise FFGymError(f"Springs {[spring.name for spring in self.springs]} must have different names.")
 
     @property
     def n_joints(self) -> int:
@@ -208,24 +89,3 @@ class RobotDescription:
         if self.work_area is None:
             raise FFGymError(f"Robot {self.name!r} has no work area; its motions are given in joint space.")
         return self.work_area.positions[check_choice("position", name, list(self.work_area.positions))]
-
-
-def _check_inertia(name: str, inertia: Array) -> None:
-    """A rigid body has three positive principal moments, none above the sum of the others (to 1e-6, as printed)."""
-    xx, yy, zz, xy, xz, yz = inertia
-    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
-        raise FFGymError(
-            f"{name} = {inertia.tolist()} kg m^2 belongs to no body: principal moments {moments.tolist()} must be > 0, "
-            f"and none above the sum of the others."
-        )
-
-
-def _plain(description: Any) -> dict[str, Any]:
-    """Fields of a description in a form that can be copied and pickled, which read-only mappings cannot."""
-    values = {f.name: getattr(description, f.name) for f in fields(description)}
-    return {name: dict(value) if isinstance(value, Mapping) else value for name, value in values.items()}
-
-
-def _rebuilt(kind: type, values: dict[str, Any]) -> Any:
-    return kind(**values)

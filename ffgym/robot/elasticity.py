@@ -55,6 +55,6 @@ def resonances(arm: RigidArm, q: Array, motors: Literal["locked", "free"] = "loc
     flexibility = np.diag(1 / drive.joint_stiffness)
     inverse_inertia = np.linalg.inv(mass)
     if motors == "free":
-        inverse_inertia = inverse_inertia + np.diag(1 / (drive.gear_ratio**2 * drive.rotor_inertia))
+        inverse_inertia = inverse_inertia + drive.inverse @ np.diag(1 / drive.rotor_inertia) @ drive.inverse.T
     squares = np.linalg.eigvals(inverse_inertia @ np.linalg.inv(flexibility)).real
     return np.sort(np.sqrt(np.maximum(squares, 0.0))) / (2 * np.pi)

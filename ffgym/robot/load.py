@@ -7,21 +7,16 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from ffgym.errors import FFGymError, check_choice, check_number, check_rotation, check_shape
 from ffgym.friction import LuGreParameters
-from ffgym.robot.description import (
-    Drive,
-    Geom,
-    Kinematics,
-    Links,
-    RobotDescription,
-    Sensors,
-    Servo,
-    Tool,
-    WorkArea,
-)
+from ffgym.robot.description import RobotDescription
+from ffgym.robot.drive import Drive
+from ffgym.robot.parts import JOINT_TYPES, Geom, Kinematics, Links, Logs, Sensors, Servo, Spring, Tool, WorkArea
 from ffgym.robot.quantity import Quantity, parse_quantity
-from ffgym.robot.rules import POINT, RULES
+from ffgym.robot.rule import JointFrame
+from ffgym.robot.rules import POINT, RULES, SPRING_RULES
 
 
 def builtin_robots() -> tuple[str, ...]:
@@ -86,26 +81,29 @@ def _read_text(path: Path) -> str:
 
 def _build(tree: dict[str, Any]) -> RobotDescription:
     head = tree.pop("robot", None)
-    if not isinstance(head, dict) or set(head) != {"name", "title", "joints", "links"}:
-        raise FFGymError("[robot] must have exactly name, title, joints and links.")
+    needed = {"name", "title", "joints", "links"}
+    if not isinstance(head, dict) or not needed <= set(head) <= needed | {"types"}:
+        raise FFGymError("[robot] must have exactly name, title, joints and links, and may have types.")
     joints, links = _names("joints", head["joints"]), _names("links", head["links"])
     name, title = _names("name and title", [head["name"], head["title"]])
-    look = tree.pop("look", {})
-    quantities = _quantities(tree, len(joints))
+    types = _types(head.get("types", ["hinge"] * len(joints)), len(joints))
+    look, logs, springs = tree.pop("look", {}), tree.pop("logs", {}), tree.pop("springs", {})
+    quantities = _quantities(tree, types)
+    spring_list = _springs(springs, quantities, types)
     get = {path: quantity.value for path, quantity in quantities.items()}
     return RobotDescription(
         name=name,
         title=title,
         joints=joints,
         links=links,
-        kinematics=_group(Kinematics, "kinematics", get),
+        kinematics=_group(Kinematics, "kinematics", get, types=types),
         base_mass=float(get["base.mass"]),
         base_com=get["base.com"],
         bodies=_group(Links, "links", get),
         tool=_tool(get),
         drive=_group(Drive, "drive", get),
         friction=_group(LuGreParameters, "friction", get),
-        servo=_group(Servo, "servo", get, scalars=("control_dt",)),
+        servo=_group(Servo, "servo", get, control_dt=float(get["servo.control_dt"])),
         sensors=Sensors(
             encoder_bits=_whole("sensors.encoder_bits", get),
             tracker_noise=float(get.get("sensors.tracker_noise", 0.0)),
@@ -115,6 +113,8 @@ def _build(tree: dict[str, Any]) -> RobotDescription:
         gravity=get["simulation.gravity"],
         work_area=_work_area(get),
         geoms=_geoms(look, ("base", *links, "tool")),
+        springs=spring_list,
+        logs=_logs(logs),
         quantities=MappingProxyType(quantities),
     )
 
@@ -125,7 +125,16 @@ def _names(what: str, names: Any) -> tuple[str, ...]:
     return tuple(names)
 
 
-def _quantities(tree: dict[str, Any], n_joints: int) -> dict[str, Quantity]:
+def _types(types: Any, n_joints: int) -> tuple[str, ...]:
+    names = _names("types", types)
+    for kind in names:
+        check_choice("[robot] types", kind, JOINT_TYPES)
+    if len(names) != n_joints:
+        raise FFGymError(f"[robot] has {len(names)} types for {n_joints} joints; give one per joint.")
+    return names
+
+
+def _quantities(tree: dict[str, Any], types: tuple[str, ...]) -> dict[str, Quantity]:
     """Parse every quantity of the tree; complain about what is missing and what is not known."""
     points = _table("work_area", tree.get("work_area", {})).pop("positions", {})
     points = _table("work_area.positions", points)
@@ -138,10 +147,13 @@ def _quantities(tree: dict[str, Any], n_joints: int) -> dict[str, Quantity]:
     missing = sorted(path for path, rule in RULES.items() if not rule.optional and path not in found)
     if missing:
         raise FFGymError(f"Missing entries: {', '.join(missing)}.")
-    parsed = {path: parse_quantity(path, table, RULES[path], n_joints) for path, table in found.items()}
+    joints = JointFrame(types=types)
+    ratio = parse_quantity("drive.gear_ratio", found["drive.gear_ratio"], RULES["drive.gear_ratio"], joints)
+    joints = JointFrame(types=types, gear_ratio=ratio.value)
+    parsed = {path: parse_quantity(path, table, RULES[path], joints) for path, table in found.items()}
     for name, table in points.items():
         path = f"work_area.positions.{name}"
-        parsed[path] = parse_quantity(path, table, POINT, n_joints)
+        parsed[path] = parse_quantity(path, table, POINT, joints)
     return parsed
 
 
@@ -151,23 +163,61 @@ def _table(path: str, value: Any) -> dict[str, Any]:
     return value
 
 
-def _group(cls: Any, prefix: str, get: Mapping[str, Any], scalars: tuple[str, ...] = ()) -> Any:
-    """Build a dataclass from the quantities below `prefix`."""
+def _group(cls: Any, prefix: str, get: Mapping[str, Any], **others: Any) -> Any:
+    """Build a dataclass from the quantities below `prefix`, and from `others`."""
     values = {path.removeprefix(prefix + "."): value for path, value in get.items() if path.startswith(prefix + ".")}
-    return cls(**{name: float(value) if name in scalars else value for name, value in values.items()})
+    return cls(**(values | others))
 
 
 def _tool(get: Mapping[str, Any]) -> Tool | None:
-    wanted = ("flange.rotation", "tool.mass", "tool.com", "tool.inertia", "tool.tcp")
-    if not _all_or_none(wanted, get):
+    flange, masses = ("flange.rotation", "tool.tcp"), ("tool.mass", "tool.com", "tool.inertia")
+    weighs = _all_or_none(masses, get)
+    if not _all_or_none(flange, get):
+        if weighs or "flange.position" in get:
+            raise FFGymError(f"A tool needs {' and '.join(flange)}.")
         return None
+    body = {path.removeprefix("tool."): get[path] for path in masses} if weighs else {}
     return Tool(
         rotation=check_rotation("flange.rotation", get["flange.rotation"]),
-        mass=float(get["tool.mass"]),
-        com=get["tool.com"],
-        inertia=get["tool.inertia"],
+        position=get.get("flange.position", np.zeros(3)),
         tcp=get["tool.tcp"],
+        **(body | {"mass": float(body.get("mass", 0.0))}),
     )
+
+
+def _springs(springs: Any, quantities: dict[str, Quantity], types: tuple[str, ...]) -> tuple[Spring, ...]:
+    """Springs of the description; their numbers are added to `quantities`."""
+    found = []
+    for name, table in _table("springs", springs).items():
+        path = f"springs.{name}"
+        entries = dict(_table(path, table))
+        bodies = _names(f"{path}.bodies", entries.pop("bodies", None))
+        needed = {key for key, rule in SPRING_RULES.items() if not rule.optional}
+        if not needed <= set(entries) <= set(SPRING_RULES) or len(bodies) != 2:
+            raise FFGymError(f"[{path}] must have two bodies and {', '.join(sorted(needed))}, got {sorted(table)}.")
+        joints = JointFrame(types=types)
+        own = {key: parse_quantity(f"{path}.{key}", entries[key], SPRING_RULES[key], joints) for key in entries}
+        quantities |= {f"{path}.{key}": quantity for key, quantity in own.items()}
+        stiffness = [
+            float(own[key].value) if key in own else 0.0 for key in ("stiffness", "stiffness_2", "stiffness_3")
+        ]
+        found.append(
+            Spring(
+                name=name,
+                bodies=(bodies[0], bodies[1]),
+                start=own["start"].value,
+                end=own["end"].value,
+                length=float(own["length"].value),
+                stiffness=(stiffness[0], stiffness[1], stiffness[2]),
+            )
+        )
+    return tuple(found)
+
+
+def _logs(logs: Any) -> Logs:
+    if not set(_table("logs", logs)) <= {"torque", "position"}:
+        raise FFGymError(f"[logs] may have torque and position, got {sorted(logs)}.")
+    return Logs(**logs)
 
 
 def _work_area(get: Mapping[str, Any]) -> WorkArea | None:

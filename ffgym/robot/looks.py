@@ -2,7 +2,8 @@
 
 import mujoco
 
-from ffgym.robot.description import Geom, RobotDescription
+from ffgym.robot.description import RobotDescription
+from ffgym.robot.parts import Geom
 
 _GEOM_TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,

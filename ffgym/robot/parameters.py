@@ -9,6 +9,7 @@ from typing import Any
 from ffgym.errors import FFGymError
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.quantity import Quantity, parse_quantity
+from ffgym.robot.rule import JointFrame
 from ffgym.robot.rules import RULES
 from ffgym.types import Array
 
@@ -59,7 +60,11 @@ def _parsed(tree: Mapping[str, Any], robot: RobotDescription) -> dict[str, Quant
         raise FFGymError(f"There are no parameters. A parameter file may have: {', '.join(sorted(known))}.")
     if robot.tool is None and any(path.startswith("tool.") for path in entries):
         raise FFGymError(f"Robot {robot.name!r} has no tool to give parameters to.")
-    return {path: parse_quantity(path, table, RULES[path], robot.n_joints) for path, table in entries.items()}
+    joints = JointFrame(types=robot.kinematics.types, gear_ratio=robot.drive.gear_ratio)
+    if ratio := entries.get("drive.gear_ratio"):
+        parsed = parse_quantity("drive.gear_ratio", ratio, RULES["drive.gear_ratio"], joints)
+        joints = JointFrame(types=joints.types, gear_ratio=parsed.value)
+    return {path: parse_quantity(path, table, RULES[path], joints) for path, table in entries.items()}
 
 
 def _replaced(robot: RobotDescription, quantities: Mapping[str, Quantity]) -> RobotDescription:

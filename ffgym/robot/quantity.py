@@ -7,15 +7,11 @@ from typing import Any
 import numpy as np
 
 from ffgym.errors import FFGymError, check_shape
+from ffgym.robot.rule import JointFrame, Rule, gear_factors, si_units, unit_factors
 from ffgym.types import Array
 
 ORIGINS = ("sourced", "derived", "chosen", "fitted")
 """How a number came to be; `fitted` is written by a script, which keeps the number it replaced in `prior`."""
-
-SIDES = ("motor", "link")
-
-TO_SI = {"deg": np.pi / 180, "deg/s": np.pi / 180}
-"""Units that descriptions may use beside SI, with the factor that converts them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -25,7 +21,7 @@ class Quantity:
     value: Array
     """The numbers, any shape, converted to SI."""
     unit: str
-    """SI unit as text, e.g. 'N m/rad'."""
+    """SI unit as text, e.g. 'N m/rad'; one per joint, with commas, where hinges and sliding joints differ."""
     side: str | None
     """'motor' or 'link' side of the gearbox, None where the question does not arise."""
     origin: tuple[str, ...]
@@ -38,33 +34,14 @@ class Quantity:
     """Where those came from."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Rule:
-    """What a description must say about one quantity."""
-
-    shape: tuple[int | str, ...]
-    """Wanted shape; 'N' stands for the number of joints."""
-    unit: str
-    """SI unit."""
-    side: str | None = None
-    low: float = -np.inf
-    """Smallest valid number."""
-    open_low: bool = False
-    """True if `low` itself is not valid."""
-    infinite: bool = False
-    """True if +inf is valid (a rigid joint)."""
-    optional: bool = False
-    """True if a description may do without."""
-
-
-def parse_quantity(path: str, table: Any, rule: Rule, n_joints: int) -> Quantity:
-    """Check one table of a description against its rule and convert it to SI.
+def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Quantity:
+    """Check one table of a description against its rule; convert it to SI and to the side on which it is kept.
 
     Args:
         path: where the table stands, e.g. 'drive.gear_ratio', for messages.
         table: the parsed TOML table with `value`, `unit`, `origin`, `source` and maybe `side`, `prior`.
         rule: what is wanted.
-        n_joints: number of joints N.
+        joints: their types, and gear ratios if they are known.
 
     Raises:
         FFGymError: if anything is missing or invalid; the message names `path`.
@@ -77,37 +54,24 @@ def parse_quantity(path: str, table: Any, rule: Rule, n_joints: int) -> Quantity
         raise FFGymError(
             f"{path} lacks {missing} and has unknown keys {unknown}; it needs value, unit, origin, source."
         )
-    factor = _unit_factor(path, table["unit"], rule.unit)
-    if table.get("side") != rule.side:
-        raise FFGymError(f"{path}: side is {table.get('side')!r}, must be {rule.side!r}.")
-    origin = _origins(path, table["origin"], n_joints)
+    side = table.get("side")
+    factors = gear_factors(path, rule, side, joints) * unit_factors(path, table["unit"], rule, side, joints)
+    origin = _origins(path, table["origin"], joints.n_joints)
     fitted = "fitted" in origin
     if fitted != ("prior" in table) or fitted != ("prior_source" in table):
         raise FFGymError(f"{path}: prior and prior_source belong to origin 'fitted', and to no other, got {origin}.")
     return Quantity(
-        value=_checked_value(path, table["value"], rule, n_joints, factor),
-        unit=rule.unit,
+        value=_checked_value(path, table["value"], rule, joints.n_joints, factors),
+        unit=", ".join(si_units(rule, rule.side, joints)),
         side=rule.side,
         origin=origin,
         source=_text(path, "source", table["source"]),
-        prior=_checked_value(path + ".prior", table["prior"], rule, n_joints, factor) if fitted else None,
+        prior=_checked_value(path + ".prior", table["prior"], rule, joints.n_joints, factors) if fitted else None,
         prior_source=_text(path, "prior_source", table["prior_source"]) if fitted else None,
     )
 
 
-def _unit_factor(path: str, unit: Any, wanted: str) -> float:
-    if unit == wanted:
-        return 1.0
-    if isinstance(unit, str) and {"deg": "rad", "deg/s": "rad/s"}.get(unit) == wanted:
-        return TO_SI[unit]
-    raise FFGymError(f"{path}: unit is {unit!r}, must be {wanted!r}{_alternative(wanted)}.")
-
-
-def _alternative(wanted: str) -> str:
-    return {"rad": " or 'deg'", "rad/s": " or 'deg/s'"}.get(wanted, "")
-
-
-def _checked_value(path: str, value: Any, rule: Rule, n_joints: int, factor: float) -> Array:
+def _checked_value(path: str, value: Any, rule: Rule, n_joints: int, factors: Array | float) -> Array:
     """Numbers in SI units, read-only."""
     shape = tuple(n_joints if s == "N" else int(s) for s in rule.shape)
     if not _only_numbers(value):
@@ -116,7 +80,9 @@ def _checked_value(path: str, value: Any, rule: Rule, n_joints: int, factor: flo
     array = np.array(value, dtype=np.float64)
     if np.any(array < rule.low) or (rule.open_low and np.any(array == rule.low)):
         raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
-    array *= factor
+    if rule.nonzero and np.any(array == 0):
+        raise FFGymError(f"{path} = {array.tolist()} must not be 0.")
+    array *= factors
     array.flags.writeable = False
     return array
 

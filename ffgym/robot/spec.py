@@ -2,8 +2,9 @@
 
 Each joint is two hinges on one axis (thesis (2.5)-(2.6)): the motor hinge turns by motor angle / gear ratio and carries
 rotor inertia, friction and servo; the deflection hinge behind it is the elasticity, and carries the link. Actuators
-have `gear` = gear ratio, so that their numbers stay in motor units. MuJoCo supplies servo (`pid`) and friction (passive
-`dcmotor` with LuGre bristles) natively.
+have `gear` = gear ratio, so that their numbers stay in motor units; a motor that other axes turn too acts on a fixed
+tendon whose length is the motor angle. MuJoCo supplies servo (`pid`) and friction (passive `dcmotor` with LuGre
+bristles) natively. A spring between two links is a spatial tendon.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ import numpy as np
 from ffgym.errors import check_number
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.looks import add_looks
+from ffgym.robot.parts import Spring
 
 MASSLESS = 1e-9
 """Mass [kg] and inertia [kg m^2] of the rotor bodies: MuJoCo wants a moving body to weigh something."""
@@ -33,6 +35,8 @@ class ModelOptions:
     """Servos, with the rotor inertia that they carry."""
     gravity: bool = True
     """Gravity of the description; False for none."""
+    springs: bool = True
+    """Springs between links, such as a counterbalance."""
     physics_dt: float | None = None
     """Physics step [s]; None takes the description's."""
     looks: bool = True
@@ -63,6 +67,16 @@ def friction_actuator(joint: str) -> str:
     return f"{joint}_friction"
 
 
+def motor_tendon(joint: str) -> str:
+    """Name of the tendon whose length is the angle of a motor that other axes turn too."""
+    return f"{joint}_motor_angle"
+
+
+def spring_tendon(spring: str) -> str:
+    """Name of the tendon that is a spring between links."""
+    return f"{spring}_spring"
+
+
 def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> mujoco.MjSpec:
     """MuJoCo model of the robot, editable; `spec.compile()` gives the MjModel.
 
@@ -79,9 +93,14 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
     _set_inertial(base, robot.base_mass, robot.base_com, np.zeros(6))
     body = base
     for i in range(robot.n_joints):
-        body = _add_joint(spec, body, robot, i, options)
+        body = _add_joint(body, robot, i, options)
     if robot.tool is not None:
         _add_tool(body, robot)
+    for i in range(robot.n_joints):
+        _add_actuators(spec, robot, i, options)
+    if options.springs:
+        for spring in robot.springs:
+            _add_spring(spec, spring)
     if options.looks:
         add_looks(spec, robot)
     return spec
@@ -99,10 +118,8 @@ def _set_options(spec: mujoco.MjSpec, robot: RobotDescription, options: ModelOpt
     spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT
 
 
-def _add_joint(
-    spec: mujoco.MjSpec, parent: mujoco.MjsBody, robot: RobotDescription, i: int, options: ModelOptions
-) -> mujoco.MjsBody:
-    """Motor hinge, deflection hinge and link of joint i; returns the link."""
+def _add_joint(parent: mujoco.MjsBody, robot: RobotDescription, i: int, options: ModelOptions) -> mujoco.MjsBody:
+    """Motor hinge, deflection hinge and link of joint i; returns the link. A sliding joint slides on both sides."""
     joint, link, drive = robot.joints[i], robot.links[i], robot.drive
     axis = robot.kinematics.axis[i]
     elastic = options.flexible and not drive.is_rigid[i]
@@ -113,6 +130,7 @@ def _add_joint(
         body = parent.add_body(name=link)
         body.add_joint(
             name=deflection_joint(joint),
+            type=_joint_type(robot, i),
             axis=axis,
             stiffness=[drive.joint_stiffness[i], 0, 0],
             damping=[drive.joint_damping[i], 0, 0],
@@ -121,27 +139,59 @@ def _add_joint(
         body = parent.add_body(name=link, pos=robot.kinematics.position[i])
         _add_motor_hinge(body, robot, i)
     _set_inertial(body, robot.bodies.mass[i], robot.bodies.com[i], robot.bodies.inertia[i])
-    if options.servo:
-        _add_servo(spec, robot, i)
-    if options.friction:
-        _add_friction(spec, robot, i)
     return body
 
 
 def _add_motor_hinge(body: mujoco.MjsBody, robot: RobotDescription, i: int) -> None:
-    limits = robot.kinematics.range[i]
-    body.add_joint(name=motor_joint(robot.joints[i]), axis=robot.kinematics.axis[i], limited=True, range=limits)
+    body.add_joint(
+        name=motor_joint(robot.joints[i]),
+        type=_joint_type(robot, i),
+        axis=robot.kinematics.axis[i],
+        limited=True,
+        range=robot.kinematics.range[i],
+    )
 
 
-def _add_servo(spec: mujoco.MjSpec, robot: RobotDescription, i: int) -> None:
+def _joint_type(robot: RobotDescription, i: int) -> mujoco.mjtJoint:
+    return mujoco.mjtJoint.mjJNT_SLIDE if robot.kinematics.is_sliding[i] else mujoco.mjtJoint.mjJNT_HINGE
+
+
+def _add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, options: ModelOptions) -> None:
+    """Servo and friction of motor i, on its joint, or on a tendon if other joints turn the motor too."""
+    if not (options.servo or options.friction):
+        return
+    joint, ratios = robot.joints[i], robot.drive.matrix[i]
+    if np.any(np.delete(ratios, i)):
+        tendon = spec.add_tendon(name=motor_tendon(joint))
+        for j in np.flatnonzero(ratios):
+            tendon.wrap_joint(motor_joint(robot.joints[j]), ratios[j])
+        motor = _Transmission(kind=mujoco.mjtTrn.mjTRN_TENDON, target=motor_tendon(joint), gear=1.0)
+    else:
+        motor = _Transmission(kind=mujoco.mjtTrn.mjTRN_JOINT, target=motor_joint(joint), gear=float(ratios[i]))
+    if options.servo:
+        _add_servo(spec, robot, i, motor)
+    if options.friction:
+        _add_friction(spec, robot, i, motor)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Transmission:
+    """What an actuator acts on, so that its length is the motor angle."""
+
+    kind: mujoco.mjtTrn
+    target: str
+    gear: float
+
+
+def _add_servo(spec: mujoco.MjSpec, robot: RobotDescription, i: int, motor: _Transmission) -> None:
     """PID with set-points for position, velocity and feed-forward torque; its integral is clamped."""
     servo, peak = robot.servo, robot.drive.peak_torque[i]
     integral_gain = servo.integral_gain[i]
     actuator = spec.add_actuator(
         name=servo_actuator(robot.joints[i]),
-        trntype=mujoco.mjtTrn.mjTRN_JOINT,
-        target=motor_joint(robot.joints[i]),
-        gear=[robot.drive.gear_ratio[i], 0, 0, 0, 0, 0],
+        trntype=motor.kind,
+        target=motor.target,
+        gear=[motor.gear, 0, 0, 0, 0, 0],
         armature=robot.drive.rotor_inertia[i],
         forcelimited=True,
         forcerange=[-peak, peak],
@@ -155,14 +205,14 @@ def _add_servo(spec: mujoco.MjSpec, robot: RobotDescription, i: int) -> None:
     )
 
 
-def _add_friction(spec: mujoco.MjSpec, robot: RobotDescription, i: int) -> None:
+def _add_friction(spec: mujoco.MjSpec, robot: RobotDescription, i: int, motor: _Transmission) -> None:
     """LuGre friction of motor i: a motor without electrics, whose bristles MuJoCo integrates exactly."""
     f = robot.friction
     actuator = spec.add_actuator(
         name=friction_actuator(robot.joints[i]),
-        trntype=mujoco.mjtTrn.mjTRN_JOINT,
-        target=motor_joint(robot.joints[i]),
-        gear=[robot.drive.gear_ratio[i], 0, 0, 0, 0, 0],
+        trntype=motor.kind,
+        target=motor.target,
+        gear=[motor.gear, 0, 0, 0, 0, 0],
         damping=[f.viscous[i], 0, 0],
     )
     actuator.set_to_dcmotor(
@@ -178,10 +228,21 @@ def _add_tool(flange: mujoco.MjsBody, robot: RobotDescription) -> None:
     assert robot.tool is not None
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, robot.tool.rotation.flatten())
-    tool = flange.add_body(name="tool", quat=quat)
+    tool = flange.add_body(name="tool", pos=robot.tool.position, quat=quat)
     _set_inertial(tool, robot.tool.mass, robot.tool.com, robot.tool.inertia)
     tool.add_site(name="tool0", size=[0.004, 0.004, 0.004])
     tool.add_site(name="tcp", pos=robot.tool.tcp, size=[0.004, 0.004, 0.004], rgba=[0.1, 0.4, 1, 1])
+
+
+def _add_spring(spec: mujoco.MjSpec, spring: Spring) -> None:
+    """Tendon that pulls two bodies together with a force that is a cubic of its elongation."""
+    ends = zip(("start", "end"), spring.bodies, (spring.start, spring.end), strict=True)
+    tendon = spec.add_tendon(
+        name=spring_tendon(spring.name), stiffness=spring.stiffness, springlength=[spring.length, spring.length]
+    )
+    for end, body, point in ends:
+        site = spec.body(body).add_site(name=f"{spring.name}_{end}", pos=point, size=[0.01, 0.01, 0.01])
+        tendon.wrap_site(site.name)
 
 
 def _set_inertial(body: mujoco.MjsBody, mass: float, com: np.ndarray, inertia: np.ndarray) -> None:

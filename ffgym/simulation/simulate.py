@@ -129,7 +129,7 @@ def _setpoints(runs: Sequence[Run], torques: Sequence[Array]) -> Setpoints:
         return np.stack([np.pad(x, ((0, length - len(x)), (0, 0)), mode="edge") for x in series])
 
     return Setpoints(
-        position=stack([run.reference.q * robot.drive.gear_ratio for run in runs]),
+        position=stack([run.reference.motor_q for run in runs]),
         velocity=stack([run.reference.motor_dq for run in runs]),
         torque=stack(list(torques)),
         dt=robot.servo.control_dt,

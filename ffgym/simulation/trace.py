@@ -67,16 +67,15 @@ class ReferenceRows:
     @classmethod
     def of(cls, arm: RigidArm, reference: Reference, rows_per_step: int) -> "ReferenceRows":
         """Evaluate the reference once."""
-        ratio = reference.robot.drive.gear_ratio
         u_ff = rigid_feedforward(arm, reference)
         setpoints = Setpoints(
-            position=(reference.q * ratio)[None],
+            position=reference.motor_q[None],
             velocity=reference.motor_dq[None],
             torque=u_ff[None],
             dt=reference.robot.servo.control_dt,
         )
         position, velocity, feedforward = (part[0] for part in setpoints.at_rows(rows_per_step))
-        tcp = None if reference.robot.tool is None else arm.tcp_position(position / ratio)
+        tcp = None if reference.robot.tool is None else arm.tcp_position(reference.robot.drive.joint_angle(position))
         return cls(
             reference=reference,
             u_ff=u_ff,
@@ -165,6 +164,8 @@ def _header(reference: Reference, meta: dict[str, Any], plant: Plant, index: int
         robot=robot.name,
         joints=robot.joints,
         gear_ratio=tuple(robot.drive.gear_ratio.tolist()),
+        coupling=None if robot.drive.coupling is None else robot.drive.coupling.tolist(),
+        joint_types=robot.kinematics.types,
         position_side="motor",
         torque_semantics="motor_side",
         hold="linear",

@@ -1,0 +1,96 @@
+"""Motors, gearboxes and the elasticity behind them, and how the two sides of the gearbox are related."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_shape
+from ffgym.types import Array, BoolArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drive:
+    r"""Motor, gearbox and the elasticity behind it, one entry per joint.
+
+    .. math:: \theta = G q, \quad \tau_{joint} = G^T u, \quad G = \mathrm{diag}(n) + C
+
+    with motor angles theta, joint positions q behind the gearbox, and motor torques u. All conversions are elementwise,
+    so that a result does not depend on how many rows are converted together.
+    """
+
+    gear_ratio: Array
+    """Motor turns per joint turn n, shape (N,), not 0; negative where they turn opposite ways; [rad/m] for a slide."""
+    rotor_inertia: Array
+    """Motor and gear input inertia J_m, motor side [kg m^2], shape (N,)."""
+    joint_stiffness: Array
+    """Elasticity between gearbox and arm K, link side [N m/rad], shape (N,); inf is a rigid joint."""
+    joint_damping: Array
+    """Damping of that elasticity d, link side [N m s/rad], shape (N,)."""
+    peak_torque: Array
+    """Largest torque the drive gives, motor side [N m], shape (N,)."""
+    coupling: Array | None = None
+    """C_ij, how far motor i turns with joint j when its own joint stands still, shape (N, N), 0 on the diagonal; None
+    is no coupling."""
+
+    def __post_init__(self) -> None:
+        if self.coupling is None:
+            return
+        n = len(self.gear_ratio)
+        coupling = check_shape("drive.coupling", self.coupling, (n, n))
+        if np.any(np.diag(coupling)):
+            raise FFGymError(
+                f"drive.coupling has {np.diag(coupling)} on its diagonal, must be 0; see drive.gear_ratio."
+            )
+        if not np.any(coupling):
+            object.__setattr__(self, "coupling", None)
+        elif np.linalg.cond(self.matrix) > 1 / np.finfo(np.float64).eps:
+            raise FFGymError(f"drive.coupling = {coupling.tolist()} leaves joint motions that turn no motor.")
+
+    @property
+    def is_rigid(self) -> BoolArray:
+        """True for joints without elasticity, shape (N,)."""
+        return np.isinf(self.joint_stiffness)
+
+    @cached_property
+    def matrix(self) -> Array:
+        """G, shape (N, N)."""
+        diagonal: Array = np.diag(self.gear_ratio)
+        return diagonal if self.coupling is None else diagonal + self.coupling
+
+    @cached_property
+    def inverse(self) -> Array:
+        """Inverse of G, shape (N, N)."""
+        return np.asarray(np.linalg.inv(self.matrix), dtype=np.float64)
+
+    def motor_angle(self, q: Array) -> Array:
+        """Motor angles [rad] of joint positions `q` (..., N), link side; also speeds and accelerations."""
+        angle: Array = q * self.gear_ratio
+        return angle if self.coupling is None else _with_others(angle, self.matrix, q)
+
+    def joint_angle(self, motor_q: Array) -> Array:
+        """Joint positions, link side, of motor angles `motor_q` [rad] (..., N); also speeds and accelerations."""
+        if self.coupling is None:
+            angle: Array = motor_q / self.gear_ratio
+            return angle
+        return _with_others(motor_q * np.diag(self.inverse), self.inverse, motor_q)
+
+    def motor_torque(self, joint_torque: Array) -> Array:
+        """Motor torques [N m] that give the torques `joint_torque` (..., N) behind the gearbox, link side."""
+        if self.coupling is None:
+            torque: Array = joint_torque / self.gear_ratio
+            return torque
+        return _with_others(joint_torque * np.diag(self.inverse), self.inverse.T, joint_torque)
+
+    def joint_torque(self, motor_torque: Array) -> Array:
+        """Torques behind the gearbox, link side, of the motor torques `motor_torque` [N m] (..., N)."""
+        torque: Array = motor_torque * self.gear_ratio
+        return torque if self.coupling is None else _with_others(torque, self.matrix.T, motor_torque)
+
+
+def _with_others(total: Array, matrix: Array, values: Array) -> Array:
+    """Add to `total` (..., N) what the off-diagonal entries of `matrix` (N, N) make of `values` (..., N)."""
+    for i, j in np.argwhere(matrix != 0):
+        if i != j:
+            total[..., i] += matrix[i, j] * values[..., j]
+    return total

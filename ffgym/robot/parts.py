@@ -1,0 +1,204 @@
+"""The parts of a robot description: geometry, masses, tool, servo, sensors, work area, springs, logs, looks."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from types import MappingProxyType
+from typing import Any, get_args
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_choice
+from ffgym.recordings.header import PositionSide, TorqueSemantics
+from ffgym.types import Array, BoolArray
+
+JOINT_TYPES = ("hinge", "slide")
+"""What a joint can be."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Kinematics:
+    """Serial chain of joints; at q = 0 all link frames are parallel to the world. A sliding joint has m for rad."""
+
+    position: Array
+    """Origin of each joint in the previous link frame [m], shape (N, 3)."""
+    axis: Array
+    """Unit axis of each joint in its link frame, shape (N, 3)."""
+    range: Array
+    """Lower and upper joint limit, link side [rad], shape (N, 2)."""
+    max_speed: Array
+    """Joint speed limit, link side [rad/s], shape (N,)."""
+    types: tuple[str, ...] = ()
+    """'hinge' or 'slide', one per joint; empty is all hinges."""
+
+    def __post_init__(self) -> None:
+        if np.any(np.abs(np.hypot.reduce(self.axis, axis=1) - 1) > 1e-6):
+            raise FFGymError(f"kinematics.axis = {self.axis.tolist()} must be unit vectors.")
+        if np.any(self.range[:, 0] >= self.range[:, 1]):
+            raise FFGymError(f"kinematics.range = {self.range.tolist()} must be lower before upper limit.")
+        object.__setattr__(self, "types", tuple(self.types) or ("hinge",) * len(self.axis))
+        for kind in self.types:
+            check_choice("joint type", kind, JOINT_TYPES)
+        if len(self.types) != len(self.axis):
+            raise FFGymError(f"There are {len(self.types)} joint types, {self.types}, for {len(self.axis)} joints.")
+
+    @property
+    def is_sliding(self) -> BoolArray:
+        """True for sliding joints, shape (N,)."""
+        return np.array([kind == "slide" for kind in self.types])
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Unit of each joint's position on the link side, 'rad' or 'm'."""
+        return tuple("m" if kind == "slide" else "rad" for kind in self.types)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Links:
+    """Rigid bodies that the joints move."""
+
+    mass: Array
+    """[kg], shape (N,)."""
+    com: Array
+    """Centre of mass in the link frame [m], shape (N, 3)."""
+    inertia: Array
+    """About the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (N, 6)."""
+
+    def __post_init__(self) -> None:
+        for i, inertia in enumerate(self.inertia):
+            _check_inertia(f"links.inertia[{i}]", inertia)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tool:
+    """What hangs on the flange, given in the tool0 frame."""
+
+    rotation: Array
+    """Orientation of tool0 in the last link frame, shape (3, 3)."""
+    tcp: Array
+    """Tool centre point [m], shape (3,)."""
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    """Origin of tool0 in the last link frame [m], shape (3,)."""
+    mass: float = 0.0
+    """[kg]; 0 for a tool that weighs nothing, or is part of the last link."""
+    com: Array = field(default_factory=lambda: np.zeros(3))
+    """Centre of mass [m], shape (3,)."""
+    inertia: Array = field(default_factory=lambda: np.zeros(6))
+    """About the centre of mass [kg m^2], order xx, yy, zz, xy, xz, yz, shape (6,)."""
+
+    def __post_init__(self) -> None:
+        if self.mass > 0:
+            _check_inertia("tool.inertia", self.inertia)
+        elif np.any(self.inertia):
+            raise FFGymError(f"tool.inertia = {self.inertia.tolist()} kg m^2 must be 0, as tool.mass is 0.")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Servo:
+    """The existing feedback controller of each motor, motor side, one entry per joint."""
+
+    position_gain: Array
+    """K_p [N m/rad], shape (N,)."""
+    velocity_gain: Array
+    """K_v [N m s/rad], shape (N,)."""
+    integral_gain: Array
+    """K_i [N m/(rad s)], shape (N,)."""
+    control_dt: float
+    """Sample time of references and torques sent to the drive [s]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sensors:
+    """What the machine and the laser tracker can see."""
+
+    encoder_bits: int
+    """Resolution of the motor position [bit/turn]."""
+    tracker_noise: float
+    """Standard deviation of each TCP coordinate [m]; 0 if there is no tracker."""
+    tracker_period: float
+    """Sample time of the tracker [s]; 0 if there is no tracker."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WorkArea:
+    """Where the tool works."""
+
+    positions: Mapping[str, Array]
+    """Named points in the world [m], shape (3,) each."""
+    tool_rotation: Array
+    """Orientation of tool0 in the world, shape (3, 3)."""
+    home: Array
+    """Joint angles that seed the inverse kinematics, link side [rad], shape (N,)."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "positions", MappingProxyType(dict(self.positions)))
+
+    def __reduce__(self) -> Any:
+        return rebuilt, (type(self), plain(self))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Spring:
+    r"""A spring between points of two bodies, e.g. the counterbalance of an arm; it pulls them together.
+
+    .. math:: F(x) = k_1 x + k_2 x^2 + k_3 x^3, \quad x = L - L_0
+    """
+
+    name: str
+    bodies: tuple[str, str]
+    """'base', links or 'tool'."""
+    start: Array
+    """Point on the first body, in its frame [m], shape (3,)."""
+    end: Array
+    """Point on the second body, in its frame [m], shape (3,)."""
+    length: float
+    """Length L_0 without force [m]."""
+    stiffness: tuple[float, float, float]
+    """k_1 [N/m], k_2 [N/m^2], k_3 [N/m^3]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Logs:
+    """What the machine's own logs hold, as recordings call it (docs/recordings.md)."""
+
+    torque: TorqueSemantics = "motor_side"
+    """What logged torque is."""
+    position: PositionSide = "motor"
+    """Side of logged positions and speeds."""
+
+    def __post_init__(self) -> None:
+        check_choice("logs.torque", self.torque, get_args(TorqueSemantics))
+        check_choice("logs.position", self.position, get_args(PositionSide))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Geom:
+    """One primitive of the robot's looks."""
+
+    body: str
+    type: str
+    size: tuple[float, ...]
+    pos: tuple[float, float, float]
+    end: tuple[float, float, float] | None
+    colour: tuple[float, ...]
+
+
+def _check_inertia(name: str, inertia: Array) -> None:
+    """A rigid body has three positive principal moments, none above the sum of the others (to 1e-6, as printed)."""
+    xx, yy, zz, xy, xz, yz = inertia
+    moments = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    if moments[0] <= 0 or moments[2] > (moments[0] + moments[1]) * (1 + 1e-6):
+        raise FFGymError(
+            f"{name} = {inertia.tolist()} kg m^2 belongs to no body: principal moments {moments.tolist()} must be > 0, "
+            f"and none above the sum of the others."
+        )
+
+
+def plain(description: Any) -> dict[str, Any]:
+    """Fields of a description in a form that can be copied and pickled, which read-only mappings cannot."""
+    values = {f.name: getattr(description, f.name) for f in fields(description)}
+    return {name: dict(value) if isinstance(value, Mapping) else value for name, value in values.items()}
+
+
+def rebuilt(kind: type, values: dict[str, Any]) -> Any:
+    """Make a part again from what `plain` returned; for copies and pickles."""
+    return kind(**values)
