@@ -47,6 +47,21 @@ def check_rotation(name: str, value: Any) -> Array:
     return matrix
 
 
+def check_rotations(name: str, value: Any, count: int) -> Array:
+    """Return `value` as rotation matrices, shape (count, 3, 3).
+
+    Raises:
+        FFGymError: if one of them is none.
+    """
+    matrices = check_shape(name, value, (count, 3, 3))
+    bounded = np.clip(matrices, -2.0, 2.0)  # so that no product can overflow
+    off = np.abs(bounded @ bounded.swapaxes(1, 2) - np.eye(3)).max(axis=(1, 2)) > 1e-6
+    wrong = np.flatnonzero(off | (np.linalg.det(bounded) < 0))
+    if wrong.size:
+        raise FFGymError(f"{name}[{wrong[0]}] = {matrices[wrong[0]].tolist()} is not a rotation matrix.")
+    return matrices
+
+
 def check_number(
     name: str, value: Any, *, unit: str = "", low: float = -np.inf, high: float = np.inf, open_low: bool = False
 ) -> float:

@@ -6,7 +6,9 @@ from ffgym.robot.elasticity import resonances as resonances
 from ffgym.robot.elasticity import static_deflection as static_deflection
 from ffgym.robot.fingerprint import model_field as model_field
 from ffgym.robot.fingerprint import physics_fingerprint as physics_fingerprint
+from ffgym.robot.inverse_kinematics import pose_solutions as pose_solutions
 from ffgym.robot.inverse_kinematics import solve_path as solve_path
+from ffgym.robot.inverse_kinematics import solve_pose as solve_pose
 from ffgym.robot.load import builtin_robots as builtin_robots
 from ffgym.robot.load import load_robot as load_robot
 from ffgym.robot.load import parse_robot as parse_robot

@@ -1,0 +1,95 @@
+"""Joint positions for a path of the tool: Newton steps from sample to sample, on one branch."""
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_shape
+from ffgym.robot.arm import RigidArm
+from ffgym.robot.inverse_kinematics.goal import Goal
+from ffgym.robot.inverse_kinematics.hold import MAX_CONDITION, Hold, task_jacobian
+from ffgym.robot.inverse_kinematics.newton import LARGEST_STEP, newton
+from ffgym.robot.inverse_kinematics.poses import first_pose
+from ffgym.robot.inverse_kinematics.refusals import unreachable
+from ffgym.types import Array
+
+_BLOCK = 256
+
+
+def solve_path(arm: RigidArm, positions: Array, rotation: Array | None, seed: Array) -> Array:
+    """Joint positions, shape (T, N), that put the TCP on `positions` with tool0 turned to `rotation`.
+
+    An arm with joints to spare keeps what `Hold` says; one that cannot make all motions of a tool must meet position
+    and orientation all the same.
+
+    Args:
+        arm: the robot.
+        positions: TCP positions in the world [m], shape (T, 3); neighbours must be close.
+        rotation: orientation of tool0 in the world, shape (3, 3) or (T, 3, 3); None leaves it free.
+        seed: joint positions [rad or m], shape (N,), near the branch that is wanted.
+
+    Raises:
+        FFGymError: if a pose is unreachable, the path jumps to another branch, comes too near a singularity
+            or leaves the joint limits.
+    """
+    goal = Goal.of(positions, rotation)
+    seed = check_shape("seed", seed, (arm.robot.n_joints,))
+    q = np.empty((len(goal), len(seed)))
+    last = first_pose(arm, goal.at(slice(1)), seed)
+    hold = Hold.at_poses(arm, last[None], rotation is not None)
+    for start in range(0, len(goal), _BLOCK):
+        rows = slice(start, start + _BLOCK)
+        q[rows] = _follow(arm, goal.at(rows), hold, last, start)
+        last = q[rows][-1]
+    _check_joint_limits(arm, q)
+    _check_singularity(arm, hold, q, rotation is not None)
+    return q
+
+
+def _follow(arm: RigidArm, goal: Goal, hold: Hold, last: Array, start: int) -> Array:
+    """Solve a block at once from the pose before it; halve the block until it stays on the branch."""
+    q, met = newton(arm, goal, hold.repeated(len(goal)), np.tile(last, (len(goal), 1)))
+    steps = np.abs(np.diff(np.vstack([last[None], q]), axis=0)).max(axis=1)
+    if met.all() and steps.max() <= LARGEST_STEP:
+        return q
+    if len(goal) == 1:
+        if not met[0]:
+            raise unreachable(arm, goal, q, start)
+        raise _jump(arm, q[0] - last, start)
+    half = len(goal) // 2
+    first = _follow(arm, goal.at(slice(half)), hold, last, start)
+    return np.vstack([first, _follow(arm, goal.at(slice(half, None)), hold, first[-1], start + half)])
+
+
+def _jump(arm: RigidArm, step: Array, sample: int) -> FFGymError:
+    joint = int(np.argmax(np.abs(step)))
+    return FFGymError(
+        f"The path jumps at sample {sample}: joint {arm.robot.joints[joint]} would move {np.abs(step[joint]):.2f} "
+        f"{arm.robot.kinematics.units[joint]} in one sample. Use a shorter sample time, or a path that stays on one "
+        f"branch."
+    )
+
+
+def _check_joint_limits(arm: RigidArm, q: Array) -> None:
+    limits = arm.robot.kinematics.range
+    outside = np.argwhere((q < limits[:, 0]) | (q > limits[:, 1]))
+    if outside.size:
+        row, j = (int(i) for i in outside[0])
+        slides = arm.robot.kinematics.is_sliding[j]
+        unit, factor, digits = ("m", 1.0, 4) if slides else ("deg", 180 / np.pi, 1)
+        at, low, high = (f"{x * factor:.{digits}f}" for x in (q[row, j], *limits[j]))
+        raise FFGymError(
+            f"Joint {arm.robot.joints[j]} would be at {at} {unit} at sample {row}, must be within [{low}, {high}] "
+            f"{unit}. Move the path or the tool orientation."
+        )
+
+
+def _check_singularity(arm: RigidArm, hold: Hold, q: Array, turning: bool) -> None:
+    """Complain where the arm is about to lose one of the motions that it can make elsewhere."""
+    jacobian = task_jacobian(arm, q, turning)
+    still = hold.repeated(len(q))
+    condition = np.linalg.cond(still.extend(np.empty(jacobian.shape[:2]), jacobian)[1])
+    worst = int(np.argmax(condition))
+    if condition[worst] > MAX_CONDITION:
+        raise FFGymError(
+            f"The path comes too near a singularity at sample {worst}: Jacobian condition {condition[worst]:.0f}, "
+            f"must be below {MAX_CONDITION:.0f}. Move the path or turn the tool."
+        )

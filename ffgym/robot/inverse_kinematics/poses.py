@@ -1,0 +1,109 @@
+"""Joint positions for one pose of the tool."""
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_shape
+from ffgym.robot.arm import RigidArm
+from ffgym.robot.inverse_kinematics.goal import Goal
+from ffgym.robot.inverse_kinematics.hold import Hold
+from ffgym.robot.inverse_kinematics.newton import newton
+from ffgym.robot.inverse_kinematics.refusals import point_text, unreachable
+from ffgym.types import Array
+
+_RESTARTS = 50
+_SPREAD = 0.5
+"""Standard deviation [rad or m] of the restarts around a seed."""
+_SEARCHES = 400
+"""Random poses from which all solutions are searched; chosen: it found all eight of the built-in robot (see tests)."""
+_SAME = 1e-6
+"""Joint positions [rad or m] nearer than this are one solution: far above the tolerance, far below two branches."""
+
+
+def solve_pose(arm: RigidArm, position: Array, rotation: Array | None, seed: Array) -> Array:
+    """Joint positions, shape (N,), that put the TCP at `position` with tool0 turned to `rotation`.
+
+    Args:
+        arm: the robot.
+        position: TCP in the world [m], shape (3,).
+        rotation: orientation of tool0 in the world, shape (3, 3); None leaves it free.
+        seed: joint positions [rad or m], shape (N,); of the solutions found, the nearest to it is returned.
+
+    Raises:
+        FFGymError: if the pose is unreachable, or reachable only beyond the joint limits.
+    """
+    position = check_shape("position", position, (3,))
+    goal = Goal.of(position[None], rotation)
+    return first_pose(arm, goal, check_shape("seed", seed, (arm.robot.n_joints,)))
+
+
+def pose_solutions(arm: RigidArm, position: Array, rotation: Array | None, seed: Array) -> Array:
+    """All different joint positions found for a pose within the joint limits, shape (K, N), nearest to `seed` first.
+
+    Joints that can turn on count with every whole turn that their limits allow. Of an arm with joints to spare, which
+    has infinitely many, these are examples.
+
+    Args:
+        arm: the robot.
+        position: TCP in the world [m], shape (3,).
+        rotation: orientation of tool0 in the world, shape (3, 3); None leaves it free.
+        seed: joint positions [rad or m], shape (N,).
+
+    Raises:
+        FFGymError: if there is none.
+    """
+    nearest = solve_pose(arm, position, rotation, seed)
+    low, high = arm.robot.kinematics.range.T
+    starts = np.random.default_rng(0).uniform(low, high, size=(_SEARCHES, len(nearest)))
+    goal = Goal.of(np.tile(position, (_SEARCHES, 1)), rotation)
+    q, met = newton(arm, goal, Hold.at_poses(arm, starts, rotation is not None), starts)
+    found = _different(arm, np.vstack([nearest[None], q[met]]))
+    every = np.vstack([_whole_turns(arm, solution) for solution in found])
+    return every[np.argsort(np.abs(every - seed).max(axis=1), kind="stable")]
+
+
+def first_pose(arm: RigidArm, goal: Goal, seed: Array) -> Array:
+    """Joint positions (N,) for one pose, found from the seed and from random poses around it within the limits."""
+    limits = arm.robot.kinematics.range
+    rng = np.random.default_rng(0)  # restarts must not change from call to call
+    spread = rng.normal(scale=_SPREAD, size=(_RESTARTS, len(seed)))
+    guesses = np.clip(np.vstack([seed[None], seed + spread]), limits[:, 0], limits[:, 1])
+    aims = goal.at(np.zeros(len(guesses), dtype=np.int64))
+    q, met = newton(arm, aims, Hold.at_poses(arm, guesses, goal.rotations is not None), guesses)
+    if not met.any():
+        raise unreachable(arm, goal, q, 0)
+    q = _turned_back(arm, q)
+    inside = np.all((q >= limits[:, 0]) & (q <= limits[:, 1]), axis=1)
+    usable = np.flatnonzero(met & inside)
+    if usable.size == 0:
+        raise FFGymError(f"TCP position {point_text(goal.positions[0])} m is reachable only beyond the joint limits.")
+    nearest: Array = q[usable[np.argmin(np.abs(q[usable] - seed).max(axis=1))]]
+    return nearest
+
+
+def _turned_back(arm: RigidArm, q: Array) -> Array:
+    """Joint positions (T, N) of the same poses with hinges beyond a limit turned back by whole turns."""
+    low, high = arm.robot.kinematics.range.T
+    turns = np.ceil(np.maximum(low - q, 0.0) / (2 * np.pi)) - np.ceil(np.maximum(q - high, 0.0) / (2 * np.pi))
+    return np.where(arm.robot.kinematics.is_sliding, q, q + 2 * np.pi * turns)
+
+
+def _whole_turns(arm: RigidArm, q: Array) -> Array:
+    """All joint positions (K, N) of the pose of `q` (N,) that differ by whole turns, within the limits; may be none."""
+    limits = arm.robot.kinematics.range
+    choices = []
+    for value, (low, high), slides in zip(q, limits, arm.robot.kinematics.is_sliding, strict=True):
+        turns = np.arange(np.ceil((low - value) / (2 * np.pi)), np.floor((high - value) / (2 * np.pi)) + 1)
+        choices.append(np.array([value] if low <= value <= high else []) if slides else value + 2 * np.pi * turns)
+    return np.stack([axis.ravel() for axis in np.meshgrid(*choices, indexing="ij")], axis=1)
+
+
+def _different(arm: RigidArm, q: Array) -> list[Array]:
+    """Rows of `q` (T, N) that are not the same pose of the arm as one before, whole turns of hinges set aside."""
+    slides = arm.robot.kinematics.is_sliding
+    kept: list[Array] = []
+    for row in q:
+        apart = [row - other for other in kept]
+        apart = [np.where(slides, x, x - 2 * np.pi * np.round(x / (2 * np.pi))) for x in apart]
+        if all(np.abs(x).max() > _SAME for x in apart):
+            kept.append(row)
+    return kept
