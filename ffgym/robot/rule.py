@@ -17,6 +17,8 @@ OTHER_UNITS = {
 """Units that descriptions may use in place of SI, with the factor that converts them."""
 
 MOTOR, LINK = "motor", "link"
+SIDES = (MOTOR, LINK)
+"""Of a gearbox."""
 
 
 @dataclass(frozen=True, kw_only=True)

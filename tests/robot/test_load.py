@@ -8,8 +8,8 @@ import pytest
 
 from ffgym.errors import FFGymError
 from ffgym.robot import builtin_robots, load_robot, parse_robot
-from ffgym.robot.load import RULES
 from ffgym.robot.quantity import ORIGINS
+from ffgym.robot.rules import RULES
 
 ROBOTS = ("irb4600_60_205", "one_axis")
 

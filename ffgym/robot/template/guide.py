@@ -16,7 +16,9 @@ class Advice:
 
 
 _ARM_FILE = "the arm file; a table here replaces what it says"
-_FRICTION_TEST = "constant speeds in both directions on one joint (thesis 6.1), or the controller's friction feed-forward"
+_FRICTION_TEST = (
+    "constant speeds in both directions on one joint (thesis 6.1), or the controller's friction feed-forward"
+)
 _SERVO = "controller backup, or `ffgym robot fill`, which proposes gains from the inertias"
 
 ADVICE: Mapping[str, Advice] = MappingProxyType(
@@ -51,7 +53,8 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
             typical="1e4 (small wrist) to 2e6 N m/rad",
         ),
         "drive.joint_damping": Advice(
-            where="decay of a resonance; `ffgym robot fill` proposes 8e-4 s x stiffness", typical="1e-4 to 1e-3 s x stiffness"
+            where="decay of a resonance; `ffgym robot fill` proposes 8e-4 s x stiffness",
+            typical="1e-4 to 1e-3 s x stiffness",
         ),
         "drive.peak_torque": Advice(
             where="controller backup (torque limit), data sheet of the motor", typical="1 to 60 N m"
@@ -66,7 +69,8 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
             where="speed below which friction falls; `ffgym robot fill` proposes 0.15 rad/s", typical="0.05 to 5 rad/s"
         ),
         "friction.bristle_stiffness": Advice(
-            where="slope of torque over motor angle just after a reversal; `ffgym robot fill` proposes coulomb / 7.7 mrad",
+            where="slope of torque over motor angle just after a reversal; `ffgym robot fill` proposes coulomb / "
+            "7.7 mrad",
             typical="coulomb over 1 to 20 mrad",
         ),
         "friction.bristle_damping": Advice(
@@ -83,7 +87,9 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
         "simulation.physics_dt": Advice(where="your choice", typical="0.1 to 0.5 ms"),
         "simulation.gravity": Advice(where="how the robot is mounted: floor [0, 0, -9.81], ceiling [0, 0, 9.81]"),
         "work_area.tool_rotation": Advice(where="how the tool stands while it works"),
-        "work_area.home": Advice(where="a pose near the work, off singularities; jog the robot there and read the joints"),
+        "work_area.home": Advice(
+            where="a pose near the work, off singularities; jog the robot there and read the joints"
+        ),
     }
 )  # fmt: skip
 """Advice by entry of a description."""

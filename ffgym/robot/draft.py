@@ -1,0 +1,138 @@
+"""A description that may lack entries: what it says, what it lacks, and what can be done with it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from ffgym.errors import FFGymError
+from ffgym.robot.assemble import assemble, begun
+from ffgym.robot.capabilities import CAPABILITIES, capability
+from ffgym.robot.description import RobotDescription
+from ffgym.robot.parts import Geom, Logs, Spring
+from ffgym.robot.quantity import Quantity
+from ffgym.robot.rules import RULES
+from ffgym.types import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RobotDraft:
+    """What a file says about a robot. All that is there has been checked; nothing has to be there."""
+
+    where: str
+    """Name of the file or text, for messages."""
+    name: str
+    title: str
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
+    types: tuple[str, ...]
+    """'hinge' or 'slide', one per joint."""
+    quantities: Mapping[str, Quantity]
+    waiting: tuple[str, ...] = ()
+    """Entries given on the other side of the gearbox, which count once drive.gear_ratio is there."""
+    springs: tuple[Spring, ...] = ()
+    logs: Logs
+    geoms: tuple[Geom, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Entries without which the robot is not complete, in the order of the rules."""
+        required = [path for path, rule in RULES.items() if not rule.optional]
+        return self._without((*required, *self._half_given()))
+
+    def lacks(self, name: str, *also: str) -> tuple[str, ...]:
+        """Entries that a capability (`ffgym.robot.capabilities`), and entries `also` needed, still lack."""
+        half_given = () if name == "kinematics" else self._half_given()
+        return self._without((*capability(name).needs, *also, *half_given))
+
+    def can(self, name: str, *also: str) -> bool:
+        """Whether a capability works with what is there, and the entries `also` are there."""
+        return not self.lacks(name, *also)
+
+    def complete(self) -> RobotDescription:
+        """The robot.
+
+        Raises:
+            FFGymError: if entries are missing; the message says which, and what does not work without them.
+        """
+        required = [path for path, rule in RULES.items() if not rule.optional]
+        missing = sorted(self._without(required))
+        if missing:
+            lost = [entry.title for entry in CAPABILITIES if not self.can(entry.name)]
+            raise FFGymError(
+                f"{self.where}: Missing entries: {', '.join(missing)}. Without them there is no {'; no '.join(lost)}. "
+                f"`ffgym robot check {self.where}` says what works, and what would be proposed."
+            )
+        try:
+            return self._assembled({path: quantity.value for path, quantity in self.quantities.items()})
+        except FFGymError as error:
+            raise FFGymError(f"{self.where}: {error}") from error
+
+    def description_for(self, name: str, *also: str) -> RobotDescription:
+        """A description that is good for one capability, and for what the entries `also` say.
+
+        Entries that it lacks and the capability does not need are stand-ins, which the results do not depend on; they
+        are not among its `quantities`.
+
+        Raises:
+            FFGymError: if the capability lacks entries.
+        """
+        lacking = self.lacks(name, *also)
+        if lacking:
+            raise FFGymError(f"{self.where}: {capability(name).title}: there is no {', '.join(lacking)}.")
+        return self._with_stand_ins()
+
+    def check(self) -> None:
+        """Check that what is there fits together.
+
+        Raises:
+            FFGymError: if not.
+        """
+        self._with_stand_ins()
+
+    def _half_given(self) -> tuple[str, ...]:
+        """Entries that others of their group call for."""
+        return tuple(path for missing in begun(self.quantities).values() for path in missing)
+
+    def _without(self, wanted: tuple[str, ...] | list[str]) -> tuple[str, ...]:
+        """Those of `wanted` that are not there, each once; the gear ratios for those that wait for them."""
+        paths = ("drive.gear_ratio" if path in self.waiting else path for path in wanted)
+        return tuple(dict.fromkeys(path for path in paths if path not in self.quantities))
+
+    def _with_stand_ins(self) -> RobotDescription:
+        unfinished = begun(self.quantities)
+        values = {path: quantity.value for path, quantity in self.quantities.items() if path not in unfinished}
+        return self._assembled(stand_ins(values, len(self.joints)) | values)
+
+    def _assembled(self, values: Mapping[str, Array]) -> RobotDescription:
+        return RobotDescription(
+            name=self.name,
+            title=self.title,
+            joints=self.joints,
+            links=self.links,
+            geoms=self.geoms,
+            springs=self.springs,
+            logs=self.logs,
+            quantities=self.quantities,
+            **assemble(values, self.types),
+        )
+
+
+def stand_ins(values: Mapping[str, Array], n_joints: int, size: float = 1.0) -> dict[str, Array]:
+    """Valid numbers of about `size` for all required entries, with those of `values` that they must fit."""
+    ins = {path: np.full(_shape(path, n_joints), size) for path, rule in RULES.items() if not rule.optional}
+    ins["kinematics.axis"] = np.tile([0.0, 0.0, 1.0], (n_joints, 1))
+    ins["kinematics.range"] = np.tile([-size, size], (n_joints, 1))
+    ins["links.inertia"] = np.tile([size, size, size, 0.0, 0.0, 0.0], (n_joints, 1))
+    ins["sensors.encoder_bits"] = np.array(16.0)
+    for first, second in (("friction.coulomb", "friction.static"), ("servo.control_dt", "simulation.physics_dt")):
+        ins[first], ins[second] = values.get(second, ins[first]), values.get(first, ins[second])
+    return ins
+
+
+def _shape(path: str, n_joints: int) -> tuple[int, ...]:
+    return tuple(n_joints if s == "N" else int(s) for s in RULES[path].shape)
