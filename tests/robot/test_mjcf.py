@@ -1,0 +1,127 @@
+"""The text of a model compiles to the model, bit for bit, and reads well."""
+
+from dataclasses import replace
+from itertools import product
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from ffgym.errors import FFGymError
+from ffgym.robot import ModelOptions, build_spec, builtin_robots, load_robot, physics_fingerprint
+from ffgym.robot.mjcf import mjcf_text
+from ffgym.robot.mjcf_elements import text
+from tests.robot.robot_samples import unusual
+
+OPTIONS = [
+    ModelOptions(flexible=flexible, friction=friction, looks=looks, springs=springs, gravity=springs)
+    for flexible, friction, looks, springs in product((True, False), repeat=4)
+]
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path, monkeypatch):
+    """MuJoCo writes MUJOCO_LOG.TXT into the working directory when something is wrong."""
+    monkeypatch.chdir(tmp_path)
+
+
+def assert_same_model(spec):
+    """Compile the text and the specification and compare every field, then all bytes."""
+    written = mujoco.MjModel.from_xml_string(mjcf_text(spec))
+    own = spec.compile()
+    for name in mujoco.batch.MODEL_FIELDS:
+        holder = [model.opt if name.startswith("opt.") else model for model in (own, written)]
+        values = [getattr(h, name.removeprefix("opt.")) for h in holder]
+        np.testing.assert_array_equal(*values, err_msg=name)
+    assert physics_fingerprint(written) == physics_fingerprint(own)
+
+
+@pytest.mark.parametrize("name", builtin_robots())
+def test_every_builtin_robot_is_written_exactly_whatever_is_left_out(name):
+    robot = load_robot(name)
+    for options in OPTIONS:
+        assert_same_model(build_spec(robot, options))
+
+
+def test_rails_coupled_wrists_and_springs_are_written_exactly(irb4600):
+    for options in OPTIONS:
+        assert_same_model(build_spec(unusual(irb4600), options))
+    assert {"fixed", "spatial"} <= {e.tag for e in ET.fromstring(mjcf_text(build_spec(unusual(irb4600)))).iter()}
+
+
+def test_servos_without_integral_part_are_written_exactly(irb4600):
+    servo = replace(irb4600.servo, integral_gain=np.array([0.0, 1.0, 0.0, 1.0, 0.0, 1.0]))
+    assert_same_model(build_spec(replace(irb4600, servo=servo)))
+
+
+@settings(max_examples=30)
+@given(numbers=arrays(np.float64, (6,), elements=st.floats(1e-6, 1e6)))
+def test_any_numbers_of_a_robot_are_written_exactly(irb4600, numbers):
+    drive = replace(irb4600.drive, joint_stiffness=numbers * 1e3, gear_ratio=numbers, peak_torque=numbers / 3)
+    friction = replace(irb4600.friction, coulomb=numbers, static=numbers * 1.1, viscous=numbers / 7)
+    bodies = replace(irb4600.bodies, mass=numbers, com=irb4600.bodies.com / 3, inertia=irb4600.bodies.inertia / 7)
+    robot = replace(irb4600, drive=drive, friction=friction, bodies=bodies, physics_dt=1 / 3000)
+    assert_same_model(build_spec(robot, ModelOptions(looks=False)))
+
+
+def test_keyframes_and_meshes_are_written_exactly(one_axis):
+    spec = build_spec(one_axis)
+    rng = np.random.default_rng(0)
+    vertices = rng.normal(size=(12, 3)).astype(np.float32)
+    spec.add_mesh(name="hull", uservert=vertices.ravel().tolist())
+    spec.body("load").add_geom(
+        type=mujoco.mjtGeom.mjGEOM_MESH, meshname="hull", mass=0, contype=0, conaffinity=0, pos=rng.normal(size=3)
+    )
+    spec.add_key(name="start", qpos=rng.normal(size=1), qvel=rng.normal(size=1), act=[0.1, 1e-300], ctrl=[-0.0, 2, 3])
+    assert_same_model(spec)
+
+
+@given(value=st.floats(allow_nan=False, allow_infinity=False))
+def test_numbers_read_back_exactly_and_whole_ones_have_no_point(value):
+    written = text(np.array([value]))
+    assert float(written) == value
+    assert np.signbit(float(written)) == np.signbit(value)
+    assert not written.endswith(".0")
+
+
+def test_zeros_at_the_end_are_left_out_only_where_asked():
+    assert text(np.array([2.5, 0.0, 0.0])) == "2.5 0 0"
+    assert text(np.array([2.5, 0.0, 0.0]), shortened=True) == "2.5"
+    assert text(np.zeros(3), shortened=True) == "0"
+
+
+def test_the_text_says_what_is_what(irb4600):
+    spec = build_spec(irb4600)
+    spec.comment = "Robot -- of a test"
+    lines = mjcf_text(spec).splitlines()
+    assert lines[0] == "<!-- Robot - - of a test -->"
+    written = "\n".join(lines)
+    for part in (
+        '<pid name="j1_servo" gear="120"',
+        'kp="61.99" kv="0.8858" ki="617.9"',
+        'lugre="69.9787 0.6753 0.5367 0.5634 0.15" input="none"',
+        'range="-1.5707963267948966 2.6179938779914944"',
+        "link side",
+        "motor side",
+        "data.ctrl",
+    ):
+        assert part in written
+
+
+def test_what_cannot_be_written_is_refused_by_name(irb4600):
+    camera = build_spec(irb4600)
+    camera.worldbody.add_camera(name="above", pos=[0, 0, 5])
+    with pytest.raises(FFGymError, match=r"cannot be written exactly; they change .*ncam"):
+        mjcf_text(camera)
+    motor = build_spec(irb4600)
+    motor.add_actuator(name="fan", trntype=mujoco.mjtTrn.mjTRN_JOINT, target="j1_motor")
+    with pytest.raises(FFGymError, match="'fan' is neither a servo"):
+        mjcf_text(motor)
+    broken = build_spec(irb4600)
+    broken.worldbody.add_geom(name="nothing", size=[0, 0, 0])
+    with pytest.raises(FFGymError, match="cannot be written as MJCF: Error: size 0 must be positive"):
+        mjcf_text(broken)
