@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import replace
+from importlib import resources
 
 import hypothesis
 import numpy as np
@@ -63,3 +64,9 @@ def needs_gl(one_axis: RobotDescription) -> None:
         if os.environ.get("FFGYM_REQUIRE_GL") == "1":
             raise
         pytest.skip(str(error))
+
+
+@pytest.fixture(scope="session")
+def one_axis_text() -> str:
+    """Description of the one-axis model as text, to which tests add tables."""
+    return (resources.files("ffgym.robot") / "data" / "one_axis.toml").read_text(encoding="utf-8")
