@@ -9,6 +9,7 @@ import pytest
 from ffgym.cli.main import main
 from ffgym.robot import builtin_robots, load_robot
 from ffgym.robot.rules import RULES
+from scripts.format_tables import filled
 from scripts.robot_tables import page
 
 ROOT = Path(__file__).parent.parent
@@ -70,11 +71,10 @@ def test_every_room_of_the_package_is_in_the_architecture_page():
     assert not missing
 
 
-def test_the_format_page_lists_every_entry_of_a_description_with_unit_and_side():
+def test_the_tables_of_the_format_page_are_current():
     text = (ROOT / "docs" / "robot_description.md").read_text(encoding="utf-8")
-    rows = {line.split("`")[1]: line.split(" | ") for line in text.splitlines() if line.startswith("| `")}
+    assert text == filled(text), "run: python -m scripts.format_tables"
+    rows = {line.split("`")[1]: line.split(" | ") for line in text.splitlines() if re.match(r"\| `[a-z_.]+` \| ", line)}
     assert set(rows) == set(RULES)
     for path, rule in RULES.items():
-        _, _, unit, side, required, _ = rows[path]
-        assert (unit.split(" or ")[0], side.strip() or None) == (rule.unit, rule.side)
-        assert required == ("yes" if not rule.optional else "no")
+        assert rows[path][-1].rstrip(" |") == rule.meaning

@@ -6,7 +6,8 @@ from ffgym.errors import FFGymError
 from ffgym.robot.rules import RULES
 
 _GEOMETRY = ("kinematics.position", "kinematics.axis", "kinematics.range")
-_MASSES = ("links.mass", "links.com", "links.inertia", "simulation.gravity")
+_MASSES = ("links.mass", "links.com", "links.inertia")
+_LOADS = (*_MASSES, "simulation.gravity")
 _MOTION = ("kinematics.max_speed", "servo.control_dt")
 _STATIC_FRICTION = ("friction.coulomb", "friction.static", "friction.viscous", "friction.stribeck_velocity")
 _FRICTION = (*_STATIC_FRICTION, "friction.bristle_stiffness", "friction.bristle_damping")
@@ -32,7 +33,7 @@ CAPABILITIES: tuple[Capability, ...] = (
     Capability(name="joint_motions", title="motions in joint space", needs=(*_GEOMETRY, *_MOTION)),
     Capability(name="tool_paths", title="paths of the tool", needs=(*_GEOMETRY, *_MOTION, *_TOOL, *_WORK_AREA)),
     Capability(
-        name="link_torque", title="gravity and inertia torque behind the gearbox", needs=(*_GEOMETRY, *_MASSES)
+        name="link_torque", title="gravity and inertia torque behind the gearbox", needs=(*_GEOMETRY, *_LOADS)
     ),
     Capability(
         name="identification",
@@ -42,13 +43,13 @@ CAPABILITIES: tuple[Capability, ...] = (
     Capability(
         name="motor_torque",
         title="motor torque of the rigid arm, rigid feed-forward",
-        needs=(*_GEOMETRY, *_MASSES, "drive.gear_ratio", "drive.rotor_inertia"),
+        needs=(*_GEOMETRY, *_LOADS, "drive.gear_ratio", "drive.rotor_inertia"),
     ),
     Capability(
         name="torque_margin",
         title="torque margin of the motors",
         needs=(
-            *_GEOMETRY, "kinematics.max_speed", *_MASSES, "drive.gear_ratio", "drive.rotor_inertia",
+            *_GEOMETRY, "kinematics.max_speed", *_LOADS, "drive.gear_ratio", "drive.rotor_inertia",
             "drive.peak_torque", "friction.coulomb", "friction.static", "friction.viscous",
             "friction.stribeck_velocity",
         ),
@@ -77,7 +78,7 @@ CAPABILITIES: tuple[Capability, ...] = (
         name="elastic",
         title="feed-forward that leads by what the joints bend",
         needs=(
-            *_GEOMETRY, *_MOTION, *_MASSES, "drive.gear_ratio", "drive.rotor_inertia", "drive.joint_stiffness",
+            *_GEOMETRY, *_MOTION, *_LOADS, "drive.gear_ratio", "drive.rotor_inertia", "drive.joint_stiffness",
             "drive.joint_damping", *_FRICTION, "servo.position_gain", "servo.velocity_gain", "servo.integral_gain",
         ),
     ),

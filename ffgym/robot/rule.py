@@ -25,6 +25,8 @@ SIDES = (MOTOR, LINK)
 class Rule:
     """What a description must say about one quantity."""
 
+    meaning: str
+    """What it is, in a few words."""
     shape: tuple[int | str, ...]
     """Wanted shape; 'N' stands for the number of joints."""
     unit: str

@@ -1,0 +1,86 @@
+"""Write the tables of docs/robot_description.md: every entry of a description, and what each function needs.
+
+python -m scripts.format_tables
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import tyro
+
+from ffgym.errors import FFGymError
+from ffgym.files import write_text
+from ffgym.robot.capabilities import CAPABILITIES
+from ffgym.robot.rule import OTHER_UNITS, Rule
+from ffgym.robot.rules import RULES
+
+GEOMETRY = CAPABILITIES[0].needs
+"""What every function needs, which the table says once."""
+
+
+@dataclass(frozen=True)
+class Config:
+    """Tables of the description format."""
+
+    page: Path = Path("docs/robot_description.md")
+    """Page that holds the tables, each between a comment with its name and an empty comment."""
+
+
+def entries_table() -> str:
+    """Markdown table of all entries."""
+    lines = ["| entry | shape | unit | side | required | meaning |", "|---|---|---|---|---|---|"]
+    for path, rule in RULES.items():
+        required = "no" if rule.optional else "yes"
+        lines.append(
+            f"| `{path}` | {_shape(rule)} | {_units(rule)} | {rule.side or ''} | {required} | {rule.meaning} |"
+        )
+    return "\n".join(lines)
+
+
+def capabilities_table() -> str:
+    """Markdown table of what each function needs."""
+    whole = {path for path, rule in RULES.items() if not rule.optional}
+    lines = ["| function | entries |", "|---|---|"]
+    for entry in CAPABILITIES:
+        needs = [path for path in entry.needs if path not in GEOMETRY] or list(entry.needs)
+        if whole <= set(entry.needs):
+            needs = ["all that are required", *(path for path in entry.needs if path not in whole)]
+        text = ", ".join(f"`{path}`" if "." in path else path for path in needs)
+        lines.append(f"| {entry.title} | {text} |")
+    return "\n".join(lines)
+
+
+def filled(page: str) -> str:
+    """Return the page with its tables as they are now.
+
+    Raises:
+        FFGymError: if the page has no place for one.
+    """
+    for name, table in {"entries": entries_table(), "functions": capabilities_table()}.items():
+        page, found = re.subn(
+            rf"(<!-- {name} -->\n\n).*?(\n\n<!-- -->)", lambda m, t=table: m[1] + t + m[2], page, flags=re.S
+        )
+        if found != 1:
+            raise FFGymError(f"The page must hold '<!-- {name} -->', a table and '<!-- -->' once, got {found}.")
+    return page
+
+
+def _shape(rule: Rule) -> str:
+    if not rule.shape:
+        return "number"
+    return f"({', '.join(map(str, rule.shape))}{',' if len(rule.shape) == 1 else ''})"
+
+
+def _units(rule: Rule) -> str:
+    return " or ".join((rule.unit, *OTHER_UNITS.get(rule.unit, {})))
+
+
+def main(config: Config) -> Path:
+    """Write the tables into the page."""
+    write_text(config.page, filled(config.page.read_text(encoding="utf-8")))
+    return config.page
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))
