@@ -9,9 +9,6 @@ from ffgym.robot import RigidArm
 from ffgym.studies import circle_references, sine_references
 from ffgym.studies.one_axis_study import FREQUENCIES
 
-POSITIONS = ("p1",)
-"""Positions of the work area to learn at, thesis 5.3.2; the others are held out."""
-
 
 def thesis_motions(arm: RigidArm) -> list[Reference]:
     """The one motion that chapter 5 learns on: circles at p1 at 10 mm/s, or the sine of 1 Hz on one axis.
@@ -47,7 +44,7 @@ def friction_motions(arm: RigidArm) -> list[Reference]:
 
 def training_motions(
     arm: RigidArm,
-    positions: Sequence[str] = POSITIONS,
+    positions: Sequence[str] | None = None,
     speeds: Sequence[float] = SPEEDS[:1],
     frequencies: Sequence[float] = FREQUENCIES[:1],
 ) -> list[Reference]:
@@ -55,7 +52,7 @@ def training_motions(
 
     Args:
         arm: nominal model of the robot.
-        positions: names in the work area (circles only).
+        positions: names in the work area (circles only); None is the first, p1 in thesis 5.3.2: others are held out.
         speeds: of the TCP [m/s] (circles only).
         frequencies: [Hz] (sines only).
 
@@ -64,7 +61,8 @@ def training_motions(
     """
     robot = arm.robot
     if robot.work_area is not None:
-        return list(circle_references(arm, positions, speeds).values())
+        names = list(robot.work_area.positions)[:1] if positions is None else positions
+        return list(circle_references(arm, names, speeds).values())
     if robot.n_joints == 1:
         return list(sine_references(robot, frequencies).values())
     raise FFGymError(

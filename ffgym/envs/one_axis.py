@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import joint_reference
 from ffgym.envs.motion import Motion
 from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
-from ffgym.errors import FFGymError, check_number, check_shape
-from ffgym.paths import joint_sine
+from ffgym.errors import check_number, check_shape
 from ffgym.robot import RobotDescription, robot_of
+from ffgym.studies.one_axis_study import sine_reference
 
 
 class SineTasks(Tasks):
@@ -24,7 +23,7 @@ class SineTasks(Tasks):
     Args:
         robot: a robot with one joint.
         frequencies: [Hz].
-        amplitude: link side [rad].
+        amplitude: of the motor [rad].
         duration: of an episode [s].
     """
 
@@ -34,11 +33,6 @@ class SineTasks(Tasks):
         self, robot: RobotDescription, *, frequencies: Sequence[float], amplitude: float, duration: float
     ) -> None:
         super().__init__(robot)
-        if robot.n_joints != 1:
-            raise FFGymError(
-                f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'. "
-                f"ffgym/JointMotion-v0 moves all joints."
-            )
         values = tuple(check_shape("frequencies", np.atleast_1d(frequencies), (None,)).tolist())
         self._frequencies = check_not_empty("frequencies", values, "1.0 Hz")
         self._amplitude = check_number("amplitude", amplitude, unit="rad")
@@ -55,10 +49,8 @@ class SineTasks(Tasks):
         amplitude = check_number("amplitude", options.get("amplitude", self._amplitude), unit="rad")
 
         def make() -> Motion:
-            name = f"sine {frequency:g} Hz"
-            path = joint_sine([amplitude], frequency, self._duration, dt=self.robot.servo.control_dt, name=name)
-            task = {"frequency": frequency, "amplitude": amplitude}
-            return Motion(reference=joint_reference(self.robot, path), arm=self.arm, task=task)
+            reference = sine_reference(self.robot, frequency, amplitude, self._duration)
+            return Motion(reference=reference, arm=self.arm, task={"frequency": frequency, "amplitude": amplitude})
 
         return self._cached((frequency, amplitude), make)
 
@@ -74,7 +66,7 @@ class OneAxisVectorEnv(TrackingVectorEnv):
         num_envs: number of robots.
         robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
         frequencies: [Hz], one is drawn for each episode; the thesis has 1 and 3.
-        amplitude: link side [rad].
+        amplitude: of the motor [rad].
         duration: of an episode [s].
         autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
         render_mode: 'rgb_array' or None.

@@ -16,7 +16,7 @@ from ffgym.studies.circle_study import thesis_laws
 from ffgym.studies.selection import distinct, picked
 
 AMPLITUDE = 1.0
-"""A [rad], thesis (4.7)."""
+"""A [rad], motor side, thesis (4.7)."""
 FREQUENCIES = (1.0, 3.0)
 """f [Hz], thesis 4.3.1."""
 DURATION = 10.0
@@ -61,12 +61,29 @@ class OneAxisStudy:
 
 
 def sine_references(robot: RobotDescription, frequencies: Sequence[float] = FREQUENCIES) -> dict[float, Reference]:
-    """References of the sine test by frequency [Hz]."""
-    dt = robot.servo.control_dt
-    return {
-        f: joint_reference(robot, joint_sine([AMPLITUDE], f, DURATION, dt=dt, name=f"sine {f:g} Hz"))
-        for f in frequencies
-    }
+    """References of the sine test by frequency [Hz]; the motor swings by AMPLITUDE, whatever gear is behind it."""
+    return {f: sine_reference(robot, f, AMPLITUDE, DURATION) for f in frequencies}
+
+
+def sine_reference(robot: RobotDescription, frequency: float, amplitude: float, duration: float) -> Reference:
+    """Sine of one motor.
+
+    Args:
+        robot: a robot with one joint.
+        frequency: [Hz], > 0.
+        amplitude: of the motor [rad].
+        duration: [s], > 0.
+
+    Raises:
+        FFGymError: if the robot has more than one joint, or the sine is beyond a limit.
+    """
+    if robot.n_joints != 1:
+        raise FFGymError(
+            f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'. "
+            f"ffgym/JointMotion-v0 moves all joints."
+        )
+    swing, dt = amplitude / np.abs(robot.drive.gear_ratio), robot.servo.control_dt
+    return joint_reference(robot, joint_sine(swing, frequency, duration, dt=dt, name=f"sine {frequency:g} Hz"))
 
 
 def one_axis_study(
@@ -82,10 +99,6 @@ def one_axis_study(
     Raises:
         FFGymError: if the robot has more than one joint, there is nothing to simulate, or two laws share a name.
     """
-    if robot.n_joints != 1:
-        raise FFGymError(
-            f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'."
-        )
     laws = distinct(thesis_laws(robot) if laws is None else laws)
     references = sine_references(robot, frequencies)
     keys = [(law, f) for f in frequencies for law in laws]
