@@ -15,10 +15,11 @@ from agents.learning.progress import Learning, relative
 from agents.splines.basis import SplineBasis
 from agents.splines.recipes import thesis_training
 from agents.stability.limits import LearningStability
+from ffgym.cli.outputs import check_outputs
 from ffgym.cli.unused import refuse_unused
 from ffgym.control import Reference
 from ffgym.errors import FFGymError
-from ffgym.files import check_writable, write_json
+from ffgym.files import write_json
 from ffgym.provenance import versions
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot, physics_fingerprint
 from ffgym.simulation import RECORD_DT
@@ -97,11 +98,7 @@ class Lffc:
     def _check(self) -> None:
         if self.out.suffix != ".npz":
             raise FFGymError(f"--out {self.out}: the name of a law's file must end in .npz.")
-        check_writable(self.out)
-        if self.json is not None:
-            check_writable(self.json)
-            if self.json.resolve() == self.out.resolve():
-                raise FFGymError(f"--out and --json are both {self.out}; they need two files.")
+        check_outputs({"--out": self.out, "--json": self.json})
         if self._state.exists() and not self.resume:
             raise FFGymError(
                 f"{self._state}: holds a training that was interrupted; go on with it by --resume, or delete it."

@@ -7,9 +7,10 @@ from pathlib import Path
 from textwrap import shorten
 from typing import TYPE_CHECKING
 
+from ffgym.cli.outputs import check_outputs, need_extra
 from ffgym.errors import FFGymError
 from ffgym.files import check_writable, write_json, write_text
-from ffgym.provenance import installed, versions
+from ffgym.provenance import versions
 
 if TYPE_CHECKING:
     from ffgym.reproduction import Reproduced
@@ -35,7 +36,7 @@ class Reproduce:
 
     def run(self) -> None:
         """Simulate, write, print."""
-        _need_report_extra()
+        need_extra("The reproduction", "matplotlib", "jinja2", "rich")
         from ffgym.cli.progress import progress_bar
         from ffgym.reproduction import ITEMS, Laboratory, as_json, chosen, fingerprints, render_page, reproduce
 
@@ -62,11 +63,7 @@ class Reproduce:
 
     def _check_places(self) -> None:
         """Refuse what cannot be written before anything is simulated."""
-        check_writable(self.out)
-        if self.json is not None:
-            check_writable(self.json)
-            if self.json.resolve() == self.out.resolve():
-                raise FFGymError(f"--out and --json are both {self.json}; they need two files.")
+        check_outputs({"--out": self.out, "--json": self.json})
         if self.figures_dir is not None:
             try:
                 self.figures_dir.mkdir(parents=True, exist_ok=True)
@@ -96,9 +93,3 @@ def _write_figures(folder: Path, results: "Sequence[Reproduced]") -> None:
     for figure in (figure for result in results for figure in result.figures):
         for kind in PICTURES:
             save_figure(figure.figure, folder / f"{figure.name}.{kind}")
-
-
-def _need_report_extra() -> None:
-    missing = [name for name in ("matplotlib", "jinja2", "rich") if not installed(name)]
-    if missing:
-        raise FFGymError(f"The reproduction needs {', '.join(missing)}; pip install 'ffgym[cli,report]'.")

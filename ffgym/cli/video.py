@@ -1,7 +1,7 @@
 """`ffgym video`: one episode of an environment as a video."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ffgym.cli._movie import check_movie, movie
+from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.files import check_writable, write_json
-from ffgym.provenance import versions
+from ffgym.files import write_json
 from ffgym.registration import ENVIRONMENTS
 from ffgym.types import Array
 
@@ -87,10 +87,7 @@ class Video:
         check_number("fps", self.fps, unit="1/s", low=1.0, high=100.0)
         check_whole("seed", self.seed, low=0)
         check_movie(self.out)
-        if self.json is not None:
-            check_writable(self.json)
-            if self.json.resolve() == self.out.resolve():
-                raise FFGymError(f"--out and --json are both {self.out}; they need two files.")
+        check_outputs({"--out": self.out, "--json": self.json})
 
     def _make(self) -> Any:
         """The environment."""
@@ -159,13 +156,11 @@ class Video:
         """Origin of the numbers."""
         from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 
-        config = {name: str(value) if isinstance(value, Path) else value for name, value in asdict(self).items()}
-        return {
-            "command": "ffgym video",
-            "config": config,
-            "robot": env.core.robot.name,
-            "task": env.core.motions[0].task,
-            "seed": self.seed,
-            "versions": versions(),
-            "physics_fingerprint": physics_fingerprint(compile_model(env.core.robot, ModelOptions(looks=False))),
-        }
+        info = provenance(
+            "ffgym video",
+            self,
+            env.core.robot.name,
+            physics_fingerprint(compile_model(env.core.robot, ModelOptions(looks=False))),
+            seed=self.seed,
+        )
+        return info | {"task": env.core.motions[0].task}

@@ -2,6 +2,10 @@
 
 from ffgym.metrics.circle import Circle as Circle
 from ffgym.metrics.circle import fit_circle as fit_circle
+from ffgym.metrics.contour import Contour as Contour
+from ffgym.metrics.contour import ContourError as ContourError
+from ffgym.metrics.contour import contour_errors as contour_errors
+from ffgym.metrics.contour import start_offset as start_offset
 from ffgym.metrics.friction_miss import friction_miss as friction_miss
 from ffgym.metrics.friction_miss import relative_rms as relative_rms
 from ffgym.metrics.motor_error import motor_error as motor_error

@@ -11,6 +11,8 @@ from ffgym.report.findings import Finding as Finding
 from ffgym.report.findings import findings as findings
 from ffgym.report.headline import headline as headline
 from ffgym.report.laws import law_styles as law_styles
+from ffgym.report.motion_page import render_motion_page as render_motion_page
+from ffgym.report.motion_tables import format_motion as format_motion
 from ffgym.report.page import render_report as render_report
 from ffgym.report.page import write_report as write_report
 from ffgym.report.tables import format_one_axis as format_one_axis

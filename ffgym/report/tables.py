@@ -15,7 +15,7 @@ Column = tuple[str, list[str]]
 
 def format_text(study: CircleStudy) -> str:
     """One table per speed: simulated beside published path error, then their ratio without compensation."""
-    legend = _filled(
+    legend = filled(
         f"Path error of {study.robot.title} [mm]: deviation of the tool from the circle, in the plane of the circle, "
         "as RMS (max); offset at standstill removed; lead-in and lead-out do not count. simulated: ffgym. published: "
         "the real robot, by laser tracker, as printed in the thesis (Tables 4.1, 4.2, 5.1, 5.2). '-': not published."
@@ -28,28 +28,28 @@ def format_one_axis(study: OneAxisStudy) -> str:
     styles = law_styles(result.agent for result in study.results)
     columns: list[Column] = [
         ("f [Hz]", [f"{result.frequency_hz:g}" for result in study.results]),
-        ("law", [_short(styles[result.agent].label) for result in study.results]),
+        ("law", [shortened(styles[result.agent].label) for result in study.results]),
         ("RMS [mrad]", [f"{result.motor_rms_rad * 1e3:.3f}" for result in study.results]),
         ("max [mrad]", [f"{result.motor_max_rad * 1e3:.3f}" for result in study.results]),
         ("RMS removed", [f"{result.reduction:.1%}" for result in study.results]),
     ]
-    legend = _filled(
+    legend = filled(
         f"Sine test of {study.robot.title}, simulated: motor position error, motor side, after the start has settled. "
         "RMS removed: share of the first law's RMS that is gone. The thesis prints no numbers, only "
         "Figures 4.3 and 4.5."
     )
-    return legend + "\n\n" + _aligned(columns[:2], [[column] for column in columns[2:]]) + "\n"
+    return legend + "\n\n" + aligned(columns[:2], [[column] for column in columns[2:]]) + "\n"
 
 
 def _speed_text(table: SpeedTable) -> str:
     title = f"{table.speed_mm_s:g} mm/s"
     fixed: list[Column] = [
         ("r [mm]", [f"{row.radius_mm:g}" for row in table.rows] + ["mean"]),
-        ("position", [_short(row.position) for row in table.rows] + ["all"]),
+        ("position", [shortened(row.position) for row in table.rows] + ["all"]),
     ]
     styles = law_styles(table.agents)
     blocks = [_law_block(table, agent, styles[agent].label) for agent in table.agents]
-    parts = [title, "-" * len(title), _aligned(fixed, blocks, [styles[agent].label for agent in table.agents])]
+    parts = [title, "-" * len(title), aligned(fixed, blocks, [styles[agent].label for agent in table.agents])]
     return "\n".join([*parts, "", _ratio_text(table)])
 
 
@@ -85,12 +85,13 @@ def _ratio_text(table: SpeedTable) -> str:
         return f"Nothing to compare with: no numbers were published for these circles at {table.speed_mm_s:g} mm/s."
     fixed: list[Column] = [("r [mm]", [f"{radius:g}" for radius in table.radii])]
     blocks = [
-        [(_short(position), [_ratio(ratios.get((r, position))) for r in table.radii])] for position in table.positions
+        [(shortened(position), [_ratio(ratios.get((r, position))) for r in table.radii])]
+        for position in table.positions
     ]
     return "\n".join(
         [
             "Ratio simulated / published RMS without compensation:",
-            _aligned(fixed, blocks),
+            aligned(fixed, blocks),
             f"median {summary.median:.2f}; {summary.near} of {summary.total} circles within a factor of {FACTOR:g} "
             f"({1 / FACTOR:.2f} to {FACTOR:g})",
         ]
@@ -101,7 +102,7 @@ def _ratio(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f}"
 
 
-def _aligned(fixed: Sequence[Column], blocks: Sequence[Sequence[Column]], titles: Sequence[str] = ()) -> str:
+def aligned(fixed: Sequence[Column], blocks: Sequence[Sequence[Column]], titles: Sequence[str] = ()) -> str:
     """Columns side by side; blocks that do not fit go below, each time with the fixed columns on their left."""
     left = _joined(fixed)
     room = WIDTH - len(left[0])
@@ -109,7 +110,7 @@ def _aligned(fixed: Sequence[Column], blocks: Sequence[Sequence[Column]], titles
     used = WIDTH
     for i, block in enumerate(blocks):
         lines = _joined(block)
-        lines = ([_short(titles[i])] if titles else []) + lines
+        lines = ([shortened(titles[i])] if titles else []) + lines
         width = max(len(line) for line in lines)
         if used + 3 + width > room:
             tables.append([" " * len(left[0])] * bool(titles) + left)
@@ -125,10 +126,11 @@ def _joined(columns: Sequence[Column]) -> list[str]:
     return ["  ".join(f"{text:<{width}}" for text, width in zip(row, widths, strict=True)) for row in rows]
 
 
-def _short(name: str) -> str:
+def shortened(name: str) -> str:
     """Names come from files and may be long; a line has room for 30 characters."""
     return name if len(name) <= 30 else name[:29] + "…"
 
 
-def _filled(text: str) -> str:
+def filled(text: str) -> str:
+    """Text in lines that fit a terminal."""
     return "\n".join(wrap(text, WIDTH))

@@ -78,7 +78,7 @@ def test_a_demo_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, 
 
 
 def test_a_missing_extra_is_named(monkeypatch, capsys):
-    monkeypatch.setattr("ffgym.cli.demo.installed", lambda name: name != "jinja2")
+    monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "jinja2")
     assert main(["demo"]) == 1
     assert "needs jinja2; pip install 'ffgym[cli,report]'" in capsys.readouterr().err
 
@@ -174,7 +174,7 @@ def test_the_demo_runs_the_agents_and_parameters_it_is_given(tmp_path, irb4600):
 @pytest.mark.parametrize("wrong", ["nobody", "absent.npz", "lugre_static"])
 def test_wrong_agents_are_refused_before_any_is_made(wrong, capsys, monkeypatch):
     pytest.importorskip("ffgym.report")
-    monkeypatch.setattr("ffgym.cli.demo.law_named", lambda name, setting: pytest.fail(f"made {name}"))
+    monkeypatch.setattr("ffgym.cli.laws.law_named", lambda name, setting: pytest.fail(f"made {name}"))
     assert main(["demo", "--agents", "lugre_static", wrong]) == 1
     assert wrong in capsys.readouterr().err
 

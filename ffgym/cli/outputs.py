@@ -1,0 +1,63 @@
+"""What a command writes, and where its numbers come from."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+from ffgym.errors import FFGymError
+from ffgym.files import check_writable
+from ffgym.provenance import installed, versions
+
+
+def need_extra(who: str, *packages: str) -> None:
+    """Check that packages are installed that `who` needs for tables and pages.
+
+    Raises:
+        FFGymError: if one is not.
+    """
+    missing = [name for name in packages if not installed(name)]
+    if missing:
+        raise FFGymError(f"{who} needs {', '.join(missing)}; pip install 'ffgym[cli,report]'.")
+
+
+def check_outputs(places: Mapping[str, Path | None]) -> None:
+    """Check before long work that all files can be written after it; None is none.
+
+    Args:
+        places: by the option that names each.
+
+    Raises:
+        FFGymError: if one cannot be written, or two are one file.
+    """
+    given = {option: place for option, place in places.items() if place is not None}
+    for place in given.values():
+        check_writable(place)
+    for (one, first), (other, second) in combinations(given.items(), 2):
+        if first.resolve() == second.resolve():
+            raise FFGymError(f"{one} and {other} are both {first}; they need two files.")
+
+
+def provenance(command: str, config: Any, robot: str, fingerprint: str, seed: int | None) -> dict[str, Any]:
+    """Origin of numbers, for JSON.
+
+    Args:
+        command: e.g. 'ffgym demo'.
+        config: the dataclass of its options.
+        robot: name.
+        fingerprint: of the simulated physics.
+        seed: None where nothing is random.
+    """
+    return {
+        "command": command,
+        "config": {name: _plain(value) for name, value in asdict(config).items()},
+        "robot": robot,
+        "seed": seed,
+        "versions": versions(),
+        "physics_fingerprint": fingerprint,
+    }
+
+
+def _plain(value: Any) -> Any:
+    return str(value) if isinstance(value, Path) else value
