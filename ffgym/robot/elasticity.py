@@ -37,24 +37,19 @@ def static_deflection(arm: RigidArm, motor_q: Array) -> Array:
 
 
 def resonances(arm: RigidArm, q: Array, motors: Literal["locked", "free"] = "locked") -> Array:
-    """Undamped resonances [Hz], ascending, at joint angles `q` (N,), link side [rad].
+    """Undamped resonances [Hz], ascending, at joint positions `q` (N,), link side: one per elastic joint.
 
     Args:
-        arm: the robot; all joints must be elastic.
-        q: joint angles.
-        motors: 'locked' holds the rotors still (N modes); 'free' lets them turn (N elastic modes beside N at rest).
-
-    Raises:
-        FFGymError: if a joint is rigid.
+        arm: the robot; springs between links are left out.
+        q: joint positions.
+        motors: 'locked' holds the rotors still; 'free' lets them turn, so that the motions at rest are left out.
     """
     drive = arm.robot.drive
-    if np.any(drive.is_rigid):
-        stiff = [j for j, rigid in zip(arm.robot.joints, drive.is_rigid, strict=True) if rigid]
-        raise FFGymError(f"Joints {stiff} are rigid; resonances need a joint_stiffness on every joint.")
     mass = arm.mass_matrix(check_shape("q", q, (arm.robot.n_joints,))[None])[0]
-    flexibility = np.diag(1 / drive.joint_stiffness)
-    inverse_inertia = np.linalg.inv(mass)
-    if motors == "free":
-        inverse_inertia = inverse_inertia + drive.inverse @ np.diag(1 / drive.rotor_inertia) @ drive.inverse.T
-    squares = np.linalg.eigvals(inverse_inertia @ np.linalg.inv(flexibility)).real
+    elastic = np.flatnonzero(~drive.is_rigid)
+    inertia = mass[np.ix_(elastic, elastic)]
+    if motors == "free":  # what the elastic joints feel when the motors give way
+        rotors = drive.matrix.T @ np.diag(drive.rotor_inertia) @ drive.matrix
+        inertia = inertia - mass[elastic] @ np.linalg.solve(mass + rotors, mass[:, elastic])
+    squares = np.linalg.eigvals(np.linalg.solve(inertia, np.diag(drive.joint_stiffness[elastic]))).real
     return np.sort(np.sqrt(np.maximum(squares, 0.0))) / (2 * np.pi)

@@ -1,10 +1,11 @@
 """Gravity sag and resonances of the flexible arm."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from ffgym.errors import FFGymError
 from ffgym.robot import RigidArm, resonances, static_deflection
 from tests.robot.independent_arm import IndependentArm
 
@@ -53,5 +54,17 @@ def test_resonances_are_the_eigenvalues_of_springs_and_independent_inertia(irb46
 
 
 def test_a_rigid_joint_has_no_resonance(one_axis):
-    with pytest.raises(FFGymError, match=r"\['j1'\] are rigid"):
-        resonances(RigidArm(one_axis), np.zeros(1))
+    for motors in ("locked", "free"):
+        assert resonances(RigidArm(one_axis), np.zeros(1), motors).size == 0
+
+
+@pytest.mark.parametrize("motors", ["locked", "free"])
+def test_a_rigid_joint_is_the_limit_of_a_stiff_one(irb4600, corners, motors):
+    def with_wrist(stiffness):
+        values = irb4600.drive.joint_stiffness.copy()
+        values[3:] = stiffness
+        return RigidArm(replace(irb4600, drive=replace(irb4600.drive, joint_stiffness=values)))
+
+    rigid = resonances(with_wrist(np.inf), corners["p1"], motors)
+    assert rigid.shape == (3,)
+    np.testing.assert_allclose(rigid, resonances(with_wrist(1e12), corners["p1"], motors)[:3], rtol=1e-5)
