@@ -1,1 +1,6 @@
-"""RAPID: the subset of ABB's robot language that cutting programs use, from text to moves."""
+"""RAPID programs: from text to moves."""
+
+from ffgym.rapid.execution import Execution as Execution
+from ffgym.rapid.program import Program as Program
+from ffgym.rapid.program import load_program as load_program
+from ffgym.rapid.program import parse_program as parse_program

@@ -1,0 +1,142 @@
+"""Moves of a program as they come, from its move instructions."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from ffgym.errors import FFGymError
+from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Wait
+from ffgym.rapid.arguments import pair
+from ffgym.rapid.evaluate import evaluate_arguments
+from ffgym.rapid.execution import Configuration, Execution
+from ffgym.rapid.instructions import MOVES
+from ffgym.rapid.predefined import TOOL0, WOBJ0
+from ffgym.rapid.records import Value
+from ffgym.rapid.scope import Scope
+from ffgym.rapid.source import Source
+from ffgym.rapid.syntax import Call, Expression, Instruction, Place, Reference
+from ffgym.rapid.targets import joint_positions, pose, quarter_turns, speed, zone
+from ffgym.rapid.tools import tool_frame, with_tool
+from ffgym.robot import RobotDescription
+
+
+@dataclass
+class MoveBuilder:
+    """Collects the moves of one run of a program."""
+
+    source: Source
+    robot: RobotDescription
+    moves: list[Move] = field(default_factory=list)
+    configurations: list[Configuration | None] = field(default_factory=list)
+    configured: bool = True
+    """Whether MoveJ follows robconf, which ConfJ switches."""
+    _tool: tuple[Value, Place] | None = None
+    """The tool that all moves share, and where it was first seen."""
+
+    def move(self, scope: Scope, instruction: Instruction) -> None:
+        """Add the move of an instruction of MOVES.
+
+        Raises:
+            FFGymError: if an argument is wrong, or the move cannot stand here.
+        """
+        kind, place = instruction.name.lower(), instruction.place
+        if not self.moves and kind in ("movel", "movec"):
+            raise self.source.error(
+                place, f"the first move is {instruction.name}, which needs a start; begin with MoveAbsJ or MoveJ."
+            )
+        paired = pair(self.source, instruction.name, place, instruction.arguments, MOVES[kind])
+        values, options = evaluate_arguments(scope, paired, MOVES[kind])
+        *targets, speed_data, zone_data, tool = values
+        names = [_name(target) for target in paired.values[: len(targets)]]
+        self._use(tool, paired.values[-1].place, absolute=kind == "moveabsj")
+        with self._at(place):
+            common = {
+                "speed": speed(speed_data, options.get("v")),
+                "zone": zone(zone_data, options.get("z")),
+                "label": names[-1],
+                "where": self.source.at(place),
+            }
+            self._add(kind, targets, names, tool, options.get("wobj", WOBJ0), common)
+
+    def wait(self, place: Place, duration: float) -> None:
+        """Add a rest [s], which nothing is if it takes no time.
+
+        Raises:
+            FFGymError: if the robot does not stand still here.
+        """
+        if not self.moves or not self.moves[-1].zone.stops:
+            raise self.source.error(
+                place, "WaitTime needs a robot that stands still; end the move before it with fine, not with a zone."
+            )
+        if duration < 0:
+            raise self.source.error(place, f"WaitTime {duration:g} s must be >= 0.")
+        if duration > 0:
+            self.moves.append(Wait(duration=duration, label=f"wait {duration:g} s", where=self.source.at(place)))
+            self.configurations.append(None)
+
+    def finish(self, place: Place) -> Execution:
+        """Everything that was collected; `place` is that of the entry.
+
+        Raises:
+            FFGymError: if there is no move, or the robot cannot hold the tool.
+        """
+        if not self.moves:
+            raise self.source.error(place, "the program makes no move.")
+        tool, first = self._tool or (TOOL0, place)
+        with self._at(first):
+            robot = with_tool(self.robot, tool, f"tooldata in {self.source.at(first)}")
+        return Execution(robot=robot, moves=tuple(self.moves), configurations=tuple(self.configurations))
+
+    def _add(
+        self,
+        kind: str,
+        targets: Sequence[Value],
+        names: Sequence[str],
+        tool: Value,
+        wobj: Value,
+        common: dict[str, Any],
+    ) -> None:
+        """Add a move to targets in a work object."""
+        configuration = None
+        if kind == "moveabsj":
+            sliding = self.robot.kinematics.is_sliding
+            self.moves.append(MoveJoint(to=joint_positions(targets[0], sliding, names[0]), **common))
+        else:
+            *via, to = (pose(*each, tool_frame(tool), wobj) for each in zip(targets, names, strict=True))
+            if kind == "movec":
+                self.moves.append(MoveArc(via=via[0].position, to=to, **common))
+            elif kind == "movel":
+                self.moves.append(MoveLinear(to=to, **common))
+            else:
+                self.moves.append(MoveJoint(to=to, **common))
+                configuration = quarter_turns(targets[0], names[0]) if self.configured else None
+        self.configurations.append(configuration)
+
+    def _use(self, tool: Value, place: Place, *, absolute: bool) -> None:
+        """Remember the tool; MoveAbsJ may name tool0 beside another, as its target depends on no tool."""
+        if absolute and tool == TOOL0:
+            return
+        if self._tool is None:
+            self._tool = (tool, place)
+        elif self._tool[0] != tool:
+            raise self.source.error(
+                place, f"this tool is not the one of {self.source.at(self._tool[1])}; a program moves with one tool."
+            )
+
+    @contextmanager
+    def _at(self, place: Place) -> Iterator[None]:
+        """Let errors begin with a place."""
+        try:
+            yield
+        except FFGymError as error:
+            raise self.source.error(place, str(error)) from error
+
+
+def _name(target: Expression) -> str:
+    """What messages and phases call a target."""
+    if isinstance(target, Reference):
+        return target.name
+    if isinstance(target, Call) and target.arguments[0].value is not None:
+        return f"{target.name}({_name(target.arguments[0].value)})"
+    return "target"

@@ -1,0 +1,166 @@
+"""What a RAPID program says, as the reader hands it on: a tree without meaning yet."""
+
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+
+class Place(NamedTuple):
+    """Where something stands in the text, both from 1."""
+
+    line: int
+    column: int
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """Number as written, >= 0."""
+
+    value: float
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """Text between quotes."""
+
+    value: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """TRUE or FALSE."""
+
+    value: bool
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """Data by name, or a component of it, e.g. `p10.trans.z`."""
+
+    parts: tuple[str, ...]
+    place: Place
+
+    @property
+    def name(self) -> str:
+        """The whole, as it was written."""
+        return ".".join(self.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Aggregate:
+    """Components between brackets."""
+
+    items: "tuple[Expression, ...]"
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Operands of one rank from left to right, e.g. a + b - c; flat, so that a long sum is not a deep tree."""
+
+    first: "Expression"
+    rest: "tuple[tuple[str, Expression], ...]"
+    """Sign ('+', '-', '*' or '/') and operand."""
+
+    @property
+    def place(self) -> Place:
+        """Where it begins."""
+        return self.first.place
+
+
+@dataclass(frozen=True, slots=True)
+class Signed:
+    """An operand behind a sign."""
+
+    negative: bool
+    operand: "Expression"
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Option:
+    r"""Optional argument, e.g. `\WObj:=wobj1`, or a switch, e.g. `\NoEOffs`."""
+
+    name: str
+    value: "Expression | None"
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """Required argument, with the optional ones that follow it; None where only optional ones stand."""
+
+    value: "Expression | None"
+    options: tuple[Option, ...]
+
+    def names(self) -> list[str]:
+        """Names of its options in lower case."""
+        return [option.name.lower() for option in self.options]
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """Function with its arguments."""
+
+    name: str
+    arguments: tuple[Argument, ...]
+    place: Place
+
+
+Expression: TypeAlias = Number | Text | Truth | Reference | Aggregate | Chain | Signed | Call
+
+
+@dataclass(frozen=True, slots=True)
+class Declaration:
+    """CONST, PERS or VAR data."""
+
+    kind: str
+    type_name: str
+    name: str
+    value: Expression | None
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Assignment:
+    """Target := value."""
+
+    target: Reference
+    value: Expression
+
+    @property
+    def place(self) -> Place:
+        """Where it begins."""
+        return self.target.place
+
+
+@dataclass(frozen=True, slots=True)
+class Instruction:
+    """Instruction, or the call of a procedure, with its arguments."""
+
+    name: str
+    arguments: tuple[Argument, ...]
+    place: Place
+
+
+Statement: TypeAlias = Assignment | Instruction
+
+
+@dataclass(frozen=True, slots=True)
+class Procedure:
+    """PROC without arguments."""
+
+    name: str
+    declarations: tuple[Declaration, ...]
+    statements: tuple[Statement, ...]
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """Everything in a file."""
+
+    declarations: tuple[Declaration, ...]
+    procedures: tuple[Procedure, ...]
