@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_shape
-from ffgym.paths.lead import unit_lead
+from ffgym.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.paths.lead import LEADS, Lead
 from ffgym.paths.motion import CartesianPath, Segment, sample, standstill
 from ffgym.types import Array
 
@@ -58,13 +58,14 @@ def circle_test(
     normal: Sequence[float] | Array = (0.0, 0.0, 1.0),
     start_angle: float = -np.pi / 2,
     dwell: float = DWELL,
+    lead: str = "smooth",
     dt: float = 0.004,
     name: str = "circles",
 ) -> CartesianPath:
     """Circles around `centre` at constant TCP speed, each led in from the centre and led out back to it.
 
-    Speed rises and falls on the leads only, with bounded jerk; on a circle it is `speed` exactly. Path, tangent and
-    curvature are continuous.
+    Speed rises and falls on the leads only, with bounded jerk; on a circle it is `speed` exactly. Path, tangent and,
+    with smooth leads, curvature are continuous.
 
     Args:
         centre: common centre and start point [m], shape (3,).
@@ -73,6 +74,8 @@ def circle_test(
         normal: normal of the plane, any length.
         start_angle: where each circle is joined [rad], from the plane's first axis.
         dwell: rest before, between and after the circles [s], > 0.
+        lead: 'smooth', or 'half_circle' for the half circle of the thesis, where curvature and with it acceleration
+            jump as it joins the circle.
         dt: sample time [s].
         name: name of the motion.
 
@@ -87,11 +90,12 @@ def circle_test(
     if len(sizes) == 0:
         raise FFGymError("radii is empty, must hold at least one radius in m.")
     plane = plane_of(normal)
+    unit_lead = LEADS[check_choice("lead", lead, list(LEADS))]()
     segments = [standstill("rest 0", centre, dwell)]
     for i, size in enumerate(sizes):
         radius = check_number("radius", size, unit="m", low=0.0, open_low=True)
         _check_samples(radius, speed, dt)
-        segments += _circle(centre, plane, radius, speed, start_angle)
+        segments += _circle(centre, plane, radius, speed, start_angle, unit_lead)
         segments.append(standstill(f"rest {i + 1}", centre, dwell))
     t, position, velocity, acceleration, phases = sample(segments, dt)
     return CartesianPath(name=name, t=t, position=position, velocity=velocity, acceleration=acceleration, phases=phases)
@@ -107,9 +111,9 @@ def _check_samples(radius: float, speed: float, dt: float) -> None:
         )
 
 
-def _circle(centre: Array, plane: Plane, radius: float, speed: float, start_angle: float) -> list[Segment]:
+def _circle(centre: Array, plane: Plane, radius: float, speed: float, start_angle: float, lead: Lead) -> list[Segment]:
     """Lead-in, circle and lead-out."""
-    length = unit_lead().length * radius
+    length = lead.length * radius
     ramp = 2 * length / speed  # the smooth speed ramp covers half of speed x time
 
     def lead_in(tau: Array) -> tuple[Array, Array, Array]:
@@ -122,8 +126,7 @@ def _circle(centre: Array, plane: Plane, radius: float, speed: float, start_angl
 
     def _on_lead(tau: Array, mirror: float) -> tuple[Array, Array, Array]:
         travelled, rate, change = smooth_ramp(tau, ramp, speed)
-        s = np.clip(travelled / radius, 0.0, unit_lead().length)
-        lead = unit_lead()
+        s = np.clip(travelled / radius, 0.0, lead.length)
         angle, bend = lead.heading(s), lead.bend(s) / radius
         tangent = np.stack([np.cos(angle), np.sin(angle)], axis=1)
         inward = np.stack([-np.sin(angle), np.cos(angle)], axis=1)

@@ -1,14 +1,18 @@
-r"""Lead-in from the centre of a circle onto it: a small circle that blends into the large one.
+r"""Leads from the centre of a circle onto it: a small circle that joins the large one.
 
 The thesis (2.2.5, 4.3.2) starts each circle from its centre along a small circle that touches it. A half circle of half
-the radius does that, but its curvature jumps from 2 / r to 1 / r where it joins, which asks for infinite jerk. Here the
-second part of the lead is a clothoid, whose curvature runs linearly from that of the small circle to 1 / r. Small
+the radius does that, but its curvature jumps from 2 / r to 1 / r where it joins, which asks for infinite jerk. In the
+smooth lead the second part is a clothoid, whose curvature runs linearly from that of the small circle to 1 / r. Small
 circle and total length follow from the two conditions that the lead starts at the centre and joins the circle in its
 tangent; for r = 1 they are numbers, found once.
 """
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
+from types import MappingProxyType
+from typing import final
 
 import numpy as np
 from scipy.optimize import fsolve
@@ -21,9 +25,50 @@ BLEND = 0.5
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
+class Lead(ABC):
+    """A lead onto the unit circle around (0, 1), which it joins at the origin heading along x."""
+
+    length: float
+    """Arc length from the centre to the joint, in units of r."""
+
+    @abstractmethod
+    def bend(self, s: Array) -> Array:
+        """Curvature at arc length `s` from the centre, shape (T,)."""
+
+    @abstractmethod
+    def heading(self, s: Array) -> Array:
+        """Angle of the tangent [rad] at arc length `s`, 0 at the joint, shape (T,)."""
+
+    @abstractmethod
+    def point(self, s: Array) -> Array:
+        """Position at arc length `s`, shape (T, 2)."""
+
+
+@final
 @dataclass(frozen=True, kw_only=True)
-class Lead:
-    """The lead onto the unit circle around (0, 1), which it joins at the origin heading along x."""
+class HalfCircle(Lead):
+    """Half a circle of half the radius, as in the thesis."""
+
+    length: float = np.pi / 2
+
+    def bend(self, s: Array) -> Array:
+        """2 throughout."""
+        return np.full_like(s, 2.0)
+
+    def heading(self, s: Array) -> Array:
+        """From backwards to along x."""
+        return 2.0 * (s - self.length)
+
+    def point(self, s: Array) -> Array:
+        """On the circle around (0, 1/2)."""
+        angle = self.heading(s)
+        return np.stack([0.5 * np.sin(angle), 0.5 - 0.5 * np.cos(angle)], axis=1)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SmoothLead(Lead):
+    """Part of a small circle, then a clothoid."""
 
     curvature: float
     """Curvature of the small circle, in units of 1 / r."""
@@ -61,12 +106,16 @@ class Lead:
 
 
 @cache
-def unit_lead() -> Lead:
-    """The lead that starts at the centre (0, 1) of the unit circle."""
+def unit_lead() -> SmoothLead:
+    """The smooth lead that starts at the centre (0, 1) of the unit circle."""
 
     def miss(unknown: Array) -> Array:
-        lead = Lead(curvature=float(unknown[0]), length=float(unknown[1]))
+        lead = SmoothLead(curvature=float(unknown[0]), length=float(unknown[1]))
         return lead.point(np.zeros(1))[0] - np.array([0.0, 1.0])
 
     curvature, length = fsolve(miss, [2.0, np.pi / 2], xtol=1e-14)
-    return Lead(curvature=float(curvature), length=float(length))
+    return SmoothLead(curvature=float(curvature), length=float(length))
+
+
+LEADS: Mapping[str, Callable[[], Lead]] = MappingProxyType({"smooth": unit_lead, "half_circle": HalfCircle})
+"""Leads by the names that `circle_test` knows."""
