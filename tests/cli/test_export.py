@@ -72,7 +72,7 @@ def test_it_says_what_it_wrote(tmp_path, capsys):
     [
         (["--out", "robot.urdf"], "suffix is '.urdf', must be .xml or .mjb"),
         (["--out", "robot"], "suffix is ''"),
-        (["--robot", "irb"], "Unknown robot 'irb'. Available: irb4600_60_205, one_axis"),
+        (["--robot", "irb"], "Unknown robot 'irb'. Available: " + ", ".join(builtin_robots())),
         (["--robot", "absent.toml"], "Cannot read robot description absent.toml"),
         (["--out", "absent/robot.xml"], "absent/robot.xml: cannot be written"),
     ],

@@ -11,14 +11,15 @@ from ffgym.robot import builtin_robots, load_robot, parse_robot
 from ffgym.robot.quantity import ORIGINS
 from ffgym.robot.rules import RULES
 
-ROBOTS = ("irb4600_60_205", "one_axis")
+ROBOTS = ("ball_screw", "irb4600_60_205", "kuka_kr300_r2500", "one_axis")
+THESIS_ROBOTS = ("irb4600_60_205", "one_axis")
 
 
 def text_of(name):
     return (resources.files("ffgym.robot") / "data" / f"{name}.toml").read_text(encoding="utf-8")
 
 
-def test_the_package_holds_both_robots():
+def test_the_package_holds_these_robots():
     assert builtin_robots() == ROBOTS
     for name in ROBOTS:
         assert load_robot(name).name == name
@@ -53,19 +54,21 @@ def test_every_table_of_the_file_arrives_in_the_quantities(name):
     tree = tomllib.loads(text_of(name))
     values = {}
     for group, entries in tree.items():
-        if group in ("robot", "look"):
+        if group in ("robot", "look", "logs"):
             continue
         for entry, table in entries.items():
-            nested = {f"{group}.{entry}.{k}": v for k, v in table.items()} if entry == "positions" else None
-            values |= nested or {f"{group}.{entry}": table}
+            inner = {f"{group}.{entry}.{k}": v for k, v in table.items() if k != "bodies"}
+            values |= inner if entry == "positions" or group == "springs" else {f"{group}.{entry}": table}
     quantities = load_robot(name).quantities
     assert values.keys() == quantities.keys()
     for path, table in values.items():
         factor = np.pi / 180 if table["unit"].startswith("deg") else 1.0
+        if table.get("side") != quantities[path].side:  # from the link side to the motor side
+            factor *= load_robot(name).drive.gear_ratio ** float(RULES[path].gear_power)
         np.testing.assert_allclose(quantities[path].value, np.array(table["value"]) * factor, rtol=1e-15)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", THESIS_ROBOTS)
 @pytest.mark.parametrize(
     ("parameter", "published"),
     [
@@ -120,7 +123,7 @@ def test_what_may_be_left_out_is_left_out(one_axis):
 
 @pytest.mark.parametrize("name", ["irb", "", "irb4600_60_205.tom", "../one_axis"])
 def test_an_unknown_robot_is_refused_with_those_there_are(name):
-    with pytest.raises(FFGymError, match=r"Unknown robot .* Available: irb4600_60_205, one_axis"):
+    with pytest.raises(FFGymError, match=f"Unknown robot .* Available: {', '.join(ROBOTS)}"):
         load_robot(name)
 
 
