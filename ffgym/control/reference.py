@@ -8,7 +8,7 @@ from ffgym.errors import FFGymError, check_shape
 from ffgym.paths import CartesianPath, JointPath
 from ffgym.recordings import Phase
 from ffgym.robot import RigidArm, RobotDescription, solve_path
-from ffgym.robot.inverse_kinematics import solve_twist
+from ffgym.robot.inverse_kinematics import joint_rates
 from ffgym.types import Array
 
 
@@ -55,26 +55,50 @@ class Reference:
         return float(self.t[-1])
 
 
-def cartesian_reference(arm: RigidArm, path: CartesianPath, rotation: Array | None = None) -> Reference:
-    """Joint reference whose rigid arm follows a TCP path at fixed tool orientation.
+def cartesian_reference(
+    arm: RigidArm, path: CartesianPath, rotation: Array | None = None, *, seed: Array | None = None
+) -> Reference:
+    """Joint reference whose rigid arm follows a TCP path.
 
     Args:
         arm: the robot.
-        path: the motion, sampled at the robot's control step.
-        rotation: orientation of tool0 in the world, shape (3, 3); None takes the work area's.
+        path: the motion, sampled at the robot's control step; if it says how the tool turns, the arm follows that too.
+        rotation: orientation of tool0 in the world for a path that says none, shape (3, 3); None takes the work area's,
+            and leaves the orientation free where that has none.
+        seed: joint positions near the branch that is wanted [rad or m], shape (N,); None takes the work area's home.
 
     Raises:
         FFGymError: if the path is unreachable, near a singularity, or beyond a joint or speed limit.
     """
     area = arm.robot.work_area
-    if area is None:
-        raise FFGymError(f"Robot {arm.robot.name!r} has no work area; give its motions in joint space.")
-    q = solve_path(arm, path.position, area.tool_rotation if rotation is None else rotation, area.home)
-    jacobian = arm.jacobian(q)
-    still = np.zeros_like(path.velocity)
-    dq = solve_twist(jacobian, np.hstack([path.velocity, still]))
-    ddq = solve_twist(jacobian, np.hstack([path.acceleration, still]) - arm.bias_acceleration(q, dq))
+    if path.rotation is not None:
+        if rotation is not None:
+            raise FFGymError(f"Path {path.name!r} says how the tool turns; rotation must be None.")
+        rotation = path.rotation
+    elif rotation is None and area is not None:
+        rotation = area.tool_rotation
+    q = solve_path(arm, path.position, rotation, _seed(arm, seed))
+    dq, ddq = joint_rates(arm, q, *_twists(path, free=rotation is None))
     return Reference(name=path.name, robot=arm.robot, t=path.t, q=q, dq=dq, ddq=ddq, phases=path.phases)
+
+
+def _seed(arm: RigidArm, seed: Array | None) -> Array:
+    """Joint positions (N,) where the inverse kinematics begins."""
+    if seed is not None:
+        return seed
+    if arm.robot.work_area is None:
+        raise FFGymError(f"Robot {arm.robot.name!r} has no work area; give its motions in joint space, or a seed.")
+    return arm.robot.work_area.home
+
+
+def _twists(path: CartesianPath, *, free: bool) -> tuple[Array, Array]:
+    """Velocity and acceleration of the tool, (T, 6) each, or (T, 3) if its orientation is `free`."""
+    if free:
+        return path.velocity, path.acceleration
+    still = np.zeros_like(path.velocity)
+    spin = still if path.angular_velocity is None else path.angular_velocity
+    change = still if path.angular_acceleration is None else path.angular_acceleration
+    return np.hstack([path.velocity, spin]), np.hstack([path.acceleration, change])
 
 
 def joint_reference(robot: RobotDescription, path: JointPath) -> Reference:
@@ -100,13 +124,15 @@ def _check_limits(reference: Reference) -> None:
     if beyond.size:
         row, j = (int(i) for i in beyond[0])
         raise FFGymError(
-            f"Reference {reference.name!r}: joint {joints[j]} is at {reference.q[row, j]:.3f} rad at "
-            f"{reference.t[row]:.3f} s, must be within {np.round(kinematics.range[j], 3).tolist()} rad."
+            f"Reference {reference.name!r}: joint {joints[j]} is at {reference.q[row, j]:.3f} {kinematics.units[j]} at "
+            f"{reference.t[row]:.3f} s, must be within {np.round(kinematics.range[j], 3).tolist()} "
+            f"{kinematics.units[j]}."
         )
     ratio = np.abs(reference.dq) / kinematics.max_speed
     row, j = (int(i) for i in np.unravel_index(np.argmax(ratio), ratio.shape))
     if ratio[row, j] > 1:
         raise FFGymError(
-            f"Reference {reference.name!r}: joint {joints[j]} moves at {reference.dq[row, j]:.3f} rad/s at "
-            f"{reference.t[row]:.3f} s, must stay below {kinematics.max_speed[j]:.3f} rad/s. Slow the motion down."
+            f"Reference {reference.name!r}: joint {joints[j]} moves at {reference.dq[row, j]:.3f} "
+            f"{kinematics.units[j]}/s at {reference.t[row]:.3f} s, must stay below {kinematics.max_speed[j]:.3f} "
+            f"{kinematics.units[j]}/s. Slow the motion down."
         )

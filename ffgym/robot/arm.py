@@ -1,6 +1,5 @@
 """Kinematics and rigid-body dynamics of the arm, link side, for whole trajectories at once."""
 
-from dataclasses import dataclass
 from typing import Literal
 
 import mujoco
@@ -8,6 +7,7 @@ import numpy as np
 from mujoco import batch
 
 from ffgym.errors import FFGymError, check_shape
+from ffgym.robot.chain import chain_to_site
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.spec import ModelOptions, compile_model
 from ffgym.types import Array
@@ -16,23 +16,11 @@ _CHUNK = 1024
 """Rows evaluated in one call: enough to keep the cores busy, small enough to stay in cache."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _ChainLink:
-    """A body between the world and the TCP, in the frame of the body before it."""
-
-    position: Array
-    rotation: Array
-    cross: Array | None = None
-    """points @ cross is axis x points, for the unit axis of its hinge in the body's frame; None if it has none."""
-    anchor: Array
-    """Point on the hinge axis in the body's frame [m]."""
-    joint: int = 0
-
-
 class RigidArm:
     """The robot without elasticity, friction and motors, as MuJoCo computes it.
 
-    Joint angles `q` are link side, shape (T, N). All results are in the world frame, in SI units.
+    Joint positions `q` are link side, shape (T, N), [rad], or [m] for a sliding joint, which has N where a hinge has
+    N m. All results are in the world frame, in SI units.
     """
 
     def __init__(self, robot: RobotDescription) -> None:
@@ -42,7 +30,8 @@ class RigidArm:
         self._batch = batch.Batch(self._model, nsim=_CHUNK)
         self._gravity = self._batch.expand("opt.gravity")
         self._tcp = self._model.site("tcp").id if robot.tool is not None else None
-        self._chain = () if self._tcp is None else _chain_to_site(self._model, self._tcp)
+        self._chain = () if self._tcp is None else chain_to_site(self._model, self._tcp)
+        self._slides = np.flatnonzero(robot.kinematics.is_sliding)
         self._rows = np.repeat(np.arange(robot.n_joints), self._model.M_rownnz)
         self._columns = self._model.M_colind
 
@@ -52,9 +41,7 @@ class RigidArm:
         q = check_shape("q", q, (None, self.robot.n_joints))
         point = np.zeros((len(q), 3))
         for link in reversed(self._chain):
-            if link.cross is not None:
-                point = _rotate(point - link.anchor, link.cross, q[:, link.joint]) + link.anchor
-            point = point @ link.rotation.T + link.position
+            point = link.place(point, q)
         return point
 
     def tcp_pose(self, q: Array) -> tuple[Array, Array]:
@@ -72,7 +59,9 @@ class RigidArm:
         tcp = self._tcp_id()
         out = self._evaluate(("site_xpos", "site_xmat", "xanchor", "xaxis"), q)
         arms = out["site_xpos"][:, [tcp]] - out["xanchor"]
-        jacobian = np.concatenate([np.cross(out["xaxis"], arms), out["xaxis"]], axis=2).swapaxes(1, 2)
+        linear, angular = np.cross(out["xaxis"], arms), out["xaxis"].copy()
+        linear[:, self._slides], angular[:, self._slides] = angular[:, self._slides], 0.0
+        jacobian = np.concatenate([linear, angular], axis=2).swapaxes(1, 2)
         return out["site_xpos"][:, tcp], out["site_xmat"][:, tcp].reshape(-1, 3, 3), jacobian
 
     def bias_acceleration(self, q: Array, dq: Array) -> Array:
@@ -81,13 +70,16 @@ class RigidArm:
         out = self._evaluate(("site_xpos", "xanchor", "xaxis"), q)
         dq = check_shape("dq", dq, (len(q), self.robot.n_joints))
         axis, anchor, tcp = out["xaxis"], out["xanchor"], out["site_xpos"][:, tcp_id]
-        spin = axis * dq[:, :, None]  # angular velocity each joint adds, (T, N, 3)
-        total = np.cumsum(spin, axis=1)
-        axis_rate = np.cross(total, axis)
+        spin, push = axis * dq[:, :, None], np.zeros_like(axis)  # what each joint adds to turning and moving, (T, N, 3)
+        push[:, self._slides], spin[:, self._slides] = spin[:, self._slides], 0.0
+        axis_rate = np.cross(np.cumsum(spin, axis=1), axis)
         linear, angular = np.zeros_like(tcp), np.zeros_like(tcp)
-        tcp_velocity = _point_velocity(spin, anchor, tcp, self.robot.n_joints)
+        tcp_velocity = _point_velocity(spin, push, anchor, tcp, self.robot.n_joints)
         for i in range(self.robot.n_joints):
-            anchor_velocity = _point_velocity(spin, anchor, anchor[:, i], i)
+            if i in self._slides:
+                linear += dq[:, [i]] * axis_rate[:, i]
+                continue
+            anchor_velocity = _point_velocity(spin, push, anchor, anchor[:, i], i)
             linear += dq[:, [i]] * np.cross(axis_rate[:, i], tcp - anchor[:, i])
             linear += dq[:, [i]] * np.cross(axis[:, i], tcp_velocity - anchor_velocity)
             angular += dq[:, [i]] * axis_rate[:, i]
@@ -157,40 +149,7 @@ class RigidArm:
         return out
 
 
-def _point_velocity(spin: Array, anchor: Array, point: Array, n: int) -> Array:
+def _point_velocity(spin: Array, push: Array, anchor: Array, point: Array, n: int) -> Array:
     """Velocity [m/s] that the first `n` joints give to `point`, shape (T, 3)."""
-    return np.cross(spin[:, :n], point[:, None] - anchor[:, :n]).sum(axis=1)
-
-
-def _chain_to_site(model: mujoco.MjModel, site: int) -> tuple[_ChainLink, ...]:
-    """Bodies from the world to a site, the site last."""
-    chain = [
-        _ChainLink(position=model.site_pos[site].copy(), rotation=_matrix(model.site_quat[site]), anchor=np.zeros(3))
-    ]
-    body = int(model.site_bodyid[site])
-    while body > 0:
-        joint = int(model.body_jntadr[body])
-        chain.append(
-            _ChainLink(
-                position=model.body_pos[body].copy(),
-                rotation=_matrix(model.body_quat[body]),
-                cross=np.cross(model.jnt_axis[joint], np.eye(3)) if joint >= 0 else None,
-                anchor=model.jnt_pos[joint].copy() if joint >= 0 else np.zeros(3),
-                joint=joint,
-            )
-        )
-        body = int(model.body_parentid[body])
-    return tuple(reversed(chain))
-
-
-def _matrix(quaternion: Array) -> Array:
-    matrix = np.zeros(9)
-    mujoco.mju_quat2Mat(matrix, quaternion)
-    return matrix.reshape(3, 3)
-
-
-def _rotate(points: Array, cross: Array, angle: Array) -> Array:
-    """Points (T, 3) turned by `angle` (T,) [rad] about the axis of `cross` (3, 3), Rodrigues' formula."""
-    return (
-        points + np.sin(angle)[:, None] * (points @ cross) + (1 - np.cos(angle))[:, None] * (points @ (cross @ cross))
-    )
+    turning: Array = np.cross(spin[:, :n], point[:, None] - anchor[:, :n]).sum(axis=1)
+    return turning + push[:, :n].sum(axis=1)

@@ -1,7 +1,6 @@
 """From checked numbers by name to the parts of a description."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from ffgym.robot.parts import Kinematics, Links, Sensors, Servo, Tool, WorkArea
 
 FLANGE = ("flange.rotation", "tool.tcp")
 TOOL_MASSES = ("tool.mass", "tool.com", "tool.inertia")
-WORK_AREA = ("work_area.tool_rotation", "work_area.home")
+HOME = "work_area.home"
 POSITIONS = "work_area.positions."
 
 
@@ -46,7 +45,7 @@ def assemble(get: Mapping[str, Any], types: tuple[str, ...]) -> dict[str, Any]:
 def begun(paths: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
     """Entries that others of their group call for, by one of those that are there; empty if all groups are whole."""
     groups = [(TOOL_MASSES, TOOL_MASSES), (FLANGE, FLANGE), (("flange.position", *TOOL_MASSES), FLANGE)]
-    groups += [(WORK_AREA, WORK_AREA), (tuple(path for path in paths if path.startswith(POSITIONS)), WORK_AREA)]
+    groups += [(tuple(path for path in paths if path.startswith("work_area.")), (HOME,))]
     found: dict[str, tuple[str, ...]] = {}
     for given, wanted in groups:
         missing = tuple(path for path in wanted if path not in paths)
@@ -76,15 +75,17 @@ def _tool(get: Mapping[str, Any]) -> Tool | None:
 
 
 def _work_area(get: Mapping[str, Any]) -> WorkArea | None:
-    points = {path.removeprefix(POSITIONS): value for path, value in get.items() if path.startswith(POSITIONS)}
-    if not _all_or_none(WORK_AREA, get):
-        if points:
-            raise FFGymError(f"work_area.positions need {' and '.join(WORK_AREA)}.")
+    others = [path for path in get if path.startswith("work_area.") and path != HOME]
+    if HOME not in get:
+        if others:
+            raise FFGymError(f"{others[0]} needs {HOME}, the seed of the inverse kinematics; {HOME} is missing.")
         return None
+    rotation = get.get("work_area.tool_rotation")
     return WorkArea(
-        positions=MappingProxyType(points),
-        tool_rotation=check_rotation("work_area.tool_rotation", get["work_area.tool_rotation"]),
-        home=get["work_area.home"],
+        positions={path.removeprefix(POSITIONS): get[path] for path in others if path.startswith(POSITIONS)},
+        tool_rotation=None if rotation is None else check_rotation("work_area.tool_rotation", rotation),
+        normal=get.get("work_area.normal", np.array([0.0, 0.0, 1.0])),
+        home=get[HOME],
     )
 
 

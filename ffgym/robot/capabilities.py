@@ -12,7 +12,7 @@ _MOTION = ("kinematics.max_speed", "servo.control_dt")
 _STATIC_FRICTION = ("friction.coulomb", "friction.static", "friction.viscous", "friction.stribeck_velocity")
 _FRICTION = (*_STATIC_FRICTION, "friction.bristle_stiffness", "friction.bristle_damping")
 _TOOL = ("flange.rotation", "tool.tcp")
-_WORK_AREA = ("work_area.tool_rotation", "work_area.home")
+_WORK_AREA = ("work_area.home",)
 _SIMULATION = tuple(path for path, rule in RULES.items() if not rule.optional)
 
 

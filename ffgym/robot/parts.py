@@ -6,6 +6,7 @@ from types import MappingProxyType
 from typing import Any, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ffgym.errors import FFGymError, check_choice
 from ffgym.recordings.header import PositionSide, TorqueSemantics
@@ -124,12 +125,16 @@ class WorkArea:
 
     positions: Mapping[str, Array]
     """Named points in the world [m], shape (3,) each."""
-    tool_rotation: Array
-    """Orientation of tool0 in the world, shape (3, 3)."""
     home: Array
-    """Joint angles that seed the inverse kinematics, link side [rad], shape (N,)."""
+    """Joint positions that seed the inverse kinematics, link side [rad], shape (N,)."""
+    tool_rotation: Array | None = None
+    """Orientation of tool0 in the world, shape (3, 3); None leaves it free."""
+    normal: Array = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    """Normal of the plane of the test circles, any length, shape (3,)."""
 
     def __post_init__(self) -> None:
+        if not np.any(self.normal):
+            raise FFGymError("work_area.normal must not be zero; leave it out for circles parallel to the ground.")
         object.__setattr__(self, "positions", MappingProxyType(dict(self.positions)))
 
     def __reduce__(self) -> Any:
@@ -170,16 +175,35 @@ class Logs:
         check_choice("logs.position", self.position, get_args(PositionSide))
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mesh:
+    """A surface of triangles."""
+
+    vertices: NDArray[np.float32]
+    """Corners [m], shape (V, 3)."""
+    faces: NDArray[np.int32]
+    """Three corners each, counter-clockwise from outside, shape (F, 3)."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Geom:
-    """One primitive of the robot's looks."""
+    """One shape of the robot's looks, in the frame of its body."""
 
     body: str
     type: str
+    """'box', 'sphere', 'ellipsoid', 'cylinder', 'capsule' or 'mesh'."""
     size: tuple[float, ...]
+    """Radius, or half sizes of a box or ellipsoid [m]; empty for a mesh."""
     pos: tuple[float, float, float]
+    """Centre, or first end of a cylinder or capsule [m]."""
     end: tuple[float, float, float] | None
+    """Second end of a cylinder or capsule [m]."""
     colour: tuple[float, ...]
+    """Red, green, blue, opacity."""
+    rotation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    """Unit quaternion, scalar first; of no use to a cylinder or capsule."""
+    mesh: Mesh | None = None
+    """Surface of a mesh."""
 
 
 def _check_inertia(name: str, inertia: Array) -> None:

@@ -55,7 +55,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
             open_low=True,
             slide_unit="m/s",
         ),
-        "base.mass": Rule(meaning="mass of the fixed base", shape=(), unit="kg", low=0.0, open_low=True),
+        "base.mass": Rule(meaning="mass of the fixed base", shape=(), unit="kg", low=0.0),
         "base.com": Rule(meaning="centre of mass of the base", shape=(3,), unit="m"),
         "links.mass": Rule(meaning="mass of each link", shape=("N",), unit="kg", side="link", low=0.0, open_low=True),
         "links.com": Rule(meaning="centre of mass of each link in its frame", shape=("N", 3), unit="m", side="link"),
@@ -133,7 +133,16 @@ RULES: Mapping[str, Rule] = MappingProxyType(
         ),
         "simulation.gravity": Rule(meaning="gravity in the world", shape=(3,), unit="m/s^2"),
         "work_area.tool_rotation": Rule(
-            meaning="orientation of tool0 in the world", shape=(3, 3), unit="1", optional=True
+            meaning="orientation of tool0 in the world; without it the orientation is free",
+            shape=(3, 3),
+            unit="1",
+            optional=True,
+        ),
+        "work_area.normal": Rule(
+            meaning="normal of the plane of the test circles, any length; upright if left out",
+            shape=(3,),
+            unit="1",
+            optional=True,
         ),
         "work_area.home": Rule(
             meaning="joint positions that seed the inverse kinematics",

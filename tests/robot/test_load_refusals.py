@@ -143,11 +143,20 @@ def test_a_slip_is_refused_with_file_and_entry(path, value, message):
     assert "\n" not in str(caught.value)
 
 
-def test_positions_need_a_tool_rotation_and_a_home():
+@pytest.mark.parametrize("kept", ["tool_rotation", "positions"])
+def test_a_work_area_needs_a_home(kept):
     tree = copy.deepcopy(TREES[IRB])
-    del tree["work_area"]["tool_rotation"], tree["work_area"]["home"]
-    with pytest.raises(FFGymError, match=r"work_area\.positions need work_area\.tool_rotation and work_area\.home"):
+    tree["work_area"] = {kept: tree["work_area"][kept]}
+    with pytest.raises(FFGymError, match=rf"work_area\.{kept}\S* needs work_area\.home|work_area\.home is missing"):
         parse_robot(tomlkit.dumps(tree))
+
+
+def test_a_work_area_may_leave_the_orientation_of_the_tool_free():
+    tree = copy.deepcopy(TREES[IRB])
+    del tree["work_area"]["tool_rotation"]
+    area = parse_robot(tomlkit.dumps(tree)).work_area
+    assert area.tool_rotation is None
+    assert set(area.positions) == {"p1", "p2", "p3", "p4"}
 
 
 @pytest.mark.parametrize(("link", "message"), [("wrist", "unique"), ("tool", "clash"), ("wrist_rotor", "clash")])

@@ -65,13 +65,8 @@ def solve_twist(matrix: Array, twist: Array) -> Array:
 def _solved(gram: Array, right: Array) -> Array:
     """Solutions x (T, M, 1) of gram x = right; the smallest ones where a matrix is exactly singular."""
     try:
-        return np.linalg.solve(gram, right)
-    except np.linalg.LinAlgError:  # raised if any row is; the other rows keep their bits
-        return np.stack([_solved_alone(g, r) for g, r in zip(gram, right, strict=True)])
-
-
-def _solved_alone(gram: Array, right: Array) -> Array:
-    try:
-        return np.linalg.solve(gram, right)
-    except np.linalg.LinAlgError:
-        return np.linalg.pinv(gram, hermitian=True) @ right
+        return np.asarray(np.linalg.solve(gram, right), dtype=np.float64)
+    except np.linalg.LinAlgError:  # raised if any row is; the others keep their bits
+        if len(gram) == 1:
+            return np.linalg.pinv(gram, hermitian=True) @ right
+        return np.concatenate([_solved(gram[i : i + 1], right[i : i + 1]) for i in range(len(gram))])
