@@ -1,11 +1,13 @@
 """What a motion program asks for, independent of the robot: a list of moves between targets, with speeds and zones."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
 
 from ffgym.errors import FFGymError, check_number, check_rotation, check_shape
+from ffgym.paths.motion import CartesianPath, JointPath
 from ffgym.types import Array
 
 
@@ -95,7 +97,35 @@ class MoveJoint(Move):
 
     to: Pose | Array
     """Pose, or joint positions, link side, shape (N,) [rad, or m for a sliding joint]."""
+    speed: Speed | None = None
+    """Of the tool; None is as fast as the limits of the joints allow."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MoveSpline(Move):
+    """Smooth curve of the TCP through poses, which all or none give an orientation; it stops at both ends.
+
+    It begins where the last move ended, or at its first pose if it comes first.
+    """
+
+    through: tuple[Pose, ...]
+    """At least one pose beside the start."""
     speed: Speed
+
+    def __post_init__(self) -> None:
+        if not self.through or len({pose.rotation is None for pose in self.through}) > 1:
+            raise FFGymError("A spline needs at least one pose, and all or none of them must give an orientation.")
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MoveTimed(Move):
+    """A motion that brings its own time law, such as an excitation of the joints; no limits slow it down."""
+
+    path: Callable[[Array | None, float], JointPath | CartesianPath]
+    """Makes the path from the joint positions at which it is to start, shape (N,), None if it is the first move, and
+    the sample time [s]."""
 
 
 @final

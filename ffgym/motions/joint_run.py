@@ -1,0 +1,150 @@
+"""Moves of the joints, from rest to rest.
+
+The path is a curve through joint positions, each in units of its joint's largest speed: its length is the time [s] that
+the fastest joint takes at that speed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ffgym.motions.rows import Rows, phases_at, sample_times
+from ffgym.paths.bounds import MARGIN, Bounds, axis_bounds
+from ffgym.paths.curves import Curve, Line
+from ffgym.paths.limits import MotionLimits
+from ffgym.paths.moves import MoveJoint, Speed, located
+from ffgym.paths.pacing import stretches
+from ffgym.paths.route import SHARPEST, Leg, corner_angle, rounded
+from ffgym.paths.timing import time_law
+from ffgym.robot import RigidArm
+from ffgym.types import Array
+
+_ZONE_POINTS = 64
+"""Points on half a leg at which the distance of the tool from its target is examined."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointStep:
+    """A move of the joints and the straight line that it makes, in units of largest speeds."""
+
+    move: MoveJoint
+    leg: Leg
+
+
+def check_range(arm: RigidArm, move: MoveJoint, target: Array) -> None:
+    """Check that joint positions `target` can be a target of `move`.
+
+    Raises:
+        FFGymError: if they lie beyond a limit, or are too few or too many.
+    """
+    kinematics = arm.robot.kinematics
+    if target.shape != (arm.robot.n_joints,):
+        raise located(move, f"{len(target)} joint positions for the {arm.robot.n_joints} joints of {arm.robot.name!r}.")
+    outside = np.flatnonzero((target < kinematics.range[:, 0]) | (target > kinematics.range[:, 1]))
+    if outside.size:
+        j = int(outside[0])
+        raise located(
+            move,
+            f"Joint {arm.robot.joints[j]} = {target[j]:.4g} {kinematics.units[j]} is out of range, must be within "
+            f"{np.round(kinematics.range[j], 4).tolist()} {kinematics.units[j]}.",
+        )
+
+
+def joint_steps(arm: RigidArm, moves: Sequence[MoveJoint], targets: Sequence[Array], q: Array) -> list[JointStep]:
+    """Lines from `q` (N,) through the joint positions `targets`, one for each move; moves that go nowhere make none.
+
+    Raises:
+        FFGymError: if a target lies beyond a joint limit, or has another number of joints.
+    """
+    unit = arm.robot.kinematics.max_speed
+    steps = []
+    for move, target in zip(moves, targets, strict=True):
+        check_range(arm, move, target)
+        if np.any(target != q):
+            leg = Leg(curve=Line(start=q / unit, end=target / unit), speed=move.speed)
+            steps.append(JointStep(move=move, leg=leg))
+        q = target
+    return steps
+
+
+def split_reversals(steps: Sequence[JointStep]) -> tuple[list[list[JointStep]], list[str]]:
+    """Groups of steps between which the joints stop, and a note for each stop that was not asked for."""
+    groups, notes = [[step] for step in steps[:1]], []
+    for before, after in pairwise(steps):
+        back = corner_angle(before.leg.curve, after.leg.curve) > SHARPEST
+        if back and not before.move.zone.stops:
+            text = f"the robot stops at {before.move.label!r}, because the joints turn back there"
+            notes.append(str(located(before.move, text)))
+        if back or before.move.zone.stops:
+            groups.append([after])
+        else:
+            groups[-1].append(after)
+    return groups, notes
+
+
+def run_joints(arm: RigidArm, steps: Sequence[JointStep], limits: MotionLimits) -> Rows:
+    """Joint motion from rest to rest through the targets of `steps`, as fast as speeds and limits allow.
+
+    Raises:
+        FFGymError: if a zone is given for a robot without TCP.
+    """
+    legs = [step.leg for step in steps]
+    zones = [_zone(arm, before, after) for before, after in pairwise(steps)]
+    route, targets = rounded(legs, zones)
+    grid = [leg.grid() for leg in route.legs]
+    bounds = [_bounds(arm, leg, s, limits) for leg, s in zip(route.legs, grid, strict=True)]
+    law = time_law(stretches(grid, bounds))
+    t = sample_times(law, arm.robot.servo.control_dt)
+    s, speed, acceleration = law.at(t)
+    unit = arm.robot.kinematics.max_speed
+    position, first, second, _ = (part * unit for part in route.at(s).path)
+    return Rows(
+        q=position,
+        dq=first * speed[:, None],
+        ddq=first * acceleration[:, None] + second * speed[:, None] ** 2,
+        phases=phases_at(law, targets, [step.move.label for step in steps], ["motion"] * len(steps), float(t[-1])),
+    )
+
+
+def _zone(arm: RigidArm, before: JointStep, after: JointStep) -> tuple[float, float]:
+    """How far along both legs the tool stays within the zone around the target, at most half of each."""
+    if arm.robot.tool is None:
+        raise located(before.move, f"A zone is a distance of the TCP, which {arm.robot.name!r} has not; stop there.")
+    radius, unit = before.move.zone.radius, arm.robot.kinematics.max_speed
+    return (
+        _within(arm, before.leg.curve, before.leg.curve.length, radius, unit),
+        _within(arm, after.leg.curve, 0.0, radius, unit),
+    )
+
+
+def _within(arm: RigidArm, curve: Curve, corner: float, radius: float, unit: Array) -> float:
+    """Length of a curve, from one of its ends, on which the TCP stays within `radius` [m] of that end."""
+    away = np.linspace(0.0, 0.5 * curve.length, _ZONE_POINTS + 1)
+    points = arm.tcp_position(curve.at(np.abs(corner - away))[0] * unit)
+    beyond = np.flatnonzero(np.linalg.norm(points - points[0], axis=1) > radius)
+    return float(away[max(int(beyond[0]) - 1, 1)] if beyond.size else away[-1])
+
+
+def _bounds(arm: RigidArm, leg: Leg, s: Array, limits: MotionLimits) -> Bounds:
+    """Bounds on the speed along a leg at lengths `s`, from the joints and from the programmed speed of the tool."""
+    unit = arm.robot.kinematics.max_speed
+    position, *slopes = (part * unit for part in leg.at(s).path)
+    still = np.zeros(len(s))
+    cap = Bounds(
+        speed=_tool_speed(arm, leg.speed, position, slopes[0]),
+        acceleration=still + limits.joint_rise,
+        jerk=still + limits.joint_rise_jerk,
+    )
+    return axis_bounds(slopes, limits.of_joints(unit), cap)
+
+
+def _tool_speed(arm: RigidArm, speed: Speed | None, q: Array, slope: Array) -> Array:
+    """Largest speed along a leg at which tool and orientation are not faster than programmed, shape (T,)."""
+    if speed is None or arm.robot.tool is None:
+        return np.full(len(q), np.inf)
+    twist = np.einsum("tij,tj->ti", arm.jacobian(q), slope)
+    moved, turned = np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1)
+    tiny = np.finfo(np.float64).tiny
+    return MARGIN * np.minimum(speed.tcp / np.maximum(moved, tiny), speed.turn / np.maximum(turned, tiny))

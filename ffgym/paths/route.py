@@ -1,0 +1,175 @@
+"""A path without time: legs one after another, with corners rounded, measured by arc length from end to end."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ffgym.errors import FFGymError
+from ffgym.paths.curves import Curve, Derivatives, Part
+from ffgym.paths.moves import Speed
+from ffgym.paths.polynomial_curve import blend
+from ffgym.paths.turning import BlendedTurn, EvenTurn, Turned, Turning
+from ffgym.types import Array
+
+SMOOTH = 1e-4
+"""Largest change of the tangent [rad], and relative change of curvature, over which a path runs on without a rounded
+corner; chosen: at 1 m/s a step in speed of 0.1 mm/s, far below what a drive can follow."""
+SHARPEST = np.deg2rad(175.0)
+"""Largest angle by which a rounded corner turns back [rad]; chosen: beyond it is a cusp, and the robot stops."""
+GRID = 32
+"""Intervals in which a leg is examined at least."""
+GRID_STEP = 0.005
+"""Longest interval in which a leg is examined [m, or s of joint motion]; chosen: over 5 mm the joint motion of an arm
+hardly changes."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Course:
+    """Points along a path."""
+
+    path: Derivatives
+    """Position and its first three derivatives by arc length, shape (T, D) each."""
+    turned: Turned | None
+    """Orientation and its first two rates by arc length; None where there is none."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Leg:
+    """A stretch of path between two targets, or the rounded corner between two legs."""
+
+    curve: Curve
+    speed: Speed | None
+    """Programmed speed; None is as fast as the limits allow."""
+    turning: Turning | None = None
+    """How the tool turns; None where the path is one of joints, or orientation does not matter."""
+
+    def at(self, s: Array) -> "Course":
+        """What the leg is like at arc lengths `s` from its start, shape (T,)."""
+        return Course(path=self.curve.at(s), turned=None if self.turning is None else self.turning.at(s))
+
+    def grid(self) -> Array:
+        """Arc lengths at which the leg is examined, from its start to its end."""
+        length = self.curve.length
+        return np.linspace(0.0, length, max(GRID, int(np.ceil(length / GRID_STEP))) + 1)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Route:
+    """Legs that follow each other without a gap, without a kink and without a jump in curvature."""
+
+    legs: tuple[Leg, ...]
+
+    @cached_property
+    def ends(self) -> Array:
+        """Arc length at the end of each leg, shape (L,)."""
+        return np.cumsum([leg.curve.length for leg in self.legs])
+
+    @property
+    def length(self) -> float:
+        """Arc length of the whole."""
+        return float(self.ends[-1])
+
+    def at(self, s: Array) -> Course:
+        """What the path is like at increasing arc lengths `s`, shape (T,)."""
+        which = np.minimum(np.searchsorted(self.ends, s, side="right"), len(self.legs) - 1)
+        starts = self.ends - [leg.curve.length for leg in self.legs]
+        local = [(self.legs[i], s[which == i] - starts[i]) for i in np.unique(which)]
+        return chained([leg.at(np.clip(x, 0.0, leg.curve.length)) for leg, x in local])
+
+
+def chained(parts: Sequence[Course]) -> Course:
+    """Points of several legs, one after the other; all of them turn the tool, or none."""
+    p0, p1, p2, p3 = (np.concatenate(series) for series in zip(*(part.path for part in parts), strict=True))
+    turns = [part.turned for part in parts if part.turned is not None]
+    if not turns:
+        return Course(path=(p0, p1, p2, p3), turned=None)
+    r0, r1, r2 = (np.concatenate(series) for series in zip(*turns, strict=True))
+    return Course(path=(p0, p1, p2, p3), turned=(r0, r1, r2))
+
+
+def rounded(legs: Sequence[Leg], zones: Sequence[tuple[float, float]]) -> tuple[Route, Array]:
+    """Legs joined into a route, each corner rounded within its zone.
+
+    Zones that would overlap shrink to half of the shorter leg, so that every leg keeps its middle.
+
+    Args:
+        legs: one or more, each starting where the one before ends.
+        zones: how far before and after each corner the rounding may begin and end, along the path, for all corners.
+
+    Returns:
+        The route, and the arc length at which it passes each target, the last one at its end, shape (L,).
+    """
+    cuts = [
+        (0.0, 0.0) if meets(before, after) else _shrunk(zone, before.curve.length, after.curve.length)
+        for zone, before, after in zip(zones, legs, legs[1:], strict=False)
+    ]
+    before, after = [0.0, *(cut[1] for cut in cuts)], [*(cut[0] for cut in cuts), 0.0]
+    trimmed = [_trimmed(leg, a, b) for leg, a, b in zip(legs, before, after, strict=True)]
+    chain, targets, length = [trimmed[0]], [], trimmed[0].curve.length
+    for i, cut in enumerate(cuts):
+        corner = _corner(legs[i], legs[i + 1], trimmed[i], trimmed[i + 1], cut) if max(cut) > 0 else None
+        passed = corner.curve.length if corner else 0.0
+        targets.append(length + 0.5 * passed)
+        chain += [corner, trimmed[i + 1]] if corner else [trimmed[i + 1]]
+        length += passed + trimmed[i + 1].curve.length
+    return Route(legs=tuple(chain)), np.array([*targets, length])
+
+
+def meets(before: Leg, after: Leg) -> bool:
+    """Whether a leg goes on as the one before ends: in direction, curvature and turning."""
+    _, t0, n0, _ = before.curve.at(np.array([before.curve.length]))
+    _, t1, n1, _ = after.curve.at(np.array([0.0]))
+    bend = float(max(np.linalg.norm(n0), np.linalg.norm(n1)))
+    smooth = bool(np.linalg.norm(t0 - t1) <= SMOOTH and np.linalg.norm(n0 - n1) <= SMOOTH * bend)
+    if before.turning is None or after.turning is None:
+        return smooth
+    w0, w1 = before.turning.at(np.array([before.curve.length]))[1], after.turning.at(np.array([0.0]))[1]
+    rate = float(max(np.linalg.norm(w0), np.linalg.norm(w1)))
+    return smooth and bool(np.linalg.norm(w0 - w1) <= SMOOTH * rate)
+
+
+def corner_angle(before: Curve, after: Curve) -> float:
+    """Angle [rad] between the directions in which one curve ends and the next one starts."""
+    t0, t1 = before.at(np.array([before.length]))[1][0], after.at(np.array([0.0]))[1][0]
+    return float(2 * np.arctan2(np.linalg.norm(t1 - t0), np.linalg.norm(t1 + t0)))
+
+
+def _shrunk(zone: tuple[float, float], before: float, after: float) -> tuple[float, float]:
+    half = 0.5 * min(before, after)
+    return min(zone[0], half), min(zone[1], half)
+
+
+def _trimmed(leg: Leg, start: float, end: float) -> Leg:
+    """The leg without its first and last stretch."""
+    if start == 0 and end == 0:
+        return leg
+    turning = leg.turning
+    if isinstance(turning, EvenTurn):
+        turning = EvenTurn(start=turning.at(np.array([start]))[0][0], rate=turning.rate)
+    return replace(leg, curve=Part(curve=leg.curve, start=start, end=leg.curve.length - end), turning=turning)
+
+
+def _corner(before: Leg, after: Leg, first: Leg, second: Leg, cut: tuple[float, float]) -> Leg:
+    """Rounded corner between the trimmed legs, at the lower of their speeds."""
+    curve = blend(first.curve, second.curve)
+    turning: Turning | None = None
+    if isinstance(before.turning, EvenTurn) and isinstance(after.turning, EvenTurn):
+        turning = BlendedTurn(
+            corner=after.turning.start,
+            before=before.turning.rate,
+            after=after.turning.rate,
+            legs=cut,
+            length=curve.length,
+        )
+    elif before.turning is not None or after.turning is not None:
+        raise FFGymError("A corner is rounded between legs that turn the tool evenly; stop before and after a spline.")
+    return Leg(curve=curve, speed=slower(before.speed, after.speed), turning=turning)
+
+
+def slower(first: Speed | None, second: Speed | None) -> Speed | None:
+    """The lower of two programmed speeds, in both of its parts."""
+    if first is None or second is None:
+        return first or second
+    return Speed(tcp=min(first.tcp, second.tcp), turn=min(first.turn, second.turn))

@@ -1,0 +1,159 @@
+"""From a path to a motion: how fast it may be run on each stretch, and the fastest jerk-limited time law within that.
+
+Speeds where stretches meet are the largest that a pass forwards and one backwards find reachable. Acceleration is zero
+there, so that each stretch keeps its own limits to its very ends. What is left on a stretch is the classic profile of
+seven phases between two speeds, in closed form but for one root. Libraries were weighed: ruckig solves the more general
+problem of any state to any state, but refuses some of these stretches (long ones at low speed), and passes waypoints
+to a service on the network; toppra knows no limit of jerk. The tests hold these profiles against ruckig's.
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ffgym.errors import check_number
+from ffgym.types import Array
+
+_SLACK = 1e-9
+"""Share of a stretch kept free where a junction speed is just reached, so that rounding cannot make it short."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stretch:
+    """A piece of a path with limits of its own. A length is in m, or in s for a path of joints; see `curves`."""
+
+    length: float
+    """> 0."""
+    speed: float
+    """Largest speed along the path, > 0."""
+    acceleration: float
+    """Largest acceleration along the path, > 0."""
+    jerk: float
+    """Largest jerk along the path, > 0."""
+
+    def __post_init__(self) -> None:
+        for name in ("length", "speed", "acceleration", "jerk"):
+            check_number(f"{name} of a stretch", getattr(self, name), low=0.0, open_low=True)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TimeLaw:
+    """Travelled length as a function of time: pieces of constant jerk, from rest to rest."""
+
+    start: Array
+    """Times at which the pieces start [s], increasing from 0, shape (K,)."""
+    state: Array
+    """Length, speed, acceleration and jerk at the start of each piece, shape (K, 4)."""
+    duration: float
+    """[s]."""
+    length: float
+    """Travelled in the end."""
+
+    def at(self, t: Array) -> tuple[Array, Array, Array]:
+        """Length, speed and acceleration at times `t` [s], shape (T,); at rest before the start and after the end."""
+        inside = np.clip(t, 0.0, self.duration)
+        piece = np.searchsorted(self.start, inside, side="right") - 1
+        s, v, a, j = self.state[piece].T
+        tau = inside - self.start[piece]
+        ended = inside >= self.duration
+        travelled = np.minimum(s + tau * (v + tau * (a / 2 + tau * j / 6)), self.length)
+        return (
+            np.where(ended, self.length, travelled),
+            np.where(ended, 0.0, v + tau * (a + tau * j / 2)),
+            np.where(ended, 0.0, a + tau * j),
+        )
+
+    def time_of(self, length: float) -> float:
+        """Time [s] at which `length` has been travelled."""
+        if length >= self.length:
+            return self.duration
+        piece = int(np.searchsorted(self.state[:, 0], length, side="right")) - 1
+        first, last = (float(t) for t in np.append(self.start, self.duration)[piece : piece + 2])
+
+        def short(t: float) -> float:
+            return float(self.at(np.array([t]))[0][0]) - length
+
+        return first if short(first) >= 0 else brentq(short, first, last, xtol=1e-13)
+
+
+def time_law(stretches: Sequence[Stretch]) -> TimeLaw:
+    """Fastest time law from rest to rest, with zero acceleration where stretches meet."""
+    speeds = junction_speeds(stretches)
+    pieces, time, length = [], 0.0, 0.0
+    for stretch, before, after in zip(stretches, speeds, speeds[1:], strict=False):
+        duration, part = _profile(stretch, before, after)
+        part[:, 0] += time
+        part[:, 1] += length
+        pieces.append(part)
+        time, length = time + duration, length + stretch.length
+    table = np.concatenate(pieces)
+    return TimeLaw(start=table[:, 0], state=table[:, 1:], duration=time, length=length)
+
+
+def junction_speeds(stretches: Sequence[Stretch]) -> list[float]:
+    """Largest speeds where stretches meet, with those at both ends of the path, which are 0."""
+    caps = [min(a.speed, b.speed) for a, b in itertools.pairwise(stretches)]
+    speeds = [0.0, *caps, 0.0]
+    for i, stretch in enumerate(stretches):
+        speeds[i + 1] = _reachable(stretch, speeds[i], speeds[i + 1])
+    for i in reversed(range(len(stretches))):
+        speeds[i] = _reachable(stretches[i], speeds[i + 1], speeds[i])
+    return speeds
+
+
+def _reachable(stretch: Stretch, speed: float, wanted: float) -> float:
+    """Largest speed up to `wanted` that the stretch can change to, or from, `speed`."""
+    room = stretch.length * (1 - _SLACK)
+    if wanted <= speed or _distance(stretch, speed, wanted) <= room:
+        return wanted
+    return float(brentq(lambda v: _distance(stretch, speed, v) - room, speed, wanted, xtol=1e-14 * wanted))
+
+
+def _distance(stretch: Stretch, slow: float, fast: float) -> float:
+    """Least length over which speed changes between two values, with zero acceleration at both."""
+    time = sum(tau for tau, _ in _phases(stretch, fast - slow))
+    return 0.5 * (slow + fast) * time
+
+
+def _profile(stretch: Stretch, before: float, after: float) -> tuple[float, Array]:
+    """Duration [s], and rows of start time, length, speed, acceleration and jerk, shape (K, 5), of one stretch."""
+    peak = _peak_speed(stretch, before, after)
+    rising, falling = _phases(stretch, peak - before), _phases(stretch, peak - after)
+    used = _distance(stretch, before, peak) + _distance(stretch, after, peak)
+    cruise = (max(stretch.length - used, 0.0) / peak, 0.0)
+    phases = [*rising, cruise, *((tau, -jerk) for tau, jerk in falling)]
+    rows, time, state = [], 0.0, (0.0, before, 0.0)
+    for tau, jerk in phases:
+        if tau > 0:
+            rows.append((time, *state, jerk))
+            time, state = time + tau, _moved(state, tau, jerk)
+    return time, np.array(rows)
+
+
+def _peak_speed(stretch: Stretch, before: float, after: float) -> float:
+    """Largest speed on the stretch: its limit, or what its length leaves room for."""
+
+    def excess(peak: float) -> float:
+        return _distance(stretch, before, peak) + _distance(stretch, after, peak) - stretch.length
+
+    low, high = max(before, after), stretch.speed
+    if excess(high) <= 0 or low >= high:
+        return high
+    return float(brentq(excess, low, high, xtol=1e-15 * high)) if excess(low) < 0 else low
+
+
+def _phases(stretch: Stretch, change: float) -> list[tuple[float, float]]:
+    """Durations [s] and jerks of the three phases in which speed rises by `change` >= 0."""
+    acceleration = min(stretch.acceleration, float(np.sqrt(change * stretch.jerk)))
+    ramp = acceleration / stretch.jerk
+    hold = change / acceleration - ramp if acceleration > 0 else 0.0
+    return [(ramp, stretch.jerk), (hold, 0.0), (ramp, -stretch.jerk)]
+
+
+def _moved(state: tuple[float, float, float], tau: float, jerk: float) -> tuple[float, float, float]:
+    """Length, speed and acceleration after `tau` [s] of constant jerk."""
+    s, v, a = state
+    return s + tau * (v + tau * (a / 2 + tau * jerk / 6)), v + tau * (a + tau * jerk / 2), a + tau * jerk
