@@ -11,7 +11,8 @@ from ffgym.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.recordings.phase import Phase
 from ffgym.recordings.schema import USER_PREFIX
 
-_JOINT_NAME = re.compile(r"[A-Za-z0-9_/-]+")
+JOINT_NAME = re.compile(r"[A-Za-z0-9_/-]+")
+"""What a joint may be called, so that its name can end the names of columns."""
 
 
 def as_text(name: str, value: Any, *, empty: bool = False) -> str:
@@ -34,7 +35,7 @@ def as_joints(value: Any) -> tuple[str, ...]:
     if not joints or len(set(joints)) < len(joints):
         raise FFGymError(f"header joints = {joints} must be at least one name, each once.")
     for joint in joints:
-        if not _JOINT_NAME.fullmatch(joint):
+        if not JOINT_NAME.fullmatch(joint):
             raise FFGymError(f"header joints: {joint!r} must be letters, digits or any of _ / -")
     return joints
 

@@ -31,7 +31,7 @@ def load_draft(robot: str | Path) -> RobotDraft:
         FFGymError: if there is no such robot or file, or an entry is unknown or invalid.
     """
     if str(robot).endswith(".toml"):
-        return parse_draft(_read_text(Path(robot)), where=str(robot))
+        return parse_draft(_read_text(Path(robot)), where=str(robot), folder=Path(robot).parent)
     name = check_choice("robot", str(robot), builtin_robots())
     text = (resources.files("ffgym.robot") / "data" / f"{name}.toml").read_text(encoding="utf-8")
     return parse_draft(text, where=f"{name}.toml")
@@ -53,13 +53,18 @@ def robot_of(robot: RobotDescription | str | Path, what: str = "robot") -> Robot
     return load_robot(robot)
 
 
-def parse_robot(text: str, where: str = "description") -> RobotDescription:
-    """Build a description from TOML text; `where` names the text in error messages.
+def parse_robot(text: str, where: str = "description", folder: str | Path = ".") -> RobotDescription:
+    """Build a description from TOML text.
+
+    Args:
+        text: the description.
+        where: its name, for messages.
+        folder: where the path of an arm file starts.
 
     Raises:
         FFGymError: if the text is not TOML, or an entry is missing, unknown or invalid.
     """
-    return parse_draft(text, where).complete()
+    return parse_draft(text, where, folder).complete()
 
 
 def _read_text(path: Path) -> str:

@@ -1,22 +1,29 @@
-"""What a robot looks like: primitives, a floor, a sky and light."""
+"""What a robot looks like: primitives and meshes, a floor, a sky and light."""
+
+from collections.abc import Mapping
 
 import mujoco
 
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.parts import Geom
+from ffgym.robot.parts import Geom, Mesh
 
 _GEOM_TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+    "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+    "mesh": mujoco.mjtGeom.mjGEOM_MESH,
 }
 
 
 def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
-    """Add the primitives of the description, a floor, a sky and light; they weigh nothing and touch nothing."""
+    """Add the shapes of the description, a floor, a sky and light; they weigh nothing and touch nothing."""
+    meshes = {geom.mesh: f"mesh{i}" for i, geom in enumerate(robot.geoms) if geom.mesh is not None}
+    for mesh, name in meshes.items():
+        _add_mesh(spec, name, mesh)
     for geom in robot.geoms:
-        _add_geom(spec.body(geom.body), geom)
+        _add_geom(spec.body(geom.body), geom, meshes)
     spec.worldbody.add_geom(
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
@@ -41,7 +48,17 @@ def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
     spec.visual.map.znear = 0.01
 
 
-def _add_geom(body: mujoco.MjsBody, geom: Geom) -> None:
+def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh) -> None:
+    """Add a surface; shell inertia, as it may not be closed, and weighs nothing anyway."""
+    spec.add_mesh(
+        name=name,
+        uservert=mesh.vertices.ravel(),
+        userface=mesh.faces.ravel(),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+    )
+
+
+def _add_geom(body: mujoco.MjsBody, geom: Geom, meshes: Mapping[Mesh, str]) -> None:
     common = {
         "type": _GEOM_TYPES[geom.type],
         "rgba": geom.colour,
@@ -50,7 +67,9 @@ def _add_geom(body: mujoco.MjsBody, geom: Geom) -> None:
         "mass": 0.0,
         "group": 1,
     }
-    if geom.end is None:
-        body.add_geom(size=[*geom.size, 0, 0][:3], pos=geom.pos, **common)
-    else:
+    if geom.end is not None:
         body.add_geom(size=[geom.size[0], 0, 0], fromto=[*geom.pos, *geom.end], **common)
+    elif geom.mesh is not None:
+        body.add_geom(meshname=meshes[geom.mesh], pos=geom.pos, quat=geom.rotation, **common)
+    else:
+        body.add_geom(size=[*geom.size, 0, 0][:3], pos=geom.pos, quat=geom.rotation, **common)

@@ -1,22 +1,29 @@
 """From the TOML of a description to a draft: every number that is there is checked, none has to be there."""
 
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.errors import FFGymError
 from ffgym.robot.draft import RobotDraft
+from ffgym.robot.head import parse_head
 from ffgym.robot.parse_looks import parse_looks
-from ffgym.robot.parts import JOINT_TYPES, Logs, Spring
+from ffgym.robot.parts import Logs, Spring
 from ffgym.robot.quantity import Quantity, parse_quantity
 from ffgym.robot.rule import SIDES, JointFrame, Rule
 from ffgym.robot.rules import POINT, RULES, SPRING_RULES
 from ffgym.robot.tables import names_of, table_of
 
 
-def parse_draft(text: str, where: str = "description") -> RobotDraft:
-    """Read a description that may lack entries from TOML text; `where` names the text in error messages.
+def parse_draft(text: str, where: str = "description", folder: str | Path = ".") -> RobotDraft:
+    """Read a description that may lack entries from TOML text.
+
+    Args:
+        text: the description.
+        where: its name, for messages.
+        folder: where the path of an arm file starts.
 
     Raises:
         FFGymError: if the text is not TOML, or an entry is unknown or invalid.
@@ -26,46 +33,32 @@ def parse_draft(text: str, where: str = "description") -> RobotDraft:
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise FFGymError(f"{where} is not valid TOML: {error}.") from error
     try:
-        draft = _draft(tree, where)
+        draft = _draft(tree, where, Path(folder))
         draft.check()
     except FFGymError as error:
         raise FFGymError(f"{where}: {error}") from error
     return draft
 
 
-def _draft(tree: dict[str, Any], where: str) -> RobotDraft:
-    head = tree.pop("robot", None)
-    needed = {"name", "title", "joints", "links"}
-    if not isinstance(head, dict) or not needed <= set(head) <= needed | {"types"}:
-        raise FFGymError("[robot] must have exactly name, title, joints and links, and may have types.")
-    joints, links = names_of("[robot] joints", head["joints"]), names_of("[robot] links", head["links"])
-    name, title = names_of("[robot] name and title", [head["name"], head["title"]])
-    types = _types(head.get("types", ["hinge"] * len(joints)), len(joints))
+def _draft(tree: dict[str, Any], where: str, folder: Path) -> RobotDraft:
+    head = parse_head(tree.pop("robot", None), folder)
     look, logs, springs = tree.pop("look", {}), tree.pop("logs", {}), tree.pop("springs", {})
-    quantities, waiting = _quantities(tree, types)
-    spring_list = _springs(springs, quantities, types)
+    quantities, waiting = _quantities(tree, head.types)
+    quantities = {**head.quantities, **quantities}
+    spring_list = _springs(springs, quantities, head.types)
     return RobotDraft(
         where=where,
-        name=name,
-        title=title,
-        joints=joints,
-        links=links,
-        types=types,
+        name=head.name,
+        title=head.title,
+        joints=head.joints,
+        links=head.links,
+        types=head.types,
         quantities=quantities,
         waiting=waiting,
         springs=spring_list,
         logs=_logs(logs),
-        geoms=parse_looks(look, ("base", *links, "tool")),
+        geoms=(*head.geoms, *parse_looks(look, ("base", *head.links, "tool"))),
     )
-
-
-def _types(types: Any, n_joints: int) -> tuple[str, ...]:
-    names = names_of("[robot] types", types)
-    for kind in names:
-        check_choice("[robot] types", kind, JOINT_TYPES)
-    if len(names) != n_joints:
-        raise FFGymError(f"[robot] has {len(names)} types for {n_joints} joints; give one per joint.")
-    return names
 
 
 def _quantities(tree: dict[str, Any], types: tuple[str, ...]) -> tuple[dict[str, Quantity], tuple[str, ...]]:

@@ -1,0 +1,157 @@
+"""Which joints of a model are the serial arm, and which bodies move with each of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import mujoco
+import numpy as np
+
+from ffgym.errors import FFGymError, check_choice
+from ffgym.recordings.header_fields import JOINT_NAME
+from ffgym.types import IntArray
+
+BASE, ELSEWHERE = -1, -2
+"""Owners of bodies that no joint of the chain moves: part of the fixed base, or not of the arm at all."""
+
+TYPES = {mujoco.mjtJoint.mjJNT_HINGE.value: "hinge", mujoco.mjtJoint.mjJNT_SLIDE.value: "slide"}
+"""Joints that a serial arm may have, as MuJoCo and descriptions call them."""
+
+_HELD = "Name the joints that move, joints = [...] from the base outwards; all others are held at zero."
+_SHOWN = 4
+"""Branches that an error lists before it counts the rest."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Chain:
+    """A serial arm within a model."""
+
+    joints: tuple[int, ...]
+    """Its joints in the model, from the base outwards."""
+    names: tuple[str, ...]
+    """Their names."""
+    types: tuple[str, ...]
+    """'hinge' or 'slide', one per joint."""
+    owner: IntArray
+    """For each body of the model the joint (0 ... N-1) that it is behind, BASE or ELSEWHERE."""
+
+
+def choose_chain(model: mujoco.MjModel, wanted: Sequence[str] | None) -> Chain:
+    """The chain of the `wanted` joints, or of all there are.
+
+    Raises:
+        FFGymError: if they are no serial chain of hinges and sliding joints; the message lists the choices.
+    """
+    names = [model.joint(j).name or f"joint{j + 1}" for j in range(model.njnt)]
+    if not names:
+        raise FFGymError("It has no joints, so nothing can move. An arm needs at least one hinge or sliding joint.")
+    if wanted is None:
+        joints = list(range(model.njnt))
+    else:
+        joints = [names.index(check_choice("joint", name, names)) for name in wanted]
+    _check_types(model, joints, names)
+    before = _before(model, joints)
+    if wanted is None:
+        _check_single(joints, before, names)
+    _check_order(joints, before, names)
+    _check_names([names[j] for j in joints])
+    _check_links(model, joints, names)
+    return Chain(
+        joints=tuple(joints),
+        names=tuple(names[j] for j in joints),
+        types=tuple(TYPES[model.jnt_type[j]] for j in joints),
+        owner=_owners(model, joints),
+    )
+
+
+def _before(model: mujoco.MjModel, joints: Sequence[int]) -> dict[int, int | None]:
+    """For each joint the one of `joints` that moves it, None for the first."""
+    last: list[int | None] = [None] * model.nbody  # the last joint of the chain that moves each body
+    before: dict[int, int | None] = {}
+    for body in range(1, model.nbody):
+        moving = last[model.body_parentid[body]]
+        for j in range(model.body_jntadr[body], model.body_jntadr[body] + model.body_jntnum[body]):
+            if j in joints:
+                before[j] = moving
+                moving = j
+        last[body] = moving
+    return before
+
+
+def _owners(model: mujoco.MjModel, joints: Sequence[int]) -> IntArray:
+    first = int(model.jnt_bodyid[joints[0]])
+    own = {int(model.jnt_bodyid[j]): k for k, j in enumerate(joints)}
+    root = _top(model, first)
+    owner = np.full(model.nbody, ELSEWHERE)
+    for body in range(1, model.nbody):
+        inherited = BASE if body == root else owner[model.body_parentid[body]]
+        owner[body] = own.get(body, inherited)
+    return owner
+
+
+def _top(model: mujoco.MjModel, body: int) -> int:
+    """The ancestor of a body that stands in the world."""
+    while model.body_parentid[body] != 0:
+        body = int(model.body_parentid[body])
+    return body
+
+
+def _check_types(model: mujoco.MjModel, joints: Sequence[int], names: Sequence[str]) -> None:
+    for j in joints:
+        if model.jnt_type[j] not in TYPES:
+            kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
+            raise FFGymError(f"Joint {names[j]!r} is a {kind} joint; an arm has hinges and sliding joints. {_HELD}")
+
+
+def _check_single(joints: Sequence[int], before: dict[int, int | None], names: Sequence[str]) -> None:
+    """All joints of a file must follow one another, or the user must choose."""
+    chains = [_chain_to(leaf, before) for leaf in joints if leaf not in before.values()]
+    if len(chains) == 1:
+        return
+    common = [row[0] for row in zip(*chains, strict=False) if len(set(row)) == 1]
+    branches = [str([names[j] for j in chain[len(common) :]]) for chain in chains]
+    shown = " or ".join(branches[:_SHOWN]) + (f" or {len(branches) - _SHOWN} more" if branches[_SHOWN:] else "")
+    where = f"It branches after {names[common[-1]]!r}" if common else "It has several chains"
+    raise FFGymError(f"{where}: {shown}. {_HELD} For example joints = {[names[j] for j in common or chains[0]]}.")
+
+
+def _chain_to(joint: int, before: dict[int, int | None]) -> list[int]:
+    """All joints from the base to `joint`."""
+    chain = [joint]
+    while (j := before[chain[0]]) is not None:
+        chain.insert(0, j)
+    return chain
+
+
+def _check_order(joints: Sequence[int], before: dict[int, int | None], names: Sequence[str]) -> None:
+    if len(set(joints)) < len(joints) or not joints:
+        raise FFGymError(f"joints = {[names[j] for j in joints]} must name at least one joint, and each once.")
+    if before[joints[0]] is not None:
+        raise FFGymError(
+            f"joints = {[names[j] for j in joints]} must go from the base outwards, but {names[joints[0]]!r} is "
+            f"moved by {names[before[joints[0]] or 0]!r}."
+        )
+    for j, k in pairwise(joints):
+        if before[k] != j:
+            raise FFGymError(
+                f"joints = {[names[i] for i in joints]} must be one chain from the base outwards, but {names[k]!r} "
+                f"does not follow {names[j]!r}."
+            )
+
+
+def _check_names(names: Sequence[str]) -> None:
+    for name in names:
+        if not JOINT_NAME.fullmatch(name):
+            raise FFGymError(
+                f"Joint {name!r} cannot name columns of recordings: letters, digits or any of _ / - can. Rename it."
+            )
+
+
+def _check_links(model: mujoco.MjModel, joints: Sequence[int], names: Sequence[str]) -> None:
+    for j, k in pairwise(joints):
+        if model.jnt_bodyid[j] == model.jnt_bodyid[k]:
+            body = model.body(model.jnt_bodyid[j]).name
+            raise FFGymError(
+                f"Joints {names[j]!r} and {names[k]!r} are both in body {body!r}, so the link between them weighs "
+                f"nothing. Put a body with a mass between them, or move only one of them. {_HELD}"
+            )

@@ -1,0 +1,99 @@
+"""The numbers of a chain, read from MuJoCo's own kinematics with all joints at zero."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from ffgym.errors import FFGymError, check_shape
+from ffgym.robot.arm_file.arm_file import NamedFrame
+from ffgym.robot.arm_file.chain import BASE, TYPES, Chain
+from ffgym.types import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pose:
+    """A model with its joints at zero, and where the links of a chain have their origins then."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    chain: Chain
+    origins: Array
+    """Origin of each link in the world [m], shape (N, 3): a point on the axis of its joint."""
+
+    def origin(self, owner: int) -> Array:
+        """Origin of the frame of a link, or of the base, in the world [m], shape (3,)."""
+        return np.zeros(3) if owner == BASE else self.origins[owner]
+
+
+def pose_at_zero(model: mujoco.MjModel, chain: Chain) -> Pose:
+    """Put hinges and sliding joints at zero, whatever their `ref`; all others stay where the file draws them."""
+    data = mujoco.MjData(model)
+    for j in range(model.njnt):
+        if model.jnt_type[j] in TYPES:
+            data.qpos[model.jnt_qposadr[j]] = 0.0
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    origins = data.xanchor[list(chain.joints)].copy()
+    return Pose(model=model, data=data, chain=chain, origins=origins)
+
+
+def geometry(pose: Pose) -> dict[str, Array]:
+    """`kinematics.position` [m], shape (N, 3), and `kinematics.axis`, shape (N, 3)."""
+    axis = pose.data.xaxis[list(pose.chain.joints)]
+    steps = np.diff(pose.origins, axis=0, prepend=np.zeros((1, 3)))
+    return {"kinematics.position": steps, "kinematics.axis": axis / np.linalg.norm(axis, axis=1, keepdims=True)}
+
+
+def masses(pose: Pose) -> dict[str, Array]:
+    """Mass, centre of mass and inertia of the base and of each link with all that is welded to it.
+
+    Raises:
+        FFGymError: if a link weighs nothing, or the numbers overflow.
+    """
+    base_mass, base_com, _ = _fused(pose, BASE)
+    links = [_fused(pose, k) for k in range(len(pose.chain.joints))]
+    found = {"base.mass": base_mass, "base.com": base_com}
+    for name, column in zip(("mass", "com", "inertia"), zip(*links, strict=True), strict=True):
+        found[f"links.{name}"] = np.array(column)
+    for name, joint in zip(found["links.mass"], pose.chain.names, strict=True):
+        if not name > 0:
+            raise FFGymError(
+                f"The link behind joint {joint!r} weighs {name} kg; a link that moves must weigh something."
+            )
+    return {name: check_shape(name, value, np.shape(value)) for name, value in found.items()}
+
+
+def named_frames(pose: Pose) -> dict[str, NamedFrame]:
+    """Bodies and sites of the last link, in its frame; a site wins over a body of its name."""
+    model, data = pose.model, pose.data
+    last = len(pose.chain.joints) - 1
+    frames = {}
+    for count, owner_of, access, points, turns in (
+        (model.nbody, np.arange(model.nbody), model.body, data.xpos, data.xmat),
+        (model.nsite, model.site_bodyid, model.site, data.site_xpos, data.site_xmat),
+    ):
+        for i in range(count):
+            name = access(i).name
+            if name and pose.chain.owner[owner_of[i]] == last:
+                position = points[i] - pose.origin(last)
+                frames[name] = NamedFrame(position=position, rotation=turns[i].reshape(3, 3).copy())
+    return frames
+
+
+def _fused(pose: Pose, owner: int) -> tuple[Array, Array, Array]:
+    """Mass, centre of mass and inertia about it (xx, yy, zz, xy, xz, yz) of all bodies of an owner, as one."""
+    model, data = pose.model, pose.data
+    bodies = np.flatnonzero(pose.chain.owner == owner)
+    mass = model.body_mass[bodies]
+    total = mass.sum()
+    if total == 0:
+        return total, np.zeros(3), np.zeros(6)
+    com = mass @ data.xipos[bodies] / total
+    tensor = np.zeros((3, 3))
+    for body in bodies:
+        turn, offset = data.ximat[body].reshape(3, 3), data.xipos[body] - com
+        tensor += turn @ np.diag(model.body_inertia[body]) @ turn.T
+        tensor += model.body_mass[body] * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+    inertia = tensor[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    return total, com - pose.origin(owner), inertia

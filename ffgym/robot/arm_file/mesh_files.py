@@ -1,0 +1,39 @@
+"""Where the meshes of a URDF file are."""
+
+from pathlib import Path
+
+from ffgym.errors import FFGymError
+
+READABLE = (".stl", ".obj", ".msh")
+"""Formats that MuJoCo reads."""
+
+WAY_OUT = 'or leave the looks out: looks = "none" in [robot], looks=False in read_arm'
+"""What helps against any trouble with a mesh."""
+
+
+def find_mesh(uri: str, folder: Path, what: str) -> Path:
+    """The file that `uri` means in a file that lies in `folder`.
+
+    `package://name/rest` is looked for under every folder that holds the file, as `name/rest`, and as `rest` where the
+    folder itself has that name; other relative paths start at `folder`.
+
+    Raises:
+        FFGymError: if there is no such file; `what` names the mesh.
+    """
+    places = _places(uri, folder)
+    for place in places:
+        if place.is_file():
+            return place
+    looked = ", ".join(map(str, places[:3])) + (f" and {len(places) - 3} folders above" if len(places) > 3 else "")
+    raise FFGymError(f"The mesh {uri!r} of {what} is missing; looked for {looked}. Put it there, {WAY_OUT}.")
+
+
+def _places(uri: str, folder: Path) -> list[Path]:
+    scheme, separator, rest = uri.partition("://")
+    if not separator:
+        return [folder / uri]
+    if scheme == "file":
+        return [Path(rest)]
+    package, _, inside = rest.partition("/")
+    above = [folder, *folder.parents]
+    return [parent / inside for parent in above if parent.name == package] + [parent / rest for parent in above]

@@ -1,0 +1,73 @@
+"""The numbers of an arm file as entries of a robot description, each with its origin."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ffgym.robot.arm_file.arm_file import ArmFile, JointHints, Kind
+from ffgym.robot.arm_file.measure import Pose, geometry, masses
+from ffgym.robot.quantity import Quantity
+from ffgym.robot.rule import JointFrame, si_units
+from ffgym.robot.rules import RULES
+from ffgym.types import Array
+
+UNLIMITED = 2 * np.pi
+"""Range of a hinge without limits, to both sides [rad]: one turn, what cables along an arm usually bear."""
+
+
+def quantities_of(pose: Pose, hints: Sequence[JointHints], file: str, kind: Kind) -> dict[str, Quantity]:
+    """Entries by path; `file` is their source."""
+    joints = JointFrame(types=pose.chain.types)
+    values = geometry(pose) | masses(pose)
+    entries = {path: _quantity(path, value, ("sourced",), file, joints) for path, value in values.items()}
+    path, gravity = "simulation.gravity", pose.model.opt.gravity
+    if kind == "urdf":
+        entries[path] = _quantity(path, gravity, ("chosen",), f"{file} says none; URDF has z upwards", joints)
+    else:
+        entries[path] = _quantity(path, gravity, ("sourced",), file, joints)
+    entries |= _range(pose, file, joints)
+    if all(hint.speed is not None for hint in hints):
+        speeds = np.array([hint.speed for hint in hints])
+        path = "kinematics.max_speed"
+        entries[path] = _quantity(path, speeds, ("sourced",), file, joints)
+    return entries
+
+
+def flange_at(arm: ArmFile, frame: str) -> dict[str, Quantity]:
+    """Entries that put tool0 at a named frame of the file.
+
+    Raises:
+        FFGymError: if the last link has no such frame.
+    """
+    place, source = arm.frame(frame), f"{Path(arm.path).name}, frame {frame}"
+    values = {"flange.position": place.position, "flange.rotation": place.rotation}
+    joints = JointFrame(types=arm.types)
+    return {path: _quantity(path, value, ("sourced",), source, joints) for path, value in values.items()}
+
+
+def _range(pose: Pose, file: str, joints: JointFrame) -> dict[str, Quantity]:
+    """Joint limits; none at all if a sliding joint has none, as nothing says how far it could go."""
+    chosen = list(pose.chain.joints)
+    limited = pose.model.jnt_limited[chosen].astype(bool)
+    hinges = np.array([kind == "hinge" for kind in joints.types])
+    if not np.all(limited | hinges):
+        return {}
+    path = "kinematics.range"
+    limits = np.where(limited[:, None], pose.model.jnt_range[chosen], UNLIMITED * np.array([-1.0, 1.0]))
+    origin = tuple("sourced" if known else "chosen" for known in limited)
+    source = file if np.all(limited) else f"{file}; one turn to both sides where it gives no limits"
+    return {path: _quantity(path, limits, origin, source, joints)}
+
+
+def _quantity(path: str, value: Array, origin: tuple[str, ...], source: str, joints: JointFrame) -> Quantity:
+    rule = RULES[path]
+    array = np.array(value, dtype=np.float64) + 0.0  # which makes -0 a plain 0
+    array.flags.writeable = False
+    return Quantity(
+        value=array,
+        unit=", ".join(si_units(rule, rule.side, joints)),
+        side=rule.side,
+        origin=origin,
+        source=source,
+    )

@@ -1,0 +1,119 @@
+"""Shapes of a URDF file as geoms without mass: what it shows, or where that cannot be read, what it collides with."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ffgym.errors import FFGymError
+from ffgym.robot.arm_file.mesh_files import READABLE, find_mesh
+from ffgym.robot.arm_file.xml_numbers import number, numbers
+from ffgym.types import Array
+
+_GREY = (0.7, 0.7, 0.7, 1.0)
+"""Colour of shapes without one."""
+
+
+def add_shapes(
+    spec: mujoco.MjSpec, root: ET.Element, shapes: Mapping[str, list[ET.Element]], folder: Path
+) -> tuple[str, ...]:
+    """Add the shapes of each link to its body; returns a note for every link that stays without.
+
+    Raises:
+        FFGymError: if a shape is none, or its mesh is missing.
+    """
+    notes = []
+    colours = {str(m.get("name")): m for m in root.findall("material") if m.find("color") is not None}
+    for link, elements in shapes.items():
+        body = spec.body(link)
+        drawable = _drawable(elements)
+        if elements and not drawable:
+            notes.append(f"link {link!r} is not drawn: its meshes are in formats other than {', '.join(READABLE)}")
+        for element in drawable:
+            _add_shape(spec, body, element, _colour(element, colours), folder)
+    return tuple(notes)
+
+
+def _drawable(elements: list[ET.Element]) -> list[ET.Element]:
+    """All visual shapes if all of them can be read, else the collision shapes that can."""
+    visual = [element for element in elements if element.tag == "visual"]
+    if visual and all(map(_readable, visual)):
+        return visual
+    return [element for element in elements if element.tag == "collision" and _readable(element)] or list(
+        filter(_readable, visual)
+    )
+
+
+def _readable(element: ET.Element) -> bool:
+    mesh = element.find("geometry/mesh")
+    return mesh is None or str(mesh.get("filename")).lower().endswith(READABLE)
+
+
+def _add_shape(
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, element: ET.Element, colour: list[float], folder: Path
+) -> None:
+    what = f"link {body.name!r} {element.tag}"
+    shape = element.find("geometry/*")
+    if shape is None:
+        raise FFGymError(f"{what}: has no geometry; it needs a box, cylinder, capsule, sphere or mesh.")
+    origin = element.find("origin")
+    origin = ET.Element("origin") if origin is None else origin
+    form = _mesh(spec, shape, folder, what) if shape.tag == "mesh" else _primitive(shape, what)
+    body.add_geom(
+        pos=numbers(origin, "xyz", what, (0.0, 0.0, 0.0)),
+        quat=quaternion(numbers(origin, "rpy", what, (0.0, 0.0, 0.0))),
+        rgba=colour,
+        mass=0.0,
+        contype=0,
+        conaffinity=0,
+        **form,
+    )
+
+
+def _primitive(shape: ET.Element, what: str) -> dict[str, object]:
+    """Type and size of a geom."""
+    nothing = float("nan")
+    radius, half = number(shape, "radius", what, nothing), number(shape, "length", what, nothing) / 2
+    sizes = {
+        "box": (mujoco.mjtGeom.mjGEOM_BOX, numbers(shape, "size", what, (nothing,) * 3) / 2),
+        "cylinder": (mujoco.mjtGeom.mjGEOM_CYLINDER, np.array([radius, half, 0])),
+        "capsule": (mujoco.mjtGeom.mjGEOM_CAPSULE, np.array([radius, half, 0])),
+        "sphere": (mujoco.mjtGeom.mjGEOM_SPHERE, np.array([radius, 0, 0])),
+    }
+    if shape.tag not in sizes:
+        raise FFGymError(f"{what}: geometry is {shape.tag!r}, must be a mesh, {', '.join(sizes)}.")
+    kind, size = sizes[shape.tag]
+    if not np.all(size >= 0) or size[0] == 0:
+        raise FFGymError(f"{what}: the {shape.tag} lacks a size [m] > 0.")
+    return {"type": kind, "size": size}
+
+
+def _mesh(spec: mujoco.MjSpec, shape: ET.Element, folder: Path, what: str) -> dict[str, object]:
+    """Type and mesh of a geom; each use of a file is a mesh of its own, as its scale may differ."""
+    path = find_mesh(str(shape.get("filename")), folder, what)
+    mesh = spec.add_mesh(
+        name=f"mesh{len(spec.meshes)}",
+        file=str(path.absolute()),
+        scale=numbers(shape, "scale", what, (1.0, 1.0, 1.0)),
+        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,  # also for a surface that is not closed
+    )
+    return {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": mesh.name}
+
+
+def _colour(element: ET.Element, named: Mapping[str, ET.Element]) -> list[float]:
+    """Colour of a shape: its own, that of the file's material of this name, or grey."""
+    material = element.find("material")
+    if material is None:
+        return list(_GREY)
+    if material.find("color") is None:
+        material = named.get(str(material.get("name")), material)
+    colour = material.find("color")
+    return list(_GREY) if colour is None else numbers(colour, "rgba", "color", _GREY).tolist()
+
+
+def quaternion(rpy: Array) -> Array:
+    """Unit quaternion, scalar first, of URDF's roll, pitch, yaw [rad] about the fixed axes x, y, z."""
+    return Rotation.from_euler("xyz", rpy).as_quat()[[3, 0, 1, 2]]
