@@ -253,6 +253,10 @@ class TrackingCore:
     def _observe(self) -> Array:
         """Observations, shape (B, D)."""
         window = self._window[:, : self.observation_layout.preview + 1, self.columns.reference]
+        drive, at = self.robot.drive, self.columns
+        if drive.coupling is not None:
+            window = window.copy()
+            window[..., at.position] = drive.joint_angle(window[..., at.position]) * drive.gear_ratio
         return self.observation_layout.encode(*self._seen, self.action, window)
 
     def _reward(self, stopped: BoolArray) -> Array:

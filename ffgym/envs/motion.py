@@ -7,10 +7,15 @@ from typing import Any
 import numpy as np
 
 from ffgym.control import Reference, rigid_feedforward
-from ffgym.metrics.circle import fit_circle
-from ffgym.recordings import PHASE_KINDS
+from ffgym.metrics import Circle, fit_circle
+from ffgym.recordings import PHASE_KINDS, Phase
 from ffgym.robot import RigidArm
-from ffgym.types import Array
+from ffgym.types import Array, BoolArray
+
+
+CONCENTRIC = 1e-3
+"""Distance of centres in radii, and angle between planes [rad], below which circles count as concentric; chosen: the
+roundness that `metrics.fit_circle` asks of a circle."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,14 +104,24 @@ class Motion:
 
     @cached_property
     def plane(self) -> tuple[Array, Array]:
-        """Centre and unit normal of the circles, shape (3,) each; zero without circles."""
-        circles = [phase for phase in self.reference.phases if phase.kind == "circle"]
-        if not circles:
+        """Centre and unit normal of the circles, shape (3,) each; zero without circles, or where they share neither."""
+        fits = list(self._circles.values())
+        if not fits or any(_apart(circle, fits[-1]) for circle in fits):
             return np.zeros(3), np.zeros(3)
-        t = self.reference.t
-        on = (t >= circles[-1].start) & (t < circles[-1].end)
-        circle = fit_circle(self.arm.tcp_position(self.reference.q[on]))
-        return circle.centre, circle.normal
+        return fits[-1].centre, fits[-1].normal
+
+    @cached_property
+    def _circles(self) -> dict[Phase, Circle]:
+        """Circles of the phases that are ones."""
+        return {
+            phase: fit_circle(self.arm.tcp_position(self.reference.q[self._within(phase)]))
+            for phase in self.reference.phases
+            if phase.kind == "circle"
+        }
+
+    def _within(self, phase: Phase) -> BoolArray:
+        """Samples of a phase, shape (T,)."""
+        return (self.reference.t >= phase.start) & (self.reference.t < phase.end)
 
     def rows(self, padding: int) -> Array:
         """One row per sample, and the last one `padding` times more; shape (T + padding, W)."""
@@ -126,17 +141,24 @@ class Motion:
         reference, at = self.reference, self.columns
         rows[:, at.phase] = PHASE_KINDS.index("motion")
         rows[:, at.circle] = -1.0
-        circle = -1
+        circle, before, in_plane = -1, "", np.any(self.plane[1])
         for phase in reference.phases:
-            on = (reference.t >= phase.start) & (reference.t < phase.end)
+            on = self._within(phase)
             if phase is reference.phases[-1]:
                 on |= reference.t >= phase.end  # the last sample closes the motion
             rows[on, at.phase] = PHASE_KINDS.index(phase.kind)
-            circle += phase.kind == "lead_in"
+            circle += phase.kind == "lead_in" or (phase.kind == "circle" and before != "lead_in")
+            before = phase.kind
             if phase.kind in ("lead_in", "circle", "lead_out"):
                 rows[on, at.circle] = circle
-            if phase.kind == "circle":
-                rows[on, at.radius] = fit_circle(self.arm.tcp_position(reference.q[on])).radius
+            if phase.kind == "circle" and in_plane:
+                rows[on, at.radius] = self._circles[phase].radius
+
+
+def _apart(circle: Circle, other: Circle) -> bool:
+    """Whether two circles have another centre or another plane, beyond rounding."""
+    far = float(np.linalg.norm(circle.centre - other.centre)) > CONCENTRIC * max(circle.radius, other.radius)
+    return far or float(np.linalg.norm(np.cross(circle.normal, other.normal))) > CONCENTRIC
 
 
 def _directions(points: Array) -> Array:

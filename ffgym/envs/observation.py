@@ -38,7 +38,8 @@ class ObservationLayout(Mapping[str, Entry]):
         self.preview = check_whole("preview", preview, low=0, high=1000)
         self.n_joints = n = robot.n_joints
         scales = Scales.of(robot)
-        motor_position = scales.position * np.abs(robot.drive.gear_ratio)
+        motor_position = scales.position * robot.drive.gear_ratio  # its sign too: joint positions are what is read
+        length = " or ".join(dict.fromkeys(robot.kinematics.units))
         reference = np.concatenate([motor_position, scales.velocity, scales.acceleration])
         self._scale = np.concatenate(
             [scales.error, scales.error_rate, np.ones(n), np.tile(reference, self.preview + 1)]  # actions as they are
@@ -58,7 +59,7 @@ class ObservationLayout(Mapping[str, Entry]):
             when = "now" if k == 0 else f"{k} control step{'s' if k > 1 else ''} ahead"
             add(
                 ahead("reference_position", k),
-                "rad",
+                length,
                 scales.position,
                 f"joint position of the reference, {when}",
                 "link",
@@ -90,7 +91,8 @@ class ObservationLayout(Mapping[str, Entry]):
             error: measured position error, motor side [rad], shape (B, N).
             error_rate: measured speed error, motor side [rad/s], shape (B, N).
             action: last action, shape (B, N).
-            reference: position, velocity, acceleration, motor side, of samples 0 to `preview`, shape (B, P + 1, 3 N).
+            reference: position, velocity, acceleration, motor side, of samples 0 to `preview`, shape (B, P + 1, 3 N);
+                positions are joint positions times gear ratio, without what coupled joints add.
         """
         out = np.concatenate((error, error_rate, action, reference.reshape(len(error), -1)), axis=1)
         out /= self._scale
@@ -121,7 +123,7 @@ class Scales:
     acceleration: Array
     """Acceleration that f_s gives the bare rotor: f_s / J_m, motor side [rad/s^2]."""
     position: Array
-    """Half a turn, link side [rad]."""
+    """Half a turn, link side [rad]; for a sliding joint half of its range [m]."""
 
     @classmethod
     def of(cls, robot: RobotDescription) -> "Scales":
@@ -144,6 +146,6 @@ class Scales:
                     f"breakaway torque / {name}."
                 )
         return cls(
-            position=np.full(robot.n_joints, np.pi),
+            position=np.where(robot.kinematics.is_sliding, np.ptp(robot.kinematics.range, axis=1) / 2, np.pi),
             **{key: breakaway / values for key, (_, values) in divisors.items()},
         )

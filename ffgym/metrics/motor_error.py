@@ -10,9 +10,13 @@ from ffgym.types import Array
 def motor_error(recording: Recording) -> Array:
     """Motor position error e = reference - measured, motor side [rad], shape (T, N)."""
     error = recording.joint_array("reference.position") - recording.joint_array("motor.position")
-    if recording.header.position_side == "link":
-        error = error * np.asarray(recording.header.gear_ratio)
-    return error
+    header = recording.header
+    if header.position_side == "motor":
+        return error
+    motor = error * np.asarray(header.gear_ratio)
+    if header.coupling is not None:
+        motor += (error[:, None, :] * np.asarray(header.coupling)).sum(axis=2)
+    return motor
 
 
 def motor_error_rms(recording: Recording) -> Array:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+NEAR = 80.0
+"""Torque [% of peak] from which on the limits are drawn beside it; below them they would only flatten the curves."""
 Signal = Callable[[Recording], tuple[Array, Array]]
 """Times (T,) [s] and what to draw of a recording, one column per panel, (T, P)."""
 
@@ -50,9 +52,8 @@ def torques_figure(study: MotionStudy, motion: str) -> "Figure":
 
     figure = _panels(study, motion, signal, study.robot.joints, "torque [% of peak]")
     for axes in figure.axes:
-        low, high = axes.get_ylim()
-        for limit in (-100.0, 100.0):
-            if low < 1.2 * limit < high or low < limit < high:
+        if max(np.abs(axes.get_ylim())) > NEAR:
+            for limit in (-100.0, 100.0):
                 axes.axhline(limit, color="#444444", linewidth=0.9, linestyle=(0, (5, 3)))
     return figure
 

@@ -60,6 +60,15 @@ class MotionStudy:
         return str(next(iter(self.recordings.values())).header.provenance["physics_fingerprint"])
 
     @property
+    def overloads(self) -> list[str]:
+        """One sentence per motion and law that asks drives for more than they can give."""
+        return [
+            f"{result.motion} with law {result.agent!r} asks {', '.join(over)}: the drives cannot follow; slow it down."
+            for result in self.results
+            if (over := _overloaded(self.robot.joints, result.torque_use))
+        ]
+
+    @property
     def agents(self) -> list[str]:
         """Names of the laws, in their order."""
         return list(dict.fromkeys(agent for agent, _ in self.recordings))
@@ -120,6 +129,12 @@ def motion_study(
         results=[_result(run, recording) for run, recording in pairs],
         recordings={(run.law.name, run.reference.name): recording for run, recording in pairs},
     )
+
+
+def _overloaded(joints: Sequence[str], torque_use: Sequence[float]) -> list[str]:
+    return [
+        f"{use:.0%} of the peak torque of {joint}" for joint, use in zip(joints, torque_use, strict=True) if use > 1
+    ]
 
 
 def _result(run: Run, recording: Recording) -> MotionResult:

@@ -1,5 +1,7 @@
 """Motor position error: reference minus measured, motor side, while the robot moves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -64,3 +66,9 @@ def test_a_recording_without_motor_positions_is_refused():
     empty = Recording({"timestamp": T}, Header(robot="two", joints=("a",), gear_ratio=(1.0,)))
     with pytest.raises(FFGymError, match=r"reference\.position"):
         motor_error(empty)
+
+
+def test_coupled_joints_turn_each_others_motors():
+    base = recording([lambda t: 0 * t + 0.001, lambda t: 0 * t + 0.002], side="link")
+    coupled = Recording(base.columns, replace(base.header, coupling=((0.0, 3.0), (5.0, 0.0))))
+    np.testing.assert_allclose(motor_error(coupled)[0], [0.1 + 3 * 0.002, -0.1 + 5 * 0.001], atol=1e-12)

@@ -1,5 +1,7 @@
 """The study of any motion: what it scores is what its recordings hold."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -108,3 +110,12 @@ def test_motions_of_two_robots_are_refused(one_axis, irb4600):
     run = constant_velocity([0.1] + [0.0] * 5, 0.1, start=irb4600.work_area.home, dt=0.004, name="run")
     with pytest.raises(FFGymError, match="share one robot"):
         motion_study([sine(one_axis), joint_reference(irb4600, run)], laws=[NoCompensation()])
+
+
+def test_drives_that_cannot_give_what_is_asked_are_named(one_axis):
+    easy = motion_study([sine(one_axis)], laws=[NoCompensation()])
+    assert easy.overloads == []
+    weak = replace(one_axis, drive=replace(one_axis.drive, peak_torque=np.array([1e-3])))
+    hard = motion_study([sine(weak)], laws=[NoCompensation()])
+    (sentence,) = hard.overloads
+    assert f"sine 3 with law 'none' asks {hard.results[0].torque_use[0]:.0%} of the peak torque of j1" in sentence
