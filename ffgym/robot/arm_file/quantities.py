@@ -62,7 +62,8 @@ def _range(pose: Pose, file: str, joints: JointFrame) -> dict[str, Quantity]:
 
 def _quantity(path: str, value: Array, origin: tuple[str, ...], source: str, joints: JointFrame) -> Quantity:
     rule = RULES[path]
-    array = np.array(value, dtype=np.float64) + 0.0  # which makes -0 a plain 0
+    array = np.array(value, dtype=np.float64)
+    array += 0.0  # which makes -0 a plain 0
     array.flags.writeable = False
     return Quantity(
         value=array,

@@ -51,25 +51,23 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
         mjcf = kind == "mjcf"
         source = read_mjcf(path, looks=looks) if mjcf else read_urdf(data, path.parent, joints, looks=looks)
         model = compiled(source.spec)
-        chain = choose_chain(model, joints)
-        check_open(model, chain)
-        pose = pose_at_zero(model, chain)
-        links = tuple(
-            model.body(model.jnt_bodyid[joint]).name or f"link{k + 1}" for k, joint in enumerate(chain.joints)
-        )
-        hints = joint_hints(model, chain, source)
-        return ArmFile(
-            path=str(path),
-            kind=kind,
-            joints=chain.names,
-            links=links,
-            types=chain.types,
-            quantities=MappingProxyType(quantities_of(pose, hints, path.name, kind)),
-            frames=MappingProxyType(named_frames(pose)),
-            hints=hints,
-            geoms=looks_of(pose, links) if looks else (),
-            notes=(*source.notes, *left_out(model, chain), *warnings),
-        )
+    chain = choose_chain(model, joints)
+    check_open(model, chain)
+    pose = pose_at_zero(model, chain)
+    links = tuple(model.body(model.jnt_bodyid[j]).name or f"link{k + 1}" for k, j in enumerate(chain.joints))
+    hints = joint_hints(model, chain, source)
+    return ArmFile(
+        path=str(path),
+        kind=kind,
+        joints=chain.names,
+        links=links,
+        types=chain.types,
+        quantities=MappingProxyType(quantities_of(pose, hints, path.name, kind)),
+        frames=MappingProxyType(named_frames(pose)),
+        hints=hints,
+        geoms=looks_of(pose, links) if looks else (),
+        notes=(*source.notes, *left_out(model, chain), *warnings),
+    )
 
 
 def _kind(data: bytes) -> Kind:
