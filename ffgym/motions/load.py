@@ -6,10 +6,11 @@ from pathlib import Path
 from ffgym.control import cartesian_reference
 from ffgym.errors import FFGymError, check_choice
 from ffgym.motions.motion import Motion
+from ffgym.motions.rapid import rapid_motion
 from ffgym.paths import circle_test
 from ffgym.robot import RigidArm
 
-READERS: Mapping[str, Callable[[RigidArm, Path], Motion]] = {}
+READERS: Mapping[str, Callable[[RigidArm, Path], Motion]] = {".mod": rapid_motion, ".prg": rapid_motion}
 """What reads a file, by the suffix of its name."""
 
 

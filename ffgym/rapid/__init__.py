@@ -1,5 +1,6 @@
 """RAPID programs: from text to moves."""
 
+from ffgym.rapid.branches import on_branches as on_branches
 from ffgym.rapid.execution import Execution as Execution
 from ffgym.rapid.program import Program as Program
 from ffgym.rapid.program import load_program as load_program
