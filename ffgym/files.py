@@ -3,8 +3,9 @@
 import io
 import json
 import os
-from collections.abc import Mapping
-from contextlib import suppress
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -12,6 +13,7 @@ from uuid import uuid4
 import numpy as np
 
 from ffgym.errors import FFGymError
+from ffgym.types import Array
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:
@@ -56,6 +58,45 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a UTF-8 file, as `write_bytes`."""
     write_bytes(path, text.encode("utf-8"))
+
+
+def check_vacant(path: str | os.PathLike[str]) -> None:
+    """Check before long work that `new_folder` can make `path` after it.
+
+    Raises:
+        FFGymError: if something is there that is no empty folder, or the folder around it is missing or not writable.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
+        raise FFGymError(f"{path}: exists already, and nothing is overwritten; choose another place, or remove it.")
+    check_writable(target / "file" if target.exists() else target)
+
+
+@contextmanager
+def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a folder to write into, which is at `path` when the block ends without an error, and nowhere otherwise.
+
+    Raises:
+        FFGymError: if something is at `path` that is no empty folder, or the folder cannot be written.
+    """
+    check_vacant(path)
+    target = Path(os.path.realpath(path))
+    temporary = target.with_name(f".ffgym-{uuid4().hex}.tmp")
+    try:
+        temporary.mkdir()
+        yield temporary
+        if target.exists():
+            target.rmdir()  # it is empty
+        temporary.rename(target)
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be written: {error.strerror}. There must be space left.") from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def csv_rows(values: Array) -> str:
+    """Lines of a CSV file for the rows of `values` (R, C); numbers have the fewest digits that give back every bit."""
+    return "".join(",".join(map(repr, row)) + "\n" for row in values.tolist())
 
 
 def write_json(path: str | os.PathLike[str], value: Any) -> None:

@@ -4,10 +4,11 @@ import errno
 import json
 import os
 
+import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
-from ffgym.files import write_bytes, write_json, write_text
+from ffgym.files import check_vacant, csv_rows, new_folder, write_bytes, write_json, write_text
 
 
 def full(*_):
@@ -89,3 +90,57 @@ def test_what_has_no_json_form_is_refused_before_anything_is_written(old, value)
 def test_a_name_that_is_too_long_is_refused(tmp_path):
     with pytest.raises(FFGymError, match="cannot be written"):
         write_text(tmp_path / ("x" * 300), "text")
+
+
+@pytest.mark.parametrize("exists", [False, True])
+def test_a_new_folder_appears_with_all_its_files(tmp_path, exists):
+    target = tmp_path / "new"
+    if exists:
+        target.mkdir()
+    with new_folder(target) as folder:
+        (folder / "a").write_text("1")
+        (folder / "b").write_text("2")
+        assert not (target / "a").exists()
+    assert sorted(path.name for path in target.iterdir()) == ["a", "b"]
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, ValueError])
+def test_a_folder_whose_writing_stops_leaves_nothing(tmp_path, raised):
+    def write():
+        with new_folder(tmp_path / "new") as folder:
+            (folder / "a").write_text("1")
+            raise raised
+
+    with pytest.raises(raised):
+        write()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_is_one_clear_error_and_leaves_no_folder(tmp_path):
+    with pytest.raises(FFGymError, match="new: cannot be written: No space left"), new_folder(tmp_path / "new"):
+        full()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_holds_something_stays_as_it_is(tmp_path):
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "mine").write_text("mine")
+    (tmp_path / "file").write_text("mine")
+    for name, message in (
+        ("taken", "exists already, and nothing is overwritten"),
+        ("file", "exists already, and nothing is overwritten"),
+        ("absent/new", "absent does not exist; create it"),
+    ):
+        for make in (check_vacant, lambda path: new_folder(path).__enter__()):
+            with pytest.raises(FFGymError, match=message):
+                make(tmp_path / name)
+    assert (tmp_path / "taken" / "mine").read_text() == "mine"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "taken"]
+
+
+def test_rows_of_csv_read_back_exactly():
+    values = np.array([[0.1, -0.0, 1e-300], [1 / 3, np.inf, 2.0]])
+    lines = csv_rows(values).splitlines()
+    assert lines[0] == "0.1,-0.0,1e-300"
+    np.testing.assert_array_equal([[float(cell) for cell in line.split(",")] for line in lines], values)

@@ -9,6 +9,7 @@ from array import array
 import numpy as np
 
 from ffgym.errors import FFGymError
+from ffgym.files import csv_rows
 from ffgym.recordings.header import Header
 from ffgym.recordings.recording import Recording
 from ffgym.types import Array
@@ -22,9 +23,8 @@ def encode(recording: Recording) -> bytes:
     lines = [MAGIC]
     lines += [f"# {line}" for line in recording.header.to_json(indent=1).split("\n")]
     lines.append(",".join(recording.columns))
-    rows = np.stack(list(recording.columns.values()), axis=1).tolist()
-    lines += [",".join(map(repr, row)) for row in rows]
-    return ("\n".join(lines) + "\n").encode()
+    rows = csv_rows(np.stack(list(recording.columns.values()), axis=1))
+    return ("\n".join(lines) + "\n" + rows).encode()
 
 
 def decode(data: bytes, header: Header | None = None) -> Recording:

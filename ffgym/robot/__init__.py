@@ -7,6 +7,7 @@ from ffgym.robot.description import RobotDescription as RobotDescription
 from ffgym.robot.draft import RobotDraft as RobotDraft
 from ffgym.robot.elasticity import resonances as resonances
 from ffgym.robot.elasticity import static_deflection as static_deflection
+from ffgym.robot.fingerprint import model_bytes as model_bytes
 from ffgym.robot.fingerprint import model_field as model_field
 from ffgym.robot.fingerprint import physics_fingerprint as physics_fingerprint
 from ffgym.robot.inverse_kinematics import pose_solutions as pose_solutions
@@ -17,6 +18,9 @@ from ffgym.robot.load import load_draft as load_draft
 from ffgym.robot.load import load_robot as load_robot
 from ffgym.robot.load import parse_robot as parse_robot
 from ffgym.robot.load import robot_of as robot_of
+from ffgym.robot.mjcf import mjcf_text as mjcf_text
+from ffgym.robot.motor_torque import MotorTorque as MotorTorque
+from ffgym.robot.motor_torque import motor_torque as motor_torque
 from ffgym.robot.parameters import with_parameters as with_parameters
 from ffgym.robot.parts import Servo as Servo
 from ffgym.robot.spec import ModelOptions as ModelOptions

@@ -7,12 +7,17 @@ import mujoco
 import numpy as np
 
 
-def physics_fingerprint(model: mujoco.MjModel) -> str:
-    """Hash of the compiled model and the MuJoCo version, 16 hexadecimal digits."""
+def model_bytes(model: mujoco.MjModel) -> bytes:
+    """The compiled model as in a .mjb file, which this version of MuJoCo loads."""
     buffer = np.empty(mujoco.mj_sizeModel(model), dtype=np.uint8)
     mujoco.mj_saveModel(model, None, buffer)
+    return buffer.tobytes()
+
+
+def physics_fingerprint(model: mujoco.MjModel) -> str:
+    """Hash of the compiled model and the MuJoCo version, 16 hexadecimal digits."""
     digest = hashlib.sha256(mujoco.__version__.encode())
-    digest.update(buffer.tobytes())
+    digest.update(model_bytes(model))
     return digest.hexdigest()[:16]
 
 

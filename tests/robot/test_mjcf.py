@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from ffgym.errors import FFGymError
-from ffgym.robot import ModelOptions, build_spec, builtin_robots, load_robot, physics_fingerprint
-from ffgym.robot.mjcf import mjcf_text
+from ffgym.robot import ModelOptions, build_spec, builtin_robots, load_robot, mjcf_text, physics_fingerprint
 from ffgym.robot.mjcf_elements import text
 from tests.robot.robot_samples import unusual
 

@@ -1,0 +1,110 @@
+"""Play an exported motion in plain MuJoCo and compare every recorded row: `python play.py`.
+
+Needs numpy and mujoco, nothing else. From the state in keyframe `start`, each physics step gets a row of
+`controls.csv` as `data.ctrl`. Prints the largest difference of each quantity from `recording.csv`; the exit code is 1
+if one is above TOLERANCE.
+"""
+
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+TOLERANCE = 1e-9
+"""Largest difference that counts as equal, in SI units: far above rounding, far below what matters on a robot."""
+
+Signal = Callable[[Any], Any]
+"""Reads one quantity, shape (N,), from `mujoco.MjData`."""
+
+
+def main(folder: Path) -> int:
+    """Play the motion in `folder`; returns the exit code."""
+    model = mujoco.MjModel.from_xml_path(str(folder / "model.xml"))
+    controls = np.loadtxt(folder / "controls.csv", delimiter=",", skiprows=1, ndmin=2)
+    header, recording = read_recording(folder / "recording.csv")
+    made_with = header["provenance"]["mujoco"]
+    if mujoco.__version__ != made_with:
+        print(f"recorded with MuJoCo {made_with}, played with {mujoco.__version__}: last digits may differ")
+    signals = signals_of(model, header["joints"])
+    stride = (len(controls) - 1) // (len(recording["timestamp"]) - 1)
+    print("largest difference, SI units")
+    worst = 0.0
+    for name, played in play(model, controls, signals, stride).items():
+        parts = "xyz" if name == "tcp.position" else header["joints"]
+        recorded = np.stack([recording[f"{name}.{part}"] for part in parts], axis=1)
+        difference = np.abs(played - recorded).max()
+        print(f"{name:<18} {difference:.3g}")
+        worst = np.maximum(worst, difference)  # which keeps NaN
+    print(f"{len(controls) - 1} steps, {len(recorded)} recorded rows, largest difference {worst:.3g}")
+    return 0 if worst <= TOLERANCE else 1
+
+
+def play(model: Any, controls: Any, signals: dict[str, Signal], stride: int) -> dict[str, Any]:
+    """Signals, shape (rows, N) each, at every `stride`-th step of the motion whose `controls` are (steps, nu)."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    rows: dict[str, list[Any]] = {name: [] for name in signals}
+    for k, row in enumerate(controls):
+        data.ctrl[:] = row
+        if k % stride == 0:
+            mujoco.mj_forward(model, data)  # forces and positions that belong to this instant
+            for name, signal in signals.items():
+                rows[name].append(np.array(signal(data)))
+        mujoco.mj_step(model, data)
+    return {name: np.stack(values) for name, values in rows.items()}
+
+
+def signals_of(model: Any, joints: Sequence[str]) -> dict[str, Signal]:
+    """What can be compared with the recording; motor quantities are motor side."""
+    servo, friction = (_actuators(model, joints, kind) for kind in ("servo", "friction"))
+    integrals = list(zip(model.actuator_gainprm[servo, 0], model.actuator_actadr[servo], strict=True))
+    qpos, dof = (_addresses(model, joints, at) for at in (model.jnt_qposadr, model.jnt_dofadr))
+    signals: dict[str, Signal] = {
+        "motor.position": lambda data: data.actuator_length[servo],
+        "motor.velocity": lambda data: data.actuator_velocity[servo],
+        "motor.effort": lambda data: data.actuator_force[servo],
+        "feedback.integral": lambda data: [k * data.act[i] if i >= 0 else 0.0 for k, i in integrals],
+        "link.position": lambda data: [data.qpos[at].sum() for at in qpos],
+        "link.velocity": lambda data: [data.qvel[at].sum() for at in dof],
+    }
+    if friction:  # bristles act as a force of the actuator, viscous friction as its damping
+        viscous = model.actuator_damping[friction]
+        signals["friction.effort"] = lambda data: (
+            viscous * data.actuator_velocity[friction] - data.actuator_force[friction]
+        )
+    if any(model.site(i).name == "tcp" for i in range(model.nsite)):
+        signals["tcp.position"] = lambda data: data.site("tcp").xpos
+    return signals
+
+
+def read_recording(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Header and columns by name of a recording: JSON in comment lines, a row of names, one row per sample."""
+    with path.open(encoding="utf-8") as file:
+        comments = []
+        for line in file:
+            if not line.startswith("#"):
+                break
+            comments.append(line[1:])
+        values = np.loadtxt(file, delimiter=",", ndmin=2)
+    names = line.strip().split(",")
+    return json.loads("".join(comments[1:])), dict(zip(names, values.T, strict=True))
+
+
+def _actuators(model: Any, joints: Sequence[str], kind: str) -> list[int]:
+    names = {model.actuator(i).name: i for i in range(model.nactuator)}
+    return [names[f"{joint}_{kind}"] for joint in joints if f"{joint}_{kind}" in names]
+
+
+def _addresses(model: Any, joints: Sequence[str], at: Any) -> list[list[int]]:
+    """Where the coordinates of each joint stand: of its motor, and of its deflection if it is elastic."""
+    names = {model.joint(i).name: i for i in range(model.njnt)}
+    both = [(f"{joint}_motor", f"{joint}_deflection") for joint in joints]
+    return [[int(at[names[name]]) for name in pair if name in names] for pair in both]
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(__file__).resolve().parent))
