@@ -1,56 +1,121 @@
-"""`ffgym export`: the robot as a model that runs in plain MuJoCo."""
+"""`ffgym export`: a robot, and a motion on it, in files that need nothing of ffgym."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-import mujoco
-import numpy as np
+import tyro
 
+from ffgym.cli.laws import check_laws, make_laws, setting_for
+from ffgym.cli.outputs import check_outputs, provenance
+from ffgym.cli.progress import progress_bar
+from ffgym.cli.unused import given_options
 from ffgym.errors import FFGymError
-from ffgym.files import write_bytes
-from ffgym.plant import Plant
-from ffgym.robot import ModelOptions, RobotDescription, build_spec, load_robot
+from ffgym.export import ReferenceForm, export_model, export_run
+from ffgym.export.reference_table import Angles, Sides
+from ffgym.files import check_vacant, write_json
+from ffgym.motions import load_motion
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot, physics_fingerprint
+from ffgym.simulation import RECORD_DT, Run
 
 
 @dataclass(frozen=True)
 class Export:
-    """Write a robot's complete model (arm, elasticity, friction, servo) as MJCF, or as a binary MuJoCo model."""
+    """Write a folder with the robot's model as MJCF; with a motion, also its set-points, reference and recording."""
 
-    robot: str = "irb4600_60_205"
+    robot: tyro.conf.Positional[str]
     """Built-in robot, or a path to a description that ends in .toml."""
-    out: Path = Path("robot.xml")
-    """File to write: .xml is MJCF, readable, numbers to 6 digits; .mjb is exact, for this MuJoCo version only."""
+    path: tyro.conf.Positional[str | None] = None
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID); none is the model."""
+    out: Path = Path("export")
+    """Folder to write; it must be empty or not exist."""
+    feedforward: str = "none"
+    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the law's model of the robot; the exported machine keeps its own numbers."""
+    sides: Sides = "both"
+    """Side of the gearbox of the quantities in reference.csv."""
+    angles: Angles = "rad"
+    """Unit of angles in reference.csv."""
+    binary: bool = False
+    """Also write model.mjb, which loads faster, in this version of MuJoCo only."""
+    record_dt_ms: float = RECORD_DT * 1e3
+    """Time between the rows of the recording."""
     flexible: bool = True
-    """Elastic joints; no-flexible gives the rigid arm."""
+    """Elastic joints; no-flexible makes them rigid."""
     friction: bool = True
-    """LuGre friction."""
+    """Friction; no-friction leaves it out."""
+    gravity: bool = True
+    """Gravity; no-gravity leaves it out."""
+    springs: bool = True
+    """Springs between links, e.g. a counterbalance; no-springs leaves them out."""
+    json: Path | None = None
+    """Also write where the files come from to this file."""
+    threads: int = 0
+    """Threads of the simulation, 0 for all cores; results are the same at any number."""
 
     def run(self) -> None:
-        """Build the model and write it."""
-        options = ModelOptions(flexible=self.flexible, friction=self.friction)
-        spec = spec_with_home(load_robot(self.robot), options)
-        model = spec.compile()
-        if self.out.suffix == ".xml":
-            data = spec.to_xml().encode()
-        elif self.out.suffix == ".mjb":
-            buffer = np.empty(mujoco.mj_sizeModel(model), dtype=np.uint8)
-            mujoco.mj_saveModel(model, None, buffer)
-            data = buffer.tobytes()
-        else:
-            raise FFGymError(f"Cannot export to {self.out}: the suffix is {self.out.suffix!r}, must be .xml or .mjb.")
-        write_bytes(self.out, data)
-        print(
-            f"wrote {self.out}: {model.nv} degrees of freedom, {model.nu} controls (position, velocity, torque a motor)"
+        """Check, simulate, write, print."""
+        if self.out.suffix in (".xml", ".mjb"):
+            raise FFGymError(f"--out {self.out}: must be a folder; the model in it is model.xml.")
+        check_vacant(self.out)
+        check_outputs({"--json": self.json})
+        check_laws([self.feedforward], "--feedforward")
+        robot = load_robot(self.robot)
+        self._refuse_unused()
+        lines = self._model(robot) if self.path is None else self._motion(RigidArm(robot), self.path)
+        print("\n".join([*lines, f"folder: {self.out}"]))
+        if self.json is not None:
+            print(f"origin: {self.json}")
+
+    def _refuse_unused(self) -> None:
+        """Options that say how a motion is run have no effect without one."""
+        given = given_options(self, ("feedforward", "parameters", "sides", "angles", "record_dt_ms"))
+        if self.path is None and given:
+            raise FFGymError(
+                f"{', '.join(given)} has no effect without a motion. Name one after the robot, or leave it out."
+            )
+
+    @property
+    def _options(self) -> ModelOptions:
+        return ModelOptions(flexible=self.flexible, friction=self.friction, gravity=self.gravity, springs=self.springs)
+
+    def _model(self, robot: RobotDescription) -> list[str]:
+        """Export the robot alone; returns what to print."""
+        export_model(self.out, robot, options=self._options, binary=self.binary)
+        model = compile_model(robot, replace(self._options, looks=False))
+        self._write_origin(robot.name, physics_fingerprint(model), {})
+        return [f"{model.nv} degrees of freedom, {model.nu} controls (position, velocity, torque of each motor)"]
+
+    def _motion(self, arm: RigidArm, path: str) -> list[str]:
+        """Export the robot and a motion on it; returns what to print."""
+        motion = load_motion(arm, path)
+        if motion.reference.robot is not arm.robot:  # the motion brings its own tool
+            arm = RigidArm(motion.reference.robot)
+        options = replace(self._options, looks=False)
+        setting = setting_for(arm, [motion.reference], self.parameters, self.threads, options)
+        (law,) = make_laws([self.feedforward], setting)
+        with progress_bar("exporting", "s") as progress:
+            recording = export_run(
+                self.out,
+                Run(reference=motion.reference, law=law),
+                arm=arm,
+                options=self._options,
+                form=ReferenceForm(sides=self.sides, angles=self.angles),
+                binary=self.binary,
+                record_dt=self.record_dt_ms / 1e3,
+                n_threads=self.threads,
+                progress=progress,
+            )
+        what = {"motion": motion.reference.name, "duration": motion.reference.duration, "notes": list(motion.notes)}
+        what["feedforward_law"] = law.name
+        self._write_origin(arm.robot.name, recording.header.provenance["physics_fingerprint"], what)
+        said = (
+            f"{motion.reference.name} with {law.name}: {motion.reference.duration:g} s, {len(recording)} recorded rows"
         )
+        return [said, *(f"note: {note}" for note in motion.notes)]
 
-
-def spec_with_home(robot: RobotDescription, options: ModelOptions) -> mujoco.MjSpec:
-    """The model with a keyframe 'home': at rest in the home pose, springs and integrals carrying gravity."""
-    spec = build_spec(robot, options)
-    pose = np.zeros(robot.n_joints) if robot.work_area is None else robot.work_area.home
-    plant = Plant(robot, 1, options=options)
-    plant.rest(pose[None])
-    controls = np.zeros(plant.model.nu)
-    plant.split_controls(controls)[0][:] = robot.drive.motor_angle(pose)
-    spec.add_key(name="home", qpos=plant.batch.qpos[0], act=plant.batch.act[0], ctrl=controls)
-    return spec
+    def _write_origin(self, robot: str, fingerprint: str, what: dict[str, Any]) -> None:
+        """Write where the files come from. Nothing is random, so that the seed is null."""
+        if self.json is not None:
+            write_json(self.json, provenance("ffgym export", self, robot, fingerprint, seed=None) | what)

@@ -1,29 +1,24 @@
-"""`ffgym export` writes models that plain MuJoCo loads and runs."""
+"""`ffgym export` writes folders that plain MuJoCo loads and runs."""
+
+import json
+import subprocess
+import sys
 
 import mujoco
 import numpy as np
 import pytest
 
-from ffgym.cli.export import spec_with_home
 from ffgym.cli.main import main
-from ffgym.robot import ModelOptions, builtin_robots, load_robot, physics_fingerprint
+from ffgym.robot import ModelOptions, builtin_robots, compile_model, load_robot, physics_fingerprint
+
+WITH_MODEL = ["README.txt", "model.xml"]
+WITH_MOTION = sorted([*WITH_MODEL, "controls.csv", "play.py", "recording.csv", "reference.csv"])
 
 
 @pytest.fixture(autouse=True)
 def _elsewhere(tmp_path, monkeypatch):
     """MuJoCo writes MUJOCO_LOG.TXT into the working directory when something is wrong."""
-    (tmp_path / "work").mkdir()
-    monkeypatch.chdir(tmp_path / "work")
-
-
-def stepped(model, steps=400):
-    """Final state after holding a bent pose."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.1
-    data.ctrl[:] = 0.0
-    mujoco.mj_step(model, data, steps)
-    assert [int(w.number) for w in data.warning] == [0] * len(data.warning)
-    return np.concatenate([data.qpos, data.qvel, data.act])
+    monkeypatch.chdir(tmp_path)
 
 
 def only_line_of_error(capsys):
@@ -34,64 +29,85 @@ def only_line_of_error(capsys):
     return line
 
 
-@pytest.mark.parametrize("robot", builtin_robots())
-def test_mjcf_runs_in_plain_mujoco_without_warnings_or_stray_files(robot, tmp_path):
-    out = tmp_path / "robot.xml"
-    assert main(["export", "--robot", robot, "--out", str(out)]) == 0
-    model = mujoco.MjModel.from_xml_path(str(out))
-    own = spec_with_home(load_robot(robot), ModelOptions()).compile()
-    assert (model.nv, model.nu, model.na, model.ngeom) == (own.nv, own.nu, own.na, own.ngeom)
-    np.testing.assert_allclose(stepped(model), stepped(own), rtol=1e-3, atol=1e-6)  # MJCF has 6 digits
-    assert sorted(p.name for p in tmp_path.rglob("*")) == ["robot.xml", "work"]
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
 
 
 @pytest.mark.parametrize("robot", builtin_robots())
-def test_a_binary_model_is_bit_identical(robot, tmp_path):
-    out = tmp_path / "robot.mjb"
-    assert main(["export", "--robot", robot, "--out", str(out)]) == 0
-    model = mujoco.MjModel.from_binary_path(str(out))
-    own = spec_with_home(load_robot(robot), ModelOptions()).compile()
-    assert physics_fingerprint(model) == physics_fingerprint(own)
-    np.testing.assert_array_equal(stepped(model), stepped(own))
+def test_a_robot_alone_is_one_model_without_stray_files(robot, tmp_path, capsys):
+    assert main(["export", robot, "--binary"]) == 0
+    assert names(tmp_path) == ["export"]
+    assert names(tmp_path / "export") == sorted([*WITH_MODEL, "model.mjb"])
+    own = compile_model(load_robot(robot))
+    models = [mujoco.MjModel.from_xml_path("export/model.xml"), mujoco.MjModel.from_binary_path("export/model.mjb")]
+    assert {(model.nv, model.nu, model.na, model.ngeom) for model in models} == {(own.nv, own.nu, own.na, own.ngeom)}
+    assert len({physics_fingerprint(model) for model in models}) == 1
+    assert capsys.readouterr().out == (
+        f"{own.nv} degrees of freedom, {own.nu} controls (position, velocity, torque of each motor)\nfolder: export\n"
+    )
 
 
-def test_options_leave_out_elasticity_and_friction(tmp_path):
-    out = str(tmp_path / "rigid.mjb")
-    assert main(["export", "--out", out, "--no-flexible", "--no-friction"]) == 0
-    model = mujoco.MjModel.from_binary_path(out)
+def test_a_motion_comes_with_all_that_repeats_it(tmp_path, capsys):
+    options = ["--feedforward", "lugre_dynamic", "--out", "circles", "--json", "origin.json", "--angles", "deg"]
+    assert main(["export", "irb4600_60_205", "circles", *options]) == 0
+    assert names(tmp_path / "circles") == WITH_MOTION
+    out = capsys.readouterr().out
+    assert "circles with lugre_dynamic: " in out
+    assert out.endswith("folder: circles\norigin: origin.json\n")
+    played = subprocess.run([sys.executable, "circles/play.py"], capture_output=True, text=True, check=False)
+    assert played.returncode == 0, played.stdout + played.stderr
+    origin = json.loads((tmp_path / "origin.json").read_text())
+    own = physics_fingerprint(compile_model(load_robot("irb4600_60_205"), ModelOptions(looks=False)))
+    assert origin["physics_fingerprint"] == own
+    assert origin["command"] == "ffgym export"
+    assert origin["config"]["angles"] == "deg"
+    assert origin["feedforward_law"] == "lugre_dynamic"
+    assert origin["seed"] is None
+    assert origin["versions"]["mujoco"] == mujoco.__version__
+    assert "motor.position.j1 [deg]" in (tmp_path / "circles" / "reference.csv").read_text().splitlines()[0]
+
+
+def test_parts_that_are_left_out_are_left_out_of_model_and_motion(tmp_path):
+    left_out = ["--no-flexible", "--no-friction", "--no-gravity"]
+    assert main(["export", "irb4600_60_205", "circles", *left_out, "--json", "origin.json"]) == 0
+    model = mujoco.MjModel.from_xml_path("export/model.xml")
     assert (model.nv, model.nactuator) == (6, 6)
-
-
-def test_it_says_what_it_wrote(tmp_path, capsys):
-    assert main(["export", "--out", str(tmp_path / "a.xml")]) == 0
-    assert "a.xml: 12 degrees of freedom, 18 controls" in capsys.readouterr().out
+    np.testing.assert_array_equal(model.opt.gravity, 0)
+    options = ModelOptions(flexible=False, friction=False, gravity=False, looks=False)
+    own = physics_fingerprint(compile_model(load_robot("irb4600_60_205"), options))
+    assert json.loads((tmp_path / "origin.json").read_text())["physics_fingerprint"] == own
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--out", "robot.urdf"], "suffix is '.urdf', must be .xml or .mjb"),
-        (["--out", "robot"], "suffix is ''"),
-        (["--robot", "irb"], "Unknown robot 'irb'. Available: " + ", ".join(builtin_robots())),
-        (["--robot", "absent.toml"], "Cannot read robot description absent.toml"),
-        (["--out", "absent/robot.xml"], "absent/robot.xml: cannot be written"),
+        (["irb"], "Unknown robot 'irb'. Available: "),
+        (["absent.toml"], "absent.toml"),
+        (["one_axis", "--out", "robot.xml"], "robot.xml: must be a folder; the model in it is model.xml"),
+        (["one_axis", "--out", "absent/robot"], "absent does not exist; create it"),
+        (["one_axis", "--json", "absent/origin.json"], "absent does not exist; create it"),
+        (["one_axis", "--feedforward", "elastic", "--angles", "deg"], "--feedforward, --angles has no effect without"),
+        (["irb4600_60_205", "absent.mod"], "absent.mod"),
+        (["irb4600_60_205", "circles", "--feedforward", "magic"], "magic"),
+        (["irb4600_60_205", "circles", "--record-dt-ms", "3"], "record_dt = 0.003 s must be"),
     ],
 )
-def test_a_request_that_cannot_be_met_is_one_line_and_exit_code_1(arguments, message, capsys, tmp_path):
+def test_a_request_that_cannot_be_met_is_one_line_and_leaves_nothing(arguments, message, capsys, tmp_path):
     assert main(["export", *arguments]) == 1
     assert message in only_line_of_error(capsys)
-    assert [p.name for p in tmp_path.rglob("*")] == ["work"]
+    assert names(tmp_path) == []
 
 
 def test_a_bad_description_is_one_line_too(tmp_path, capsys):
     path = tmp_path / "broken.toml"
     path.write_text("[robot]\nname = [\n")
-    assert main(["export", "--robot", str(path)]) == 1
+    assert main(["export", str(path)]) == 1
     assert "broken.toml is not valid TOML" in only_line_of_error(capsys)
 
 
-def test_a_folder_in_the_way_is_not_replaced(tmp_path, capsys):
-    (tmp_path / "taken.xml").mkdir()
-    assert main(["export", "--out", str(tmp_path / "taken.xml")]) == 1
-    assert "taken.xml" in only_line_of_error(capsys)
-    assert (tmp_path / "taken.xml").is_dir()
+def test_a_folder_with_something_in_it_is_not_replaced(tmp_path, capsys):
+    (tmp_path / "taken").mkdir()
+    (tmp_path / "taken" / "mine").write_text("mine")
+    assert main(["export", "one_axis", "--out", "taken"]) == 1
+    assert "taken: exists already" in only_line_of_error(capsys)
+    assert names(tmp_path / "taken") == ["mine"]
