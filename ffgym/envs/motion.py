@@ -12,7 +12,6 @@ from ffgym.recordings import PHASE_KINDS, Phase
 from ffgym.robot import RigidArm
 from ffgym.types import Array, BoolArray
 
-
 CONCENTRIC = 1e-3
 """Distance of centres in radii, and angle between planes [rad], below which circles count as concentric; chosen: the
 roundness that `metrics.fit_circle` asks of a circle."""

@@ -6,6 +6,7 @@ import mujoco
 
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.parts import Geom, Mesh
+from ffgym.robot.stick_figure import stick_figure
 
 _GEOM_TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
@@ -18,11 +19,15 @@ _GEOM_TYPES = {
 
 
 def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
-    """Add the shapes of the description, a floor, a sky and light; they weigh nothing and touch nothing."""
-    meshes = {geom.mesh: f"mesh{i}" for i, geom in enumerate(robot.geoms) if geom.mesh is not None}
+    """Add the shapes of the description, a floor, a sky and light; they weigh nothing and touch nothing.
+
+    A robot whose description has no shapes is drawn as a stick figure.
+    """
+    geoms = robot.geoms or stick_figure(robot)
+    meshes = {geom.mesh: f"mesh{i}" for i, geom in enumerate(geoms) if geom.mesh is not None}
     for mesh, name in meshes.items():
         _add_mesh(spec, name, mesh)
-    for geom in robot.geoms:
+    for geom in geoms:
         _add_geom(spec.body(geom.body), geom, meshes)
     spec.worldbody.add_geom(
         name="floor",
