@@ -15,7 +15,7 @@ from ffgym.export import ReferenceForm, export_model, export_run
 from ffgym.paths import joint_sine
 from ffgym.plant import Plant
 from ffgym.recordings import read_recording
-from ffgym.robot import ModelOptions, physics_fingerprint
+from ffgym.robot import ModelOptions, builtin_robots, load_robot, physics_fingerprint
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
 from tests.robot.robot_samples import unusual
@@ -28,10 +28,11 @@ WITHOUT_FFGYM = (
 
 
 def swing(robot):
-    """Sine of all joints about the home pose; it starts at full speed."""
-    n = robot.n_joints
-    home = np.zeros(n) if robot.work_area is None else robot.work_area.home
-    path = joint_sine(np.full(n, 0.05), 1.0, 0.4, centre=home, dt=robot.servo.control_dt, name="swing")
+    """Sine of all joints about the home pose, or mid-range; it starts at full speed."""
+    low, high = robot.kinematics.range.T
+    centre = (low + high) / 2 if robot.work_area is None else robot.work_area.home
+    amplitude = np.minimum(0.05, 0.05 * (high - low))
+    path = joint_sine(amplitude, 1.0, 0.2, centre=centre, dt=robot.servo.control_dt, name="swing")
     return joint_reference(robot, path)
 
 
@@ -42,13 +43,16 @@ def circle(irb4600, arm):
 
 
 @pytest.fixture(scope="module")
-def runs(irb4600, one_axis, circle):
-    """Runs and options by name: tool and joint motions, laws, robots, and parts left out."""
+def runs(irb4600, circle):
+    """Runs and options by name: robots, tool and joint motions, laws, and parts left out."""
     rails = unusual(irb4600)
+    swings = {name: swing(load_robot(name)) for name in builtin_robots()}
     return {
         "circle": (circle, ModelOptions()),
-        "one axis": (Run(reference=swing(one_axis), law=static_lugre(one_axis)), ModelOptions()),
-        "swing": (Run(reference=swing(irb4600), law=static_lugre(irb4600)), ModelOptions()),
+        **{
+            name: (Run(reference=motion, law=static_lugre(motion.robot)), ModelOptions())
+            for name, motion in swings.items()
+        },
         "rails, coupled wrist and springs": (Run(reference=swing(rails), law=dynamic_lugre(rails)), ModelOptions()),
         "rigid": (Run(reference=swing(irb4600)), ModelOptions(flexible=False)),
         "no friction, no gravity": (Run(reference=swing(irb4600)), ModelOptions(friction=False, gravity=False)),
@@ -58,8 +62,7 @@ def runs(irb4600, one_axis, circle):
 
 NAMES = (
     "circle",
-    "one axis",
-    "swing",
+    *builtin_robots(),
     "rails, coupled wrist and springs",
     "rigid",
     "no friction, no gravity",
@@ -230,7 +233,7 @@ def test_a_run_that_cannot_be_simulated_leaves_nothing(circle, tmp_path):
 
 
 def test_a_player_whose_files_do_not_match_says_so(runs, tmp_path):
-    run, options = runs["one axis"]
+    run, options = runs["one_axis"]
     export_run(tmp_path / "out", run, options=options)
     export_run(tmp_path / "other", replace(run, law=NoCompensation()), options=options)
     (tmp_path / "other" / "recording.csv").replace(tmp_path / "out" / "recording.csv")

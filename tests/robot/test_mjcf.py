@@ -14,6 +14,8 @@ from hypothesis.extra.numpy import arrays
 from ffgym.errors import FFGymError
 from ffgym.robot import ModelOptions, build_spec, builtin_robots, load_robot, mjcf_text, physics_fingerprint
 from ffgym.robot.mjcf_elements import text
+from ffgym.robot.parts import Geom, Mesh
+from tests.robot.arm_samples import random_arm
 from tests.robot.robot_samples import unusual
 
 OPTIONS = [
@@ -67,15 +69,27 @@ def test_any_numbers_of_a_robot_are_written_exactly(irb4600, numbers):
     assert_same_model(build_spec(robot, ModelOptions(looks=False)))
 
 
-def test_keyframes_and_meshes_are_written_exactly(one_axis):
-    spec = build_spec(one_axis)
+@settings(max_examples=20)
+@given(types=st.lists(st.sampled_from(["hinge", "slide"]), min_size=1, max_size=7), seed=st.integers(0, 2**32 - 1))
+def test_any_serial_arm_is_written_exactly(types, seed):
+    assert_same_model(build_spec(random_arm(tuple(types), seed)))
+
+
+def test_meshes_and_turned_shapes_are_written_exactly(one_axis):
     rng = np.random.default_rng(0)
-    vertices = rng.normal(size=(12, 3)).astype(np.float32)
-    spec.add_mesh(name="hull", uservert=vertices.ravel().tolist())
-    spec.body("load").add_geom(
-        type=mujoco.mjtGeom.mjGEOM_MESH, meshname="hull", mass=0, contype=0, conaffinity=0, pos=rng.normal(size=3)
-    )
-    spec.add_key(name="start", qpos=rng.normal(size=1), qvel=rng.normal(size=1), act=[0.1, 1e-300], ctrl=[-0.0, 2, 3])
+    quaternion = rng.normal(size=4)
+    turned = {"body": "load", "end": None, "colour": (0.1, 0.2, 1 / 3, 1.0), "pos": (0.1, 0.2, 1 / 3)}
+    turned["rotation"] = tuple((quaternion / np.linalg.norm(quaternion)).tolist())
+    faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], dtype=np.int32)
+    mesh = Mesh(vertices=rng.normal(size=(4, 3)).astype(np.float32), faces=faces)
+    shapes = {"box": (0.1, 0.2, 1 / 7), "ellipsoid": (0.1, 0.2, 1 / 7), "sphere": (1 / 3,), "mesh": ()}
+    geoms = [Geom(type=k, size=v, mesh=mesh if k == "mesh" else None, **turned) for k, v in shapes.items()]
+    assert_same_model(build_spec(replace(one_axis, geoms=tuple(geoms))))
+
+
+def test_keyframes_are_written_exactly(one_axis):
+    spec = build_spec(one_axis)
+    spec.add_key(name="start", qpos=[1 / 3], qvel=[-1 / 7], act=[0.1, 1e-300], ctrl=[-0.0, 2, 1e300])
     assert_same_model(spec)
 
 
