@@ -29,10 +29,13 @@ _WAYS_OUT = (
 
 
 @contextmanager
-def engine_errors() -> Iterator[list[str]]:
+def engine_errors(*, line_numbers: bool) -> Iterator[list[str]]:
     """Raise what MuJoCo refuses as an FFGymError; yields the list that its warnings go to.
 
     Without this, MuJoCo prints its warnings and writes them to MUJOCO_LOG.TXT in the working directory.
+
+    Args:
+        line_numbers: whether the lines it names are those of the user's file, and may be shown.
     """
     said: list[str] = []
     before = mujoco.get_mju_user_warning()
@@ -45,7 +48,8 @@ def engine_errors() -> Iterator[list[str]]:
     except FFGymError:
         raise
     except (ValueError, mujoco.FatalError, mujoco.UnexpectedError) as error:
-        raise FFGymError(_refusal(str(error))) from error
+        text = str(error) if line_numbers else re.sub(r",? line \d+", "", str(error))
+        raise FFGymError(_refusal(text)) from error
     finally:
         mujoco.set_mju_user_warning(before)
 
@@ -74,7 +78,7 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
 
 
 def _refusal(message: str) -> str:
-    text = re.sub(r"^(XML )?(Error: )*", "", _one_line(message)).rstrip(".;:")
+    text = re.sub(r"^((XML )?Error: )+", "", _one_line(message)).rstrip(".;:")
     ways = [way for sign, way in _WAYS_OUT if sign in text]
     return f"MuJoCo refuses it: {text}." + (f" {ways[0]}." if ways else "")
 

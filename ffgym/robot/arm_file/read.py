@@ -47,8 +47,8 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
     except OSError as error:
         raise FFGymError(f"Cannot read it: {error.strerror}. It must be an MJCF or URDF file.") from error
     kind = _kind(data)
-    with engine_errors() as warnings:
-        mjcf = kind == "mjcf"
+    mjcf = kind == "mjcf"
+    with engine_errors(line_numbers=mjcf) as warnings:
         source = read_mjcf(path, looks=looks) if mjcf else read_urdf(data, path.parent, joints, looks=looks)
         model = compiled(source.spec)
     chain = choose_chain(model, joints)

@@ -26,7 +26,9 @@ def add_shapes(
         FFGymError: if a shape is none, or its mesh is missing.
     """
     notes = []
-    colours = {str(m.get("name")): m for m in root.findall("material") if m.find("color") is not None}
+    parts = [root, *(element for elements in shapes.values() for element in elements)]
+    materials = [material for part in parts for material in part.findall("material")]
+    colours = {str(m.get("name")): m for m in reversed(materials) if m.find("color") is not None}
     for link, elements in shapes.items():
         body = spec.body(link)
         drawable = _drawable(elements)
