@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ffgym.published import KR300_FRICTION
-from ffgym.robot import ModelOptions, RigidArm, compile_model, load_robot
-from ffgym.robot.motor_torque import motor_torque
+from ffgym.robot import ModelOptions, RigidArm, compile_model, load_robot, motor_torque
 from tests.robot import denavit_hartenberg as published
 
 ROUNDING = 1e-12
