@@ -55,6 +55,22 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
             temporary.unlink(missing_ok=True)
 
 
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Text of a UTF-8 file, without byte order mark.
+
+    Raises:
+        FFGymError: if it cannot be read, or is no UTF-8 text.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        raise FFGymError(
+            f"{path}: is not UTF-8 text: byte {error.start} is {error.object[error.start]:#04x}."
+        ) from error
+
+
 def write_text(path: str | os.PathLike[str], text: str) -> None:
     """Write a UTF-8 file, as `write_bytes`."""
     write_bytes(path, text.encode("utf-8"))
@@ -96,7 +112,7 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 def csv_rows(values: Array) -> str:
     """Lines of a CSV file for the rows of `values` (R, C); numbers have the fewest digits that give back every bit."""
-    return "".join(",".join(map(repr, row)) + "\n" for row in values.tolist())
+    return "".join(",".join(map(repr, row.tolist())) + "\n" for row in values)
 
 
 def write_json(path: str | os.PathLike[str], value: Any) -> None:

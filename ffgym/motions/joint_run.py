@@ -10,12 +10,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from ffgym.errors import FFGymError
 from ffgym.motions.rows import Rows, phases_at, sample_times
 from ffgym.paths.bounds import MARGIN, Bounds, axis_bounds
 from ffgym.paths.curves import Curve, Line
 from ffgym.paths.limits import MotionLimits
-from ffgym.paths.moves import MoveJoint, Speed, located
+from ffgym.paths.moves import MoveJoint, MoveJointSpline, Speed, located
 from ffgym.paths.pacing import stretches
+from ffgym.paths.polynomial_curve import spline_through
 from ffgym.paths.route import SHARPEST, Leg, corner_angle, rounded
 from ffgym.paths.timing import time_law
 from ffgym.robot import RigidArm
@@ -25,15 +27,19 @@ _ZONE_POINTS = 64
 """Points on half a leg at which the distance of the tool from its target is examined."""
 
 
+JointMove = MoveJoint | MoveJointSpline
+"""Moves whose path is given in joint space."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointStep:
-    """A move of the joints and the straight line that it makes, in units of largest speeds."""
+    """A move of the joints and the curve that it makes, in units of largest speeds."""
 
-    move: MoveJoint
+    move: JointMove
     leg: Leg
 
 
-def check_range(arm: RigidArm, move: MoveJoint, target: Array) -> None:
+def check_range(arm: RigidArm, move: JointMove, target: Array) -> None:
     """Check that joint positions `target` can be a target of `move`.
 
     Raises:
@@ -52,36 +58,56 @@ def check_range(arm: RigidArm, move: MoveJoint, target: Array) -> None:
         )
 
 
-def joint_steps(arm: RigidArm, moves: Sequence[MoveJoint], targets: Sequence[Array], q: Array) -> list[JointStep]:
-    """Lines from `q` (N,) through the joint positions `targets`, one for each move; moves that go nowhere make none.
+def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Array], q: Array) -> list[JointStep]:
+    """Curves from `q` (N,) through joint positions `targets`, (K, N) for each move; moves that go nowhere make none.
 
     Raises:
         FFGymError: if a target lies beyond a joint limit, or has another number of joints.
     """
     unit = arm.robot.kinematics.max_speed
     steps = []
-    for move, target in zip(moves, targets, strict=True):
-        check_range(arm, move, target)
-        if np.any(target != q):
-            leg = Leg(curve=Line(start=q / unit, end=target / unit), speed=move.speed)
-            steps.append(JointStep(move=move, leg=leg))
-        q = target
+    for move, through in zip(moves, targets, strict=True):
+        for target in through:
+            check_range(arm, move, target)
+        points = np.vstack([q[None], through]) / unit
+        points = points[1:] if np.all(points[0] == points[1]) else points
+        if len(points) > 1:
+            steps.append(JointStep(move=move, leg=_leg(move, points)))
+        q = through[-1]
     return steps
 
 
-def split_reversals(steps: Sequence[JointStep]) -> tuple[list[list[JointStep]], list[str]]:
+def _leg(move: JointMove, points: Array) -> Leg:
+    """Leg through two or more points, in units of largest speeds."""
+    if isinstance(move, MoveJoint):
+        return Leg(curve=Line(start=points[0], end=points[1]), speed=move.speed)
+    try:
+        return Leg(curve=spline_through(points), speed=None)
+    except FFGymError as error:
+        raise located(move, str(error)) from error
+
+
+def split_joints(steps: Sequence[JointStep]) -> tuple[list[list[JointStep]], list[str]]:
     """Groups of steps between which the joints stop, and a note for each stop that was not asked for."""
     groups, notes = [[step] for step in steps[:1]], []
     for before, after in pairwise(steps):
-        back = corner_angle(before.leg.curve, after.leg.curve) > SHARPEST
-        if back and not before.move.zone.stops:
-            text = f"the robot stops at {before.move.label!r}, because the joints turn back there"
-            notes.append(str(located(before.move, text)))
-        if back or before.move.zone.stops:
+        why = _no_corner(before, after)
+        if why and not before.move.zone.stops:
+            notes.append(str(located(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
+        if why or before.move.zone.stops:
             groups.append([after])
         else:
             groups[-1].append(after)
     return groups, notes
+
+
+def _no_corner(before: JointStep, after: JointStep) -> str:
+    """Why the path cannot go round the corner between two steps; empty if it can."""
+    if any(isinstance(step.move, MoveJointSpline) for step in (before, after)):
+        return "a spline starts and ends at rest"
+    if corner_angle(before.leg.curve, after.leg.curve) > SHARPEST:
+        return "the joints turn back there"
+    return ""
 
 
 def run_joints(arm: RigidArm, steps: Sequence[JointStep], limits: MotionLimits) -> Rows:

@@ -1,26 +1,46 @@
 """Motions by name or from a file, as references for a robot."""
 
 from collections.abc import Callable, Mapping
+from importlib import resources
 from pathlib import Path
+from types import MappingProxyType
 
-from ffgym.control import cartesian_reference
+import numpy as np
+
 from ffgym.errors import FFGymError, check_choice
+from ffgym.motions.compose import compose
 from ffgym.motions.motion import Motion
+from ffgym.motions.motion_file import parse_motion, read_motion_file
+from ffgym.motions.parts.place import Place
+from ffgym.motions.parts.table_part import TablePart
 from ffgym.motions.rapid import rapid_motion
-from ffgym.paths import circle_test
 from ffgym.robot import RigidArm
 
-READERS: Mapping[str, Callable[[RigidArm, Path], Motion]] = {".mod": rapid_motion, ".prg": rapid_motion}
+
+def read_csv(arm: RigidArm, path: Path) -> Motion:
+    """Motion of a CSV file of poses or joint positions, see `TablePart`.
+
+    Raises:
+        FFGymError: if the file cannot be read or is no such table, or the robot cannot make the motion.
+    """
+    place = Place(arm=arm, origin=np.zeros(3), where=str(path), folder=path.parent)
+    return compose(arm, TablePart(file=path.name).moves(place), name=path.stem)
+
+
+READERS: Mapping[str, Callable[[RigidArm, Path], Motion]] = MappingProxyType(
+    {".toml": read_motion_file, ".csv": read_csv, ".mod": rapid_motion, ".prg": rapid_motion}
+)
 """What reads a file, by the suffix of its name."""
 
 
 def list_motions() -> tuple[str, ...]:
-    """Names of the motions that ship with the package."""
-    return ("circles",)
+    """Names of the motions that ship with the package; which of them a robot can make depends on it."""
+    folder = resources.files("ffgym.motions") / "data"
+    return tuple(sorted(Path(f.name).stem for f in folder.iterdir() if f.name.endswith(".toml")))
 
 
 def load_motion(arm: RigidArm, source: str | Path) -> Motion:
-    """Motion for a robot from a built-in name, or from a file by path.
+    """Motion for a robot, from a built-in name or from a file.
 
     Args:
         arm: the robot.
@@ -29,14 +49,11 @@ def load_motion(arm: RigidArm, source: str | Path) -> Motion:
     Raises:
         FFGymError: if there is no such motion or file, or the robot cannot make it.
     """
-    reader = READERS.get(Path(source).suffix.lower())
-    if reader is not None:
-        return reader(arm, Path(source))
-    if not isinstance(source, str) or Path(source).suffix:
-        raise FFGymError(f"Motion {str(source)!r}: a motion file must end in {', '.join(READERS)}.")
-    check_choice("motion", source, list_motions())
-    area = arm.robot.work_area
-    if area is None or not area.positions:
-        raise FFGymError(f"Robot {arm.robot.name!r} has no work area.")
-    centre = next(iter(area.positions.values()))
-    return Motion(reference=cartesian_reference(arm, circle_test(centre, 0.04, dt=arm.robot.servo.control_dt)))
+    path = Path(source)
+    if path.suffix.lower() in READERS:
+        return READERS[path.suffix.lower()](arm, path)
+    if path.suffix or path.name != str(source):
+        raise FFGymError(f"{source}: a motion file must end in {', '.join(READERS)}.")
+    name = check_choice("motion", str(source), list_motions())
+    text = (resources.files("ffgym.motions") / "data" / f"{name}.toml").read_text(encoding="utf-8")
+    return parse_motion(arm, text, where=f"{name}.toml", name=name)

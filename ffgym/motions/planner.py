@@ -4,15 +4,28 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from ffgym.control import cartesian_reference, joint_reference
 from ffgym.errors import FFGymError
-from ffgym.motions.joint_run import check_range, joint_steps, run_joints, split_reversals
+from ffgym.motions.joint_run import JointMove, check_range, joint_steps, run_joints, split_joints
 from ffgym.motions.rows import Rows, rest
 from ffgym.motions.tool_legs import ToolMove, tool_runs
 from ffgym.motions.tool_run import run_tool
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motion import JointPath
-from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, MoveSpline, MoveTimed, Pose, Wait, located
+from ffgym.paths.moves import (
+    Move,
+    MoveArc,
+    MoveJoint,
+    MoveJointSpline,
+    MoveLinear,
+    MoveSpline,
+    MoveTimed,
+    Pose,
+    Wait,
+    located,
+)
 from ffgym.robot import RigidArm, solve_pose
 from ffgym.types import Array
 
@@ -21,7 +34,7 @@ def space_of(move: Move) -> Literal["tool", "joints"] | None:
     """Where the path of a move is given; None for what is neither."""
     if isinstance(move, MoveLinear | MoveArc | MoveSpline):
         return "tool"
-    return "joints" if isinstance(move, MoveJoint) else None
+    return "joints" if isinstance(move, JointMove) else None
 
 
 @dataclass(kw_only=True, eq=False)
@@ -49,11 +62,11 @@ class Planner:
             return
         if self.q is None:
             self.q = self._start(first)
-            group = group if isinstance(first, MoveSpline) else group[1:]
+            group = group if isinstance(first, MoveSpline | MoveJointSpline) else group[1:]
         if isinstance(first, Wait):
             self._add([rest(self.q, first.duration, self.arm.robot.servo.control_dt, first.label)])
-        elif isinstance(first, MoveJoint):
-            self._run_joints([move for move in group if isinstance(move, MoveJoint)], self.q)
+        elif space_of(first) == "joints":
+            self._run_joints([move for move in group if isinstance(move, JointMove)], self.q)
         else:
             self._run_tool([move for move in group if isinstance(move, ToolMove)], self.q)
 
@@ -65,9 +78,11 @@ class Planner:
     def _start(self, move: Move) -> Array:
         """Joint positions at the target of the first move, which is where the motion starts."""
         area, limits = self.arm.robot.work_area, self.arm.robot.kinematics.range
-        if isinstance(move, MoveJoint) and not isinstance(move.to, Pose):
-            check_range(self.arm, move, move.to)
-            return move.to
+        if isinstance(move, JointMove):
+            target = move.through[0] if isinstance(move, MoveJointSpline) else move.to
+            if not isinstance(target, Pose):
+                check_range(self.arm, move, target)
+                return target
         if not isinstance(move, MoveLinear | MoveJoint | MoveSpline):
             raise located(move, "An arc or a wait cannot come first; say where the robot starts, or move there first.")
         pose = move.through[0] if isinstance(move, MoveSpline) else move.to
@@ -87,15 +102,21 @@ class Planner:
         """Orientation of tool0 at `q` (N,), shape (3, 3); None where it is free."""
         return None if self.free else self.arm.tcp_pose(q[None])[1][0]
 
-    def _run_joints(self, moves: Sequence[MoveJoint], q: Array) -> None:
-        targets, last = [], q
+    def _run_joints(self, moves: Sequence[JointMove], q: Array) -> None:
+        targets: list[Array] = []
         for move in moves:
-            pose = move.to
-            last = self._solved(move, pose, self._rotation(last), last) if isinstance(pose, Pose) else pose
-            targets.append(last)
-        groups, notes = split_reversals(joint_steps(self.arm, moves, targets, q))
+            targets.append(self._through(move, targets[-1][-1] if targets else q))
+        groups, notes = split_joints(joint_steps(self.arm, moves, targets, q))
         self._add([run_joints(self.arm, steps, self.limits) for steps in groups])
         self.notes += notes
+
+    def _through(self, move: JointMove, last: Array) -> Array:
+        """Joint positions (K, N) of a move that begins at `last` (N,)."""
+        if isinstance(move, MoveJointSpline):
+            return move.through
+        if isinstance(move.to, Pose):
+            return self._solved(move, move.to, self._rotation(last), last)[None]
+        return np.atleast_2d(move.to)
 
     def _run_tool(self, moves: Sequence[ToolMove], q: Array) -> None:
         if self.arm.robot.tool is None:

@@ -85,7 +85,7 @@ def _spline_leg(move: MoveSpline, position: Array, rotation: Array | None) -> Le
     if np.linalg.norm(poses[0].position - position) <= SAME:
         poses = poses[1:]
     points = np.vstack([position[None], *(pose.position[None] for pose in poses)])
-    curve = spline_through(points)
+    curve = spline_through(points, closed=move.closed)
     if rotation is None:
         return Leg(curve=curve, speed=move.speed)
     rotations = np.stack([rotation, *(_turned(pose, rotation) for pose in poses)])

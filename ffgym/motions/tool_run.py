@@ -55,10 +55,10 @@ def _followed(arm: RigidArm, course: Course, q: Array) -> tuple[Array, Array, Ar
     position, tangent, bend, _ = course.path
     if course.turned is None:
         rows = solve_path(arm, position, None, q)
-        return rows, *joint_rates(arm, rows, tangent, bend)
+        return rows, *joint_rates(arm, rows, q, tangent, bend)
     rotation, rate, change = course.turned
     rows = solve_path(arm, position, rotation, q)
-    return rows, *joint_rates(arm, rows, np.hstack([tangent, rate]), np.hstack([bend, change]))
+    return rows, *joint_rates(arm, rows, q, np.hstack([tangent, rate]), np.hstack([bend, change]))
 
 
 def _bounds(arm: RigidArm, run: ToolRun, grid: list[Array], q: Array, limits: MotionLimits) -> list[Bounds]:

@@ -112,10 +112,24 @@ class MoveSpline(Move):
     through: tuple[Pose, ...]
     """At least one pose beside the start."""
     speed: Speed
+    closed: bool = False
+    """Whether the curve, which then must end where it starts, is smooth there too."""
 
     def __post_init__(self) -> None:
         if not self.through or len({pose.rotation is None for pose in self.through}) > 1:
             raise FFGymError("A spline needs at least one pose, and all or none of them must give an orientation.")
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MoveJointSpline(Move):
+    """Smooth curve in joint space through joint positions, as fast as the limits allow; it stops at both ends.
+
+    It begins where the last move ended, or at its first positions if it comes first.
+    """
+
+    through: Array
+    """Joint positions, link side [rad, or m for a sliding joint], shape (K, N)."""
 
 
 @final

@@ -64,15 +64,10 @@ def random_multisine(
     phase = rng.uniform(0, 2 * np.pi, size=omega.shape)
 
     def unscaled(tau: Array) -> tuple[Array, Array, Array]:
-        fade, fade_rate, fade_change = (part[:, None] for part in _fade(tau, moving, ramp))
         angle = omega * tau[:, None, None] + phase
         sines = np.sin(angle)
-        sine, rate, change = (part.sum(axis=1) for part in (sines, omega * np.cos(angle), -(omega**2) * sines))
-        return (
-            fade * sine,
-            fade_rate * sine + fade * rate,
-            fade_change * sine + 2 * fade_rate * rate + fade * change,
-        )
+        series = tuple(part.sum(axis=1) for part in (sines, omega * np.cos(angle), -(omega**2) * sines))
+        return faded(series, tau, moving, ramp)
 
     fastest = np.abs(unscaled(np.arange(0.0, moving, dt))[1]).max(axis=0)
     size = peak_speed / fastest
@@ -87,6 +82,24 @@ def random_multisine(
         standstill("rest 1", centre, dwell),
     ]
     return joint_path(name, segments, dt)
+
+
+def faded(series: tuple[Array, ...], tau: Array, moving: float, ramp: float) -> tuple[Array, Array, Array]:
+    """A motion and its first two derivatives, (T, N) each, multiplied by a fade that is 1 but for its two ends.
+
+    Args:
+        series: position, velocity and acceleration at times `tau` (T,) since the start [s].
+        tau: within [0, moving].
+        moving: when it ends [s].
+        ramp: time of fading in, and of fading out [s].
+    """
+    fade, fade_rate, fade_change = (part[:, None] for part in _fade(tau, moving, ramp))
+    sine, rate, change = series
+    return (
+        fade * sine,
+        fade_rate * sine + fade * rate,
+        fade_change * sine + 2 * fade_rate * rate + fade * change,
+    )
 
 
 def _fade(tau: Array, moving: float, ramp: float) -> tuple[Array, Array, Array]:

@@ -52,12 +52,16 @@ def decode(data: bytes, header: Header | None = None) -> Recording:
         raise FFGymError(
             f"Line {len(lines)} has no line end: the file is cut short. Copy it again, or remove that line."
         )
-    names, values = _table(lines, n_comments)
+    names, values = read_table(lines, n_comments)
     return Recording({name: values[:, i] for i, name in enumerate(names)}, header)
 
 
-def _table(lines: list[str], first: int) -> tuple[list[str], Array]:
-    """Column names and numbers, shape (T, columns), of the lines from index `first` on; blank lines are skipped."""
+def read_table(lines: list[str], first: int) -> tuple[list[str], Array]:
+    """Column names and numbers, shape (T, columns), of the lines from index `first` on; blank lines are skipped.
+
+    Raises:
+        FFGymError: if they are no table of numbers; the message begins with the line, from 1.
+    """
     reader = csv.reader((line + "\n" for line in lines[first:]), strict=True)
     names: list[str] = []
     values = array("d")
