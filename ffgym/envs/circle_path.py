@@ -54,6 +54,7 @@ class CircleTasks(Tasks):
                 f"Robot {robot.name!r} has no work area for circles; use ffgym/OneAxis-v0 for one axis, or "
                 f"ffgym/JointMotion-v0."
             )
+        self._area = robot.work_area
         chosen = tuple(robot.work_area.positions) if positions is None else _sequence("positions", positions)
         self._positions = check_not_empty("positions", chosen, "'p1'")
         self._speeds = check_not_empty("speeds", _numbers("speeds", speeds), "0.010 m/s")
@@ -63,8 +64,7 @@ class CircleTasks(Tasks):
 
     def _check(self) -> None:
         """Complain now, not in the middle of a training."""
-        area = self.robot.work_area
-        assert area is not None  # __init__ asks for it
+        area = self._area
         for position in self._positions:
             solve_path(self.arm, self._point(position)[1][None], area.tool_rotation, area.home)
         for radius, speed in product(self._radii, self._speeds):
@@ -96,7 +96,8 @@ class CircleTasks(Tasks):
 
         def make() -> Motion:
             name = f"{label}, {speed * 1e3:g} mm/s"
-            path = circle_test(point, speed, radii=radii, dt=self.robot.servo.control_dt, name=name)
+            normal, dt = self._area.normal, self.robot.servo.control_dt
+            path = circle_test(point, speed, radii=radii, normal=normal, dt=dt, name=name)
             task = {"position": label, "speed": speed, "radii": list(radii)}
             return Motion(reference=cartesian_reference(self.arm, path), arm=self.arm, task=task)
 

@@ -114,14 +114,14 @@ def circle_references(
     _check_distinct("positions", names)
     _check_distinct("speeds [mm/s]", [_in_mm(speed) for speed in speeds])
     _check_distinct("radii [mm]", [_in_mm(radius) for radius in check_shape("radii", radii, (None,))])
-    dt = robot.servo.control_dt
-    return {
-        (name, speed): cartesian_reference(
-            arm, circle_test(robot.position(name), speed, radii=radii, dt=dt, name=f"{name}, {speed * 1e3:g} mm/s")
-        )
-        for speed in speeds
-        for name in names
-    }
+    normal, dt = robot.work_area.normal, robot.servo.control_dt
+
+    def reference(name: str, speed: float) -> Reference:
+        title = f"{name}, {speed * 1e3:g} mm/s"
+        path = circle_test(robot.position(name), speed, radii=radii, normal=normal, dt=dt, name=title)
+        return cartesian_reference(arm, path)
+
+    return {(name, speed): reference(name, speed) for speed in speeds for name in names}
 
 
 def _in_mm(length: float) -> float:
