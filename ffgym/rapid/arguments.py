@@ -40,7 +40,7 @@ def pair(
         raise _unsupported(source, name, arguments[0].options[0], {})  # e.g. MoveL \Conc, p10, ...
     if len(arguments) != len(parameters):
         names = ", ".join(parameter.name for parameter in parameters)
-        raise source.error(place, f"{name} takes {len(parameters)} arguments ({names}), got {len(arguments)}.")
+        raise source.error(place, f"the arguments of {name} are ({names}), got {len(arguments)} of {len(parameters)}.")
     values: list[Expression] = []
     options: dict[str, Option] = {}
     for argument, parameter in zip(arguments, parameters, strict=True):

@@ -44,7 +44,8 @@ def turn(orient: Value, name: str) -> Array:
     norm = float(np.linalg.norm(orient))
     if not abs(norm - 1) <= LARGEST_NORM_ERROR:
         raise FFGymError(f"{name} = {list(orient)} has norm {norm:.6g}, must be a quaternion of norm 1.")
-    matrix: Array = Rotation.from_quat(np.roll(orient, -1)).as_matrix()
+    q1, q2, q3, q4 = orient
+    matrix: Array = Rotation.from_quat([q2, q3, q4, q1]).as_matrix()
     return matrix
 
 

@@ -36,7 +36,8 @@ def _rel_tool(values: Sequence[Value], options: Options) -> Value:
     angles = [options.get(name, 0.0) for name in ("rx", "ry", "rz")]
     turned = Rotation.from_matrix(tool) * Rotation.from_euler("XYZ", angles, degrees=True)
     moved = np.array(position) + tool @ np.array(offset)
-    return (tuple(moved.tolist()), tuple(np.roll(turned.as_quat(), 1).tolist()), *rest)
+    q2, q3, q4, q1 = turned.as_quat().tolist()
+    return (tuple(moved.tolist()), (q1, q2, q3, q4), *rest)
 
 
 _TARGET = Parameter("target", ROBTARGET)
