@@ -77,8 +77,9 @@ def cartesian_reference(
         rotation = path.rotation
     elif rotation is None and area is not None:
         rotation = area.tool_rotation
-    q = solve_path(arm, path.position, rotation, _seed(arm, seed))
-    dq, ddq = joint_rates(arm, q, *_twists(path, free=rotation is None))
+    seed = _seed(arm, seed)
+    q = solve_path(arm, path.position, rotation, seed)
+    dq, ddq = joint_rates(arm, q, seed, *_twists(path, free=rotation is None))
     return Reference(name=path.name, robot=arm.robot, t=path.t, q=q, dq=dq, ddq=ddq, phases=path.phases)
 
 

@@ -44,12 +44,12 @@ class Goal:
         return Goal(positions=self.positions[rows], rotations=None if self.rotations is None else self.rotations[rows])
 
     def miss(self, arm: RigidArm, q: Array) -> tuple[Array, Array]:
-        """Twist from the tool at `q` (T, N) to the goal, [m] and [rad], (T, M), and its Jacobian (T, M, N).
+        """Twist from the tool at `q` (T, N) to the goal, [m] and [rad], and the Jacobian there, shape (T, 6, N).
 
-        M is 6, or 3 where the orientation is free.
+        The twist has shape (T, 6), or (T, 3) where the orientation is free.
         """
         position, rotation, jacobian = arm.pose_and_jacobian(q)
         away = self.positions - position
         if self.rotations is None:
-            return away, jacobian[:, :3]
+            return away, jacobian
         return np.concatenate([away, rotation_error(self.rotations, rotation)], axis=1), jacobian

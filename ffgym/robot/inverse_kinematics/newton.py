@@ -4,7 +4,7 @@ import numpy as np
 
 from ffgym.robot.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
-from ffgym.robot.inverse_kinematics.hold import Hold
+from ffgym.robot.inverse_kinematics.posture import Posture
 from ffgym.types import Array, BoolArray
 
 TOLERANCE = 1e-10
@@ -19,13 +19,13 @@ _DAMPING = 1e-9
 """Keeps the normal equations solvable at an exact singularity; too small to slow Newton down."""
 
 
-def newton(arm: RigidArm, goal: Goal, hold: Hold, q: Array) -> tuple[Array, BoolArray]:
+def newton(arm: RigidArm, goal: Goal, posture: Posture, q: Array) -> tuple[Array, BoolArray]:
     """Newton's iteration on every row at once; of an arm that cannot make all motions, Gauss's and Newton's.
 
     Args:
         arm: the robot.
         goal: T tool poses.
-        hold: what the joints to spare keep to.
+        posture: where the joints to spare would be.
         q: joint positions to start from, shape (T, N).
 
     Returns:
@@ -35,11 +35,13 @@ def newton(arm: RigidArm, goal: Goal, hold: Hold, q: Array) -> tuple[Array, Bool
     met = np.zeros(len(q), dtype=np.bool_)
     active = np.arange(len(q))
     for _ in range(_MAX_ITERATIONS):
-        miss, matrix = hold.at(active).extend(*goal.at(active).miss(arm, q[active]), q[active])
+        twist, jacobian = goal.at(active).miss(arm, q[active])
+        matrix = posture.slopes(jacobian, q[active])
+        miss = np.concatenate([twist, -posture.away(jacobian, q[active])], axis=1)
         step = solve_twist(matrix, miss)
         left = step if matrix.shape[1] > matrix.shape[2] else miss  # what is missed for good takes no step
         settled = np.abs(left).max(axis=1) <= TOLERANCE
-        met[active] = settled & (np.abs(miss).max(axis=1) <= ROUNDING)
+        met[active] = settled & (np.abs(twist).max(axis=1) <= ROUNDING)
         active, step = active[~settled], step[~settled]
         if active.size == 0:
             break

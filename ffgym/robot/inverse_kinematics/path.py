@@ -5,9 +5,10 @@ import numpy as np
 from ffgym.errors import FFGymError, check_shape
 from ffgym.robot.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
-from ffgym.robot.inverse_kinematics.hold import MAX_CONDITION, Hold, task_jacobian
+from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION
 from ffgym.robot.inverse_kinematics.newton import LARGEST_STEP, newton
 from ffgym.robot.inverse_kinematics.poses import first_pose
+from ffgym.robot.inverse_kinematics.posture import Posture
 from ffgym.robot.inverse_kinematics.refusals import unreachable
 from ffgym.types import Array
 
@@ -17,8 +18,8 @@ _BLOCK = 256
 def solve_path(arm: RigidArm, positions: Array, rotation: Array | None, seed: Array) -> Array:
     """Joint positions, shape (T, N), that put the TCP on `positions` with tool0 turned to `rotation`.
 
-    An arm with joints to spare keeps what `Hold` says; one that cannot make all motions of a tool must meet position
-    and orientation all the same.
+    An arm with joints to spare stays as near to the seed as it can, see `Posture`; one that cannot make all motions of
+    a tool must meet position and orientation all the same.
 
     Args:
         arm: the robot.
@@ -33,20 +34,20 @@ def solve_path(arm: RigidArm, positions: Array, rotation: Array | None, seed: Ar
     goal = Goal.of(positions, rotation)
     seed = check_shape("seed", seed, (arm.robot.n_joints,))
     q = np.empty((len(goal), len(seed)))
-    last = first_pose(arm, goal.at(slice(1)), seed)
-    hold = Hold.at_poses(arm, last[None], rotation is not None)
+    posture = Posture.near(arm, seed, turning=rotation is not None)
+    last = first_pose(arm, goal.at(slice(1)), posture)
     for start in range(0, len(goal), _BLOCK):
         rows = slice(start, start + _BLOCK)
-        q[rows] = _follow(arm, goal.at(rows), hold, last, start)
+        q[rows] = _follow(arm, goal.at(rows), posture, last, start)
         last = q[rows][-1]
     _check_joint_limits(arm, q)
-    _check_singularity(arm, hold, q, rotation is not None)
+    _check_singularity(arm, posture, q)
     return q
 
 
-def _follow(arm: RigidArm, goal: Goal, hold: Hold, last: Array, start: int) -> Array:
+def _follow(arm: RigidArm, goal: Goal, posture: Posture, last: Array, start: int) -> Array:
     """Solve a block at once from the pose before it; halve the block until it stays on the branch."""
-    q, met = newton(arm, goal, hold.repeated(len(goal)), np.tile(last, (len(goal), 1)))
+    q, met = newton(arm, goal, posture, np.tile(last, (len(goal), 1)))
     steps = np.abs(np.diff(np.vstack([last[None], q]), axis=0)).max(axis=1)
     if met.all() and steps.max() <= LARGEST_STEP:
         return q
@@ -55,8 +56,8 @@ def _follow(arm: RigidArm, goal: Goal, hold: Hold, last: Array, start: int) -> A
             raise unreachable(arm, goal, q, start)
         raise _jump(arm, q[0] - last, start)
     half = len(goal) // 2
-    first = _follow(arm, goal.at(slice(half)), hold, last, start)
-    return np.vstack([first, _follow(arm, goal.at(slice(half, None)), hold, first[-1], start + half)])
+    first = _follow(arm, goal.at(slice(half)), posture, last, start)
+    return np.vstack([first, _follow(arm, goal.at(slice(half, None)), posture, first[-1], start + half)])
 
 
 def _jump(arm: RigidArm, step: Array, sample: int) -> FFGymError:
@@ -82,11 +83,9 @@ def _check_joint_limits(arm: RigidArm, q: Array) -> None:
         )
 
 
-def _check_singularity(arm: RigidArm, hold: Hold, q: Array, turning: bool) -> None:
+def _check_singularity(arm: RigidArm, posture: Posture, q: Array) -> None:
     """Complain where the arm is about to lose one of the motions that it can make elsewhere."""
-    jacobian = task_jacobian(arm, q, turning)
-    still = hold.repeated(len(q))
-    condition = np.linalg.cond(still.extend(np.empty(jacobian.shape[:2]), jacobian)[1])
+    condition = np.linalg.cond(posture.slopes(arm.jacobian(q), q))
     worst = int(np.argmax(condition))
     if condition[worst] > MAX_CONDITION:
         raise FFGymError(

@@ -5,10 +5,11 @@ import numpy as np
 from ffgym.errors import FFGymError, check_shape
 from ffgym.robot.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
-from ffgym.robot.inverse_kinematics.hold import Hold
+from ffgym.robot.inverse_kinematics.mobility import any_poses
 from ffgym.robot.inverse_kinematics.newton import newton
+from ffgym.robot.inverse_kinematics.posture import Posture
 from ffgym.robot.inverse_kinematics.refusals import point_text, unreachable
-from ffgym.types import Array
+from ffgym.types import Array, BoolArray
 
 _RESTARTS = 50
 _SPREAD = 0.5
@@ -26,21 +27,21 @@ def solve_pose(arm: RigidArm, position: Array, rotation: Array | None, seed: Arr
         arm: the robot.
         position: TCP in the world [m], shape (3,).
         rotation: orientation of tool0 in the world, shape (3, 3); None leaves it free.
-        seed: joint positions [rad or m], shape (N,); of the solutions found, the nearest to it is returned.
+        seed: joint positions [rad or m], shape (N,); of the solutions found around it, the nearest is returned, and
+            where there is none, the nearest of those found anywhere.
 
     Raises:
         FFGymError: if the pose is unreachable, or reachable only beyond the joint limits.
     """
-    position = check_shape("position", position, (3,))
-    goal = Goal.of(position[None], rotation)
-    return first_pose(arm, goal, check_shape("seed", seed, (arm.robot.n_joints,)))
+    goal, posture = _request(arm, position, rotation, seed)
+    return first_pose(arm, goal, posture, anywhere=True)
 
 
 def pose_solutions(arm: RigidArm, position: Array, rotation: Array | None, seed: Array) -> Array:
     """All different joint positions found for a pose within the joint limits, shape (K, N), nearest to `seed` first.
 
-    Joints that can turn on count with every whole turn that their limits allow. Of an arm with joints to spare, which
-    has infinitely many, these are examples.
+    Hinges that can turn on count with every whole turn that their limits allow. Of an arm with joints to spare, which
+    has infinitely many, these are those nearest to the seed among their neighbours.
 
     Args:
         arm: the robot.
@@ -51,33 +52,60 @@ def pose_solutions(arm: RigidArm, position: Array, rotation: Array | None, seed:
     Raises:
         FFGymError: if there is none.
     """
-    nearest = solve_pose(arm, position, rotation, seed)
-    low, high = arm.robot.kinematics.range.T
-    starts = np.random.default_rng(0).uniform(low, high, size=(_SEARCHES, len(nearest)))
-    goal = Goal.of(np.tile(position, (_SEARCHES, 1)), rotation)
-    q, met = newton(arm, goal, Hold.at_poses(arm, starts, rotation is not None), starts)
+    goal, posture = _request(arm, position, rotation, seed)
+    nearest = first_pose(arm, goal, posture, anywhere=True)
+    q, met = _search(arm, goal, posture, any_poses(arm, _SEARCHES))
     found = _different(arm, np.vstack([nearest[None], q[met]]))
     every = np.vstack([_whole_turns(arm, solution) for solution in found])
-    return every[np.argsort(np.abs(every - seed).max(axis=1), kind="stable")]
+    return every[np.argsort(np.abs(every - posture.anchor).max(axis=1), kind="stable")]
 
 
-def first_pose(arm: RigidArm, goal: Goal, seed: Array) -> Array:
-    """Joint positions (N,) for one pose, found from the seed and from random poses around it within the limits."""
-    limits = arm.robot.kinematics.range
-    rng = np.random.default_rng(0)  # restarts must not change from call to call
-    spread = rng.normal(scale=_SPREAD, size=(_RESTARTS, len(seed)))
-    guesses = np.clip(np.vstack([seed[None], seed + spread]), limits[:, 0], limits[:, 1])
-    aims = goal.at(np.zeros(len(guesses), dtype=np.int64))
-    q, met = newton(arm, aims, Hold.at_poses(arm, guesses, goal.rotations is not None), guesses)
+def first_pose(arm: RigidArm, goal: Goal, posture: Posture, *, anywhere: bool = False) -> Array:
+    """Joint positions (N,) within the limits for the one pose of `goal`, the nearest to the posture that is found.
+
+    The search begins at the posture and at random poses around it, and goes on `anywhere` only if these lead nowhere.
+
+    Raises:
+        FFGymError: if nothing is found.
+    """
+    q, met = _search(arm, goal, posture, _around(arm, posture.anchor))
+    inside = _inside(arm, q)
+    if anywhere and not np.any(met & inside):
+        q, met = _search(arm, goal, posture, any_poses(arm, _SEARCHES))
+        inside = _inside(arm, q)
     if not met.any():
         raise unreachable(arm, goal, q, 0)
-    q = _turned_back(arm, q)
-    inside = np.all((q >= limits[:, 0]) & (q <= limits[:, 1]), axis=1)
-    usable = np.flatnonzero(met & inside)
-    if usable.size == 0:
+    found = q[met & inside]
+    if len(found) == 0:
         raise FFGymError(f"TCP position {point_text(goal.positions[0])} m is reachable only beyond the joint limits.")
-    nearest: Array = q[usable[np.argmin(np.abs(q[usable] - seed).max(axis=1))]]
+    nearest: Array = found[np.argmin(np.abs(found - posture.anchor).max(axis=1))]
     return nearest
+
+
+def _request(arm: RigidArm, position: Array, rotation: Array | None, seed: Array) -> tuple[Goal, Posture]:
+    """Checked goal of one pose, and the posture to be near to."""
+    goal = Goal.of(check_shape("position", position, (3,))[None], rotation)
+    anchor = check_shape("seed", seed, (arm.robot.n_joints,))
+    return goal, Posture.near(arm, anchor, turning=goal.rotations is not None)
+
+
+def _around(arm: RigidArm, seed: Array) -> Array:
+    """The seed, and random poses around it, within the limits, always the same, shape (K, N)."""
+    low, high = arm.robot.kinematics.range.T
+    spread = np.random.default_rng(0).normal(scale=_SPREAD, size=(_RESTARTS, len(seed)))
+    return np.clip(np.vstack([seed[None], seed + spread]), low, high)
+
+
+def _search(arm: RigidArm, goal: Goal, posture: Posture, guesses: Array) -> tuple[Array, BoolArray]:
+    """Where `guesses` (K, N) lead to for one pose, hinges turned back into their ranges, and whether they meet it."""
+    q, met = newton(arm, goal.at(np.zeros(len(guesses), dtype=np.intp)), posture, guesses)
+    return _turned_back(arm, q), met
+
+
+def _inside(arm: RigidArm, q: Array) -> BoolArray:
+    low, high = arm.robot.kinematics.range.T
+    within: BoolArray = np.all((q >= low) & (q <= high), axis=1)
+    return within
 
 
 def _turned_back(arm: RigidArm, q: Array) -> Array:

@@ -5,7 +5,7 @@ import numpy as np
 from ffgym.errors import FFGymError
 from ffgym.robot.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
-from ffgym.robot.inverse_kinematics.hold import MAX_CONDITION, any_poses
+from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION, any_poses
 from ffgym.robot.inverse_kinematics.newton import ROUNDING
 from ffgym.types import Array
 
