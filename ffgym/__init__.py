@@ -1,6 +1,7 @@
 """Feed-forward friction compensation on industrial robots: simulation, baselines, learning, diagnosis.
 
-`import ffgym` registers the Gymnasium environments ffgym/CirclePath-v0, ffgym/OneAxis-v0 and ffgym/JointMotion-v0.
+`import ffgym` registers the Gymnasium environments ffgym/CirclePath-v0, ffgym/OneAxis-v0, ffgym/JointMotion-v0 and
+ffgym/FollowPath-v0.
 
 Rooms: `robot` (descriptions, models, kinematics, dynamics), `friction`, `paths`, `control`, `plant`, `simulation`,
 `recordings`, `metrics`, `studies`, `envs`, `report`, `cli`. docs/architecture.md says who may know whom.

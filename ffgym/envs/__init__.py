@@ -2,6 +2,8 @@
 
 from ffgym.envs.circle_path import CirclePathEnv as CirclePathEnv
 from ffgym.envs.circle_path import CirclePathVectorEnv as CirclePathVectorEnv
+from ffgym.envs.follow_path import FollowPathEnv as FollowPathEnv
+from ffgym.envs.follow_path import FollowPathVectorEnv as FollowPathVectorEnv
 from ffgym.envs.joint_motion import JointMotionEnv as JointMotionEnv
 from ffgym.envs.joint_motion import JointMotionVectorEnv as JointMotionVectorEnv
 from ffgym.envs.layers import Agent as Agent

@@ -10,7 +10,8 @@ def path_error(tcp: Array, rows: Array, columns: Columns, centre: Array, normal:
     """Distance of the TCP from its path [m], shape (B,).
 
     On a circle it is the distance to its nearest point, in its plane, as `ffgym.metrics.path_errors`; elsewhere the
-    part of TCP - reference across the direction of motion, all of it at rest.
+    part of TCP - reference across the direction of motion, all of it at rest. Where a motion tells how its path bends,
+    what the path leaves its tangent by, s^2 / 2 times the curvature, is taken off at the TCP's distance s along it.
 
     Args:
         tcp: without the offset at standstill [m], shape (B, 3).
@@ -23,7 +24,8 @@ def path_error(tcp: Array, rows: Array, columns: Columns, centre: Array, normal:
     circle = (radius > 0)[:, None]
     arm = tcp - np.where(circle, centre, rows[:, columns.tcp])
     drop = np.where(circle, normal, rows[:, columns.tangent])
-    left = arm - _dot(arm, drop)[:, None] * drop
+    along = _dot(arm, drop)[:, None]
+    left = arm - along * drop - 0.5 * along**2 * rows[:, columns.bend]
     return np.abs(np.sqrt(_dot(left, left)) - radius)  # the radius is 0 elsewhere
 
 

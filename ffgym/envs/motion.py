@@ -12,6 +12,9 @@ from ffgym.recordings import PHASE_KINDS, Phase
 from ffgym.robot import RigidArm
 from ffgym.types import Array, BoolArray
 
+SLOW = 1e-3
+"""TCP speed [m/s] below which a path counts as straight: positions are known to 1e-10 m, so that curvatures computed
+from samples every 4 ms are known to 25 1/m there, which does not matter over the 10 um that so slow a tool lags."""
 CONCENTRIC = 1e-3
 """Distance of centres in radii, and angle between planes [rad], below which circles count as concentric; chosen: the
 roundness that `metrics.fit_circle` asks of a circle."""
@@ -44,6 +47,8 @@ class Columns:
     """TCP of a rigid arm on the reference [m]; no columns for a robot without tool."""
     tangent: slice = field(init=False)
     """Direction of its motion, zero at rest."""
+    bend: slice = field(init=False)
+    """Curvature of its path [1/m], towards the centre; zero where deviations count in a circle's plane."""
 
     def __post_init__(self) -> None:
         n = self.n_joints
@@ -60,13 +65,14 @@ class Columns:
             "radius": base + 2,
             "tcp": slice(base + 3, base + 3 + wide),
             "tangent": slice(base + 3 + wide, base + 3 + 2 * wide),
+            "bend": slice(base + 3 + 2 * wide, base + 3 + 3 * wide),
         }.items():
             object.__setattr__(self, name, value)
 
     @property
     def width(self) -> int:
         """Number of columns."""
-        return self.tangent.stop
+        return self.bend.stop
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,6 +84,8 @@ class Motion:
     """Rigid dynamics of the robot that the controller knows."""
     task: dict[str, Any]
     """What was asked for, e.g. position, speed and radii."""
+    in_space: bool = False
+    """Whether deviations from circles count in space, like those from any path, and not in the plane of the circles."""
 
     @property
     def name(self) -> str:
@@ -134,13 +142,15 @@ class Motion:
         if at.has_tcp:
             rows[:, at.tcp] = self.arm.tcp_position(reference.q)
             rows[:, at.tangent] = _directions(rows[:, at.tcp])
+            if self.in_space:
+                rows[:, at.bend] = _bends(rows[:, at.tcp], reference.robot.servo.control_dt)
         return np.pad(rows, ((0, padding), (0, 0)), mode="edge")
 
     def _write_phases(self, rows: Array) -> None:
         reference, at = self.reference, self.columns
         rows[:, at.phase] = PHASE_KINDS.index("motion")
         rows[:, at.circle] = -1.0
-        circle, before, in_plane = -1, "", np.any(self.plane[1])
+        circle, before, in_plane = -1, "", not self.in_space and np.any(self.plane[1])
         for phase in reference.phases:
             on = self._within(phase)
             if phase is reference.phases[-1]:
@@ -165,3 +175,15 @@ def _directions(points: Array) -> Array:
     step = np.gradient(points, axis=0)
     length = np.linalg.norm(step, axis=1, keepdims=True)
     return np.divide(step, length, out=np.zeros_like(step), where=length > 1e-9)
+
+
+def _bends(points: Array, dt: float) -> Array:
+    """Curvature [1/m] at each of the points (T, 3) [m], sampled every `dt` [s]; zero where they are slow."""
+    velocity = np.gradient(points, dt, axis=0)
+    square = (velocity**2).sum(axis=1, keepdims=True)
+    acceleration = np.zeros_like(points)
+    acceleration[1:-1] = (points[2:] - 2 * points[1:-1] + points[:-2]) / dt**2
+    along = (acceleration * velocity).sum(axis=1, keepdims=True)
+    slow = square < SLOW**2
+    across = acceleration - np.divide(along, square, out=np.zeros_like(along), where=~slow) * velocity
+    return np.divide(across, square, out=np.zeros_like(across), where=~slow)

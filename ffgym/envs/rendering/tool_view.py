@@ -57,11 +57,11 @@ class ToolView(View):
         distance = np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-12)
         radius = rows[:, [at.radius]]
         along = rows[:, at.tangent]
-        behind = tcp - rows[:, at.tcp]
+        behind = ((tcp - rows[:, at.tcp]) * along).sum(axis=1, keepdims=True)
         nearest = np.where(
             radius > 0,
             self._centre[ids] + flat * radius / distance,
-            rows[:, at.tcp] + (behind * along).sum(axis=1, keepdims=True) * along,
+            rows[:, at.tcp] + behind * along + 0.5 * behind**2 * rows[:, at.bend],
         )
         deviation = np.where(radius > 0, flat * (1 - radius / distance), tcp - nearest)
         return np.concatenate([nearest, deviation], axis=1)

@@ -1,0 +1,133 @@
+"""`ffgym simulate`: any motion on any robot with any feed-forward laws: recordings, errors, pictures."""
+
+import re
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import tyro
+
+from ffgym.cli.laws import check_laws, make_laws, setting_for
+from ffgym.cli.outputs import check_outputs, need_extra, provenance
+from ffgym.cli.progress import progress_bar
+from ffgym.errors import check_choice
+from ffgym.files import write_json, write_text
+from ffgym.motions import Motion, load_motion
+from ffgym.recordings import write_recording
+from ffgym.recordings.io import FORMATS
+from ffgym.robot import ModelOptions, RigidArm, load_robot
+from ffgym.simulation import RECORD_DT, sensors_of
+from ffgym.studies import MotionStudy, motion_study
+
+
+@dataclass(frozen=True)
+class Simulate:
+    """Run a motion on a simulated robot with feed-forward laws; print errors and how much of the limits is used."""
+
+    robot: tyro.conf.Positional[str]
+    """Built-in robot, or a path to a description that ends in .toml."""
+    path: tyro.conf.Positional[str]
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    feedforward: tuple[str, ...] = ("none", "lugre_dynamic")
+    """Names of docs/agents, or files of learned laws. Those that learn are trained first, on their standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the laws' model of the robot; the simulated machine keeps its own numbers."""
+    sensors: bool = False
+    """Record what resolvers and laser tracker measure, instead of the exact state."""
+    seed: int = 0
+    """Of the sensors' noise."""
+    record_dt_ms: float = RECORD_DT * 1e3
+    """Time between the rows of a recording."""
+    flexible: bool = True
+    """Elastic joints; no-flexible makes them rigid."""
+    friction: bool = True
+    """Friction; no-friction leaves it out."""
+    gravity: bool = True
+    """Gravity; no-gravity leaves it out."""
+    springs: bool = True
+    """Springs between links, e.g. a counterbalance; no-springs leaves them out."""
+    out: Path | None = None
+    """Recording to write, .csv or .npz; with several laws each has its own file, and its name before the suffix."""
+    report: Path | None = None
+    """Page with pictures to write, .html, in one file that can be sent."""
+    json: Path | None = None
+    """Also write every number to this file."""
+    threads: int = 0
+    """Threads of the simulation, 0 for all cores; results are the same at any number."""
+
+    def run(self) -> None:
+        """Check, simulate, write, print."""
+        recordings = self._check()
+        arm = RigidArm(load_robot(self.robot))
+        motion = load_motion(arm, self.path)
+        if motion.reference.robot is not arm.robot:  # the motion brings its own tool
+            arm = RigidArm(motion.reference.robot)
+        study = self._simulated(arm, motion)
+        info = provenance("ffgym simulate", self, study.robot.name, study.fingerprint, self._seed)
+        notes = [*motion.notes, *study.overloads]
+        info |= {"motion": motion.reference.name, "duration": motion.reference.duration, "notes": notes}
+        self._write(study, recordings, info)
+        from ffgym.report import format_motion
+
+        print("\n".join([format_motion(study), *(f"note: {note}" for note in info["notes"])]))
+        places = [("recording", path) for path in recordings.values()]
+        for what, place in [*places, ("report", self.report), ("numbers", self.json)]:
+            if place is not None:
+                print(f"{what}: {place}")
+
+    @property
+    def _seed(self) -> int | None:
+        """None where nothing is random."""
+        return self.seed if self.sensors else None
+
+    def _check(self) -> dict[str, Path]:
+        """Refuse what cannot be run or written; returns the recordings' places by law."""
+        names = check_laws(self.feedforward, "--feedforward")
+        recordings = self._recordings(names)
+        if self.report is not None:
+            need_extra("The report", "matplotlib", "jinja2")
+        places = {f"--out of {name}": path for name, path in recordings.items()}
+        check_outputs({**places, "--report": self.report, "--json": self.json})
+        return recordings
+
+    def _recordings(self, laws: list[str]) -> dict[str, Path]:
+        if self.out is None:
+            return {}
+        check_choice("recording format", self.out.suffix, list(FORMATS))
+        if len(laws) == 1:
+            return {laws[0]: self.out}
+        names = {law: re.sub(r"[^\w.-]", "_", law) for law in laws}  # names of files may hold anything
+        return {law: self.out.with_stem(f"{self.out.stem}_{name}") for law, name in names.items()}
+
+    def _simulated(self, arm: RigidArm, motion: Motion) -> MotionStudy:
+        options = ModelOptions(
+            flexible=self.flexible, friction=self.friction, gravity=self.gravity, springs=self.springs, looks=False
+        )
+        setting = setting_for(arm, [motion.reference], self.parameters, self.threads, options)
+        laws = make_laws(self.feedforward, setting)
+        with progress_bar("simulating", "s") as progress:
+            return motion_study(
+                [motion.reference],
+                laws=laws,
+                arm=arm,
+                options=options,
+                sensors=sensors_of(arm.robot) if self.sensors else (),
+                seed=self.seed,
+                record_dt=self.record_dt_ms / 1e3,
+                n_threads=self.threads,
+                progress=progress,
+            )
+
+    def _write(self, study: MotionStudy, recordings: dict[str, Path], info: dict[str, Any]) -> None:
+        """Files first: nobody may read what is printed."""
+        for law, place in recordings.items():
+            write_recording(study.recordings[law, info["motion"]], place)
+        if self.report is not None:
+            from ffgym.report import render_motion_page
+
+            origin = {name: value for name, value in info.items() if name != "notes"}
+            write_text(self.report, render_motion_page(study, info["notes"], origin))
+        if self.json is not None:
+            places = {law: str(place) for law, place in recordings.items()}
+            results = [asdict(result) for result in study.results]
+            write_json(self.json, info | {"recordings": places, "results": results})

@@ -1,0 +1,138 @@
+"""`ffgym/FollowPath-v0`: any motion, from a name, a file or a reference, on any robot."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+
+from ffgym.control import Reference
+from ffgym.envs.motion import Motion
+from ffgym.envs.settings import Settings
+from ffgym.envs.single import TrackingEnv
+from ffgym.envs.tasks import Tasks, check_not_empty
+from ffgym.envs.vector import TrackingVectorEnv
+from ffgym.errors import FFGymError
+from ffgym.motions import load_motion
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, physics_fingerprint, robot_of
+
+Source = str | Path | Reference
+"""Name of a built-in motion, path to a file that `ffgym.motions.load_motion` reads, or a reference."""
+
+ROBOT = "irb4600_60_205"
+"""Robot where neither one nor a reference that brings one is given."""
+
+
+class PathTasks(Tasks):
+    """Motions that were made before; each episode follows one of them.
+
+    Args:
+        robot: the robot; None takes that of the first reference among `path`, or the built-in one.
+        path: one motion, or a sequence of them. A file may bring its own tool, which then is the robot's.
+    """
+
+    option_names = ("path",)
+
+    def __init__(self, robot: RobotDescription | None, *, path: Source | Sequence[Source]) -> None:
+        sources = check_not_empty("path", _sources(path), "'circles'")
+        given = [source.robot for source in sources if isinstance(source, Reference)]
+        arm = RigidArm(robot or (given[0] if given else robot_of(ROBOT)))
+        references = [_reference(arm, source) for source in sources]
+        super().__init__(references[0].robot)
+        self._plain = arm
+        """Of the robot as it was given, which files of motions are made for."""
+        self._fingerprint = _fingerprint(self.robot)
+        self._sources = sources
+        for source, reference in zip(sources, references, strict=True):
+            self._made(source, reference)  # complain now, not in the middle of a training
+
+    def draw(self, rng: np.random.Generator, options: Mapping[str, Any]) -> Motion:
+        """See base class; `path` may be any motion that the keyword takes."""
+        if "path" in options:
+            return self._made(_one(options["path"]))
+        return self._made(self._sources[int(rng.integers(len(self._sources)))])
+
+    def listed(self) -> list[dict[str, Any]]:
+        """See base class: every motion."""
+        return [{"path": source} for source in self._sources]
+
+    def _made(self, source: Source, reference: Reference | None = None) -> Motion:
+        def make() -> Motion:
+            made = _reference(self._plain, source) if reference is None else reference
+            self._check(made)
+            task = {"path": made.name if isinstance(source, Reference) else str(source)}
+            return Motion(reference=made, arm=self.arm, task=task, in_space=True)
+
+        return self._cached(id(source) if isinstance(source, Reference) else str(source), make)
+
+    def _check(self, reference: Reference) -> None:
+        """Refuse motions of a robot that moves otherwise; one environment simulates one."""
+        if reference.robot is not self.robot and _fingerprint(reference.robot) != self._fingerprint:
+            raise FFGymError(
+                f"Motion {reference.name!r} is for robot {reference.robot.name!r} with other numbers (perhaps another "
+                f"tool) than those of this environment's robot {self.robot.name!r}; make it for that robot, or make an "
+                f"environment of its own."
+            )
+
+
+def _sources(path: Any) -> tuple[Source, ...]:
+    """Motions from one of them, or from a sequence."""
+    listed = path if isinstance(path, list | tuple) else [path]
+    for source in listed:
+        if not isinstance(source, str | Path | Reference):
+            raise FFGymError(
+                f"path = {source!r} must be the name of a motion, a path to a file, a Reference, or a list of these."
+            )
+    return tuple(listed)
+
+
+def _one(path: Any) -> Source:
+    """One motion, which may stand in a list."""
+    sources = _sources(path)
+    if len(sources) != 1:
+        raise FFGymError(f"path = {path!r} must be one motion: an episode follows one.")
+    return sources[0]
+
+
+def _reference(arm: RigidArm, source: Source) -> Reference:
+    return source if isinstance(source, Reference) else load_motion(arm, source).reference
+
+
+def _fingerprint(robot: RobotDescription) -> str:
+    return physics_fingerprint(compile_model(robot, ModelOptions(looks=False)))
+
+
+class FollowPathVectorEnv(TrackingVectorEnv):
+    """Robots of any kind on motions of any kind.
+
+    Args:
+        num_envs: number of robots.
+        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml;
+            None takes that of the first reference among `path`, or the built-in six-axis robot.
+        path: name of a built-in motion, file of a motion, `Reference`, or a list of these, one of which is drawn for
+            each episode.
+        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
+        render_mode: 'rgb_array' or None.
+        settings: keyword arguments of every environment, see `ffgym.envs.Settings`.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        *,
+        robot: RobotDescription | str | Path | None = None,
+        path: Source | Sequence[Source] = "circles",
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        render_mode: str | None = None,
+        **settings: Any,
+    ) -> None:
+        tasks = PathTasks(None if robot is None else robot_of(robot), path=path)
+        super().__init__(num_envs, tasks, Settings.of(settings, ["robot", "path"]), autoreset_mode, render_mode)
+
+
+class FollowPathEnv(TrackingEnv):
+    """One robot on motions of any kind; keyword arguments as `FollowPathVectorEnv`."""
+
+    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
+        super().__init__(FollowPathVectorEnv, render_mode, arguments)
