@@ -39,6 +39,8 @@ def _run(arguments: Sequence[str] | None) -> int:
     from ffgym.cli.export import Export
     from ffgym.cli.lffc import Lffc
     from ffgym.cli.reproduce import Reproduce
+    from ffgym.cli.robot import Robot
+    from ffgym.cli.simulate import Simulate
     from ffgym.cli.stability import Stability
     from ffgym.cli.video import Video
 
@@ -47,11 +49,13 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Export, tyro.conf.subcommand("export")]
         | Annotated[Lffc, tyro.conf.subcommand("lffc")]
         | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
+        | Annotated[Robot, tyro.conf.subcommand("robot")]
+        | Annotated[Simulate, tyro.conf.subcommand("simulate")]
         | Annotated[Stability, tyro.conf.subcommand("stability")]
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Lffc | Reproduce | Stability | Video = tyro.cli(
+    chosen: Demo | Export | Lffc | Reproduce | Robot | Simulate | Stability | Video = tyro.cli(
         command, prog="ffgym", args=arguments, description=__doc__
     )
     chosen.run()

@@ -39,14 +39,14 @@ def check_outputs(places: Mapping[str, Path | None]) -> None:
             raise FFGymError(f"{one} and {other} are both {first}; they need two files.")
 
 
-def provenance(command: str, config: Any, robot: str, fingerprint: str, seed: int | None) -> dict[str, Any]:
+def provenance(command: str, config: Any, robot: str, fingerprint: str | None, seed: int | None) -> dict[str, Any]:
     """Origin of numbers, for JSON.
 
     Args:
         command: e.g. 'ffgym demo'.
         config: the dataclass of its options.
         robot: name.
-        fingerprint: of the simulated physics.
+        fingerprint: of the simulated physics; None where nothing can be simulated.
         seed: None where nothing is random.
     """
     return {

@@ -8,6 +8,7 @@ import numpy as np
 
 from ffgym.report.tables import Column, aligned, filled
 from ffgym.robot import CAPABILITIES
+from ffgym.robot.inverse_kinematics import MAX_CONDITION
 from ffgym.robot.quantity import ORIGINS
 from ffgym.robot.rules import RULES
 from ffgym.studies.robot_check import POSES, Place, RobotCheck
@@ -50,7 +51,9 @@ def facts(check: RobotCheck) -> list[str]:
     """Sentences about the robot as a whole."""
     draft = check.draft
     state = "complete" if not draft.missing else f"{len(draft.missing)} entries missing"
-    found = [f"{draft.title} ({draft.name}), {len(draft.joints)} joints: {state}."]
+    found = [f"{draft.title} ({draft.name}), {len(draft.joints)} joint{'s' if len(draft.joints) > 1 else ''}: {state}."]
+    if draft.missing:
+        found.append(f"Missing: {', '.join(draft.missing)}.")
     if check.mass is not None:
         found.append(f"The joints carry {check.mass:.4g} kg.")
     if check.reach is not None and check.reach.distance > 0:
@@ -77,7 +80,7 @@ def _entries(check: RobotCheck) -> FactTable:
         lacking = [path.split(".")[1] for path in draft.missing if path.split(".")[0] == group]
         if own or lacking:
             counts = [str(origins[origin] or "") for origin in ORIGINS]
-            rows.append((group, str(len(own)), *counts, ", ".join(lacking)))
+            rows.append((group, str(len(own)), *counts, _few(lacking)))
     waiting = f"{', '.join(draft.waiting)}: counted once drive.gear_ratio is there." if draft.waiting else ""
     return FactTable(
         name="entries",
@@ -115,13 +118,14 @@ def _joints(check: RobotCheck) -> FactTable:
     ):
         if path in values:
             columns.append((heading, [f"{v:.{digits}g}" for v in values[path]]))
-    return _table("joints", "Joints", columns, "Stiffness: link side, N m/rad, or N/m for a sliding joint.")
+    note = "Stiffness: link side, N m/rad, or N/m for a sliding joint." if columns[-1][0] == "stiffness" else ""
+    return _table("joints", "Joints", columns, note)
 
 
 def _places(check: RobotCheck) -> FactTable:
     rows = []
     for place in check.places:
-        condition = "-" if place.condition is None else f"{place.condition:.3g}"
+        condition = "-" if place.condition is None else _condition(place.condition)
         found = (check.resonances or {}).get(place.name)
         locked, free = ("-", "-") if found is None else (_modes(found.locked), _modes(found.free))
         rows.append((place.name, "yes" if place.q is not None else "no", condition, _pose(check, place), locked, free))
@@ -130,7 +134,7 @@ def _places(check: RobotCheck) -> FactTable:
         title="Places",
         headings=("place", "reached", "condition", "joints", "resonances, motors held [Hz]", "motors free [Hz]"),
         rows=tuple(rows),
-        note="Condition number of the Jacobian of the TCP: paths above 1000 are refused as too near a singularity.",
+        note=f"Condition: of the Jacobian of the TCP; above {MAX_CONDITION:g} a path counts as too near a singularity.",
     )
 
 
@@ -186,7 +190,7 @@ def _tip(check: RobotCheck) -> str:
     return "The TCP" if "tool.tcp" in check.draft.quantities and check.draft.can("kinematics") else "The last link"
 
 
-def _few(paths: Sequence[str], room: int = 3) -> str:
+def _few(paths: Sequence[str], room: int = 2) -> str:
     """The first paths, and how many more there are."""
     more = f" and {len(paths) - room} more" if len(paths) > room else ""
     return ", ".join(paths[:room]) + more
@@ -197,6 +201,10 @@ def _pose(check: RobotCheck, place: Place) -> str:
         return "-"
     slides = [kind == "slide" for kind in check.draft.types]
     return " ".join(f"{x:.3f}" if s else f"{np.degrees(x):.1f}" for x, s in zip(place.q, slides, strict=True))
+
+
+def _condition(number: float) -> str:
+    return "singular" if number > MAX_CONDITION else f"{number:.3g}"
 
 
 def _modes(frequencies: Array | None) -> str:

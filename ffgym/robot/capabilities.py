@@ -13,6 +13,8 @@ _STATIC_FRICTION = ("friction.coulomb", "friction.static", "friction.viscous", "
 _FRICTION = (*_STATIC_FRICTION, "friction.bristle_stiffness", "friction.bristle_damping")
 _TOOL = ("flange.rotation", "tool.tcp")
 _WORK_AREA = ("work_area.home",)
+POSITIONS = "work_area.positions"
+"""Stands for one named point or more."""
 _SIMULATION = tuple(path for path, rule in RULES.items() if not rule.optional)
 
 
@@ -84,7 +86,7 @@ CAPABILITIES: tuple[Capability, ...] = (
     ),
     Capability(name="simulation", title="simulation, environments, learning, export", needs=_SIMULATION),
     Capability(
-        name="circles", title="circles in the work area", needs=(*_SIMULATION, *_TOOL, *_WORK_AREA)
+        name="circles", title="circles in the work area", needs=(*_SIMULATION, *_TOOL, *_WORK_AREA, POSITIONS)
     ),
 )  # fmt: skip
 """Everything, from what needs least to what needs most."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.errors import FFGymError
 from ffgym.robot.assemble import assemble, begun
-from ffgym.robot.capabilities import CAPABILITIES, capability
+from ffgym.robot.capabilities import CAPABILITIES, POSITIONS, capability
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.parts import Geom, Logs, Spring
 from ffgym.robot.quantity import Quantity
@@ -101,7 +101,8 @@ class RobotDraft:
     def _without(self, wanted: tuple[str, ...] | list[str]) -> tuple[str, ...]:
         """Those of `wanted` that are not there, each once; the gear ratios for those that wait for them."""
         paths = ("drive.gear_ratio" if path in self.waiting else path for path in wanted)
-        return tuple(dict.fromkeys(path for path in paths if path not in self.quantities))
+        points = {POSITIONS for path in self.quantities if path.startswith(f"{POSITIONS}.")}
+        return tuple(dict.fromkeys(path for path in paths if path not in self.quantities and path not in points))
 
     def _with_stand_ins(self) -> RobotDescription:
         unfinished = begun(self.quantities)

@@ -104,6 +104,16 @@ def test_results_of_an_incomplete_robot_do_not_depend_on_the_stand_ins(name, com
         np.testing.assert_allclose(same, usual, rtol=1e-11, atol=1e-11)  # the mass of the base rounds the engine's sums
 
 
+def test_circles_need_a_place():
+    tree = copy.deepcopy(TREE)
+    del tree["work_area"]["positions"]
+    nowhere = parse_draft(tomlkit.dumps(tree))
+    assert nowhere.missing == ()
+    assert nowhere.lacks("circles") == ("work_area.positions",)
+    assert nowhere.can("simulation")
+    assert nowhere.complete().work_area.positions == {}
+
+
 def test_stand_ins_are_no_quantities():
     lacking = draft_without("links.mass")
     assert "links.mass" not in lacking.description_for("kinematics").quantities

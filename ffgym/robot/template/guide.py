@@ -4,6 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from ffgym.robot.template.proposals import (
+    BRISTLE_TIME,
+    DAMPING_TIME,
+    PRESLIDING,
+    STATIC_SHARE,
+    STRIBECK_VELOCITY,
+)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Advice:
@@ -53,7 +61,7 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
             typical="1e4 (small wrist) to 2e6 N m/rad",
         ),
         "drive.joint_damping": Advice(
-            where="decay of a resonance; `ffgym robot fill` proposes 8e-4 s x stiffness",
+            where=f"decay of a resonance; `ffgym robot fill` proposes {DAMPING_TIME:g} s x stiffness",
             typical="1e-4 to 1e-3 s x stiffness",
         ),
         "drive.peak_torque": Advice(
@@ -61,20 +69,21 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
         ),
         "friction.coulomb": Advice(where=_FRICTION_TEST, typical="2 to 10 % of the peak torque"),
         "friction.static": Advice(
-            where="torque at which the joint starts to move; `ffgym robot fill` proposes 1.05 x coulomb",
+            where=f"torque at which the joint starts to move; `ffgym robot fill` proposes {STATIC_SHARE:g} x coulomb",
             typical="1.0 to 1.5 x coulomb",
         ),
         "friction.viscous": Advice(where=_FRICTION_TEST, typical="as much as coulomb at 10 to 100 rad/s"),
         "friction.stribeck_velocity": Advice(
-            where="speed below which friction falls; `ffgym robot fill` proposes 0.15 rad/s", typical="0.05 to 5 rad/s"
+            where=f"speed below which friction falls; `ffgym robot fill` proposes {STRIBECK_VELOCITY:g} rad/s",
+            typical="0.05 to 5 rad/s",
         ),
         "friction.bristle_stiffness": Advice(
             where="slope of torque over motor angle just after a reversal; `ffgym robot fill` proposes coulomb / "
-            "7.7 mrad",
+            f"{PRESLIDING * 1e3:g} mrad",
             typical="coulomb over 1 to 20 mrad",
         ),
         "friction.bristle_damping": Advice(
-            where="hardly to be measured; `ffgym robot fill` proposes 9.65 ms x bristle stiffness",
+            where=f"hardly to be measured; `ffgym robot fill` proposes {BRISTLE_TIME * 1e3:g} ms x bristle stiffness",
             typical="1 to 10 ms x bristle stiffness",
         ),
         "servo.position_gain": Advice(where=_SERVO),
@@ -87,6 +96,7 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
         "simulation.physics_dt": Advice(where="your choice", typical="0.1 to 0.5 ms"),
         "simulation.gravity": Advice(where="how the robot is mounted: floor [0, 0, -9.81], ceiling [0, 0, 9.81]"),
         "work_area.tool_rotation": Advice(where="how the tool stands while it works"),
+        "work_area.normal": Advice(where="upwards off the plane that the tool works in"),
         "work_area.home": Advice(
             where="a pose near the work, off singularities; jog the robot there and read the joints"
         ),

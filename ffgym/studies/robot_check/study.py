@@ -1,6 +1,7 @@
 """What a robot description says, lacks, allows and amounts to."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields, is_dataclass
+from typing import Any
 
 from ffgym.robot import CAPABILITIES, Capability, RigidArm, RobotDraft, resonances
 from ffgym.studies.robot_check.circle_use import CircleUse, circle_use
@@ -50,6 +51,20 @@ class RobotCheck:
     def works(self, capability: Capability) -> bool:
         """Whether a function works."""
         return not self.lacks[capability.name]
+
+    def numbers(self) -> dict[str, Any]:
+        """All that was found but the cloud of points, by name, in SI units; arrays as they are."""
+        found = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("draft", "resonances")}
+        numbers = {
+            name: asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
+            for name, value in found.items()
+        }
+        numbers["places"] = [asdict(place) for place in self.places]
+        if self.reach is not None:
+            del numbers["reach"]["points"]
+        numbers["resonances"] = {name: asdict(entry) for name, entry in (self.resonances or {}).items()} or None
+        origins = {path: list(quantity.origin) for path, quantity in self.draft.quantities.items()}
+        return numbers | {"missing": self.draft.missing, "origins": origins}
 
 
 def check_robot(draft: RobotDraft) -> RobotCheck:

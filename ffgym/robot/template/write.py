@@ -1,0 +1,131 @@
+"""The table for a new robot: what its arm file says, what can be proposed, and a place for everything else."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import wrap
+
+import numpy as np
+
+from ffgym.robot.arm_file import ArmFile
+from ffgym.robot.capabilities import needed_by
+from ffgym.robot.rule import Rule
+from ffgym.robot.rules import POINT, RULES
+from ffgym.robot.template.from_hints import hinted
+from ffgym.robot.template.guide import ADVICE
+from ffgym.robot.template.proposals import Proposal
+from ffgym.robot.template.toml_text import MARK, empty_entry, filled_entry, marked, names, text
+
+_WIDTH = 118
+"""Columns of comments."""
+TOOL_FRAMES = ("tcp", "tool0", "tool", "flange", "ee_link", "ee", "attachment_site")
+"""Names that frames for tools usually have, the most likely one first."""
+_SHOWN = 3
+"""Functions that a comment names."""
+
+
+def template(
+    name: str, arm: ArmFile, model: str, joints: Sequence[str] | None = None, tool_frame: str | None = None
+) -> str:
+    """TOML text of a description to fill in.
+
+    Args:
+        name: of the robot.
+        arm: the arm file.
+        model: its path as the description is to say it.
+        joints: joints that move, if not all.
+        tool_frame: frame of the last link that is tool0; None takes one with a usual name, if there is one.
+
+    Raises:
+        FFGymError: if there is no such frame.
+    """
+    if tool_frame is not None:
+        arm.frame(tool_frame)
+    frame = tool_frame or next((name for name in TOOL_FRAMES if name in arm.frames), None)
+    given = set(arm.quantities) | ({"flange.position", "flange.rotation"} if frame else set())
+    hints = hinted(arm)
+    if frame:
+        hints["tool.tcp"] = _tcp_at(frame)
+    blocks = {path: _block(path, rule, hints.get(path), arm.types) for path, rule in RULES.items() if path not in given}
+    parts = [_head(name, arm, model, joints, frame), _said(arm, given)]
+    parts += [block for path, block in blocks.items() if not RULES[path].optional]
+    parts.append(["# ------ What follows is optional."])
+    parts += [block for path, block in blocks.items() if RULES[path].optional]
+    parts.append(_positions(arm.types))
+    return "\n\n".join("\n".join(part) for part in parts) + "\n"
+
+
+def _head(name: str, arm: ArmFile, model: str, joints: Sequence[str] | None, frame: str | None) -> list[str]:
+    mark = MARK.strip()
+    lines = _comment(
+        f"{name}: a robot to fill in, from {Path(arm.path).name}. Lines that begin with '{mark}' wait for numbers: put "
+        f"numbers for the question marks and take '{mark}' away. Every number says where it comes from: origin is "
+        "sourced (published), derived (computed from published numbers), chosen (source says why) or fitted."
+    )
+    lines += _comment("ffgym robot check FILE says what is missing, and what works without it.")
+    lines += _comment("ffgym robot fill FILE fills in what follows from the rest by rules of thumb.")
+    lines += ["", "[robot]", f"name = {text(name)}", f"title = {text(name)}", f"model = {text(model)}"]
+    if joints is not None:
+        lines.append(f"joints = {names(joints)}")
+    else:
+        lines += _comment(f"Its joints, from the base outwards: {', '.join(arm.joints)}.")
+    if frame:
+        lines.append(f"tool_frame = {text(frame)}")
+    if arm.frames:
+        lines += _comment(f"Frames on {arm.links[-1]} that tool_frame may name: {', '.join(arm.frames)}.")
+    return lines
+
+
+def _said(arm: ArmFile, given: set[str]) -> list[str]:
+    lines = _comment(f"The arm file says: {', '.join(path for path in RULES if path in given)}.")
+    lines += _comment("A table of that name here replaces what it says, e.g. better masses.")
+    for note in arm.notes:
+        lines += _comment(f"Note: {note}.")
+    return lines
+
+
+def _block(path: str, rule: Rule, hint: Proposal | None, types: tuple[str, ...]) -> list[str]:
+    """Comment and table of an entry."""
+    if hint is None:
+        return _help(path, rule, len(types)) + empty_entry(path, rule, types)
+    lines = filled_entry(hint, rule, types)
+    unknown = any("?" in line for line in lines if line.startswith("value"))
+    return _help(path, rule, len(types)) + (marked(lines) if unknown else lines)
+
+
+def _help(path: str, rule: Rule, n_joints: int) -> list[str]:
+    """What an entry is, how large it usually is, where it is found, and what it is for."""
+    size = " x ".join(str(n_joints if s == "N" else s) for s in rule.shape)
+    sides = f"; as it counts on the {rule.side} side, or on the other, said by side" if rule.gear_power else ""
+    advice = ADVICE[path]
+    usual = f" Usual: {advice.typical}." if advice.typical else ""
+    numbers = f"{size} numbers" if size else "One number"
+    return [
+        f"# --- {path}: {rule.meaning}",
+        *_comment(f"{numbers}{sides}.{usual} Where: {advice.where}. {_use(path, rule)}"),
+    ]
+
+
+def _use(path: str, rule: Rule) -> str:
+    """What an entry is for."""
+    titles = [entry.title for entry in needed_by(path)]
+    if not titles:
+        return "Optional."
+    more = f"; and {len(titles) - _SHOWN} more" if len(titles) > _SHOWN else ""
+    return f"{'Optional, for' if rule.optional else 'For'}: {'; '.join(titles[:_SHOWN])}{more}."
+
+
+def _positions(types: tuple[str, ...]) -> list[str]:
+    """Where named points of the work area go."""
+    return [
+        "# --- work_area.positions.NAME: points in the world where the tool works, for circles and by name in motions",
+        "# Optional, any number of them.",
+        *empty_entry("work_area.positions.p1", POINT, types),
+    ]
+
+
+def _tcp_at(frame: str) -> Proposal:
+    return Proposal(path="tool.tcp", value=np.zeros(3), source=f"the frame {frame} of the arm file itself")
+
+
+def _comment(sentence: str) -> list[str]:
+    return [f"# {line}" for line in wrap(sentence, _WIDTH, break_long_words=False, break_on_hyphens=False)]

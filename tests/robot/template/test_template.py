@@ -1,0 +1,202 @@
+"""A table to fill in: complete, explained, silent about what is not known, and filled by rules that say their names."""
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ffgym.robot import RigidArm, RobotDraft, load_draft
+from ffgym.robot.arm_file import read_arm
+from ffgym.robot.parse import parse_draft
+from ffgym.robot.rules import RULES
+from ffgym.robot.template import filled_text, propose, template
+from ffgym.robot.template.guide import ADVICE
+from tests.robot.template.arm_xml import ARM, NUMBERS, entry
+
+HINTED = """<robot name="r">
+  <link name="base"><inertial><mass value="9"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="a"><inertial><origin xyz="0.1 0 0"/><mass value="5"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="b"><inertial><origin xyz="0.1 0 0"/><mass value="2"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="j1" type="revolute"><parent link="base"/><child link="a"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="150" velocity="2"/><dynamics damping="3" friction="4"/></joint>
+  <joint name="j2" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0.4 0 0"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="28" velocity="3"/></joint>
+</robot>
+"""  # noqa: E501
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "arm.xml").write_text(ARM)
+    (tmp_path / "arm.urdf").write_text(HINTED)
+    return tmp_path
+
+
+def new(folder, arm="arm.xml", **options):
+    return template("mine", read_arm(folder / arm), arm, **options)
+
+
+def drafted(folder, text) -> RobotDraft:
+    return parse_draft(text, where="mine.toml", folder=folder)
+
+
+def filled(folder, text):
+    draft = drafted(folder, text)
+    return filled_text(text, propose(draft), draft.types)
+
+
+def uncommented(text, path):
+    """The waiting lines of an entry without their mark, and numbers for the question marks."""
+    lines = text.splitlines()
+    start = lines.index(f"#? [{path}]")
+    stop = next(k for k in range(start, len(lines)) if not lines[k].startswith("#? "))
+    entry = [line.removeprefix("#? ").replace('"?"', '"me"').replace("?", "2.0") for line in lines[start:stop]]
+    return "\n".join(entry)
+
+
+def test_every_entry_of_a_description_has_advice_and_no_other():
+    assert ADVICE.keys() == RULES.keys()
+
+
+def test_a_new_table_is_a_draft_that_lacks_what_the_arm_file_does_not_say(folder):
+    draft = drafted(folder, new(folder))
+    assert draft.can("link_torque")
+    arm = read_arm(folder / "arm.xml")
+    required = {path for path, rule in RULES.items() if not rule.optional}
+    assert set(draft.missing) == required - set(arm.quantities)
+
+
+def test_every_entry_has_its_place_with_meaning_and_advice_and_nothing_is_said_twice(folder):
+    text = new(folder)
+    given = read_arm(folder / "arm.xml").quantities.keys() | {"flange.position", "flange.rotation"}
+    for path, rule in RULES.items():
+        tables = re.findall(rf"^(?:#\? )?\[{re.escape(path)}\]$", text, flags=re.M)
+        assert len(tables) == (path not in given), path
+        flat = text.replace("\n# ", " ")
+        if path not in given:
+            assert f"--- {path}: {rule.meaning}" in flat
+            assert ADVICE[path].where in flat
+
+
+@pytest.mark.parametrize("path", [path for path, rule in RULES.items() if not rule.optional])
+def test_an_entry_whose_marks_are_taken_away_is_valid(folder, path):
+    text = new(folder)
+    if f"#? [{path}]" in text:
+        draft = drafted(folder, text + uncommented(text, path))
+        assert path in draft.quantities
+        assert draft.quantities[path].source == "me"
+
+
+def test_an_entry_that_was_forgotten_is_no_toml_and_says_so(folder):
+    text = new(folder).replace("#? [drive.gear_ratio]\n#? value", "[drive.gear_ratio]\nvalue")
+    with pytest.raises(ValueError, match=r"^mine\.toml is not valid TOML"):
+        drafted(folder, text)
+
+
+def test_frames_with_usual_names_become_the_tool_frame_and_others_can_be_asked_for(folder):
+    assert 'tool_frame = "tcp"' in new(folder)
+    assert drafted(folder, new(folder)).can("kinematics", "tool.tcp")
+    assert 'tool_frame = "flange"' in new(folder, tool_frame="flange")
+    with pytest.raises(ValueError, match=r"hand.*Available: .*tcp"):
+        new(folder, tool_frame="hand")
+    assert "tool_frame =" not in new(folder, "arm.urdf")
+
+
+def test_hints_of_the_arm_file_are_numbers_that_wait_for_the_gear_ratio(folder):
+    text = new(folder, "arm.urdf")
+    draft = drafted(folder, text)
+    assert draft.waiting == ("drive.peak_torque",)
+    assert "drive.gear_ratio" in draft.missing
+    assert "drive.peak_torque" not in draft.missing
+    whole = drafted(folder, text + entry("drive.gear_ratio", [100, 50], "1"))
+    np.testing.assert_allclose(whole.quantities["drive.peak_torque"].value, [1.5, 0.56])
+    assert "arm.urdf" in whole.quantities["drive.peak_torque"].source
+    assert "#? value = [4.0, ?]" in text  # friction of one joint only
+
+
+def test_names_with_quotes_and_backslashes_survive(folder):
+    (folder / 'a "b".xml').write_text(ARM)
+    text = template('na"me\\', read_arm(folder / 'a "b".xml'), 'a "b".xml')
+    assert tomllib.loads(text)["robot"]["name"] == 'na"me\\'
+    assert drafted(folder, text).can("kinematics")
+
+
+def test_filling_in_leaves_every_other_line_as_it_was(folder):
+    text = new(folder) + "".join(NUMBERS.values()) + "\n# my own remark\n"
+    after = filled(folder, text)
+    kept = [line for line in text.splitlines() if not line.startswith("#? ")]
+    remaining = iter(after.splitlines())
+    assert all(line in remaining for line in kept)  # in this order
+    assert "#? [friction.static]" not in after
+    assert "#? [work_area.home]" in after
+
+
+def test_what_a_user_must_know_and_rules_of_thumb_make_a_whole_robot(folder):
+    text = filled(folder, new(folder) + "".join(NUMBERS.values()))
+    robot = drafted(folder, text).complete()
+    chosen = {path for path, quantity in robot.quantities.items() if quantity.origin == ("chosen",)}
+    assert chosen >= {"friction.static", "friction.bristle_stiffness", "servo.velocity_gain", "drive.joint_damping"}
+    assert filled(folder, text) == text  # nothing is left to propose
+
+
+def test_a_number_that_is_there_is_never_replaced(folder):
+    own = entry("friction.static", [0.9] * 6, "N m", "motor")
+    draft = drafted(folder, filled(folder, new(folder) + "".join(NUMBERS.values()) + own))
+    np.testing.assert_array_equal(draft.quantities["friction.static"].value, 0.9)
+    assert draft.quantities["friction.static"].source == "data sheet"
+
+
+@pytest.mark.parametrize(
+    ("path", "needs"),
+    [
+        ("friction.bristle_stiffness", "friction.coulomb"),
+        ("drive.joint_damping", "drive.joint_stiffness"),
+        ("servo.velocity_gain", "drive.rotor_inertia"),
+    ],
+)
+def test_nothing_is_proposed_without_what_it_follows_from(folder, path, needs):
+    numbers = [number for name, number in NUMBERS.items() if name != needs]
+    draft = drafted(folder, filled(folder, new(folder) + "".join(numbers)))
+    assert {path, needs} <= set(draft.missing)
+
+
+def test_proposals_for_the_built_in_robot_follow_their_rules_and_the_thesis(irb4600):
+    whole = load_draft(irb4600.name)
+    removed = ("friction.static", "friction.bristle_stiffness", "friction.bristle_damping", "servo.velocity_gain")
+    kept = {path: quantity for path, quantity in whole.quantities.items() if path not in removed}
+    draft = RobotDraft(
+        where="x", name="x", title="x", joints=whole.joints, links=whole.links, types=whole.types, quantities=kept,
+        logs=whole.logs,
+    )  # fmt: skip
+    proposals = {proposal.path: proposal.value for proposal in propose(draft)}
+    assert proposals.keys() == set(removed)
+    for path in removed[:3]:  # joint 1 is the thesis'; the others are scaled from it
+        np.testing.assert_allclose(proposals[path], whole.quantities[path].value, rtol=2e-3)
+    mass = np.diag(RigidArm(irb4600).mass_matrix(irb4600.work_area.home[None])[0])
+    inertia = irb4600.drive.rotor_inertia + mass / irb4600.drive.gear_ratio**2
+    np.testing.assert_allclose(proposals["servo.velocity_gain"], 90 * inertia)
+
+
+def test_rigid_joints_get_no_damping(folder):
+    numbers = NUMBERS | {
+        "drive.joint_stiffness": entry("drive.joint_stiffness", "[inf, inf, inf, 4e4, 4e4, 3e4]", "N m/rad", "link")
+    }
+    draft = drafted(folder, filled(folder, new(folder) + "".join(numbers.values())))
+    np.testing.assert_allclose(draft.quantities["drive.joint_damping"].value, [0, 0, 0, 32, 32, 24])
+
+
+@settings(max_examples=40)
+@given(control_dt=st.floats(1e-4, 0.02))
+def test_the_proposed_physics_step_divides_any_control_step_and_is_short(control_dt):
+    text = '[robot]\nname = "x"\ntitle = "x"\njoints = ["a"]\nlinks = ["b"]\n' + entry(
+        "servo.control_dt", control_dt, "s"
+    )
+    draft = parse_draft(text)
+    step = float(parse_draft(filled_text(text, propose(draft), draft.types)).quantities["simulation.physics_dt"].value)
+    assert abs(control_dt / step - round(control_dt / step)) < 1e-9
+    assert 0 < step <= 2.5e-4 * (1 + 1e-9)
