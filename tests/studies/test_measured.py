@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
-from ffgym.recordings.measured import measured_folder, read_kr300
+from ffgym.studies.measured import measured_folder, read_kr300
 
 
 def arrays(rows=5):
@@ -29,6 +29,8 @@ def test_a_run_becomes_a_recording_in_si_units(tmp_path):
     np.testing.assert_array_equal(recording.joint_array("motor.effort"), data["tau_mot_nm"])
     np.testing.assert_array_equal(recording.joint_array("reference.acceleration"), data["qdd_ref_rad_s2"])
     assert recording.header.position_side == "link"
+    assert recording.header.torque_semantics == "motor_side"
+    assert recording.header.payload == {"mass": 150.0, "com": [0.0, 0.0, 0.1]}
 
 
 def test_a_file_that_is_none_is_one_error_that_names_it(tmp_path):

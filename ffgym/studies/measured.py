@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from ffgym.errors import FFGymError
-from ffgym.recordings.header import Header
-from ffgym.recordings.recording import Recording
+from ffgym.recordings import Recording
+from ffgym.robot import load_robot, log_header
 from ffgym.types import Array
 
 DATA_VARIABLE = "FFGYM_DATA"
@@ -45,24 +45,13 @@ def read_kr300(path: str | os.PathLike[str]) -> Recording:
             data = {name: np.asarray(file[name], dtype=np.float64) for name in _ARRAYS}
     except (OSError, KeyError, ValueError, TypeError, zipfile.BadZipFile) as error:
         raise FFGymError(f"Cannot read {path} as a recording of the KR 300: {error}.") from error
+    robot = load_robot("kuka_kr300_r2500")
     columns = {"timestamp": data["t"]}
     for name, (family, factor) in _ARRAYS.items():
         if family:
-            columns |= _per_joint(path, family, factor * data[name])
-    header = Header(
-        robot="kuka_kr300_r2500",
-        joints=_JOINTS,
-        gear_ratio=(1798 / 7, 1872 / 7, 757 / 3, 221.0, 5032 / 21, 206793 / 1340),
-        position_side="link",
-        torque_semantics="motor_side",
-        hold="sampled",
-        payload={"mass": 150.0, "com": [0.0, 0.0, 0.1]},
-        segment=Path(path).stem,
-    )
-    return Recording(columns, header)
+            columns |= _per_joint(path, family, factor * data[name], robot.joints)
+    return Recording(columns, log_header(robot, segment=Path(path).stem))
 
-
-_JOINTS = ("a1", "a2", "a3", "a4", "a5", "a6")
 
 _DEGREE = np.pi / 180
 
@@ -78,7 +67,7 @@ _ARRAYS = {
 """Arrays of the file, the family that each becomes, and the factor to SI."""
 
 
-def _per_joint(path: str | os.PathLike[str], family: str, values: Array) -> dict[str, Array]:
-    if values.ndim != 2 or values.shape[1] != len(_JOINTS):
-        raise FFGymError(f"{family} in {path} has shape {values.shape}, must be (T, {len(_JOINTS)}).")
-    return {f"{family}.{joint}": values[:, j] for j, joint in enumerate(_JOINTS)}
+def _per_joint(path: str | os.PathLike[str], family: str, values: Array, joints: tuple[str, ...]) -> dict[str, Array]:
+    if values.ndim != 2 or values.shape[1] != len(joints):
+        raise FFGymError(f"{family} in {path} has shape {values.shape}, must be (T, {len(joints)}).")
+    return {f"{family}.{joint}": values[:, j] for j, joint in enumerate(joints)}
