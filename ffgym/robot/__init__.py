@@ -18,8 +18,8 @@ from ffgym.robot.load import load_draft as load_draft
 from ffgym.robot.load import load_robot as load_robot
 from ffgym.robot.load import parse_robot as parse_robot
 from ffgym.robot.load import robot_of as robot_of
-from ffgym.robot.mjcf import mjcf_text as mjcf_text
 from ffgym.robot.logs import log_header as log_header
+from ffgym.robot.mjcf import mjcf_text as mjcf_text
 from ffgym.robot.motor_torque import MotorTorque as MotorTorque
 from ffgym.robot.motor_torque import motor_torque as motor_torque
 from ffgym.robot.parameters import with_parameters as with_parameters
