@@ -58,11 +58,11 @@ def filled(page: str) -> str:
         FFGymError: if the page has no place for one.
     """
     for name, table in {"entries": entries_table(), "functions": capabilities_table()}.items():
-        page, found = re.subn(
-            rf"(<!-- {name} -->\n\n).*?(\n\n<!-- -->)", lambda m, t=table: m[1] + t + m[2], page, flags=re.S
-        )
-        if found != 1:
-            raise FFGymError(f"The page must hold '<!-- {name} -->', a table and '<!-- -->' once, got {found}.")
+        parts = re.split(rf"(<!-- {name} -->\n\n).*?(\n\n<!-- -->)", page, flags=re.DOTALL)
+        if len(parts) != 4:
+            raise FFGymError(f"The page must hold '<!-- {name} -->', a table and '<!-- -->' once.")
+        before, start, end, after = parts
+        page = before + start + table + end + after
     return page
 
 

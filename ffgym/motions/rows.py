@@ -66,11 +66,12 @@ def joined(name: str, robot: RobotDescription, pieces: Sequence[Rows]) -> Refere
     for before, after in itertools.pairwise(pieces):
         _check_join(robot, before, after)
     counts = np.cumsum([0, *(len(piece.q) - 1 for piece in pieces)])
-    phases = [
-        Phase(label=p.label, kind=p.kind, start=p.start + float(first) * dt, end=p.end + float(first) * dt)
-        for first, piece in zip(counts, pieces, strict=False)
-        for p in piece.phases
-    ]
+    phases: list[Phase] = []
+    for first, piece in zip(counts, pieces, strict=False):
+        for p in piece.phases:
+            start, end = p.start + float(first) * dt, p.end + float(first) * dt
+            start = max(start, phases[-1].end) if phases else start  # sums of times are rounded
+            phases.append(Phase(label=p.label, kind=p.kind, start=start, end=end))
     series = {
         part: np.concatenate([getattr(pieces[0], part)[:1], *(getattr(piece, part)[1:] for piece in pieces)])
         for part in ("q", "dq", "ddq")
