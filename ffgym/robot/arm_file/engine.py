@@ -58,13 +58,16 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
     """Compile a model with all its bodies, also those that are welded, and with what is only looks.
 
     Raises:
-        FFGymError: if a mesh is missing; what else MuJoCo refuses is left to `engine_errors`.
+        FFGymError: if a mesh is missing, or names are no text; what else MuJoCo refuses is left to `engine_errors`.
     """
     spec.compiler.fusestatic = False
     spec.compiler.discardvisual = False
     spec.compiler.usethread = False  # so that warnings come from the thread that holds Python's lock
     try:
-        return spec.compile()
+        model = spec.compile()
+        model.names.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise FFGymError("Names in it are not UTF-8 text. Save the file as UTF-8.") from error
     except ValueError as error:
         missing = re.search(r"Error opening file '(.+)'", str(error))
         for mesh in spec.meshes:
@@ -75,6 +78,7 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
                     f"comes from it."
                 ) from error
         raise
+    return model
 
 
 def _refusal(message: str) -> str:

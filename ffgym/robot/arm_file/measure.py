@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.errors import FFGymError
 from ffgym.robot.arm_file.arm_file import NamedFrame
 from ffgym.robot.arm_file.chain import BASE, TYPES, Chain
 from ffgym.types import Array
+
+_PLACES = ("xanchor", "xaxis", "xpos", "xmat", "xipos", "ximat", "geom_xpos", "geom_xmat", "site_xpos", "site_xmat")
+"""What kinematics compute, in MuJoCo's words."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -27,13 +30,19 @@ class Pose:
 
 
 def pose_at_zero(model: mujoco.MjModel, chain: Chain) -> Pose:
-    """Put hinges and sliding joints at zero, whatever their `ref`; all others stay where the file draws them."""
+    """Put hinges and sliding joints at zero, whatever their `ref`; all others stay where the file draws them.
+
+    Raises:
+        FFGymError: if something is nowhere.
+    """
     data = mujoco.MjData(model)
     for j in range(model.njnt):
         if model.jnt_type[j] in TYPES:
             data.qpos[model.jnt_qposadr[j]] = 0.0
     mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
+    for name in _PLACES:
+        if not np.all(np.isfinite(getattr(data, name))):
+            raise FFGymError("A position, angle, axis or reference in it is not a finite number.")
     origins = data.xanchor[list(chain.joints)].copy()
     return Pose(model=model, data=data, chain=chain, origins=origins)
 
@@ -49,19 +58,19 @@ def masses(pose: Pose) -> dict[str, Array]:
     """Mass, centre of mass and inertia of the base and of each link with all that is welded to it.
 
     Raises:
-        FFGymError: if a link weighs nothing, or the numbers overflow.
+        FFGymError: if a link weighs nothing.
     """
     base_mass, base_com, _ = _fused(pose, BASE)
     links = [_fused(pose, k) for k in range(len(pose.chain.joints))]
     found = {"base.mass": base_mass, "base.com": base_com}
     for name, column in zip(("mass", "com", "inertia"), zip(*links, strict=True), strict=True):
         found[f"links.{name}"] = np.array(column)
-    for name, joint in zip(found["links.mass"], pose.chain.names, strict=True):
-        if not name > 0:
+    for mass, joint in zip(found["links.mass"], pose.chain.names, strict=True):
+        if not mass > 0:
             raise FFGymError(
-                f"The link behind joint {joint!r} weighs {name} kg; a link that moves must weigh something."
+                f"The link behind joint {joint!r} weighs {mass} kg; a link that moves must weigh something."
             )
-    return {name: check_shape(name, value, np.shape(value)) for name, value in found.items()}
+    return found
 
 
 def named_frames(pose: Pose) -> dict[str, NamedFrame]:

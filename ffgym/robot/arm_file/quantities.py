@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ffgym.errors import check_shape
 from ffgym.robot.arm_file.arm_file import ArmFile, JointHints, Kind
 from ffgym.robot.arm_file.measure import Pose, geometry, masses
 from ffgym.robot.quantity import Quantity
@@ -17,9 +18,14 @@ UNLIMITED = 2 * np.pi
 
 
 def quantities_of(pose: Pose, hints: Sequence[JointHints], file: str, kind: Kind) -> dict[str, Quantity]:
-    """Entries by path; `file` is their source."""
+    """Entries by path; `file` is their source.
+
+    Raises:
+        FFGymError: if a link weighs nothing, or a number is not finite.
+    """
     joints = JointFrame(types=pose.chain.types)
-    values = geometry(pose) | masses(pose)
+    with np.errstate(over="ignore", invalid="ignore"):  # numbers that overflow are refused below
+        values = geometry(pose) | masses(pose)
     entries = {path: _quantity(path, value, ("sourced",), file, joints) for path, value in values.items()}
     path, gravity = "simulation.gravity", pose.model.opt.gravity
     if kind == "urdf":
@@ -35,15 +41,16 @@ def quantities_of(pose: Pose, hints: Sequence[JointHints], file: str, kind: Kind
 
 
 def flange_at(arm: ArmFile, frame: str) -> dict[str, Quantity]:
-    """Entries that put tool0 at a named frame of the file.
+    """Entries that put tool0, and the TCP as long as nothing else is said of it, at a named frame of the file.
 
     Raises:
         FFGymError: if the last link has no such frame.
     """
     place, source = arm.frame(frame), f"{Path(arm.path).name}, frame {frame}"
-    values = {"flange.position": place.position, "flange.rotation": place.rotation}
     joints = JointFrame(types=arm.types)
-    return {path: _quantity(path, value, ("sourced",), source, joints) for path, value in values.items()}
+    entries = {"flange.position": place.position, "flange.rotation": place.rotation}
+    found = {path: _quantity(path, value, ("sourced",), source, joints) for path, value in entries.items()}
+    return found | {"tool.tcp": _quantity("tool.tcp", np.zeros(3), ("chosen",), f"origin of frame {frame}", joints)}
 
 
 def _range(pose: Pose, file: str, joints: JointFrame) -> dict[str, Quantity]:
@@ -62,7 +69,7 @@ def _range(pose: Pose, file: str, joints: JointFrame) -> dict[str, Quantity]:
 
 def _quantity(path: str, value: Array, origin: tuple[str, ...], source: str, joints: JointFrame) -> Quantity:
     rule = RULES[path]
-    array = np.array(value, dtype=np.float64)
+    array = check_shape(path, value, np.shape(value)).copy()
     array += 0.0  # which makes -0 a plain 0
     array.flags.writeable = False
     return Quantity(

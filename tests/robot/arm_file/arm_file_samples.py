@@ -71,8 +71,7 @@ def description_text(model, types, *, more="", **head):
 def described(path, joints=None, frame=None, looks="none"):
     """Description of the arm in a file, with a tool without mass whose TCP is a named frame."""
     types = read_arm(path, joints, looks=False).types
-    tcp = entry("tool.tcp", [0.0, 0.0, 0.0], "m") if frame else ""
-    text = description_text(path.name, types, more=tcp, joints=joints, tool_frame=frame, looks=looks)
+    text = description_text(path.name, types, joints=joints, tool_frame=frame, looks=looks)
     return parse_robot(text, where="mine.toml", folder=path.parent)
 
 

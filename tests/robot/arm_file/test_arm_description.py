@@ -61,6 +61,7 @@ def test_numbers_of_the_file_say_so():
     quantity = robot.quantities["links.inertia"]
     assert (quantity.origin, quantity.source) == (("sourced",), "kr_like.urdf")
     assert (quantity.unit, quantity.side, quantity.value.flags.writeable) == ("kg m^2", "link", False)
+    assert robot.quantities["tool.tcp"].origin == ("chosen",)
     assert robot.quantities["flange.rotation"].source == "kr_like.urdf, frame tool0"
     assert robot.quantities["simulation.gravity"].origin == ("chosen",)
     assert described(FILES / "kr_like.xml").quantities["simulation.gravity"].value.tolist() == [0.0, 0.0, -9.80665]
@@ -107,6 +108,16 @@ def test_a_tool_frame_puts_tool0_where_the_file_has_it():
     assert robot.tool is not None
     np.testing.assert_allclose(robot.tool.rotation, [[0, 0, 1], [0, 1, 0], [-1, 0, 0]], atol=1e-11)
     np.testing.assert_allclose(robot.tool.position, 0, atol=1e-15)
+    np.testing.assert_array_equal(robot.tool.tcp, 0)
+    robot = parse(
+        description_text(
+            "kr_like.urdf", SIX, looks="none", tool_frame="tool0", more=entry("tool.tcp", [0.0, 0.0, 120.0], "mm")
+        )
+    )
+    assert robot.tool.tcp.tolist() == [0.0, 0.0, 0.12]
+
+
+def test_frames_are_all_that_is_part_of_the_last_link():
     assert set(read_arm(FILES / "ur_like.urdf", looks=False).frames) == {"wrist_3_link", "flange", "tool0"}
 
 

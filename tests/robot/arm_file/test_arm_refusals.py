@@ -140,7 +140,12 @@ BROKEN = {
     "negative inertia": (urdf(ARM).replace("ixx='1'", "ixx='-1'"), "inertia"),
     "mass is text": (urdf(ARM).replace("mass value='1'", "mass value='heavy'"), "bad format in attribute 'value'"),
     "mass is nan": (urdf(ARM).replace("mass value='1'", "mass value='nan'"), "must be larger than mjMINVAL"),
-    "place is nan": (mjcf("<body pos='nan 0 0'><joint/><geom size='1'/></body>"), "must be finite"),
+    "place is nan": (
+        mjcf("<body pos='nan 0 0'><joint/><geom size='1'/></body>"),
+        "A position, angle, axis or reference in it is not a finite number",
+    ),
+    "range is infinite": (mjcf(body("a", joint_text="<joint range='-inf 1'/>")), "kinematics.range must be finite"),
+    "mass is infinite": (mjcf(body("a", mass="<geom size='1' mass='inf'/>")), "in"),
     "axis is zero": (urdf(ARM).replace("0 0 1", "0 0 0"), "axis too small"),
     # looks
     "mesh URDF": (
