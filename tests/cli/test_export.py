@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from importlib import resources
 
 import mujoco
 import numpy as np
@@ -65,6 +66,45 @@ def test_a_motion_comes_with_all_that_repeats_it(tmp_path, capsys):
     assert origin["seed"] is None
     assert origin["versions"]["mujoco"] == mujoco.__version__
     assert "motor.position.j1 [deg]" in (tmp_path / "circles" / "reference.csv").read_text().splitlines()[0]
+
+
+SHORT = """MODULE short
+  PERS tooldata tPen := [TRUE, [[20, 0, 250], [1, 0, 0, 0]], [1, [0, 0, 60], [1, 0, 0, 0], 0.01, 0.01, 0.01]];
+  CONST robtarget pHere := [[1300, -200, 600], [0, 0, 1, 0], [-1, 0, -1, 0], [9E9, 9E9, 9E9, 9E9, 9E9, 9E9]];
+  PROC main()
+    MoveJ pHere, v100, fine, tPen;
+    MoveL Offs(pHere, 0, 5, 0), v100, fine, tPen;
+  ENDPROC
+ENDMODULE
+"""
+"""A program with a tool of its own that moves 5 mm."""
+
+PROGRAM = str(resources.files("ffgym.rapid") / "examples" / "thesis_circles.mod")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("robot", "motion"),
+    [
+        *((robot, motion) for robot in builtin_robots() for motion in ("multisine", "triangle")),
+        *((robot, motion) for robot in ("irb4600_60_205", "kuka_kr300_r2500") for motion in ("circles", "square")),
+        ("irb4600_60_205", PROGRAM),
+    ],
+)
+def test_shipped_motions_on_shipped_robots_are_repeated(robot, motion):
+    assert main(["export", robot, motion, "--feedforward", "lugre_dynamic"]) == 0
+    played = subprocess.run([sys.executable, "export/play.py"], capture_output=True, text=True, check=False)
+    assert played.returncode == 0, played.stdout + played.stderr
+
+
+def test_a_program_that_brings_its_tool_is_exported_with_it(tmp_path):
+    source = tmp_path / "short.mod"
+    source.write_text(SHORT)
+    assert main(["export", "irb4600_60_205", str(source)]) == 0
+    tcp = mujoco.MjModel.from_xml_path("export/model.xml").site("tcp").pos
+    np.testing.assert_allclose(tcp, [0.02, 0.0, 0.25], atol=1e-12)
+    played = subprocess.run([sys.executable, "export/play.py"], capture_output=True, text=True, check=False)
+    assert played.returncode == 0, played.stdout + played.stderr
 
 
 def test_parts_that_are_left_out_are_left_out_of_model_and_motion(tmp_path):
