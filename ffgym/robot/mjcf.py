@@ -4,6 +4,7 @@ MuJoCo's own writer keeps 6 digits. This one writes what `build_spec` builds, wi
 models before it returns, so that nothing is lost unseen.
 """
 
+from textwrap import fill
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -42,7 +43,7 @@ def mjcf_text(spec: mujoco.MjSpec) -> str:
     for section in _sections(spec):
         if len(section):
             if section.tag in _COMMENTS:
-                root.append(ET.Comment(f" {_COMMENTS[section.tag]} "))
+                root.append(ET.Comment(f" {fill(_COMMENTS[section.tag], width=110, subsequent_indent=' ' * 7)} "))
             root.append(section)
     ET.indent(root)
     head = f"<!-- {spec.comment.replace('--', '- -')} -->\n" if spec.comment else ""

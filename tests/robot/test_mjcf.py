@@ -112,6 +112,7 @@ def test_the_text_says_what_is_what(irb4600):
     spec.comment = "Robot -- of a test"
     lines = mjcf_text(spec).splitlines()
     assert lines[0] == "<!-- Robot - - of a test -->"
+    assert max(len(line) for line in lines if "=" not in line) <= 120
     written = "\n".join(lines)
     for part in (
         '<pid name="j1_servo" gear="120"',
