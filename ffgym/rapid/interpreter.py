@@ -17,7 +17,7 @@ from ffgym.robot import RobotDescription
 MAX_CALLS = 50
 """Deepest nesting of procedure calls; chosen: cutting programs need three, and Python's stack must not end."""
 
-MAX_STATEMENTS = 1_000_000
+MAX_STATEMENTS = 100_000
 """Most statements that are run; chosen: hours of motion, and procedures that double each other must come to an end."""
 
 _ACC_SET = (Parameter("acceleration", NUM), Parameter("ramp", NUM))

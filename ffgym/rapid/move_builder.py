@@ -1,12 +1,12 @@
 """Moves of a program as they come, from its move instructions."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
 from ffgym.errors import FFGymError
-from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Wait
+from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Pose, Wait
 from ffgym.rapid.arguments import pair
 from ffgym.rapid.evaluate import evaluate_arguments
 from ffgym.rapid.execution import Configuration, Execution
@@ -51,13 +51,19 @@ class MoveBuilder:
         names = [_name(target) for target in paired.values[: len(targets)]]
         self._use(tool, paired.values[-1].place, absolute=kind == "moveabsj")
         with self._at(place):
-            common = {
+            how: dict[str, Any] = {
                 "speed": speed(speed_data, options.get("v")),
                 "zone": zone(zone_data, options.get("z")),
                 "label": names[-1],
                 "where": self.source.at(place),
             }
-            self._add(kind, targets, names, tool, options.get("wobj", WOBJ0), common)
+            if kind == "moveabsj":
+                self._add(MoveJoint(to=joint_positions(targets[0], self.robot.kinematics.is_sliding, names[0]), **how))
+            else:
+                held, work_object = tool_frame(tool), options.get("wobj", WOBJ0)
+                poses = [pose(*target, held, work_object) for target in zip(targets, names, strict=True)]
+                follows = kind == "movej" and self.configured
+                self._add(_to_pose(kind, poses, how), quarter_turns(targets[0], names[0]) if follows else None)
 
     def wait(self, place: Place, duration: float) -> None:
         """Add a rest [s], which nothing is if it takes no time.
@@ -72,8 +78,7 @@ class MoveBuilder:
         if duration < 0:
             raise self.source.error(place, f"WaitTime {duration:g} s must be >= 0.")
         if duration > 0:
-            self.moves.append(Wait(duration=duration, label=f"wait {duration:g} s", where=self.source.at(place)))
-            self.configurations.append(None)
+            self._add(Wait(duration=duration, label=f"wait {duration:g} s", where=self.source.at(place)))
 
     def finish(self, place: Place) -> Execution:
         """Everything that was collected; `place` is that of the entry.
@@ -88,29 +93,8 @@ class MoveBuilder:
             robot = with_tool(self.robot, tool, f"tooldata in {self.source.at(first)}")
         return Execution(robot=robot, moves=tuple(self.moves), configurations=tuple(self.configurations))
 
-    def _add(
-        self,
-        kind: str,
-        targets: Sequence[Value],
-        names: Sequence[str],
-        tool: Value,
-        wobj: Value,
-        common: dict[str, Any],
-    ) -> None:
-        """Add a move to targets in a work object."""
-        configuration = None
-        if kind == "moveabsj":
-            sliding = self.robot.kinematics.is_sliding
-            self.moves.append(MoveJoint(to=joint_positions(targets[0], sliding, names[0]), **common))
-        else:
-            *via, to = (pose(*each, tool_frame(tool), wobj) for each in zip(targets, names, strict=True))
-            if kind == "movec":
-                self.moves.append(MoveArc(via=via[0].position, to=to, **common))
-            elif kind == "movel":
-                self.moves.append(MoveLinear(to=to, **common))
-            else:
-                self.moves.append(MoveJoint(to=to, **common))
-                configuration = quarter_turns(targets[0], names[0]) if self.configured else None
+    def _add(self, move: Move, configuration: Configuration | None = None) -> None:
+        self.moves.append(move)
         self.configurations.append(configuration)
 
     def _use(self, tool: Value, place: Place, *, absolute: bool) -> None:
@@ -131,6 +115,15 @@ class MoveBuilder:
             yield
         except FFGymError as error:
             raise self.source.error(place, str(error)) from error
+
+
+def _to_pose(kind: str, poses: Sequence[Pose], how: Mapping[str, Any]) -> Move:
+    """Move to the last of some poses, on an arc through the one before."""
+    if kind == "movec":
+        return MoveArc(via=poses[0].position, to=poses[1], **how)
+    if kind == "movel":
+        return MoveLinear(to=poses[0], **how)
+    return MoveJoint(to=poses[0], **how)
 
 
 def _name(target: Expression) -> str:

@@ -5,7 +5,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedInput, UnexpectedToken, v_args
+from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedToken, v_args
 
 from ffgym.errors import FFGymError
 from ffgym.rapid.source import Source
@@ -41,8 +41,10 @@ def read(source: Source) -> Module:
     """
     try:
         tree: Any = _parser().parse(source.text)
-    except UnexpectedInput as error:
-        raise _explained(source, error) from None
+    except UnexpectedCharacters as error:
+        raise _bad_character(source, error) from None
+    except UnexpectedToken as error:
+        raise _bad_token(source, error) from None
     except _TooDeep as error:
         raise source.error(error.place, f"brackets are nested deeper than {MAX_NESTING}.") from None
     module: Module = tree
@@ -85,16 +87,16 @@ def _place(token: Token) -> Place:
     return Place(token.line or 1, token.column or 1)
 
 
-def _explained(source: Source, error: UnexpectedInput) -> FFGymError:
-    place = Place(max(error.line, 1), max(error.column, 1))
-    if isinstance(error, UnexpectedCharacters):
-        reason = UNSUPPORTED_SIGNS.get(error.char, "it begins nothing in RAPID")
-        return source.error(place, f"unexpected character {error.char!r}: {reason}.")
-    if not isinstance(error, UnexpectedToken):
-        return source.error(place, "the program cannot be read.")
+def _bad_character(source: Source, error: UnexpectedCharacters) -> FFGymError:
+    reason = UNSUPPORTED_SIGNS.get(error.char, "it begins nothing in RAPID")
+    return source.error(Place(error.line, error.column), f"unexpected character {error.char!r}: {reason}.")
+
+
+def _bad_token(source: Source, error: UnexpectedToken) -> FFGymError:
     token = error.token
     if token.type == "$END":
         return source.error(source.end, f"the program ends too early; expected {_expected(error)}.")
+    place = _place(token)
     if token.type in RESERVED and token.type not in KEYWORDS:
         return source.error(place, f"{token.type} is not supported; a program is a list of moves, see docs/rapid.md.")
     if error.expected == {"RPAR"}:  # only the head of a procedure leaves no choice

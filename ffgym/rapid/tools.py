@@ -54,9 +54,10 @@ def with_tool(robot: RobotDescription, tool: Value, source: str) -> RobotDescrip
     held = _held(robot.tool, tool)
     if _same(held, robot.tool):
         return robot
+    own = {f"tool.{name}": getattr(held, name) for name in ("tcp", "mass", "com", "inertia")}
     quantities = {
-        path: _from_program(q, getattr(held, path[5:]), source) if path.startswith("tool.") else q
-        for path, q in robot.quantities.items()
+        path: _from_program(quantity, own[path], source) if path in own else quantity
+        for path, quantity in robot.quantities.items()
     }
     geoms = tuple(geom for geom in robot.geoms if geom.body != "tool")  # they show the tool that is taken off
     return replace(robot, tool=held, geoms=geoms, quantities=quantities)
