@@ -29,8 +29,12 @@ class Video:
     """Video to write, .mp4 or .gif."""
     env: str = "ffgym/CirclePath-v0"
     """Id of the environment."""
+    robot: str | None = None
+    """Built-in robot, or a path to a description that ends in .toml; none given is the environment's own."""
     law: Literal["none", "lugre_static", "lugre_dynamic"] = "none"
     """Feed-forward law, with the robot's own friction parameters."""
+    path: str | None = None
+    """Motion to follow, a name or a file as for `ffgym simulate` (ffgym/FollowPath-v0 only); none given is circles."""
     position: str | None = None
     """Position in the work area (circles only); none given is p1."""
     speed_mm_s: float | None = None
@@ -79,6 +83,7 @@ class Video:
         for kind, names in {
             "ffgym/CirclePath-v0": ("position", "speed_mm_s", "radii_mm"),
             "ffgym/OneAxis-v0": ("frequency_hz",),
+            "ffgym/FollowPath-v0": ("path",),
         }.items():
             given = [f"--{name.replace('_', '-')}" for name in names if getattr(self, name) not in (None, ())]
             if given and self.env != kind:
@@ -98,7 +103,8 @@ class Video:
         from ffgym.robot import load_robot
         from ffgym.studies import thesis_laws
 
-        robot = load_robot("one_axis" if self.env == "ffgym/OneAxis-v0" else "irb4600_60_205")
+        usual = "one_axis" if self.env == "ffgym/OneAxis-v0" else "irb4600_60_205"
+        robot = load_robot(usual if self.robot is None else self.robot)
         law = next(law for law in thesis_laws(robot) if law.name == self.law)
         return gym.make(
             self.env,
@@ -113,6 +119,8 @@ class Video:
     def _motion(self) -> dict[str, Any]:
         if self.env == "ffgym/OneAxis-v0":
             return {"frequencies": [1.0 if self.frequency_hz is None else self.frequency_hz]}
+        if self.env == "ffgym/FollowPath-v0":
+            return {} if self.path is None else {"path": self.path}
         if self.env != "ffgym/CirclePath-v0":
             return {}
         speed = 40.0 if self.speed_mm_s is None else self.speed_mm_s

@@ -36,6 +36,11 @@ class Sight:
     origin: Array
     """World point [m] at the picture's zero, shape (3,)."""
 
+    @property
+    def normal(self) -> Array:
+        """Unit vector towards the viewer, shape (3,)."""
+        return np.cross(*self.axes)
+
     def flat(self, points: Array) -> Array:
         """Points (T, 3) [m] in the picture [mm], shape (T, 2)."""
         moved = 1e3 * (points - self.origin)
@@ -91,9 +96,12 @@ def tool_path_caption(study: MotionStudy, motion: str) -> str:
     factor, styles = magnification(contours), law_styles(study.agents)
     worst = ", ".join(f"{styles[law].label} {1e3 * contour.distance.max():.3f} mm" for law, contour in contours.items())
     drawn = "drawn to scale" if factor == 1 else f"drawn {factor:g} times as large"
+    sights = sights_of(study.recordings[study.agents[0], motion].vector("tcp_reference.position"))
+    hidden = max(float(np.abs(contour.error @ sights[0].normal).max()) for contour in contours.values())
+    looked = f"Seen along its normal, up to {1e3 * hidden:.3f} mm are out of its plane. " if len(sights) == 1 else ""
     return (
-        f"Dashed: reference. Deviations from it are {drawn}; where the tool is late on the right path there is none. "
-        f"The offset at the start is removed. Dots: largest deviation in space ({worst})."
+        f"{looked}Dashed: reference. Deviations from it are {drawn}; where the tool is late on the right path there is "
+        f"none. The offset at the start is removed. Dots: largest deviation in space ({worst})."
     )
 
 

@@ -61,6 +61,16 @@ def test_a_gif_of_one_axis(needs_gl, tmp_path, capsys):
     assert "6 frames" in capsys.readouterr().out
 
 
+def test_another_robot_on_a_motion_of_its_own(needs_gl, tmp_path, capsys):
+    out, numbers = tmp_path / "screw.gif", tmp_path / "screw.json"
+    arguments = ("--env", "ffgym/FollowPath-v0", "--robot", "ball_screw", "--path", "sine", "--playback", "10", *SMALL)
+    assert main(["video", "--out", str(out), "--json", str(numbers), *arguments, "--fps", "5"]) == 0
+    values = json.loads(numbers.read_text())
+    assert (values["robot"], values["task"]) == ("ball_screw", {"path": "sine"})
+    assert values["rms_path_error_mm"] is None
+    assert "path error" not in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -70,6 +80,8 @@ def test_a_gif_of_one_axis(needs_gl, tmp_path, capsys):
         (["--env", "ffgym/Triangle-v0"], "Unknown environment 'ffgym/Triangle-v0'. Available: "),
         (["--env", "ffgym/OneAxis-v0", "--position", "p2"], "--position is for ffgym/CirclePath-v0"),
         (["--frequency-hz", "1"], "--frequency-hz is for ffgym/OneAxis-v0"),
+        (["--path", "circles"], "--path is for ffgym/FollowPath-v0"),
+        (["--robot", "nobody"], "Unknown robot 'nobody'"),
         (["--position", "p9"], "Unknown position 'p9'"),
         (["--speed-mm-s", "0"], "speed = 0.0 m/s is out of range"),
         (["--playback", "0"], "playback = 0.0 is out of range"),

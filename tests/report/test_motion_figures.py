@@ -116,6 +116,9 @@ def test_captions_carry_the_numbers_of_the_study(study, sine_study):
     captions = {f.name: f.caption for f in motion_figures(study, only_motion(study))}
     none, lugre = study.results
     assert f"no compensation {none.path[0].max_mm:.3f} mm" in captions["path"]
+    contours = [Contour.of(recording) for recording in study.recordings.values()]
+    out_of_plane = max(np.abs(contour.error[:, 2]).max() for contour in contours)
+    assert f"up to {1e3 * out_of_plane:.3f} mm are out of its plane" in captions["path"]
     assert f"dynamic LuGre {max(s.max_mm for s in lugre.path):.3f} mm" in captions["path-error"]
     assert f"{max(none.torque_use):.0%}" in captions["torques"]
     (only,) = sine_study.results
