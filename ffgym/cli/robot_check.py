@@ -45,7 +45,7 @@ class Check:
                 print(f"{what}: {place}")
 
     def _print(self, check: RobotCheck) -> None:
-        from ffgym.report.robot_tables import format_check
+        from ffgym.report.robot_text import format_check
 
         print(format_check(check))
         proposals = [proposal.path for proposal in propose(check.draft)]

@@ -8,7 +8,8 @@ from ffgym.report.figures import ReportFigure
 from ffgym.report.html import embedded, provenance_lines, render
 from ffgym.report.robot_plot import robot_caption, robot_figure
 from ffgym.report.robot_rendering import rendered_robot
-from ffgym.report.robot_tables import facts, robot_tables
+from ffgym.report.robot_tables import robot_tables
+from ffgym.report.robot_text import facts
 from ffgym.studies.robot_check import RobotCheck
 
 

@@ -1,4 +1,4 @@
-"""What a robot check found, as tables of text for a terminal and for a page."""
+"""What a robot check found, as tables of text."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.report.tables import Column, aligned, filled
 from ffgym.robot import CAPABILITIES
 from ffgym.robot.inverse_kinematics import MAX_CONDITION
 from ffgym.robot.quantity import ORIGINS
@@ -33,41 +32,6 @@ def robot_tables(check: RobotCheck) -> list[FactTable]:
     """All tables of a check, those with nothing in them left out."""
     tables = [_entries(check), _functions(check), _joints(check), _places(check), _loads(check), _motors(check)]
     return [table for table in tables if table.rows]
-
-
-def format_check(check: RobotCheck) -> str:
-    """The check as text, at most 120 columns wide."""
-    parts = [filled(" ".join(facts(check)))]
-    for table in robot_tables(check):
-        parts.append("\n".join([table.title, "-" * len(table.title), _columns(table)]))
-        if table.note:
-            parts.append(filled(table.note))
-    doubts = [f"- {doubt}" for doubt in check.doubts] or ["none"]
-    parts.append("\n".join(["Doubts", "------", *(filled(doubt) for doubt in doubts)]))
-    return "\n\n".join(parts) + "\n"
-
-
-def facts(check: RobotCheck) -> list[str]:
-    """Sentences about the robot as a whole."""
-    draft = check.draft
-    state = "complete" if not draft.missing else f"{len(draft.missing)} entries missing"
-    found = [f"{draft.title} ({draft.name}), {len(draft.joints)} joint{'s' if len(draft.joints) > 1 else ''}: {state}."]
-    if draft.missing:
-        found.append(f"Missing: {', '.join(draft.missing)}.")
-    if check.mass is not None:
-        found.append(f"The joints carry {check.mass:.4g} kg.")
-    if check.reach is not None and check.reach.distance > 0:
-        reach, what = check.reach, _tip(check)
-        box = ", ".join(f"{n} {a:.2f} to {b:.2f}" for n, a, b in zip("xyz", reach.low, reach.high, strict=True))
-        found.append(f"{what} comes up to {reach.distance:.3g} m away from the first joint, within {box} m.")
-    if (servo := check.servo) is not None:
-        margin = "more than 100" if servo.gain_margin is None else f"{servo.gain_margin:.3g}"
-        limit = f"up to {margin} times the gains" if servo.stable else "NO"
-        found.append(
-            f"Servo stable at {servo.place}: {limit}; least damped oscillation {servo.frequency:.3g} Hz with damping "
-            f"ratio {servo.damping:.2g}, without friction."
-        )
-    return found
 
 
 def _entries(check: RobotCheck) -> FactTable:
@@ -181,15 +145,6 @@ def _table(name: str, title: str, columns: Sequence[tuple[str, list[str]]], note
     return FactTable(name=name, title=title, headings=tuple(heading for heading, _ in columns), rows=rows, note=note)
 
 
-def _columns(table: FactTable) -> str:
-    columns: list[Column] = [(heading, [row[k] for row in table.rows]) for k, heading in enumerate(table.headings)]
-    return aligned(columns[:1], [[column] for column in columns[1:]])
-
-
-def _tip(check: RobotCheck) -> str:
-    return "The TCP" if "tool.tcp" in check.draft.quantities and check.draft.can("kinematics") else "The last link"
-
-
 def _few(paths: Sequence[str], room: int = 2) -> str:
     """The first paths, and how many more there are."""
     more = f" and {len(paths) - room} more" if len(paths) > room else ""
@@ -199,8 +154,9 @@ def _few(paths: Sequence[str], room: int = 2) -> str:
 def _pose(check: RobotCheck, place: Place) -> str:
     if place.q is None:
         return "-"
-    slides = [kind == "slide" for kind in check.draft.types]
-    return " ".join(f"{x:.3f}" if s else f"{np.degrees(x):.1f}" for x, s in zip(place.q, slides, strict=True))
+    scaled = [x if kind == "slide" else np.degrees(x) for x, kind in zip(place.q, check.draft.types, strict=True)]
+    digits = [3 if kind == "slide" else 1 for kind in check.draft.types]
+    return " ".join(f"{round(float(x), d) + 0.0:.{d}f}" for x, d in zip(scaled, digits, strict=True))  # and no -0.0
 
 
 def _condition(number: float) -> str:

@@ -6,7 +6,8 @@ from dataclasses import replace
 import pytest
 
 from ffgym.report.robot_page import render_robot_page, robot_figures
-from ffgym.report.robot_tables import format_check, robot_tables
+from ffgym.report.robot_tables import robot_tables
+from ffgym.report.robot_text import format_check
 from ffgym.robot import CAPABILITIES, builtin_robots, load_draft
 from ffgym.studies.robot_check import check_robot
 
