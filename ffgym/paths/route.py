@@ -18,6 +18,8 @@ SMOOTH = 1e-4
 corner; chosen: at 1 m/s a step in speed of 0.1 mm/s, far below what a drive can follow."""
 SHARPEST = np.deg2rad(175.0)
 """Largest angle by which a rounded corner turns back [rad]; chosen: beyond it is a cusp, and the robot stops."""
+SPENT = 1e-9
+"""Share of a leg up to which what two corners leave of it is nothing; chosen: well above rounding."""
 GRID = 32
 """Intervals in which a leg is examined at least."""
 GRID_STEP = 0.005
@@ -92,7 +94,8 @@ def chained(parts: Sequence[Course]) -> Course:
 def rounded(legs: Sequence[Leg], zones: Sequence[tuple[float, float]]) -> tuple[Route, Array]:
     """Legs joined into a route, each corner rounded within its zone.
 
-    Zones that would overlap shrink to half of the shorter leg, so that every leg keeps its middle.
+    Zones that would overlap shrink to half of the shorter leg; of a leg that two corners use up nothing is left between
+    them.
 
     Args:
         legs: one or more, each starting where the one before ends.
@@ -107,13 +110,17 @@ def rounded(legs: Sequence[Leg], zones: Sequence[tuple[float, float]]) -> tuple[
     ]
     before, after = [0.0, *(cut[1] for cut in cuts)], [*(cut[0] for cut in cuts), 0.0]
     trimmed = [_trimmed(leg, a, b) for leg, a, b in zip(legs, before, after, strict=True)]
-    chain, targets, length = [trimmed[0]], [], trimmed[0].curve.length
-    for i, cut in enumerate(cuts):
-        corner = _corner(legs[i], legs[i + 1], trimmed[i], trimmed[i + 1], cut) if max(cut) > 0 else None
-        passed = corner.curve.length if corner else 0.0
-        targets.append(length + 0.5 * passed)
-        chain += [corner, trimmed[i + 1]] if corner else [trimmed[i + 1]]
-        length += passed + trimmed[i + 1].curve.length
+    chain, targets, length = [], [], 0.0
+    for i, leg in enumerate(trimmed):
+        if leg.curve.length > SPENT * legs[i].curve.length:
+            chain.append(leg)
+            length += leg.curve.length
+        if i < len(cuts):
+            corner = _corner(legs[i], legs[i + 1], leg, trimmed[i + 1], cuts[i]) if max(cuts[i]) > 0 else None
+            passed = corner.curve.length if corner else 0.0
+            targets.append(length + 0.5 * passed)
+            chain += [corner] if corner else []
+            length += passed
     return Route(legs=tuple(chain)), np.array([*targets, length])
 
 

@@ -118,6 +118,22 @@ def test_phases_follow_the_program_in_its_order(arm, generated):
     assert len([p for p in r.phases if p.label.startswith("wait")]) == rests
 
 
+def test_zones_larger_than_what_lies_between_their_targets_shrink(arm):
+    """A staircase of steps of 2 mm under zones of 20 mm: corners follow each other, nothing is left between them."""
+    target = "[[{}, {}, 700], [0, 0, 1, 0], [0, 0, 0, 0], [9E9, 9E9, 9E9, 9E9, 9E9, 9E9]]"
+    steps = [target.format(1500 + 2 * ((i + 1) // 2), 2 * (i // 2)) for i in range(12)]
+    body = "".join(f"MoveL {step}, v50, z20, tRobot;\n" for step in steps)
+    text = f"PROC main()\nConfJ \\Off;\nMoveJ {steps[0]}, v50, fine, tRobot;\n{body}ENDPROC"
+    execution = parse_program(text).execute(arm.robot)
+    r = compose(arm, on_branches(arm, execution)[0]).reference
+    offset = arm.tcp_position(r.q) * 1e3 - [1500, 0, 700]
+    assert np.abs(offset[:, 2]).max() < 1e-6
+    assert np.abs(offset[:, 0] - offset[:, 1] - 1).max() <= 1 + 1e-6
+    np.testing.assert_allclose(offset[-1], [12, 10, 0], atol=1e-6)
+    limits = MotionLimits().of_joints(arm.robot.kinematics.max_speed)
+    assert np.all(np.abs(np.diff(r.ddq, axis=0)) <= limits.jerk * r.t[1])
+
+
 def test_a_file_is_found_by_its_suffix_and_names_its_motion(arm, tmp_path):
     motion = load_motion(arm, written(tmp_path, HOME.format("fine", "wrist;")))
     assert motion.reference.name == "cut"
