@@ -25,6 +25,8 @@ class New:
     """Joints that move, from the base outwards; none given is all. Others, e.g. a gripper's, are held."""
     tool_frame: str | None = None
     """Frame of the last link (site, body or fixed link) that is tool0; none given takes one with a usual name."""
+    looks: bool = True
+    """Take shapes and meshes; with no-looks, missing meshes do not matter."""
     force: bool = False
     """Write over a file that is there."""
 
@@ -35,9 +37,10 @@ class New:
         if self.out.exists() and not self.force:
             raise FFGymError(f"{self.out} is there already, and may hold your work; --force writes over it.")
         check_writable(self.out)
-        arm = read_arm(self.arm, self.joints or None)
+        joints = self.joints or None
+        arm = read_arm(self.arm, joints, looks=self.looks)
         model = Path(os.path.relpath(self.arm.resolve(), self.out.resolve().parent)).as_posix()
-        text = template(self.out.stem, arm, model, self.joints or None, self.tool_frame)
+        text = template(self.out.stem, arm, model, joints=joints, tool_frame=self.tool_frame, looks=self.looks)
         draft = parse_draft(text, where=str(self.out), folder=self.out.parent)
         text = filled_text(text, propose(draft), draft.types)
         missing = parse_draft(text, where=str(self.out), folder=self.out.parent).missing

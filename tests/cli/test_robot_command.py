@@ -51,6 +51,17 @@ def test_the_arm_is_found_from_wherever_the_table_lies(folder):
     assert 'model = "../arm.xml"' in (folder / "robots" / "cutter.toml").read_text()
 
 
+def test_meshes_that_are_missing_can_be_left_out(folder, capsys):
+    mesh = '<asset><mesh name="m" file="absent.stl"/></asset><worldbody>'
+    text = ARM.replace("<worldbody>", mesh, 1).replace(
+        '<site name="tcp"', '<geom type="mesh" mesh="m"/><site name="tcp"'
+    )
+    (folder / "meshes.xml").write_text(text)
+    assert "absent.stl" in refusal(capsys, "new", "meshes.xml", "--out", "mine.toml")
+    assert main(["robot", "new", "meshes.xml", "--out", "mine.toml", "--no-looks"]) == 0
+    assert main(["robot", "check", "mine.toml"]) == 0
+
+
 def test_a_table_that_is_there_is_not_written_over_unless_forced(folder, capsys):
     (folder / "mine.toml").write_text("my work")
     assert "mine.toml is there already" in refusal(capsys, "new", "arm.xml", "--out", "mine.toml")

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.robot.rule import JointFrame, Rule, si_units
+from ffgym.robot.rule import LINK, JointFrame, Rule, si_units
 from ffgym.robot.template.proposals import Proposal
 from ffgym.types import Array
 
@@ -42,7 +42,7 @@ def empty_entry(path: str, rule: Rule, types: tuple[str, ...]) -> list[str]:
     """Lines of an entry that waits for numbers."""
     shape = tuple(len(types) if s == "N" else int(s) for s in rule.shape)
     unit = _unit(rule, rule.side, types)
-    if rule.gear_power is None:  # angles of joints are read in degrees
+    if rule.side == LINK and rule.gear_power is None:  # angles of joints are read in degrees
         unit = unit.replace('"rad', '"deg')
     lines = _entry(path, _numbers(np.full(shape, np.nan)), unit, rule.side, "sourced", '"?"')
     return [MARK + line for line in lines]

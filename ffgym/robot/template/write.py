@@ -1,12 +1,10 @@
 """The table for a new robot: what its arm file says, what can be proposed, and a place for everything else."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import wrap
 
-import numpy as np
-
-from ffgym.robot.arm_file import ArmFile
+from ffgym.robot.arm_file import ArmFile, flange_at
 from ffgym.robot.capabilities import needed_by
 from ffgym.robot.rule import Rule
 from ffgym.robot.rules import POINT, RULES
@@ -24,7 +22,13 @@ _SHOWN = 3
 
 
 def template(
-    name: str, arm: ArmFile, model: str, joints: Sequence[str] | None = None, tool_frame: str | None = None
+    name: str,
+    arm: ArmFile,
+    model: str,
+    *,
+    joints: Sequence[str] | None = None,
+    tool_frame: str | None = None,
+    looks: bool = True,
 ) -> str:
     """TOML text of a description to fill in.
 
@@ -34,19 +38,20 @@ def template(
         model: its path as the description is to say it.
         joints: joints that move, if not all.
         tool_frame: frame of the last link that is tool0; None takes one with a usual name, if there is one.
+        looks: whether the description takes the shapes of the file.
 
     Raises:
         FFGymError: if there is no such frame.
     """
-    if tool_frame is not None:
-        arm.frame(tool_frame)
-    frame = tool_frame or next((name for name in TOOL_FRAMES if name in arm.frames), None)
-    given = set(arm.quantities) | ({"flange.position", "flange.rotation"} if frame else set())
+    frame = tool_frame or next((usual for usual in TOOL_FRAMES if usual in arm.frames), None)
+    given = set(arm.quantities) | (set(flange_at(arm, frame)) if frame else set())
     hints = hinted(arm)
-    if frame:
-        hints["tool.tcp"] = _tcp_at(frame)
     blocks = {path: _block(path, rule, hints.get(path), arm.types) for path, rule in RULES.items() if path not in given}
-    parts = [_head(name, arm, model, joints, frame), _said(arm, given)]
+    head = {"name": text(name), "title": text(name), "model": text(model)}
+    head |= {"joints": names(joints)} if joints is not None else {}
+    head |= {"tool_frame": text(frame)} if frame else {}
+    head |= {} if looks else {"looks": text("none")}
+    parts = [_head(name, arm, head), _said(arm, given)]
     parts += [block for path, block in blocks.items() if not RULES[path].optional]
     parts.append(["# ------ What follows is optional."])
     parts += [block for path, block in blocks.items() if RULES[path].optional]
@@ -54,7 +59,8 @@ def template(
     return "\n\n".join("\n".join(part) for part in parts) + "\n"
 
 
-def _head(name: str, arm: ArmFile, model: str, joints: Sequence[str] | None, frame: str | None) -> list[str]:
+def _head(name: str, arm: ArmFile, entries: Mapping[str, str]) -> list[str]:
+    """How to fill the table in, and who the robot is."""
     mark = MARK.strip()
     lines = _comment(
         f"{name}: a robot to fill in, from {Path(arm.path).name}. Lines that begin with '{mark}' wait for numbers: put "
@@ -63,13 +69,8 @@ def _head(name: str, arm: ArmFile, model: str, joints: Sequence[str] | None, fra
     )
     lines += _comment("ffgym robot check FILE says what is missing, and what works without it.")
     lines += _comment("ffgym robot fill FILE fills in what follows from the rest by rules of thumb.")
-    lines += ["", "[robot]", f"name = {text(name)}", f"title = {text(name)}", f"model = {text(model)}"]
-    if joints is not None:
-        lines.append(f"joints = {names(joints)}")
-    else:
-        lines += _comment(f"Its joints, from the base outwards: {', '.join(arm.joints)}.")
-    if frame:
-        lines.append(f"tool_frame = {text(frame)}")
+    lines += ["", "[robot]", *(f"{key} = {value}" for key, value in entries.items())]
+    lines += _comment(f"Its joints, from the base outwards: {', '.join(arm.joints)}.")
     if arm.frames:
         lines += _comment(f"Frames on {arm.links[-1]} that tool_frame may name: {', '.join(arm.frames)}.")
     return lines
@@ -121,10 +122,6 @@ def _positions(types: tuple[str, ...]) -> list[str]:
         "# Optional, any number of them.",
         *empty_entry("work_area.positions.p1", POINT, types),
     ]
-
-
-def _tcp_at(frame: str) -> Proposal:
-    return Proposal(path="tool.tcp", value=np.zeros(3), source=f"the frame {frame} of the arm file itself")
 
 
 def _comment(sentence: str) -> list[str]:

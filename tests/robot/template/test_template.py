@@ -73,7 +73,7 @@ def test_a_new_table_is_a_draft_that_lacks_what_the_arm_file_does_not_say(folder
 
 def test_every_entry_has_its_place_with_meaning_and_advice_and_nothing_is_said_twice(folder):
     text = new(folder)
-    given = read_arm(folder / "arm.xml").quantities.keys() | {"flange.position", "flange.rotation"}
+    given = read_arm(folder / "arm.xml").quantities.keys() | {"flange.position", "flange.rotation", "tool.tcp"}
     for path, rule in RULES.items():
         tables = re.findall(rf"^(?:#\? )?\[{re.escape(path)}\]$", text, flags=re.M)
         assert len(tables) == (path not in given), path
@@ -90,6 +90,19 @@ def test_an_entry_whose_marks_are_taken_away_is_valid(folder, path):
         draft = drafted(folder, text + uncommented(text, path))
         assert path in draft.quantities
         assert draft.quantities[path].source == "me"
+
+
+SCARA = """<mujoco><worldbody><body name="a"><joint name="j" axis="0 0 1" range="-90 90"/><geom size="0.1" mass="2"/>
+  <body name="b" pos="0.4 0 0"><joint name="z" type="slide" axis="0 0 1" range="0 0.2"/><geom size="0.1" mass="1"/>
+  </body></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("path", [path for path, rule in RULES.items() if not rule.optional])
+def test_units_of_sliding_joints_are_those_that_are_read(folder, path):
+    (folder / "scara.xml").write_text(SCARA)
+    text = new(folder, "scara.xml")
+    if f"#? [{path}]" in text:
+        assert path in drafted(folder, text + uncommented(text, path)).quantities
 
 
 def test_an_entry_that_was_forgotten_is_no_toml_and_says_so(folder):
