@@ -17,6 +17,7 @@ EXECUTED = [
     "README.md",
     "docs/recorder.md",
     "docs/reproduction.md",
+    "docs/simulate.md",
     "docs/torque_prediction.md",
     "docs/agents/README.md",
     "docs/agents/bspline.md",

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.control import Reference, rigid_feedforward
+from ffgym.errors import FFGymError
 from ffgym.metrics import Circle, fit_circle
 from ffgym.recordings import PHASE_KINDS, Phase
 from ffgym.robot import RigidArm
@@ -113,18 +114,24 @@ class Motion:
     def plane(self) -> tuple[Array, Array]:
         """Centre and unit normal of the circles, shape (3,) each; zero without circles, or where they share neither."""
         fits = list(self._circles.values())
-        if not fits or any(_apart(circle, fits[-1]) for circle in fits):
+        last = fits[-1] if fits else None
+        if last is None or any(circle is None or _apart(circle, last) for circle in fits):
             return np.zeros(3), np.zeros(3)
-        return fits[-1].centre, fits[-1].normal
+        return last.centre, last.normal
 
     @cached_property
-    def _circles(self) -> dict[Phase, Circle]:
-        """Circles of the phases that are ones."""
-        return {
-            phase: fit_circle(self.arm.tcp_position(self.reference.q[self._within(phase)]))
-            for phase in self.reference.phases
-            if phase.kind == "circle"
-        }
+    def _circles(self) -> dict[Phase, Circle | None]:
+        """Circles of the phases that are called so."""
+        return {phase: self._circle(phase) for phase in self.reference.phases if phase.kind == "circle"}
+
+    def _circle(self, phase: Phase) -> Circle | None:
+        """Circle of a phase; None if it is none, as a program's whose ends are rounded, which only counts in space."""
+        try:
+            return fit_circle(self.arm.tcp_position(self.reference.q[self._within(phase)]))
+        except FFGymError:
+            if self.in_space:
+                return None
+            raise
 
     def _within(self, phase: Phase) -> BoolArray:
         """Samples of a phase, shape (T,)."""
@@ -160,8 +167,9 @@ class Motion:
             before = phase.kind
             if phase.kind in ("lead_in", "circle", "lead_out"):
                 rows[on, at.circle] = circle
-            if phase.kind == "circle" and in_plane:
-                rows[on, at.radius] = self._circles[phase].radius
+            circle_here = self._circles.get(phase)
+            if circle_here is not None and in_plane:
+                rows[on, at.radius] = circle_here.radius
 
 
 def _apart(circle: Circle, other: Circle) -> bool:

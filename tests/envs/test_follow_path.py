@@ -159,6 +159,17 @@ def test_circles_share_a_plane_only_if_they_share_their_centre(arm):
     assert set(rows[:, at.circle]) == {-1.0, 0.0, 1.0}
 
 
+def test_a_phase_called_circle_that_is_none_is_a_path_like_any_other(arm):
+    reference = tilted(arm)
+    called = tuple(replace(p, kind="circle" if p.kind == "lead_in" else p.kind) for p in reference.phases)
+    crooked = replace(reference, phases=called)
+    motion = Motion(reference=crooked, arm=arm, task={}, in_space=True)
+    assert not np.any(motion.plane[1])
+    assert not motion.rows(0)[:, motion.columns.radius].any()
+    with pytest.raises(FFGymError, match="The reference is no circle"):
+        Motion(reference=crooked, arm=arm, task={}).rows(0)  # in its plane no deviation is defined
+
+
 def test_a_spec_with_a_reference_makes_the_same_environment(one_axis):
     env = gym.make(NAME, path=sine(one_axis), horizon=5)
     again = env.spec.make()

@@ -19,6 +19,7 @@ MOTIONS = {
     "ffgym/CirclePath-v0": {"positions": ["p1"], "speeds": [0.04]},
     "ffgym/OneAxis-v0": {"frequencies": [3.0]},
     "ffgym/JointMotion-v0": {"peak_speeds": (10.0, 20.0)},
+    "ffgym/FollowPath-v0": {"path": "square"},
 }
 
 
@@ -121,8 +122,9 @@ def test_a_new_episode_empties_the_trail():
     env.close()
 
 
-def test_the_drawn_deviation_is_as_long_as_the_path_error():
-    env = make()
+@pytest.mark.parametrize("name", ["ffgym/CirclePath-v0", "ffgym/FollowPath-v0"])
+def test_the_drawn_deviation_is_as_long_as_the_path_error(name):
+    env = make(name)
     env.reset(seed=0)
     errors = [0.0]
     for _ in range(300):
@@ -132,7 +134,7 @@ def test_the_drawn_deviation_is_as_long_as_the_path_error():
     assert max(errors) > 5e-5
     assert np.linalg.norm(trail[:, 3:], axis=1) == pytest.approx(errors, abs=1e-12)
     tcp = env.core.signals.tcp[0] - env.core.tcp_offset[0]
-    assert np.linalg.norm(trail[-1, :3] + trail[-1, 3:] - tcp) < 5e-5  # but for what is across the plane
+    assert np.linalg.norm(trail[-1, :3] + trail[-1, 3:] - tcp) < 5e-5  # but for what is across a circle's plane
     env.close()
 
 
