@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,15 +47,19 @@ class Sight:
 
 
 def sights_of(path: Array) -> list[Sight]:
-    """How to look at a path (T, 3) [m]: one look along the normal if it is flat, else two along axes of the world."""
+    """How to look at a path (T, 3) [m]: along its normal if it is flat, else from above and from its longer side.
+
+    An upright line is seen from two sides.
+    """
     centred = path - path.mean(axis=0)
     directions = np.linalg.eigh(centred.T @ centred)[1]  # least spread first
     extent = np.ptp(centred @ directions, axis=0)
     flat = extent[0] <= _FLAT * extent[2] < extent[1]
     if not flat:
-        size = np.ptp(path, axis=0)
-        largest = sorted(combinations(range(3), 2), key=lambda pair: -float(np.hypot(*size[list(pair)])))
-        return [_world_sight(pair) for pair in sorted(largest[:2])]
+        x, y, z = np.ptp(path, axis=0)
+        if max(x, y) <= _FLAT * z:
+            return [_world_sight((0, 2)), _world_sight((1, 2))]
+        return [_world_sight((0, 1)), _world_sight((0, 2) if x >= y else (1, 2))]
     normal = directions[:, 0]
     along = int(np.argmax(np.abs(normal)))
     if abs(normal[along]) > 1 - _FLAT**2:

@@ -60,12 +60,13 @@ def test_a_tilted_flat_path_is_seen_in_its_own_plane_without_distortion():
     [
         ((2, 1, 1), [("x [mm]", "y [mm]"), ("x [mm]", "z [mm]")]),
         ((1, 2, 1), [("x [mm]", "y [mm]"), ("y [mm]", "z [mm]")]),
+        ((1, 1, 9), [("x [mm]", "y [mm]"), ("x [mm]", "z [mm]")]),
         ((0, 0, 1), [("x [mm]", "z [mm]"), ("y [mm]", "z [mm]")]),
         ((1, 0, 0), [("x [mm]", "y [mm]"), ("x [mm]", "z [mm]")]),
     ],
-    ids=["space", "space, along y", "upright line", "level line"],
+    ids=["space", "space, along y", "a tower", "upright line", "level line"],
 )
-def test_other_paths_are_seen_in_the_two_planes_in_which_they_are_largest(size, labels):
+def test_other_paths_are_seen_from_above_and_from_the_longer_side(size, labels):
     t = np.linspace(0, 1, 300)
     curve = t if 0 in size else np.stack([np.sin(7 * t), np.sin(11 * t), np.sin(5 * t)], axis=1).T
     path = 0.1 * (np.broadcast_to(curve, (3, 300)) * np.array(size)[:, None]).T
