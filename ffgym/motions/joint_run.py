@@ -5,7 +5,7 @@ the fastest joint takes at that speed.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -37,6 +37,8 @@ class JointStep:
 
     move: JointMove
     leg: Leg
+    stops: bool
+    """Whether the joints are to rest at the target."""
 
 
 def check_range(arm: RigidArm, move: JointMove, target: Array) -> None:
@@ -72,7 +74,9 @@ def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Arr
         points = np.vstack([q[None], through]) / unit
         points = points[1:] if np.all(points[0] == points[1]) else points
         if len(points) > 1:
-            steps.append(JointStep(move=move, leg=_leg(move, points)))
+            steps.append(JointStep(move=move, leg=_leg(move, points), stops=move.zone.stops))
+        elif steps and move.zone.stops:
+            steps[-1] = replace(steps[-1], stops=True)
         q = through[-1]
     return steps
 
@@ -92,9 +96,9 @@ def split_joints(steps: Sequence[JointStep]) -> tuple[list[list[JointStep]], lis
     groups, notes = [[step] for step in steps[:1]], []
     for before, after in pairwise(steps):
         why = _no_corner(before, after)
-        if why and not before.move.zone.stops:
+        if why and not before.stops:
             notes.append(str(located(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
-        if why or before.move.zone.stops:
+        if why or before.stops:
             groups.append([after])
         else:
             groups[-1].append(after)

@@ -1,7 +1,7 @@
 """From moves of the tool to runs: legs between targets, corners that are rounded, and stops where they cannot be."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -29,6 +29,8 @@ class Step:
 
     move: ToolMove
     leg: Leg
+    stops: bool
+    """Whether the robot is to rest at the target."""
 
 
 def tool_runs(moves: Sequence[ToolMove], position: Array, rotation: Array | None) -> tuple[list[ToolRun], list[str]]:
@@ -49,7 +51,9 @@ def tool_runs(moves: Sequence[ToolMove], position: Array, rotation: Array | None
         except FFGymError as error:
             raise located(move, str(error)) from error
         if leg is not None:
-            steps.append(Step(move=move, leg=leg))
+            steps.append(Step(move=move, leg=leg, stops=move.zone.stops))
+        elif steps and move.zone.stops:
+            steps[-1] = replace(steps[-1], stops=True)
         target = move.through[-1] if isinstance(move, MoveSpline) else move.to
         position = target.position
         rotation = None if rotation is None else _turned(target, rotation)
@@ -85,6 +89,8 @@ def _spline_leg(move: MoveSpline, position: Array, rotation: Array | None) -> Le
     if np.linalg.norm(poses[0].position - position) <= SAME:
         poses = poses[1:]
     points = np.vstack([position[None], *(pose.position[None] for pose in poses)])
+    if not np.all(np.linalg.norm(np.diff(points, axis=0), axis=1) > SAME):
+        raise FFGymError(f"The points of a spline must be more than {SAME} m apart from one to the next.")
     curve = spline_through(points, closed=move.closed)
     if rotation is None:
         return Leg(curve=curve, speed=move.speed)
@@ -98,11 +104,11 @@ def _split(steps: Sequence[Step]) -> tuple[list[list[Step]], list[str]]:
     notes = []
     for before, after in pairwise(steps):
         why = _no_corner(before, after)
-        if before.move.zone.stops or why:
+        if before.stops or why:
             groups.append([after])
         else:
             groups[-1].append(after)
-        if why and not before.move.zone.stops:
+        if why and not before.stops:
             notes.append(str(located(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
     return groups, notes
 

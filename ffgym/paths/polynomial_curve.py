@@ -3,10 +3,11 @@
 import itertools
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
+from typing import Any, final
 
 import numpy as np
 from scipy.interpolate import BPoly, CubicSpline, PPoly
+from scipy.optimize import minimize_scalar
 
 from ffgym.errors import FFGymError
 from ffgym.paths.curves import Curve, Derivatives
@@ -17,6 +18,10 @@ _PIECES = 16
 """Pieces of each polynomial between which arc length is tabled; with 12 nodes each its error is below 1e-12."""
 _STEPS = 12
 """Newton steps from arc length to parameter: 4 or 5 reach rounding, the rest are for very uneven speed."""
+
+
+CUSP = 0.01
+"""Speed by its parameter, which is 1 on average, below which a spline counts as turning on the spot."""
 
 
 @final
@@ -89,7 +94,7 @@ def blend(before: Curve, after: Curve) -> PolynomialCurve:
     """Quintic from the end of one curve to the start of another that meets both in tangent and curvature.
 
     The parameter's speed at both ends is the length of the chord: it keeps the curvature of a right-angled corner
-    within 1 % of the least that a quintic can have, and shrinks for sharp corners, where a longer one would bulge.
+    within 4 % of the least that a quintic can have, and shrinks for sharp corners, where a longer one would bulge.
     """
     p0, t0, n0, _ = (part[0] for part in before.at(np.array([before.length])))
     p1, t1, n1, _ = (part[0] for part in after.at(np.array([0.0])))
@@ -108,7 +113,7 @@ def spline_through(points: Array, *, closed: bool = False) -> PolynomialCurve:
     """
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if len(points) < 2 or np.any(chords <= 0):
-        same = int(np.argmin(chords)) + 1 if len(points) > 1 else 1
+        same = int(np.argmin(chords)) + 2 if len(points) > 1 else 1
         raise FFGymError(f"A spline needs two or more points, each apart from the one before; see point {same}.")
     if closed and len(points) < 4:
         raise FFGymError(f"A closed spline needs at least 4 points, the last equal to the first, got {len(points)}.")
@@ -118,4 +123,19 @@ def spline_through(points: Array, *, closed: bool = False) -> PolynomialCurve:
     if closed:
         points = np.vstack([points[:-1], points[:1]])
     spline = CubicSpline(u, points, bc_type="periodic" if closed else "natural")
+    _check_cusp(spline)
     return PolynomialCurve(polynomial=spline)
+
+
+def _check_cusp(spline: CubicSpline[Any]) -> None:
+    """Check that the spline nowhere turns on the spot, where it would have no direction."""
+    slope = spline.derivative()
+    u = np.concatenate([np.linspace(a, b, _PIECES, endpoint=False) for a, b in itertools.pairwise(spline.x)])
+    slowest = int(np.argmin(np.linalg.norm(slope(u), axis=1)))
+    around = u[max(slowest - 1, 0)], u[min(slowest + 1, len(u) - 1)]
+    found = minimize_scalar(lambda x: float(np.linalg.norm(slope(x))), bounds=around, method="bounded")
+    if found.fun < CUSP:
+        point = int(np.argmin(np.abs(spline.x - found.x))) + 1
+        raise FFGymError(
+            f"The spline turns back on the spot near point {point}; end it there, or move the point aside."
+        )

@@ -121,15 +121,18 @@ def _distance(stretch: Stretch, slow: float, fast: float) -> float:
 def _profile(stretch: Stretch, before: float, after: float) -> tuple[float, Array]:
     """Duration [s], and rows of start time, length, speed, acceleration and jerk, shape (K, 5), of one stretch."""
     peak = _peak_speed(stretch, before, after)
-    rising, falling = _phases(stretch, peak - before), _phases(stretch, peak - after)
-    used = _distance(stretch, before, peak) + _distance(stretch, after, peak)
-    cruise = (max(stretch.length - used, 0.0) / peak, 0.0)
-    phases = [*rising, cruise, *((tau, -jerk) for tau, jerk in falling)]
-    rows, time, state = [], 0.0, (0.0, before, 0.0)
-    for tau, jerk in phases:
-        if tau > 0:
-            rows.append((time, *state, jerk))
-            time, state = time + tau, _moved(state, tau, jerk)
+    rising = _phases(stretch, peak - before)
+    falling = [(tau, -jerk) for tau, jerk in _phases(stretch, peak - after)]
+    first, last = _distance(stretch, before, peak), stretch.length - _distance(stretch, after, peak)
+    cruise = [(max(last - first, 0.0) / peak, 0.0)]
+    rows: list[tuple[float, ...]] = []
+    time = 0.0
+    for start, speed, phases in ((0.0, before, rising), (first, peak, cruise), (last, peak, falling)):
+        state = (start, speed, 0.0)  # anew for each part, so that rounding does not reach the next
+        for tau, jerk in phases:
+            if tau > 0:
+                rows.append((time, *state, jerk))
+                time, state = time + tau, _moved(state, tau, jerk)
     return time, np.array(rows)
 
 

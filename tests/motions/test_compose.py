@@ -1,0 +1,347 @@
+"""Moves as references: continuous, within every limit, at the programmed speed, with what was asked for named."""
+
+import re
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from programs import DT, POINT, line, pose, programs
+from scipy.spatial.transform import Rotation
+
+from ffgym.errors import FFGymError
+from ffgym.motions import compose
+from ffgym.paths.limits import MotionLimits
+from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveJointSpline, MoveLinear, MoveSpline, Pose, Speed, Wait, Zone
+from ffgym.robot import RigidArm, load_robot, solve_pose
+
+
+def tool_speed(arm, reference):
+    twist = np.einsum("tij,tj->ti", arm.jacobian(reference.q), reference.dq)
+    return np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1)
+
+
+def rows_of(reference, phase):
+    return (reference.t >= phase.start) & (reference.t < phase.end)
+
+
+def check_reference(reference, limits=None):
+    """Continuous in position, speed and acceleration, at rest at both ends, phases without a gap, limits kept."""
+    kinematics = reference.robot.kinematics
+    axes = (limits or MotionLimits()).of_joints(kinematics.max_speed)
+    q, dq, ddq = reference.q, reference.dq, reference.ddq
+    assert np.all(np.abs(dq) <= axes.speed)
+    assert np.all(np.abs(ddq) <= axes.acceleration)
+    assert np.all(np.abs(np.diff(ddq, axis=0)) <= axes.jerk * DT + 1e-6)
+    hermite = q[:-1] + DT / 2 * (dq[:-1] + dq[1:]) + DT**2 / 12 * (ddq[:-1] - ddq[1:])
+    np.testing.assert_allclose(q[1:], hermite, atol=2 * axes.jerk.max() * DT**3 / 24 + 1e-8)
+    np.testing.assert_allclose(dq[1:], dq[:-1] + DT / 2 * (ddq[:-1] + ddq[1:]), atol=axes.jerk.max() * DT**2 / 4 + 1e-7)
+    np.testing.assert_array_equal(dq[[0, -1]], 0)
+    assert reference.phases[0].start == 0
+    assert reference.phases[-1].end == pytest.approx(reference.t[-1])
+    for before, after in pairwise(reference.phases):
+        assert before.end == pytest.approx(after.start, abs=1e-9)
+
+
+def check_program(arm, moves):
+    """A program that can be carried out is, within all limits; what cannot be is one clear error."""
+    moves = [_labelled(move, i) for i, move in enumerate(moves)]
+    reference, refusal = attempt(arm, moves)
+    if reference is None:
+        assert re.fullmatch(r"prog:\d+: .*", refusal)
+        return
+    check_reference(reference)
+    speed, turning = tool_speed(arm, reference)
+    programmed = {m.label: m.speed for m in moves if not isinstance(m, Wait) and m.speed}
+    fastest = max((s.tcp for s in programmed.values()), default=np.inf)
+    if all(isinstance(m, Wait) or m.speed for m in moves[1:]):
+        assert speed.max(initial=0) <= fastest * (1 + 1e-6)
+        assert turning.max(initial=0) <= max((s.turn for s in programmed.values()), default=np.inf)
+    where = {phase.label: phase for phase in reference.phases}
+    tcp = arm.tcp_position(reference.q)
+    for before, move in pairwise(moves):
+        if isinstance(move, MoveLinear | MoveArc) and move.zone.stops and move.label in where:
+            phase = where[move.label]
+            row = min(round(phase.end / DT), len(tcp) - 1)
+            np.testing.assert_allclose(tcp[row], move.to.position, atol=1e-6)
+            np.testing.assert_allclose(reference.dq[row], 0, atol=1e-6)
+        assert before.label != move.label
+
+
+def attempt(arm, moves):
+    """The reference of a program, or why there is none."""
+    try:
+        return compose(arm, moves).reference, ""
+    except FFGymError as error:
+        return None, str(error)
+
+
+def _labelled(move: Move, i: int) -> Move:
+    return replace(move, label=f"p{i}", where=f"prog:{i}")
+
+
+@settings(max_examples=6)
+@given(data=programs(np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])))
+def test_every_program_gives_a_continuous_reference_within_all_limits(arm, data):
+    check_program(arm, data)
+
+
+@pytest.mark.slow
+@settings(max_examples=300)
+@given(data=programs(np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]])))
+def test_a_great_many_programs_give_continuous_references_within_all_limits(arm, data):
+    check_program(arm, data)
+
+
+@pytest.mark.parametrize("speed", [0.01, 0.04, 0.1])
+def test_a_circle_runs_at_exactly_its_speed_once_it_has_it(arm, speed):
+    centre, r = POINT, 0.003
+    points = [centre + r * np.array([np.cos(a), np.sin(a), 0]) for a in np.arange(8) * np.pi / 2]
+    start = MoveLinear(to=pose(*(points[0] - POINT)), speed=Speed(tcp=speed))
+    arcs = [
+        MoveArc(via=points[i], to=pose(*(points[i + 1] - POINT)), speed=Speed(tcp=speed), zone=Zone(radius=1e-3))
+        for i in (1, 3, 5)
+    ]
+    reference = compose(arm, [start, *arcs]).reference
+    tcp = tool_speed(arm, reference)[0]
+    circle = next(p for p in reference.phases if p.kind == "circle")
+    steady = rows_of(reference, circle) & (reference.t > 0.5 * (circle.start + circle.end))
+    np.testing.assert_allclose(tcp[steady], speed, rtol=1e-9)
+    away = np.linalg.norm(arm.tcp_position(reference.q) - centre, axis=1)
+    np.testing.assert_allclose(away, r, atol=1e-9)
+
+
+def test_the_fastest_circle_of_the_thesis_is_within_the_default_limits_everywhere(arm, irb4600):
+    for point in irb4600.work_area.positions.values():
+        corners = [point + 0.001 * np.array([np.cos(a), np.sin(a), 0]) for a in np.arange(20) * np.pi / 2]
+        arcs = [
+            MoveArc(via=a, to=pose(*(b - POINT)), speed=Speed(tcp=0.1), zone=Zone(radius=1e-3))
+            for a, b in zip(corners[1::2], corners[2::2], strict=False)
+        ]
+        reference = compose(arm, [MoveLinear(to=pose(*(corners[0] - POINT)), speed=Speed(tcp=0.1)), *arcs]).reference
+        assert tool_speed(arm, reference)[0].max() == pytest.approx(0.1, rel=1e-9)
+
+
+def test_a_line_alone_takes_the_time_of_its_profile(arm):
+    reference = compose(arm, [line(0, 0, 0), line(0.1, 0, 0)], dwell=0.0).reference
+    limits = MotionLimits()
+    wanted = 0.1 / 0.1 + 2 * np.sqrt(0.1 / limits.jerk)  # the largest acceleration is not reached
+    assert wanted <= reference.duration < wanted + DT
+    speed = tool_speed(arm, reference)[0]
+    assert np.sum(speed > 0.1 * (1 - 1e-9)) * DT > 0.85
+
+
+def test_corners_are_rounded_within_their_zones_at_speed_and_fine_points_are_rests(arm):
+    square = [(0, 0, 0), (0.1, 0, 0), (0.1, 0.1, 0), (0, 0.1, 0)]
+    motion = compose(arm, [line(*p, zone=0.02) for p in square] + [line(0, 0, 0)])
+    reference = motion.reference
+    assert motion.notes == ()
+    tcp, speed = arm.tcp_position(reference.q) - POINT, tool_speed(arm, reference)[0]
+    inside = (reference.t > 0.6) & (reference.t < reference.t[-1] - 0.6)
+    np.testing.assert_allclose(speed[inside], 0.1, rtol=1e-9)
+    for corner in square[1:]:
+        nearest = np.linalg.norm(tcp - corner, axis=1).min()
+        assert 0 < nearest < 0.02
+    stopped = compose(arm, [line(*p) for p in square]).reference
+    for phase in stopped.phases[:-1]:
+        row = round(phase.end / DT)
+        np.testing.assert_allclose(stopped.dq[row], 0, atol=1e-12)
+
+
+def test_a_rounded_corner_turns_the_tool_smoothly(arm, irb4600):
+    home = irb4600.work_area.tool_rotation
+    turns = [Rotation.from_rotvec(v).as_matrix() @ home for v in ([0.3, 0, 0], [0, 0.4, 0.1])]
+    moves = [
+        line(0, 0, 0),
+        MoveLinear(to=pose(0.1, 0, 0, turned=turns[0]), speed=Speed(tcp=0.1), zone=Zone(radius=0.03)),
+        MoveLinear(to=pose(0.1, 0.1, 0, turned=turns[1]), speed=Speed(tcp=0.1)),
+    ]
+    reference = compose(arm, moves).reference
+    check_reference(reference)
+    np.testing.assert_allclose(arm.tcp_pose(reference.q[-1:])[1][0], turns[1], atol=1e-9)
+
+
+def test_turning_on_the_spot_takes_the_turning_speed(arm, irb4600):
+    turned = Rotation.from_rotvec([0.0, 0, 1.0]).as_matrix() @ irb4600.work_area.tool_rotation
+    slow = MoveLinear(to=pose(0, 0, 0, turned=turned), speed=Speed(tcp=1.0, turn=0.5))
+    reference = compose(arm, [line(0, 0, 0), slow]).reference
+    check_reference(reference)
+    speed, turning = tool_speed(arm, reference)
+    assert speed.max() < 1e-8
+    assert turning.max() == pytest.approx(0.49, rel=1e-6)
+    np.testing.assert_allclose(arm.tcp_pose(reference.q[-1:])[1][0], turned, atol=1e-9)
+
+
+def test_joint_moves_are_straight_in_joint_space_and_round_their_corners_near_the_target(arm, corners):
+    a, b = corners["p1"], corners["p2"]
+    reference = compose(arm, [MoveJoint(to=a), MoveJoint(to=b)]).reference
+    check_reference(reference)
+    share = (reference.q - a) @ (b - a) / ((b - a) @ (b - a))
+    np.testing.assert_allclose(reference.q, a + np.outer(share, b - a), atol=1e-9)
+    middle = solve_pose(arm, POINT + np.array([0.0, 0.2, 0.2]), arm.robot.work_area.tool_rotation, a)
+    blended = compose(arm, [MoveJoint(to=a), MoveJoint(to=middle, zone=Zone(radius=0.05)), MoveJoint(to=b)]).reference
+    check_reference(blended)
+    away = np.linalg.norm(arm.tcp_position(blended.q) - arm.tcp_position(middle[None]), axis=1)
+    assert 1e-3 < away.min() < 0.05
+    assert np.abs(blended.dq[np.argmin(away)]).max() > 0.1
+
+
+def test_a_programmed_speed_holds_for_joint_moves_too(arm, corners):
+    reference = compose(arm, [MoveJoint(to=corners["p1"]), MoveJoint(to=corners["p3"], speed=Speed(tcp=0.2))]).reference
+    speed = tool_speed(arm, reference)[0]
+    assert 0.15 < speed.max() <= 0.2
+
+
+def test_a_spline_passes_its_points_and_stops_at_its_ends(arm):
+    through = [pose(0.05, 0, 0.05), pose(0.1, 0.1, 0), pose(0, 0.1, 0)]
+    reference = compose(arm, [line(0, 0, 0), MoveSpline(through=tuple(through), speed=Speed(tcp=0.1))]).reference
+    check_reference(reference)
+    tcp = arm.tcp_position(reference.q)
+    for point in through:
+        assert np.linalg.norm(tcp - point.position, axis=1).min() < 0.1 * DT
+    np.testing.assert_allclose(tcp[-1], through[-1].position, atol=1e-9)
+
+
+def test_a_closed_spline_comes_back(arm):
+    through = (pose(0.1, 0, 0), pose(0.1, 0.1, 0.02), pose(0, 0.1, 0), pose(0, 0, 0))
+    spline = MoveSpline(through=through, speed=Speed(tcp=0.1), closed=True)
+    reference = compose(arm, [line(0, 0, 0), spline]).reference
+    np.testing.assert_allclose(reference.q[-1], reference.q[0], atol=1e-8)
+
+
+def test_a_joint_spline_passes_its_rows(one_axis, arm, corners):
+    rows = np.stack([corners[name] for name in ("p1", "p2", "p3")])
+    reference = compose(arm, [MoveJointSpline(through=rows)]).reference
+    check_reference(reference)
+    for row in rows:
+        assert np.abs(reference.q - row).max(axis=1).min() < 0.02
+
+
+def test_the_motion_starts_at_the_first_target_or_where_it_is_told(arm, corners):
+    first = compose(arm, [line(0, 0, 0), line(0.1, 0, 0)]).reference
+    np.testing.assert_allclose(first.q[0], corners["p1"], atol=1e-9)
+    told = compose(arm, [line(0.1, 0, 0)], start=corners["p1"]).reference
+    np.testing.assert_array_equal(told.q, first.q)
+
+
+def test_one_target_alone_is_a_rest_there(arm, corners):
+    reference = compose(arm, [MoveJoint(to=corners["p1"])], dwell=0.1).reference
+    assert [p.kind for p in reference.phases] == ["standstill"]
+    np.testing.assert_array_equal(reference.q, np.tile(corners["p1"], (26, 1)))
+
+
+def test_a_target_that_is_reached_already_takes_no_time(arm):
+    once = compose(arm, [line(0, 0, 0), line(0.1, 0, 0)]).reference
+    twice = compose(arm, [line(0, 0, 0), line(0, 0, 0), line(0.1, 0, 0), line(0.1, 0, 0)]).reference
+    np.testing.assert_allclose(once.q, twice.q, atol=1e-9)
+
+
+def test_a_stop_holds_at_a_target_that_is_reached_already(arm, corners):
+    round_it = [line(0, 0, 0), line(0.1, 0, 0, zone=0.01), line(0.1, 0, 0), line(0.1, 0.1, 0)]
+    tcp = arm.tcp_position(compose(arm, round_it).reference.q)
+    assert np.linalg.norm(tcp - POINT - [0.1, 0, 0], axis=1).min() < 1e-9
+    a, b, c = (MoveJoint(to=corners[name], zone=Zone(radius=0.01)) for name in ("p1", "p2", "p3"))
+    q = compose(arm, [a, b, MoveJoint(to=corners["p2"]), c]).reference.q
+    assert np.abs(q - corners["p2"]).max(axis=1).min() < 1e-12
+
+
+def test_a_wait_rests_up_to_the_next_sample(arm):
+    reference = compose(arm, [line(0, 0, 0), Wait(duration=0.05), line(0.1, 0, 0)], dwell=0.0).reference
+    assert [(p.kind, round(p.end - p.start, 6)) for p in reference.phases[:1]] == [("standstill", 0.052)]
+
+
+@pytest.mark.parametrize(
+    ("moves", "note"),
+    [
+        ([line(0.1, 0, 0, zone=0.01), line(0, 0, 0)], "prog:2: the robot stops at 'b', because the path turns back"),
+        (
+            [line(0.1, 0, 0, zone=0.01), MoveSpline(through=(pose(0.1, 0.1, 0),), speed=Speed(tcp=0.1))],
+            "because a spline starts and ends at rest",
+        ),
+        ([line(0.1, 0, 0, zone=0.01), MoveJoint(to=pose(0, 0, 0))], "because a corner joins moves of one kind only"),
+        ([line(0.1, 0, 0, zone=0.01), Wait(duration=0.1)], "because a corner joins moves of one kind only"),
+        (
+            [MoveJoint(to=pose(0.1, 0, 0), zone=Zone(radius=0.01)), MoveJoint(to=pose(0, 0, 0))],
+            "because the joints turn back there",
+        ),
+    ],
+)
+def test_a_stop_that_was_not_asked_for_is_noted(arm, moves, note):
+    first = replace(moves[0], label="b", where="prog:2")
+    motion = compose(arm, [line(0, 0, 0), first, *moves[1:]])
+    assert len(motion.notes) == 1
+    assert note in motion.notes[0]
+
+
+def test_planar_arms_keep_their_orientation_free(two_link_arm):
+    target = two_link_arm.tcp_position(np.array([[0.3, 0.5]]))[0]
+    start = two_link_arm.tcp_position(np.array([[0.2, 0.8]]))[0]
+    moves = [MoveLinear(to=Pose(position=p), speed=Speed(tcp=0.2)) for p in (start, target)]
+    reference = compose(two_link_arm, moves).reference
+    np.testing.assert_allclose(two_link_arm.tcp_position(reference.q[-1:])[0], target, atol=1e-8)
+
+
+@pytest.fixture(scope="module")
+def two_link_arm():
+    return RigidArm(load_robot("two_link"))
+
+
+FAR = line(5, 0, 0, where="prog:7", label="far")
+
+
+@pytest.mark.parametrize(
+    ("moves", "message"),
+    [
+        ([line(0, 0, 0), FAR], "prog:7: .*cannot be reached|prog:7: .*not reachable"),
+        ([line(0, 0, 0), line(0.1, 0, 0, zone=0.01), FAR], "prog:7: .*reach"),
+        ([FAR], "prog:7: .*reach"),
+        ([MoveJoint(to=np.zeros(5), where="prog:7")], "prog:7: 5 joint positions for the 6 joints"),
+        ([MoveJoint(to=np.full(6, 9.0), where="prog:7")], "prog:7: Joint .* = 9 rad is out of range"),
+        ([Wait(duration=1.0, where="prog:7")], "prog:7: An arc or a wait cannot come first"),
+        (
+            [
+                line(0, 0, 0),
+                MoveArc(via=POINT + np.array([0.1, 0, 0]), to=pose(0.2, 0, 0), speed=Speed(tcp=1), where="prog:7"),
+            ],
+            "prog:7: The points .* lie on a line",
+        ),
+        (
+            [
+                line(0, 0, 0),
+                MoveSpline(through=(pose(1e-9, 0, 0), pose(1e-9, 0, 0)), speed=Speed(tcp=1), where="prog:7"),
+            ],
+            "prog:7: The points of a spline must be",
+        ),
+        ([], "has no moves"),
+    ],
+)
+def test_a_move_that_cannot_be_made_is_one_error_with_its_place(arm, moves, message):
+    with pytest.raises(FFGymError, match=message) as caught:
+        compose(arm, moves)
+    assert "\n" not in str(caught.value)
+
+
+def test_robots_without_a_tool_move_their_joints_only(one_axis):
+    arm = RigidArm(one_axis)
+    there, back = MoveJoint(to=np.array([0.5])), MoveJoint(to=np.zeros(1))
+    check_reference(compose(arm, [back, there, back]).reference)
+    with pytest.raises(FFGymError, match="has no tool"):
+        compose(arm, [line(0.1, 0, 0)], start=np.zeros(1))
+    with pytest.raises(FFGymError, match="zone is a distance of the TCP"):
+        compose(arm, [back, MoveJoint(to=np.array([0.5]), zone=Zone(radius=0.1)), MoveJoint(to=np.ones(1))])
+
+
+def test_limits_slow_a_motion_down(arm):
+    moves = [line(0, 0, 0), line(0.1, 0, 0, speed=0.5)]
+    plain = compose(arm, moves).reference
+    for limits in (
+        MotionLimits(acceleration=0.5),
+        MotionLimits(jerk=5.0),
+        MotionLimits(joint_speed=0.05),
+        MotionLimits(joint_acceleration=np.full(6, 0.3)),
+        MotionLimits(joint_jerk=np.full(6, 5.0)),
+    ):
+        slow = compose(arm, moves, limits=limits).reference
+        assert slow.duration > plain.duration
+        check_reference(slow, limits)
