@@ -16,23 +16,21 @@ class IndependentArm:
 
     def __init__(self, robot: RobotDescription) -> None:
         self.robot = robot
-        self.axes = [_skew(axis) for axis in robot.kinematics.axis]
+        self.slides = robot.kinematics.is_sliding
         self.loads = [
             [(mass, com, _tensor(inertia))]
             for mass, com, inertia in zip(robot.bodies.mass, robot.bodies.com, robot.bodies.inertia, strict=True)
         ]
         if robot.tool is not None:
             turn, tool = robot.tool.rotation, robot.tool
-            self.loads[-1].append((tool.mass, turn @ tool.com, turn @ _tensor(tool.inertia) @ turn.T))
+            com = tool.position + turn @ tool.com
+            self.loads[-1].append((tool.mass, com, turn @ _tensor(tool.inertia) @ turn.T))
 
     def frames(self, q):
         """Homogeneous transforms of all link frames, (N, 4, 4)."""
         frame, frames = np.eye(4, dtype=np.result_type(q, float)), []
-        for offset, axis, angle in zip(self.robot.kinematics.position, self.axes, q, strict=True):
-            step = np.eye(4, dtype=frame.dtype)
-            step[:3, :3] = np.eye(3) + np.sin(angle) * axis + (1 - np.cos(angle)) * axis @ axis
-            step[:3, 3] = offset
-            frame = frame @ step
+        for i in range(len(q)):
+            frame = frame @ self._step(i, q[i])
             frames.append(frame)
         return np.array(frames)
 
@@ -40,19 +38,43 @@ class IndependentArm:
         """Time derivative of all link frames, (N, 4, 4), by the product rule along the chain."""
         frame, rate = np.eye(4, dtype=np.result_type(q, dq, float)), np.zeros((4, 4), np.result_type(q, dq, float))
         rates = []
-        for offset, axis, angle, speed in zip(self.robot.kinematics.position, self.axes, q, dq, strict=True):
-            step, turning = np.eye(4, dtype=frame.dtype), np.zeros((4, 4), dtype=frame.dtype)
-            step[:3, :3] = np.eye(3) + np.sin(angle) * axis + (1 - np.cos(angle)) * axis @ axis
-            step[:3, 3] = offset
-            turning[:3, :3] = speed * (np.cos(angle) * axis + np.sin(angle) * axis @ axis)
-            frame, rate = frame @ step, rate @ step + frame @ turning
+        for i in range(len(q)):
+            step = self._step(i, q[i])
+            frame, rate = frame @ step, rate @ step + frame @ self._step_rate(i, q[i], dq[i])
             rates.append(rate)
         return np.array(rates)
+
+    def _step(self, i, value):
+        """From the frame of link i - 1 to that of link i."""
+        axis = self.robot.kinematics.axis[i]
+        step = np.eye(4, dtype=np.result_type(value, float))
+        step[:3, 3] = self.robot.kinematics.position[i]
+        if self.slides[i]:
+            step[:3, 3] += value * axis
+        else:
+            cross = _skew(axis)
+            step[:3, :3] = np.eye(3) + np.sin(value) * cross + (1 - np.cos(value)) * cross @ cross
+        return step
+
+    def _step_rate(self, i, value, speed):
+        """Time derivative of the above."""
+        axis = self.robot.kinematics.axis[i]
+        rate = np.zeros((4, 4), dtype=np.result_type(value, speed, float))
+        if self.slides[i]:
+            rate[:3, 3] = speed * axis
+        else:
+            cross = _skew(axis)
+            rate[:3, :3] = speed * (np.cos(value) * cross + np.sin(value) * cross @ cross)
+        return rate
 
     def tcp(self, q):
         """TCP in the world [m]."""
         tool = self.robot.tool
-        return (self.frames(q)[-1] @ np.append(tool.rotation @ tool.tcp, 1.0))[:3]
+        return (self.frames(q)[-1] @ np.append(tool.position + tool.rotation @ tool.tcp, 1.0))[:3]
+
+    def tool_rotation(self, q):
+        """Orientation of tool0 in the world."""
+        return self.frames(q)[-1][:3, :3] @ self.robot.tool.rotation
 
     def kinetic_energy(self, q, dq):
         """Sum of m v^2 / 2 + trace(dR S dR^T) / 2, with S the second moment of mass about the centre of mass."""

@@ -36,8 +36,8 @@ def newton(arm: RigidArm, goal: Goal, posture: Posture, q: Array) -> tuple[Array
     active = np.arange(len(q))
     for _ in range(_MAX_ITERATIONS):
         twist, jacobian = goal.at(active).miss(arm, q[active])
-        matrix = posture.slopes(jacobian, q[active])
-        miss = np.concatenate([twist, -posture.away(jacobian, q[active])], axis=1)
+        matrix, away = posture.demands(jacobian, q[active])
+        miss = np.concatenate([twist, -away], axis=1)
         step = solve_twist(matrix, miss)
         left = step if matrix.shape[1] > matrix.shape[2] else miss  # what is missed for good takes no step
         settled = np.abs(left).max(axis=1) <= TOLERANCE

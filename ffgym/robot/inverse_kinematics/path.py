@@ -9,7 +9,7 @@ from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION
 from ffgym.robot.inverse_kinematics.newton import LARGEST_STEP, newton
 from ffgym.robot.inverse_kinematics.poses import first_pose
 from ffgym.robot.inverse_kinematics.posture import Posture
-from ffgym.robot.inverse_kinematics.refusals import unreachable
+from ffgym.robot.inverse_kinematics.refusals import check_possible, unreachable
 from ffgym.types import Array
 
 _BLOCK = 256
@@ -34,8 +34,9 @@ def solve_path(arm: RigidArm, positions: Array, rotation: Array | None, seed: Ar
     goal = Goal.of(positions, rotation)
     seed = check_shape("seed", seed, (arm.robot.n_joints,))
     q = np.empty((len(goal), len(seed)))
+    check_possible(arm, goal)
     posture = Posture.near(arm, seed, turning=rotation is not None)
-    last = first_pose(arm, goal.at(slice(1)), posture)
+    last = first_pose(arm, goal.at(slice(1)), posture, sample=0)
     for start in range(0, len(goal), _BLOCK):
         rows = slice(start, start + _BLOCK)
         q[rows] = _follow(arm, goal.at(rows), posture, last, start)
@@ -85,7 +86,7 @@ def _check_joint_limits(arm: RigidArm, q: Array) -> None:
 
 def _check_singularity(arm: RigidArm, posture: Posture, q: Array) -> None:
     """Complain where the arm is about to lose one of the motions that it can make elsewhere."""
-    condition = np.linalg.cond(posture.slopes(arm.jacobian(q), q))
+    condition = np.linalg.cond(posture.demands(arm.jacobian(q), q)[0])
     worst = int(np.argmax(condition))
     if condition[worst] > MAX_CONDITION:
         raise FFGymError(

@@ -8,7 +8,7 @@ from ffgym.robot.inverse_kinematics.goal import Goal
 from ffgym.robot.inverse_kinematics.mobility import any_poses
 from ffgym.robot.inverse_kinematics.newton import newton
 from ffgym.robot.inverse_kinematics.posture import Posture
-from ffgym.robot.inverse_kinematics.refusals import point_text, unreachable
+from ffgym.robot.inverse_kinematics.refusals import check_possible, point_text, unreachable
 from ffgym.types import Array, BoolArray
 
 _RESTARTS = 50
@@ -41,7 +41,7 @@ def pose_solutions(arm: RigidArm, position: Array, rotation: Array | None, seed:
     """All different joint positions found for a pose within the joint limits, shape (K, N), nearest to `seed` first.
 
     Hinges that can turn on count with every whole turn that their limits allow. Of an arm with joints to spare, which
-    has infinitely many, these are those nearest to the seed among their neighbours.
+    has infinitely many, these are examples.
 
     Args:
         arm: the robot.
@@ -60,10 +60,13 @@ def pose_solutions(arm: RigidArm, position: Array, rotation: Array | None, seed:
     return every[np.argsort(np.abs(every - posture.anchor).max(axis=1), kind="stable")]
 
 
-def first_pose(arm: RigidArm, goal: Goal, posture: Posture, *, anywhere: bool = False) -> Array:
+def first_pose(
+    arm: RigidArm, goal: Goal, posture: Posture, *, anywhere: bool = False, sample: int | None = None
+) -> Array:
     """Joint positions (N,) within the limits for the one pose of `goal`, the nearest to the posture that is found.
 
     The search begins at the posture and at random poses around it, and goes on `anywhere` only if these lead nowhere.
+    `sample` is for messages.
 
     Raises:
         FFGymError: if nothing is found.
@@ -74,7 +77,7 @@ def first_pose(arm: RigidArm, goal: Goal, posture: Posture, *, anywhere: bool = 
         q, met = _search(arm, goal, posture, any_poses(arm, _SEARCHES))
         inside = _inside(arm, q)
     if not met.any():
-        raise unreachable(arm, goal, q, 0)
+        raise unreachable(arm, goal, q, sample)
     found = q[met & inside]
     if len(found) == 0:
         raise FFGymError(f"TCP position {point_text(goal.positions[0])} m is reachable only beyond the joint limits.")
@@ -85,6 +88,7 @@ def first_pose(arm: RigidArm, goal: Goal, posture: Posture, *, anywhere: bool = 
 def _request(arm: RigidArm, position: Array, rotation: Array | None, seed: Array) -> tuple[Goal, Posture]:
     """Checked goal of one pose, and the posture to be near to."""
     goal = Goal.of(check_shape("position", position, (3,))[None], rotation)
+    check_possible(arm, goal)
     anchor = check_shape("seed", seed, (arm.robot.n_joints,))
     return goal, Posture.near(arm, anchor, turning=goal.rotations is not None)
 
@@ -98,8 +102,12 @@ def _around(arm: RigidArm, seed: Array) -> Array:
 
 def _search(arm: RigidArm, goal: Goal, posture: Posture, guesses: Array) -> tuple[Array, BoolArray]:
     """Where `guesses` (K, N) lead to for one pose, hinges turned back into their ranges, and whether they meet it."""
-    q, met = newton(arm, goal.at(np.zeros(len(guesses), dtype=np.intp)), posture, guesses)
-    return _turned_back(arm, q), met
+    aims = goal.at(np.zeros(len(guesses), dtype=np.intp))
+    q, met = newton(arm, aims, posture, guesses)
+    turned = _turned_back(arm, q)
+    if posture.n_spare == 0:
+        return turned, met
+    return newton(arm, aims, posture, turned)  # what is nearest to the posture, is so no more after a whole turn
 
 
 def _inside(arm: RigidArm, q: Array) -> BoolArray:

@@ -45,26 +45,23 @@ class Posture:
         n_rows = 6 if turning else 3
         return cls(anchor=anchor, weight=(speed.mean() / speed) ** 2, n_rows=n_rows, n_spare=n_spare)
 
-    def slopes(self, jacobian: Array, q: Array) -> Array:
-        """Derivative by q of all that is asked of the joints at `q` (T, N), shape (T, M + S, N).
+    def demands(self, jacobian: Array, q: Array) -> tuple[Array, Array]:
+        """What is asked of the joints at `q` (T, N) beside the pose of the tool.
 
-        The first rows are those of the Jacobian (T, 6, N) that matter, the others those of the joints to spare.
+        Returns:
+            Derivative by q of all that is asked, the rows of the Jacobian (T, 6, N) that matter and those of the joints
+            to spare, shape (T, M + S, N); and how far the latter are from their posture, shape (T, S).
         """
         task = jacobian[:, : self.n_rows]
         if self.n_spare == 0:
-            return task
+            return task, np.empty((len(q), 0))
         free, along = self._split(task)
-        slope = jacobian_slope(jacobian, _times(along, self.weight * (q - self.anchor)))
-        return np.concatenate([task, free @ (np.diag(self.weight) - slope)], axis=1)
-
-    def away(self, jacobian: Array, q: Array) -> Array:
-        """How far the joints to spare are from the posture, in the units of `slopes`, shape (T, S)."""
-        if self.n_spare == 0:
-            return np.empty((len(q), 0))
-        return _times(self._split(jacobian[:, : self.n_rows])[0], self.weight * (q - self.anchor))
+        pull = self.weight * (q - self.anchor)
+        slope = jacobian_slope(jacobian, _times(along, pull))
+        return np.concatenate([task, free @ (np.diag(self.weight) - slope)], axis=1), _times(free, pull)
 
     def bend(self, jacobian: Array, q: Array, dq: Array) -> Array:
-        """What `slopes` times acceleration must be for the joints to spare, shape (T, S)."""
+        """What the rows of the joints to spare times acceleration must be, at speeds `dq` (T, N), shape (T, S)."""
         if self.n_spare == 0:
             return np.empty((len(q), 0))
         free, along = self._split(jacobian[:, : self.n_rows])

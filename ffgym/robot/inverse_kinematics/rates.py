@@ -21,8 +21,7 @@ def joint_rates(arm: RigidArm, q: Array, seed: Array, twist: Array, twist_rate: 
     n_rows = twist.shape[1]
     posture = Posture.near(arm, seed, turning=n_rows == 6)
     jacobian = arm.jacobian(q)
-    slopes = posture.slopes(jacobian, q)
-    still = np.zeros((len(q), posture.n_spare))
-    dq = solve_twist(slopes, np.hstack([twist, still]))
+    slopes, away = posture.demands(jacobian, q)
+    dq = solve_twist(slopes, np.hstack([twist, np.zeros_like(away)]))
     change = twist_rate - arm.bias_acceleration(q, dq)[:, :n_rows]
     return dq, solve_twist(slopes, np.hstack([change, posture.bend(jacobian, q, dq)]))

@@ -5,71 +5,69 @@ import numpy as np
 from ffgym.errors import FFGymError
 from ffgym.robot.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
-from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION, any_poses
+from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION, any_poses, mobility
 from ffgym.robot.inverse_kinematics.newton import ROUNDING
 from ffgym.types import Array
 
 
-def unreachable(arm: RigidArm, goal: Goal, q: Array, sample: int) -> FFGymError:
-    """Error for one pose that is missed at joint positions `q` (K, N), of which the nearest to it counts."""
-    aims = Goal(
-        positions=np.broadcast_to(goal.positions, (len(q), 3)),
-        rotations=None if goal.rotations is None else np.broadcast_to(goal.rotations, (len(q), 3, 3)),
-    )
-    misses = aims.miss(arm, q)[0]
+def check_possible(arm: RigidArm, goal: Goal) -> None:
+    """Check that the arm's build lets its tool move and turn as it is asked to, be it within reach or not.
+
+    Raises:
+        FFGymError: if a goal lies outside the plane or line of the TCP, or is turned as the tool cannot be.
+    """
+    position, rotation, jacobian = arm.pose_and_jacobian(any_poses(arm))
+    moves, n_moves = _span(jacobian[:, :3])
+    outside = np.linalg.norm((goal.positions - position[0]) @ moves[n_moves:].T, axis=1)
+    worst = int(np.argmax(outside))
+    if outside[worst] > ROUNDING:
+        where = {
+            1: f"moves along the line with direction {_direction(moves[0])}",
+            2: f"moves in the plane with normal {_direction(moves[2])}",
+        }.get(n_moves, "does not move from where it is,")
+        raise FFGymError(
+            f"The TCP of {arm.robot.name!r} {where} through {point_text(position[0])} m; it would have to leave it by "
+            f"{outside[worst]:.3g} m for sample {worst}, {point_text(goal.positions[worst])} m."
+        )
+    if goal.rotations is not None:
+        _check_turn(arm, goal.rotations @ rotation[0].T, *_span(jacobian[:, 3:]))
+
+
+def _check_turn(arm: RigidArm, change: Array, turns: Array, n_turns: int) -> None:
+    """Check turns (T, 3, 3) of the tool from an orientation that it can have."""
+    if n_turns > 1:  # axes that turn each other may reach any orientation; the search will tell
+        return
+    if n_turns == 1:
+        cosine, able = turns[0] @ change @ turns[0], f"turns its tool about {_direction(turns[0])} only"
+    else:
+        cosine, able = 0.5 * (np.trace(change, axis1=1, axis2=2) - 1), "does not turn its tool"
+    away = np.arccos(np.clip(cosine, -1.0, 1.0))
+    worst = int(np.argmax(away))
+    if away[worst] > ROUNDING:
+        raise FFGymError(
+            f"{arm.robot.name!r} {able}; the orientation of sample {worst} is {np.degrees(away[worst]):.3g} deg away "
+            f"from what it can do. Give one that it can, or leave the orientation free."
+        )
+
+
+def unreachable(arm: RigidArm, goal: Goal, q: Array, sample: int | None = None) -> FFGymError:
+    """Error for one pose, perhaps a `sample` of a path, that is missed at all of the joint positions `q` (K, N)."""
+    misses = goal.at(np.zeros(len(q), dtype=np.intp)).miss(arm, q)[0]
     miss = misses[np.argmin(np.abs(misses).max(axis=1))]
-    point = f"TCP position {point_text(goal.positions[0])} m (sample {sample})"
-    why = _outside(arm, goal.positions[0], point)
-    if why is None and goal.rotations is not None:
-        why = _twisted(arm, goal.rotations[0], sample)
-    return FFGymError(why or f"{point} is not reachable{_by(arm, miss)}.")
-
-
-def _by(arm: RigidArm, miss: Array) -> str:
-    """Who cannot reach a pose, and how near it comes."""
+    aim, how, way_out = "position", "", ""
     far = f"{np.linalg.norm(miss[:3]):.3g} m"
-    if len(miss) == 3:
-        return f" by {arm.robot.name!r}: the nearest position found misses it by {far}"
-    turned = f"{np.degrees(np.linalg.norm(miss[3:])):.3g} deg"
-    return (
-        f" with the given tool orientation by {arm.robot.name!r}, {arm.robot.n_joints} axes: the nearest pose found "
-        f"misses it by {far} and {turned}"
-    )
-
-
-def _outside(arm: RigidArm, position: Array, point: str) -> str | None:
-    """What is wrong with a position outside the plane or line to which the arm's build confines its TCP."""
-    q = any_poses(arm)
-    directions, n_free = _span(arm.jacobian(q)[:, :3])
-    offset = directions[n_free:] @ (position - arm.tcp_position(q[:1])[0])
-    if not np.any(np.abs(offset) > ROUNDING):
-        return None
-    where = {
-        1: f"along the line with direction {_direction(directions[0])}",
-        2: f"in the plane with normal {_direction(directions[-1])}",
-    }.get(n_free, "not at all")
-    return (
-        f"{point} cannot be reached by {arm.robot.name!r}: its TCP moves {where} through "
-        f"{point_text(arm.tcp_position(q[:1])[0])} m, and the path leaves it by {np.linalg.norm(offset):.3g} m."
-    )
-
-
-def _twisted(arm: RigidArm, rotation: Array, sample: int) -> str | None:
-    """What is wrong with an orientation that the arm's build rules out."""
-    q = any_poses(arm)
-    directions, n_free = _span(arm.jacobian(q)[:, 3:])
-    if n_free > 1:
-        return None
-    turn = rotation @ arm.tcp_pose(q[:1])[1][0].T
-    kept = directions[0] if n_free == 1 else None
-    cosine = 0.5 * (np.trace(turn) - 1) if kept is None else kept @ turn @ kept
-    angle = np.arccos(np.clip(cosine, -1.0, 1.0))
-    if angle <= ROUNDING:
-        return None
-    able = "does not turn its tool" if kept is None else f"turns its tool about {_direction(kept)} only"
-    return (
-        f"{arm.robot.name!r} {able}; the wanted orientation (sample {sample}) is {np.degrees(angle):.3g} deg away from "
-        f"what it can do. Give one that it can, or leave the orientation free."
+    if goal.rotations is not None:
+        aim, how = "pose", " with the given tool orientation"
+        far += f" and {np.degrees(np.linalg.norm(miss[3:])):.3g} deg"
+        n_motions = mobility(arm, turning=True)
+        if n_motions < 6:
+            way_out = (
+                f" The arm has {n_motions} of the 6 motions of a tool; leave its orientation free where it may be."
+            )
+    where = "" if sample is None else f" (sample {sample})"
+    return FFGymError(
+        f"TCP position {point_text(goal.positions[0])} m{where} is not reachable{how} by {arm.robot.name!r}: the "
+        f"nearest {aim} found misses it by {far}.{way_out}"
     )
 
 

@@ -1,0 +1,124 @@
+"""One pose of the tool: the solution nearest to a seed, and all of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ffgym.robot import RigidArm, pose_solutions, solve_pose
+from ffgym.robot.inverse_kinematics import rotation_error
+from tests.robot.arm_samples import ARMS, make_arm
+from tests.robot.independent_arm import IndependentArm
+
+seeds = st.integers(0, 2**32 - 1)
+X, Y, Z = np.eye(3)
+
+
+def check_all_reach(arm, solutions, position, rotation):
+    where, turned = arm.tcp_pose(solutions)
+    np.testing.assert_allclose(where, np.tile(position, (len(solutions), 1)), rtol=0, atol=1e-9)
+    if rotation is not None:
+        np.testing.assert_allclose(rotation_error(rotation, turned), 0, atol=1e-9)
+    low, high = arm.robot.kinematics.range.T
+    assert np.all((solutions >= low) & (solutions <= high))
+
+
+@settings(max_examples=20)
+@given(st.sampled_from(sorted(ARMS)), seeds, st.booleans())
+def test_a_pose_that_the_arm_has_been_in_is_found_again(name, seed, turning):
+    arm = RigidArm(ARMS[name]())
+    low, high = arm.robot.kinematics.range.T
+    q = np.random.default_rng(seed).uniform(0.9 * low, 0.9 * high)
+    position, rotation = (part[0] for part in arm.tcp_pose(q[None]))
+    asked = rotation if turning else None
+    found = solve_pose(arm, position, asked, q)
+    check_all_reach(arm, found[None], position, asked)
+    np.testing.assert_allclose(found, q, rtol=0, atol=1e-9)
+
+
+@settings(max_examples=20)
+@given(seeds)
+def test_a_pose_far_from_the_seed_is_found_too(seed):
+    arm = RigidArm(ARMS["ur_like"]())
+    rng = np.random.default_rng(seed)
+    q, start = rng.uniform(-np.pi, np.pi, (2, 6))
+    position, rotation = (part[0] for part in arm.tcp_pose(q[None]))
+    check_all_reach(arm, solve_pose(arm, position, rotation, start)[None], position, rotation)
+
+
+def test_a_planar_arm_has_its_elbow_up_or_down():
+    arm = RigidArm(ARMS["two_link"]())
+    up = np.array([-1.0, 1.5])
+    position = arm.tcp_position(up[None])[0]
+    first, second = pose_solutions(arm, position, None, up)
+    np.testing.assert_allclose(first, up, atol=1e-9)
+    assert second[1] == pytest.approx(-1.5)
+    np.testing.assert_allclose(solve_pose(arm, position, None, second), second, atol=1e-9)
+
+
+def test_the_six_axis_robot_has_eight_solutions_or_four_where_it_cannot_reach_over_itself(irb4600):
+    """Shoulder, elbow and wrist each one way or the other, as for every arm with a spherical wrist (Pieper 1968)."""
+    free = replace(irb4600, kinematics=replace(irb4600.kinematics, range=np.tile([-np.pi, np.pi], (6, 1))))
+    wide, chain, rng = RigidArm(free), IndependentArm(irb4600), np.random.default_rng(0)
+    shoulder, upper, fore = 0.175, 0.9, np.hypot(0.175, 0.96)
+    counts = []
+    for q in rng.uniform([-3, -0.6, -1.5, -3, 0.4, -3], [3, 0.6, 0.5, 3, 1.5, 3], (12, 6)):
+        position, rotation = (part[0] for part in wide.tcp_pose(q[None]))
+        solutions = pose_solutions(wide, position, rotation, q)
+        check_all_reach(wide, solutions, position, rotation)
+        wrist = chain.frames(q)[4][:3, 3]
+        backwards = np.hypot(np.hypot(*wrist[:2]) + shoulder, wrist[2] - 0.495)
+        counts.append(len(solutions))
+        assert len(solutions) == (8 if fore - upper < backwards < fore + upper else 4)
+        np.testing.assert_allclose(solutions[0], q, atol=1e-9)
+        assert np.all(np.diff(np.abs(solutions - q).max(axis=1)) >= 0)
+    assert set(counts) == {4, 8}
+
+
+def test_every_whole_turn_within_the_limits_is_a_solution(arm):
+    area = arm.robot.work_area
+    solutions = pose_solutions(arm, area.positions["p1"], area.tool_rotation, area.home)
+    check_all_reach(arm, solutions, area.positions["p1"], area.tool_rotation)
+    same_arm = np.abs(solutions[:, :3] - solutions[0, :3]).max(axis=1) < 1e-6
+    last = np.sort(solutions[same_arm & (np.abs(solutions[:, 3] - solutions[0, 3]) < 1e-6)][:, 5])
+    low, high = arm.robot.kinematics.range[5]
+    np.testing.assert_allclose(np.diff(last), 2 * np.pi, atol=1e-9)
+    assert last[0] - 2 * np.pi < low
+    assert last[-1] + 2 * np.pi > high
+
+
+def test_a_hinge_that_comes_out_beyond_its_range_is_turned_back():
+    limits = [[-0.5, 2 * np.pi - 0.6], [-3.0, 3.0]]
+    arm = RigidArm(make_arm("turner", "RR", [Z, 0.5 * X], [Y, Y], tcp=0.4 * X, limits=limits))
+    position = arm.tcp_position(np.array([[5.5, 0.3]]))[0]  # from -0.4 the way leads to 5.5 - 2 pi, beyond the limit
+    found = solve_pose(arm, position, None, np.array([-0.4, 0.3]))
+    check_all_reach(arm, found[None], position, None)
+    np.testing.assert_allclose(found[0] % (2 * np.pi), found[0], atol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "turning"), [("seven_axis", True), ("three_link", False), ("gantry", False)])
+def test_the_nearest_posture_is_the_seed_itself_where_it_makes_the_pose(name, turning):
+    arm = RigidArm(ARMS[name]())
+    home = arm.robot.work_area.home
+    position, rotation = (part[0] for part in arm.tcp_pose(home[None]))
+    asked = rotation if turning else None
+    np.testing.assert_allclose(solve_pose(arm, position, asked, home), home, atol=1e-9)
+    solutions = pose_solutions(arm, position, asked, home)
+    np.testing.assert_allclose(solutions[0], home, atol=1e-9)
+    check_all_reach(arm, solutions, position, asked)
+
+
+def test_what_is_found_is_the_same_in_every_call():
+    arm = RigidArm(ARMS["seven_axis"]())
+    pose = arm.tcp_pose(arm.robot.work_area.home[None])
+    first, second = (pose_solutions(arm, pose[0][0], pose[1][0], np.zeros(7)) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+
+
+def test_a_stretched_arm_is_solved_though_its_equations_are_exactly_singular():
+    arm = RigidArm(ARMS["two_link"]())
+    np.testing.assert_allclose(solve_pose(arm, [0.9, 0.0, 1.0], None, np.zeros(2)), 0, atol=1e-9)
+    bent = solve_pose(arm, [0.8, 0.0, 1.0], None, np.zeros(2))
+    np.testing.assert_allclose(arm.tcp_position(bent[None])[0], [0.8, 0, 1], atol=1e-9)
