@@ -11,7 +11,7 @@ from ffgym.robot import RigidArm, compile_model, solve_pose
 
 SAME = "[TRUE, [[100, 0, 273.2], [0.9659258, 0, 0.2588190, 0]], [8, [45, 0, 122.9], [1, 0, 0, 0], 0.05, 0.05, 0.02]]"
 PEN = "[TRUE, [[10, 20, 200], [1, 0, 0, 0]], [2, [0, 0, 60], [{}], {}]]"
-QUARTER_ABOUT_X = "0.7071067811865476, 0.7071067811865476, 0, 0"
+THIRTY_ABOUT_Z = "0.965925826289, 0, 0, 0.258819045103"
 
 
 def held(robot, tool, name="tA"):
@@ -43,8 +43,11 @@ def test_another_tool_replaces_tcp_mass_and_inertia_and_nothing_else(irb4600):
 
 
 def test_moments_are_about_the_axes_that_aom_turns(irb4600):
-    robot = held(irb4600, PEN.format(QUARTER_ABOUT_X, "0.01, 0.02, 0.025"))
-    np.testing.assert_allclose(robot.tool.inertia, [0.01, 0.025, 0.02, 0, 0, 0], atol=1e-12)
+    """A turn of 30 deg about z mixes xx and yy."""
+    robot = held(irb4600, PEN.format(THIRTY_ABOUT_Z, "0.01, 0.02, 0.025"))
+    cos2, sin2, product = 0.75, 0.25, np.sqrt(0.75) / 2
+    mixed = [0.01 * cos2 + 0.02 * sin2, 0.01 * sin2 + 0.02 * cos2, 0.025, (0.01 - 0.02) * product, 0, 0]
+    np.testing.assert_allclose(robot.tool.inertia, mixed, atol=1e-9)
 
 
 def test_a_point_mass_is_a_small_ball(irb4600):
