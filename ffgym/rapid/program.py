@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ffgym.errors import FFGymError
 from ffgym.rapid.execution import Execution
+from ffgym.rapid.instructions import INSTRUCTIONS
 from ffgym.rapid.interpreter import execute
 from ffgym.rapid.scope import check_unique, declared_type
 from ffgym.rapid.source import Source, read_source, unified
@@ -74,4 +75,7 @@ def _checked(source: Source) -> Program:
     check_unique(source, (*module.declarations, *module.procedures))
     for declaration in module.declarations:
         declared_type(source, declaration)
+    for procedure in module.procedures:
+        if procedure.name.lower() in (name.lower() for name in INSTRUCTIONS):
+            raise source.error(procedure.place, f"{procedure.name} is an instruction of RAPID; choose another name.")
     return Program(source=source, module=module)

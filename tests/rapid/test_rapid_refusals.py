@@ -102,6 +102,7 @@ DATA = {
     "VAR num x{3};": "2:10: unexpected character '{': arrays are not supported",
     "RECORD r": "2:1: RECORD is not supported",
     "PROC cut(num depth) ENDPROC": "2:10: procedures with arguments are not supported",
+    "PROC waittime() ENDPROC": "2:6: waittime is an instruction of RAPID; choose another name",
     "FUNC num f() ENDFUNC": "2:1: FUNC is not supported",
     "CONST num FOR := 1;": "2:11: FOR is not supported",
     "CONST num x := 1": "3:1: unexpected 'CONST'; expected",
