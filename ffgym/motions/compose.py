@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.errors import FFGymError, check_number, check_shape
 from ffgym.motions.motion import Motion
 from ffgym.motions.planner import Planner, space_of
-from ffgym.motions.rows import Rows, joined, rest
+from ffgym.motions.rows import APART, Rows, joined, rest
 from ffgym.paths.circles import DWELL
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, MoveSpline, Pose, located
@@ -97,8 +97,8 @@ def _with_rests(pieces: Sequence[Rows], q: Array | None, dwell: float, dt: float
         assert q is not None
         return [rest(q, max(dwell, dt), dt, "rest 0")]
     rows = list(pieces)
-    if dwell > 0 and rows[0].phases[0].kind != "standstill" and not np.any(rows[0].dq[0]):
+    if dwell > 0 and rows[0].phases[0].kind != "standstill" and np.abs(rows[0].dq[0]).max() <= APART:
         rows.insert(0, rest(rows[0].q[0], dwell, dt, "rest 0"))
-    if dwell > 0 and rows[-1].phases[-1].kind != "standstill" and not np.any(rows[-1].dq[-1]):
+    if dwell > 0 and rows[-1].phases[-1].kind != "standstill" and np.abs(rows[-1].dq[-1]).max() <= APART:
         rows.append(rest(rows[-1].q[-1], dwell, dt, "rest 1"))
     return rows

@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.control import cartesian_reference, joint_reference
 from ffgym.errors import FFGymError
 from ffgym.motions.joint_run import JointMove, check_range, joint_steps, run_joints, split_joints
-from ffgym.motions.rows import Rows, rest
+from ffgym.motions.rows import APART, Rows, rest
 from ffgym.motions.tool_legs import ToolMove, tool_runs
 from ffgym.motions.tool_run import run_tool
 from ffgym.paths.limits import MotionLimits
@@ -138,4 +138,10 @@ class Planner:
                 reference = cartesian_reference(self.arm, path, seed=self.q)
         except FFGymError as error:
             raise located(move, str(error)) from error
+        if self.q is not None and not np.allclose(reference.q[0], self.q, rtol=0, atol=APART):
+            raise located(
+                move,
+                f"{move.label!r} starts at joint positions {np.round(reference.q[0], 6).tolist()}, but the robot is at "
+                f"{np.round(self.q, 6).tolist()}. Move there before.",
+            )
         self._add([Rows(q=reference.q, dq=reference.dq, ddq=reference.ddq, phases=reference.phases)])

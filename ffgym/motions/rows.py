@@ -60,7 +60,7 @@ def joined(name: str, robot: RobotDescription, pieces: Sequence[Rows]) -> Refere
     """One reference of pieces that follow each other.
 
     Raises:
-        FFGymError: if a piece does not start where the one before ends, or a joint limit is exceeded.
+        FFGymError: if a piece does not start as fast as the one before ends, or a joint limit is exceeded.
     """
     dt = robot.servo.control_dt
     for before, after in itertools.pairwise(pieces):
@@ -81,10 +81,11 @@ def joined(name: str, robot: RobotDescription, pieces: Sequence[Rows]) -> Refere
 
 
 def _check_join(robot: RobotDescription, before: Rows, after: Rows) -> None:
-    for what, last, first in (("position", before.q[-1], after.q[0]), ("speed", before.dq[-1], after.dq[0])):
-        j = int(np.argmax(np.abs(first - last)))
-        if abs(first[j] - last[j]) > APART:
-            raise FFGymError(
-                f"{after.phases[0].label!r} starts with joint {robot.joints[j]} at {what} {first[j]:.6g}, but the "
-                f"robot is at {last[j]:.6g} then (link side, {robot.kinematics.units[j]} and s). Move there before."
-            )
+    last, first = before.dq[-1], after.dq[0]
+    j = int(np.argmax(np.abs(first - last)))
+    if abs(first[j] - last[j]) > APART:
+        unit = robot.kinematics.units[j]
+        raise FFGymError(
+            f"{after.phases[0].label!r} starts with joint {robot.joints[j]} at {first[j]:.6g} {unit}/s, but what comes "
+            f"before ends at {last[j]:.6g} {unit}/s. A motion that starts or ends at speed must be alone."
+        )

@@ -18,6 +18,12 @@ from ffgym.robot import RigidArm, solve_path
 from ffgym.robot.inverse_kinematics import joint_rates
 from ffgym.types import Array
 
+RESOLVED = 0.1
+"""Largest change of joint speeds per path speed from one point at which a leg is examined to the next, as a share of the
+largest on the leg; chosen: what lies between is then missed by the square of it, which `bounds.MARGIN` covers."""
+_REFINEMENTS = 6
+"""How often the grid of a leg may be halved; near a singularity, which is refused, more would be needed."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ToolRun:
@@ -37,8 +43,7 @@ def run_tool(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> Row
     Raises:
         FFGymError: if the arm cannot follow the route; the message begins with the place of the move.
     """
-    grid = [leg.grid() for leg in run.route.legs]
-    law = time_law(stretches(grid, _bounds(arm, run, grid, q, limits)))
+    law = time_law(stretches(*_bounds(arm, run, q, limits)))
     t = sample_times(law, arm.robot.servo.control_dt)
     s, speed, acceleration = law.at(t)
     q_rows, first, second = _followed(arm, run.route.at(s), q)
@@ -61,20 +66,44 @@ def _followed(arm: RigidArm, course: Course, q: Array) -> tuple[Array, Array, Ar
     return rows, *joint_rates(arm, rows, q, np.hstack([tangent, rate]), np.hstack([bend, change]))
 
 
-def _bounds(arm: RigidArm, run: ToolRun, grid: list[Array], q: Array, limits: MotionLimits) -> list[Bounds]:
-    """Bounds on path speed at the grid of each leg, from the tool and from the joints."""
+def _bounds(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> tuple[list[Array], list[Bounds]]:
+    """Arc lengths at which each leg was examined, and bounds on path speed there, from the tool and from the joints."""
+    legs, axes = run.route.legs, limits.of_joints(arm.robot.kinematics.max_speed)
+    grid = [leg.grid() for leg in legs]
+    for _ in range(_REFINEMENTS):
+        slopes = _joint_slopes(arm, run, grid, q)
+        coarse = [_changes(first / axes.speed) > RESOLVED for first, _ in slopes]
+        if not any(coarse):
+            break
+        grid = [_halved(s) if c else s for s, c in zip(grid, coarse, strict=True)]
+    else:
+        slopes = _joint_slopes(arm, run, grid, q)
+    bounds = [
+        axis_bounds((first, second, slope_of(second, s)), axes, tool_bounds(leg.speed, s, leg.at(s), limits))
+        for leg, s, (first, second) in zip(legs, grid, slopes, strict=True)
+    ]
+    return grid, bounds
+
+
+def _joint_slopes(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) -> list[tuple[Array, Array]]:
+    """First two derivatives of the joint positions by path length at the grid of each leg, (K, N) each."""
     courses = [leg.at(s) for leg, s in zip(run.route.legs, grid, strict=True)]
     try:
         _, first, second = _followed(arm, chained(courses), q)
     except FFGymError as error:
         raise located(_blamed(arm, run, courses, q), str(error)) from error
-    axes = limits.of_joints(arm.robot.kinematics.max_speed)
     cuts = np.cumsum([len(s) for s in grid])[:-1]
-    slopes = zip(np.split(first, cuts), np.split(second, cuts), strict=True)
-    return [
-        axis_bounds((d1, d2, slope_of(d2, s)), axes, tool_bounds(leg.speed, s, course, limits))
-        for leg, s, course, (d1, d2) in zip(run.route.legs, grid, courses, slopes, strict=True)
-    ]
+    return list(zip(np.split(first, cuts), np.split(second, cuts), strict=True))
+
+
+def _changes(slope: Array) -> float:
+    """Largest change of a slope (K, N) from one point of the grid to the next, as a share of the largest slope."""
+    return float(np.abs(np.diff(slope, axis=0)).max() / np.abs(slope).max())
+
+
+def _halved(s: Array) -> Array:
+    """Grid with twice as many intervals."""
+    return np.linspace(s[0], s[-1], 2 * len(s) - 1)
 
 
 def _blamed(arm: RigidArm, run: ToolRun, courses: Sequence[Course], q: Array) -> Move:

@@ -25,6 +25,9 @@ GRID = 32
 GRID_STEP = 0.005
 """Longest interval in which a leg is examined [m, or s of joint motion]; chosen: over 5 mm the joint motion of an arm
 hardly changes."""
+GRID_TURN = 0.02
+"""Largest angle by which the tool turns in an interval [rad]; chosen: an arm that moves its wrist much for it is near a
+singularity."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -54,7 +57,13 @@ class Leg:
     def grid(self) -> Array:
         """Arc lengths at which the leg is examined, from its start to its end."""
         length = self.curve.length
-        return np.linspace(0.0, length, max(GRID, int(np.ceil(length / GRID_STEP))) + 1)
+        coarse = np.linspace(0.0, length, GRID + 1)
+        turned = (
+            0.0 if self.turning is None else length * float(np.linalg.norm(self.turning.at(coarse)[1], axis=1).max())
+        )
+        return np.linspace(
+            0.0, length, max(GRID, int(np.ceil(length / GRID_STEP)), int(np.ceil(turned / GRID_TURN))) + 1
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
