@@ -12,7 +12,9 @@ less what the existing controller gives: its rigid feed-forward u_ff, and its se
                     + n (K_p \Delta + K_v \dot\Delta + K_i \int \Delta \, dt)
 
 A motion begins in equilibrium, where springs and servo integral carry gravity: tau_s, Delta and the integral count from
-there, so that the change of gravity along the motion is compensated and the sag at its start is kept.
+there, so that the change of gravity along the motion is compensated and the sag at its start is kept. The servo's
+integral ends where it alone would give the peak torque, and so does the integral here: far from the pose of the start
+it gets there within seconds.
 
 Source: inverse dynamics of robots with flexible joints (De Luca and Book, Springer Handbook of Robotics, 2008, section
 13.1.2). Departures: only the torque is changed, the set-points stay those of the rigid robot; the springs are damped;
@@ -32,7 +34,7 @@ from typing import final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from agents.elasticity.existing_torque import given_torque, links_torque
+from agents.elasticity.existing_torque import given_torque, links_torque, wound_up, wound_up_sums
 from agents.elasticity.lead import Lead, lead_between
 from agents.elasticity.mean_friction import friction_along, step_friction
 from ffgym.control import CausalLaw, DynamicLuGreExact, Reference, Window
@@ -138,13 +140,13 @@ class ElasticLaw(CausalLaw):
         self.check_joints(reference)
         dt, reach = reference.robot.servo.control_dt, self.preview - 2
         links = self._links(reference.q, reference.motor_dq, reference.motor_ddq)
-        links -= self._load(reference.q[:1])
+        load = self._load(reference.q[:1])
+        links -= load
         rows = np.pad(links, ((reach, reach + 1), (0, 0)), mode="edge")  # one sample more, which friction looks at
         ahead = self._lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
         speed = self._motor_speed(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), ahead)
         lead = Lead(angle=ahead.angle[:-1], speed=ahead.speed[:-1], acceleration=ahead.acceleration[:-1])
-        integral = np.zeros_like(links)
-        np.cumsum(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), axis=0, out=integral[1:])
+        integral = wound_up_sums(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), self._known, load[0])
         friction = np.zeros_like(links) if self.friction is None else friction_along(self.friction, speed, dt)
         return self._needed(links, reference.motor_ddq, lead, friction), lead, integral
 
@@ -176,7 +178,7 @@ class ElasticLaw(CausalLaw):
         dq, next_dq = self._motor_speed(here[1], lead), self._motor_speed(after[1], next_lead)
         more, next_friction, next_bristle = self._friction(bristle, dq, next_dq, dt)
         needed = self._needed(links[..., self.preview - 3, :], here[2], lead, friction + more)  # the row of sample 1
-        next_integral = integral + 0.5 * dt * (angle + next_lead.angle)
+        next_integral = wound_up(integral + 0.5 * dt * (angle + next_lead.angle), self._known, gravity)
         memory = _remembered(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
         return needed - given_torque(self._known, *here, lead, integral), memory
 

@@ -13,7 +13,7 @@ from ffgym.envs import EpisodeRecorder
 from ffgym.envs.sb3 import make_sb3_env
 from ffgym.errors import FFGymError
 from ffgym.metrics import path_errors
-from ffgym.paths import joint_sine
+from ffgym.paths import constant_velocity, joint_sine
 from ffgym.plant.draws import with_payload
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
@@ -193,6 +193,26 @@ def test_steps_give_the_torque_of_a_motion_that_does_not_begin_at_rest(soft_axis
     law = elastic_feedforward(soft_axis)
     reference = joint_reference(soft_axis, joint_sine([1.0], frequency, 0.5))
     np.testing.assert_allclose(CausalLaw.torque(law, reference), law.torque(reference), atol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def lowered(irb4600, arm):
+    """The arm goes to where gravity bends joint 2 otherwise, and stays: the servo's integral runs to its end in 3 s."""
+    home = irb4600.work_area.home
+    path = constant_velocity([0, 0.5, 0.2, 0, 0, 0], 0.6, start=home, dwell=6.0, dt=0.004, name="lowered")
+    return joint_reference(irb4600, path)
+
+
+def test_it_holds_where_the_integral_of_the_servo_has_run_to_its_end(irb4600, arm, law, lowered):
+    (recording,) = simulate([Run(reference=lowered, law=law)], arm=arm, record_dt=0.004)
+    ends = np.abs(recording.joint_array("feedback.integral")[-1]) / irb4600.drive.peak_torque
+    assert ends.max() == pytest.approx(1.0, rel=1e-3)
+    tcp = recording.vector("tcp.position")[recording.mask(label="rest 1")]
+    assert np.linalg.norm(tcp[-1] - tcp[50]) < 5e-5  # 0.2 s after it stopped the integral has begun to run
+
+
+def test_steps_give_the_torque_of_a_motion_on_which_the_integral_runs_to_its_end(law, lowered):
+    np.testing.assert_allclose(CausalLaw.torque(law, lowered), law.torque(lowered), atol=1e-9)
 
 
 def test_a_batch_gives_the_bits_of_each_row(references, law):
