@@ -16,6 +16,7 @@ ROOT = Path(__file__).parent.parent
 EXECUTED = [
     "README.md",
     "docs/recorder.md",
+    "docs/robot_check.md",
     "docs/reproduction.md",
     "docs/simulate.md",
     "docs/torque_prediction.md",

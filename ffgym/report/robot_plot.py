@@ -19,6 +19,8 @@ _AXIS_LENGTH = 0.12
 """Half length of a drawn axis, as a share of the picture."""
 _TOGETHER = 0.06
 """Distance of joints in a view, as a share of the picture, below which one label serves them."""
+_ROOM = 1.15
+"""Side of the picture, in lengths of the longest side of all that is drawn."""
 _BUBBLE = 900.0
 """Area of the heaviest body's bubble [points^2]."""
 _LIGHTEST = 0.02
@@ -85,14 +87,30 @@ def _draw(
     axes.plot(chain[:, right], chain[:, up], color=_BONE, linewidth=2.2, zorder=4)
     axes.plot(bones.joints[:, right], bones.joints[:, up], "o", color=_BONE, markersize=4, zorder=5)
     axes.plot(bones.tip[right], bones.tip[up], "o", color=_TIP, markersize=6, zorder=6)
-    size = _size(np.vstack([reach, chain]))
+    around = bones.half_axes.max(axis=1, keepdims=True)
+    drawn = np.vstack([reach, chain, *([bones.com - around, bones.com + around] if with_masses else [])])
+    size = _size(drawn)
     for point, axis in zip(bones.joints, bones.axes, strict=True):
         ends = point + np.outer([-1, 1], axis * size * _AXIS_LENGTH / 2)
         axes.plot(ends[:, right], ends[:, up], color=_AXIS, linewidth=1.4, zorder=5)
     _label(axes, view, bones.joints, joints, size)
     if with_masses:
         _masses(axes, view, bones)
-    axes.set(title=view.title, xlabel=f"{'xyz'[right]} [m]", ylabel=f"{'xyz'[up]} [m]", aspect="equal")
+    _frame(axes, view, drawn, size)
+
+
+def _frame(axes: "Axes", view: _View, points: Array, size: float) -> None:
+    """One scale for all views, with everything in the picture."""
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    half = _ROOM * size / 2
+    axes.set(
+        title=view.title,
+        xlabel=f"{'xyz'[view.right]} [m]",
+        ylabel=f"{'xyz'[view.up]} [m]",
+        xlim=(middle[view.right] - half, middle[view.right] + half),
+        ylim=(middle[view.up] - half, middle[view.up] + half),
+        aspect="equal",
+    )
     axes.set_axisbelow(True)
 
 

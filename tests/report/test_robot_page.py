@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from ffgym.report.robot_page import render_robot_page, robot_figures
@@ -22,6 +23,8 @@ def checks():
     for group in ("servo", "drive", "links", "kinematics"):
         left = {path: q for path, q in whole.quantities.items() if not path.startswith(group)}
         drafts[f"without {group}"] = replace(whole, quantities=left)
+    rotors = replace(whole.quantities["drive.rotor_inertia"], value=np.full(6, 30.0))
+    drafts["heavy rotors"] = replace(whole, quantities=dict(whole.quantities) | {"drive.rotor_inertia": rotors})
     drafts["nothing"] = replace(whole, quantities={}, geoms=())
     return {name: check_robot(draft) for name, draft in drafts.items()}
 
@@ -31,8 +34,9 @@ def test_text_fits_a_terminal_and_names_what_is_missing(checks):
         text = format_check(check)
         assert max(map(len, text.splitlines())) <= 120, name
         assert check.draft.title in text
-        for path in check.draft.missing:
-            assert path in " ".join(text.split())
+        for said in (*check.draft.missing, *check.doubts):
+            assert said in " ".join(text.split())
+    assert checks["heavy rotors"].doubts
 
 
 def test_tables_say_of_every_function_whether_it_works(checks):

@@ -57,6 +57,22 @@ def test_gravity_is_that_of_the_arm_and_no_pose_is_worse(check, arm, corners):
     assert np.all(others <= 1.03 * check.gravity.worst + 1e-9)
 
 
+def test_springs_between_links_carry_their_share_of_gravity():
+    draft = load_draft("kuka_kr300_r2500")
+    with_spring, without_spring = check_robot(draft), check_robot(replace(draft, springs=()))
+    arm = RigidArm(draft.complete())
+    for place in with_spring.places:
+        share = with_spring.gravity.places[place.name] - without_spring.gravity.places[place.name]
+        np.testing.assert_allclose(share, arm.spring_torque(place.q[None])[0], atol=1e-6)
+        assert np.abs(share[1]) > 100
+
+
+def test_hinges_that_can_turn_on_are_sampled_over_one_turn(arm):
+    q = poses_in_range(arm.robot, 500)
+    assert np.all(np.ptp(q, axis=0) <= 2 * np.pi)
+    assert np.all(np.ptp(q, axis=0) > 0.99 * np.minimum(np.ptp(arm.robot.kinematics.range, axis=1), 2 * np.pi))
+
+
 def test_resonances_and_condition_are_those_at_the_places(check, arm, corners):
     for place in check.places:
         np.testing.assert_allclose(place.q, corners[place.name], atol=1e-6)

@@ -147,6 +147,8 @@ def test_filling_in_leaves_every_other_line_as_it_was(folder):
     assert all(line in remaining for line in kept)  # in this order
     assert "#? [friction.static]" not in after
     assert "#? [work_area.home]" in after
+    bare = text.replace("#? ", "# ")
+    assert "\n# my own remark\n\n[drive.joint_damping]\n" in filled(folder, bare)  # no line waits for it
 
 
 def test_what_a_user_must_know_and_rules_of_thumb_make_a_whole_robot(folder):
