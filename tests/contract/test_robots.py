@@ -1,5 +1,7 @@
 """The same questions to every robot that ships; a new description is picked up by itself."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from functools import cache
 
@@ -12,7 +14,9 @@ import ffgym  # noqa: F401 - registers the environments
 from agents.catalogue import CATALOGUE, Setting, law_named
 from ffgym.cli.main import main
 from ffgym.control import NoCompensation
+from ffgym.errors import FFGymError
 from ffgym.metrics import motor_error
+from ffgym.motions import list_motions, load_motion
 from ffgym.plant import Plant, PlantDistribution
 from ffgym.recordings import read_recording, write_recording
 from ffgym.robot import RigidArm, builtin_robots, load_robot, resonances
@@ -132,6 +136,22 @@ def test_environments_that_fit_run_it(name):
 
 
 @every_robot
+def test_built_in_motions_fit_it(name):
+    arm = arm_of(name)
+    for motion in list_motions():
+        if motion == "square" and name == "two_link":  # it is level, the arm upright
+            with pytest.raises(FFGymError, match="plane with normal"):
+                load_motion(arm, motion)
+        elif motion in ("circles", "square") and arm.robot.work_area is None:
+            with pytest.raises(FFGymError, match="no named points in its work area"):
+                load_motion(arm, motion)
+        else:
+            reference = load_motion(arm, motion).reference
+            assert reference.duration > 1
+            assert np.any(reference.dq != 0)
+
+
+@every_robot
 def test_a_measured_recording_of_it_survives_its_file(name, tmp_path):
     robot = arm_of(name).robot
     (recording,) = simulate(
@@ -161,6 +181,10 @@ def test_commands_run_it(name, tmp_path, monkeypatch, capsys):
     small = ["--speeds-mm-s", "100"] if robot.work_area is not None else ["--frequencies-hz", "3"]
     assert main(["lffc", "--robot", name, "--iterations", "1", *small]) == 0, capsys.readouterr().err
     assert main(["robot", "check", name, "--report", "check.html"]) == 0, capsys.readouterr().err
+    assert main(["simulate", name, "sine", "--report", "motion.html"]) == 0, capsys.readouterr().err
+    assert main(["export", name, "sine", "--out", "elsewhere"]) == 0, capsys.readouterr().err
+    played = subprocess.run([sys.executable, "play.py"], cwd="elsewhere", capture_output=True, text=True, check=False)
+    assert played.returncode == 0, played.stdout + played.stderr
     if robot.work_area is not None:
         position = next(iter(robot.work_area.positions))
         demo = ["demo", "--robot", name, "--positions", position, *small]

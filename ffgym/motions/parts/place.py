@@ -17,6 +17,8 @@ OF_RANGE = "one for all joints, a list, a table by joint, or '10 %' of each join
 """What a position or an amplitude of joints may be, for the documentation of entries."""
 OF_SPEED = "one for all joints, a list, a table by joint, or '10 %' of each joint's largest speed"
 """What a speed of joints may be."""
+UPRIGHT = np.array([0.0, 0.0, 1.0])
+"""Normal of planes for a robot without a work area."""
 UNIT_NORM = 1e-3
 """Largest deviation from 1 of the norm of a quaternion that is taken for rounding."""
 
@@ -43,6 +45,12 @@ class Place:
         if isinstance(value, str):
             return named_point(self.robot, value)
         return self.origin + check_shape(name, value, (3,))
+
+    def normal(self, value: Any) -> Array:
+        """Normal of a plane, shape (3,): as given, or that of the work area; upright for a robot without one."""
+        if value is not None:
+            return check_shape("normal", value, (3,))
+        return UPRIGHT if self.robot.work_area is None else self.robot.work_area.normal
 
     def joints(self, name: str, value: Any, whole: Array, others: Array | float = 0.0) -> Array:
         """Values for the joints, shape (N,), see `joint_values`."""

@@ -87,7 +87,9 @@ class CirclePart(ToolPart):
     centre: Any = entry("centre: a point, or the name of one of the work area", "m")
     radius: float = entry("radius", "m")
     normal: Any = entry(
-        "normal of the plane; the circle turns about it by the right hand", "1", default=(0.0, 0.0, 1.0)
+        "normal of the plane, about which it turns by the right hand; absent is that of the work area",
+        "1",
+        default=None,
     )
     start_deg: float = entry("where it starts, from the plane's first axis (x where possible)", "deg", default=-90.0)
     turns: int = entry("how many circles", default=1)
@@ -96,7 +98,7 @@ class CirclePart(ToolPart):
         """A line to the start, and two arcs for each circle."""
         centre = place.point("centre", self.centre)
         radius = check_number("radius", self.radius, unit="m", low=0.0, open_low=True)
-        plane = plane_of(self.normal)
+        plane = plane_of(place.normal(self.normal))
         angle = np.deg2rad(check_number("start_deg", self.start_deg, unit="deg"))
         arm = radius * (np.cos(angle) * plane.first + np.sin(angle) * plane.second)
         turns = check_whole("turns", self.turns, low=1)
@@ -149,13 +151,14 @@ class CircleTestPart(Part):
     speed: float = entry("TCP speed on the circles", "m/s")
     centre: Any = entry("common centre and start: a point, or the name of one of the work area", "m", default=FIRST)
     radii: Any = entry("radii, in the order in which they run", "m", default=RADII)
-    normal: Any = entry("normal of the plane", "1", default=(0.0, 0.0, 1.0))
+    normal: Any = entry("normal of the plane; absent is that of the work area", "1", default=None)
     start_deg: float = entry("where each circle is joined, from the plane's first axis", "deg", default=-90.0)
     dwell: float = entry("rest before, between and after the circles", "s", default=DWELL)
 
     def moves(self, place: Place) -> Sequence[Move]:
         """One motion with its own time law."""
         centre = place.point("centre", self.centre)
+        normal = place.normal(self.normal)
         start_angle = float(np.deg2rad(check_number("start_deg", self.start_deg, unit="deg")))
 
         def path(_: Array | None, dt: float) -> Any:
@@ -163,7 +166,7 @@ class CircleTestPart(Part):
                 centre,
                 self.speed,
                 radii=self.radii,
-                normal=self.normal,
+                normal=normal,
                 start_angle=start_angle,
                 dwell=self.dwell,
                 dt=dt,
