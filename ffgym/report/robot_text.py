@@ -2,7 +2,7 @@
 
 from ffgym.report.robot_tables import FactTable, robot_tables
 from ffgym.report.tables import Column, aligned, filled
-from ffgym.studies.robot_check import RobotCheck
+from ffgym.studies.robot_check import RobotCheck, ServoLoop
 
 
 def format_check(check: RobotCheck) -> str:
@@ -30,14 +30,19 @@ def facts(check: RobotCheck) -> list[str]:
         reach, what = check.reach, _tip(check)
         box = ", ".join(f"{n} {a:.2f} to {b:.2f}" for n, a, b in zip("xyz", reach.low, reach.high, strict=True))
         found.append(f"{what} comes up to {reach.distance:.3g} m away from the first joint, within {box} m.")
-    if (servo := check.servo) is not None:
-        margin = "more than 100" if servo.gain_margin is None else f"{servo.gain_margin:.3g}"
-        limit = f"up to {margin} times the gains" if servo.stable else "NO"
-        found.append(
-            f"Servo stable at {servo.place}: {limit}; least damped oscillation {servo.frequency:.3g} Hz with damping "
-            f"ratio {servo.damping:.2g}, without friction."
-        )
+    if check.servo is not None and not check.servo.problem:
+        found.append(_servo(check.servo))
     return found
+
+
+def _servo(servo: ServoLoop) -> str:
+    if not servo.stable:
+        return f"Servo unstable at {servo.place}, without friction."
+    margin = "more than 100" if servo.gain_margin is None else f"{servo.gain_margin:.3g}"
+    return (
+        f"Servo stable at {servo.place} up to {margin} times the gains; least damped oscillation {servo.frequency:.3g} Hz "
+        f"with damping ratio {servo.damping:.2g}, without friction."
+    )
 
 
 def _columns(table: FactTable) -> str:

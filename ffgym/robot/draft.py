@@ -64,7 +64,8 @@ class RobotDraft:
         if missing:
             lost = [entry.title for entry in CAPABILITIES if not self.can(entry.name)]
             raise FFGymError(
-                f"{self.where}: Missing entries: {', '.join(missing)}. Without them there is no {'; no '.join(lost)}. "
+                f"{self.where}: Missing entries: {', '.join(missing)}. Without them these do not work: "
+                f"{'; '.join(lost)}. "
                 f"`ffgym robot check {self.where}` says what works, and what would be proposed."
             )
         try:

@@ -189,6 +189,7 @@ def test_a_slip_is_noticed_and_named(change, doubt):
 @pytest.mark.parametrize(
     ("change", "doubt"),
     [
+        ({"drive.joint_stiffness": 1e-4}, "servo: the robot does not rest at home."),
         ({"servo.velocity_gain": 60.0}, "the loop is unstable"),
         ({"servo.velocity_gain": 15.0}, "times the gains are unstable"),
         ({"work_area.positions.p1": 3.0}, "work_area.positions.p1 cannot be worked at"),

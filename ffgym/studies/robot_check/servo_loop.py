@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ffgym.errors import FFGymError
 from ffgym.plant import Plant
 from ffgym.robot import ModelOptions, RobotDescription
 from ffgym.types import Array
@@ -28,17 +29,22 @@ class ServoLoop:
 
     place: str
     stable: bool
-    gain_margin: float | None
+    gain_margin: float | None = None
     """Factor on all gains at which the loop becomes unstable; None if it is beyond 100, or the loop is unstable."""
-    frequency: float
+    frequency: float = 0.0
     """Of the least damped oscillation [Hz]."""
-    damping: float
+    damping: float = 1.0
     """Damping ratio of that oscillation; 1 where nothing oscillates."""
+    problem: str = ""
+    """Why the robot does not even rest there."""
 
 
 def servo_loop(robot: RobotDescription, place: str, q: Array) -> ServoLoop:
     """Servo loop of the robot resting at joint positions `q` (N,), link side."""
-    poles = _poles(robot, q)
+    try:
+        poles = _poles(robot, q)
+    except FFGymError as error:
+        return ServoLoop(place=place, stable=False, problem=str(error))
     stable = bool(np.abs(poles).max() < _STABLE)
     swinging = np.log(poles[poles.imag > 0]) / robot.physics_dt
     ratios = -swinging.real / np.abs(swinging)

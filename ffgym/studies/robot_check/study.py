@@ -143,6 +143,8 @@ def _place_doubts(places: tuple[Place, ...]) -> list[str]:
 def _servo_doubts(servo: ServoLoop | None) -> list[str]:
     if servo is None:
         return []
+    if servo.problem:
+        return [f"servo: the robot does not rest at {servo.place}. {servo.problem}"]
     if not servo.stable:
         return [
             f"servo: the loop is unstable at {servo.place} without friction. Lower the gains, or simulation.physics_dt."
