@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from importlib import resources
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from types import MappingProxyType
 
@@ -33,10 +34,19 @@ READERS: Mapping[str, Callable[[RigidArm, Path], Motion]] = MappingProxyType(
 """What reads a file, by the suffix of its name."""
 
 
+FOLDERS = (("ffgym.motions", "data"), ("ffgym.rapid", "examples"))
+"""Where built-in motions are: packages and folders in them."""
+
+
 def list_motions() -> tuple[str, ...]:
     """Names of the motions that ship with the package; which of them a robot can make depends on it."""
-    folder = resources.files("ffgym.motions") / "data"
-    return tuple(sorted(Path(f.name).stem for f in folder.iterdir() if f.name.endswith(".toml")))
+    return tuple(sorted(_builtin()))
+
+
+def _builtin() -> dict[str, Traversable]:
+    """Files of the built-in motions, by name."""
+    files = [file for package, folder in FOLDERS for file in (resources.files(package) / folder).iterdir()]
+    return {Path(file.name).stem: file for file in files if Path(file.name).suffix in READERS}
 
 
 def load_motion(arm: RigidArm, source: str | Path) -> Motion:
@@ -54,6 +64,8 @@ def load_motion(arm: RigidArm, source: str | Path) -> Motion:
         return READERS[path.suffix.lower()](arm, path)
     if path.suffix or path.name != str(source):
         raise FFGymError(f"{source}: a motion file must end in {', '.join(READERS)}.")
-    name = check_choice("motion", str(source), list_motions())
-    text = (resources.files("ffgym.motions") / "data" / f"{name}.toml").read_text(encoding="utf-8")
-    return parse_motion(arm, text, where=f"{name}.toml", name=name)
+    file = _builtin()[check_choice("motion", str(source), list_motions())]
+    if file.name.endswith(".toml"):
+        return parse_motion(arm, file.read_text(encoding="utf-8"), where=file.name, name=str(source))
+    with resources.as_file(file) as place:
+        return READERS[place.suffix](arm, place)

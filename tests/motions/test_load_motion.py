@@ -13,7 +13,7 @@ IN_JOINT_SPACE = ("ladder", "multisine", "sine", "triangle")
 
 
 def test_the_built_in_motions_are_there():
-    assert set(list_motions()) == {"circles", "square", *IN_JOINT_SPACE}
+    assert set(list_motions()) == {"circles", "square", *IN_JOINT_SPACE, "cut_bracket", "thesis_circles"}
 
 
 def test_the_built_in_circles_are_the_circle_test_bit_for_bit(arm, irb4600):
