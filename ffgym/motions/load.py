@@ -40,10 +40,10 @@ FOLDERS = (("ffgym.motions", "data"), ("ffgym.rapid", "examples"))
 
 def list_motions() -> tuple[str, ...]:
     """Names of the motions that ship with the package; which of them a robot can make depends on it."""
-    return tuple(sorted(_builtin()))
+    return tuple(sorted(builtin_files()))
 
 
-def _builtin() -> dict[str, Traversable]:
+def builtin_files() -> dict[str, Traversable]:
     """Files of the built-in motions, by name."""
     files = [file for package, folder in FOLDERS for file in (resources.files(package) / folder).iterdir()]
     return {Path(file.name).stem: file for file in files if Path(file.name).suffix in READERS}
@@ -64,7 +64,7 @@ def load_motion(arm: RigidArm, source: str | Path) -> Motion:
         return READERS[path.suffix.lower()](arm, path)
     if path.suffix or path.name != str(source):
         raise FFGymError(f"{source}: a motion file must end in {', '.join(READERS)}.")
-    file = _builtin()[check_choice("motion", str(source), list_motions())]
+    file = builtin_files()[check_choice("motion", str(source), list_motions())]
     if file.name.endswith(".toml"):
         return parse_motion(arm, file.read_text(encoding="utf-8"), where=file.name, name=str(source))
     with resources.as_file(file) as place:
