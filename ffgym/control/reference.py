@@ -121,7 +121,7 @@ def _check_step(reference: Reference) -> None:
 
 def _check_limits(reference: Reference) -> None:
     kinematics, joints = reference.robot.kinematics, reference.robot.joints
-    beyond = np.argwhere((reference.q < kinematics.range[:, 0]) | (reference.q > kinematics.range[:, 1]))
+    beyond = np.argwhere(kinematics.beyond_limits(reference.q))
     if beyond.size:
         row, j = (int(i) for i in beyond[0])
         raise FFGymError(

@@ -50,7 +50,7 @@ def check_range(arm: RigidArm, move: JointMove, target: Array) -> None:
     kinematics = arm.robot.kinematics
     if target.shape != (arm.robot.n_joints,):
         raise located(move, f"{len(target)} joint positions for the {arm.robot.n_joints} joints of {arm.robot.name!r}.")
-    outside = np.flatnonzero((target < kinematics.range[:, 0]) | (target > kinematics.range[:, 1]))
+    outside = np.flatnonzero(kinematics.beyond_limits(target))
     if outside.size:
         j = int(outside[0])
         raise located(

@@ -15,6 +15,10 @@ from ffgym.types import Array, BoolArray
 JOINT_TYPES = ("hinge", "slide")
 """What a joint can be."""
 
+LIMIT_ROUNDING = 1e-9
+"""How far beyond a joint limit [rad or m] is still at it: more than computed joint positions are off by, and less than
+any drive measures."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Kinematics:
@@ -46,6 +50,12 @@ class Kinematics:
     def is_sliding(self) -> BoolArray:
         """True for sliding joints, shape (N,)."""
         return np.array([kind == "slide" for kind in self.types])
+
+    def beyond_limits(self, q: Array) -> BoolArray:
+        """True where joint positions `q` (..., N), link side, are beyond a limit, same shape."""
+        low, high = self.range.T
+        beyond: BoolArray = (q < low - LIMIT_ROUNDING) | (q > high + LIMIT_ROUNDING)
+        return beyond
 
     @property
     def units(self) -> tuple[str, ...]:

@@ -71,13 +71,13 @@ def _jump(arm: RigidArm, step: Array, sample: int) -> FFGymError:
 
 
 def _check_joint_limits(arm: RigidArm, q: Array) -> None:
-    limits = arm.robot.kinematics.range
-    outside = np.argwhere((q < limits[:, 0]) | (q > limits[:, 1]))
+    kinematics = arm.robot.kinematics
+    outside = np.argwhere(kinematics.beyond_limits(q))
     if outside.size:
         row, j = (int(i) for i in outside[0])
-        slides = arm.robot.kinematics.is_sliding[j]
+        slides = kinematics.is_sliding[j]
         unit, factor, digits = ("m", 1.0, 4) if slides else ("deg", 180 / np.pi, 1)
-        at, low, high = (f"{x * factor:.{digits}f}" for x in (q[row, j], *limits[j]))
+        at, low, high = (f"{x * factor:.{digits}f}" for x in (q[row, j], *kinematics.range[j]))
         raise FFGymError(
             f"Joint {arm.robot.joints[j]} would be at {at} {unit} at sample {row}, must be within [{low}, {high}] "
             f"{unit}. Move the path or the tool orientation."

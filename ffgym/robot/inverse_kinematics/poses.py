@@ -9,6 +9,7 @@ from ffgym.robot.inverse_kinematics.mobility import any_poses
 from ffgym.robot.inverse_kinematics.newton import newton
 from ffgym.robot.inverse_kinematics.posture import Posture
 from ffgym.robot.inverse_kinematics.refusals import check_possible, point_text, unreachable
+from ffgym.robot.parts import LIMIT_ROUNDING
 from ffgym.types import Array, BoolArray
 
 _RESTARTS = 50
@@ -72,13 +73,13 @@ def first_pose(
         FFGymError: if nothing is found.
     """
     q, met = _search(arm, goal, posture, _around(arm, posture.anchor))
-    inside = _inside(arm, q)
-    if anywhere and not np.any(met & inside):
+    beyond = arm.robot.kinematics.beyond_limits(q).any(axis=1)
+    if anywhere and not np.any(met & ~beyond):
         q, met = _search(arm, goal, posture, any_poses(arm, _SEARCHES))
-        inside = _inside(arm, q)
+        beyond = arm.robot.kinematics.beyond_limits(q).any(axis=1)
     if not met.any():
         raise unreachable(arm, goal, q, sample)
-    found = q[met & inside]
+    found = q[met & ~beyond]
     if len(found) == 0:
         raise FFGymError(f"TCP position {point_text(goal.positions[0])} m is reachable only beyond the joint limits.")
     nearest: Array = found[np.argmin(np.abs(found - posture.anchor).max(axis=1))]
@@ -110,27 +111,23 @@ def _search(arm: RigidArm, goal: Goal, posture: Posture, guesses: Array) -> tupl
     return newton(arm, aims, posture, turned)  # what is nearest to the posture, is so no more after a whole turn
 
 
-def _inside(arm: RigidArm, q: Array) -> BoolArray:
-    low, high = arm.robot.kinematics.range.T
-    within: BoolArray = np.all((q >= low) & (q <= high), axis=1)
-    return within
-
-
 def _turned_back(arm: RigidArm, q: Array) -> Array:
     """Joint positions (T, N) of the same poses with hinges beyond a limit turned back by whole turns."""
-    low, high = arm.robot.kinematics.range.T
+    kinematics = arm.robot.kinematics
+    low, high = kinematics.range.T
     turns = np.ceil(np.maximum(low - q, 0.0) / (2 * np.pi)) - np.ceil(np.maximum(q - high, 0.0) / (2 * np.pi))
-    return np.where(arm.robot.kinematics.is_sliding, q, q + 2 * np.pi * turns)
+    return np.where(kinematics.beyond_limits(q) & ~kinematics.is_sliding, q + 2 * np.pi * turns, q)
 
 
 def _whole_turns(arm: RigidArm, q: Array) -> Array:
     """All joint positions (K, N) of the pose of `q` (N,) that differ by whole turns, within the limits; may be none."""
-    limits = arm.robot.kinematics.range
-    choices = []
-    for value, (low, high), slides in zip(q, limits, arm.robot.kinematics.is_sliding, strict=True):
-        turns = np.arange(np.ceil((low - value) / (2 * np.pi)), np.floor((high - value) / (2 * np.pi)) + 1)
-        choices.append(np.array([value] if low <= value <= high else []) if slides else value + 2 * np.pi * turns)
-    return np.stack([axis.ravel() for axis in np.meshgrid(*choices, indexing="ij")], axis=1)
+    kinematics = arm.robot.kinematics
+    low, high = kinematics.range.T
+    first = np.where(kinematics.is_sliding, 0, np.ceil((low - LIMIT_ROUNDING - q) / (2 * np.pi)))
+    last = np.where(kinematics.is_sliding, 0, np.floor((high + LIMIT_ROUNDING - q) / (2 * np.pi)))
+    turns = np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(first, last, strict=True)), indexing="ij")
+    every = q + 2 * np.pi * np.stack([axis.ravel() for axis in turns], axis=1)
+    return every[~kinematics.beyond_limits(every).any(axis=1)]
 
 
 def _different(arm: RigidArm, q: Array) -> list[Array]:

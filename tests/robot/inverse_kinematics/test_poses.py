@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ffgym.robot import RigidArm, pose_solutions, solve_pose
+from ffgym.errors import FFGymError
+from ffgym.robot import RigidArm, pose_solutions, solve_path, solve_pose
 from ffgym.robot.inverse_kinematics import rotation_error
 from tests.robot.arm_samples import ARMS, make_arm
 from tests.robot.independent_arm import IndependentArm
@@ -38,14 +39,13 @@ def test_a_pose_that_the_arm_has_been_in_is_found_again(name, seed, turning):
     np.testing.assert_allclose(found, q, rtol=0, atol=1e-9)
 
 
-@settings(max_examples=20)
-@given(seeds)
-def test_a_pose_far_from_the_seed_is_found_too(seed):
-    arm = RigidArm(ARMS["ur_like"]())
-    rng = np.random.default_rng(seed)
-    q, start = rng.uniform(-np.pi, np.pi, (2, 6))
-    position, rotation = (part[0] for part in arm.tcp_pose(q[None]))
-    check_all_reach(arm, solve_pose(arm, position, rotation, start)[None], position, rotation)
+def test_a_pose_far_from_the_seed_is_found_too_though_a_path_must_begin_near_it(arm):
+    q = np.array([1.8, 0.75, -2.15, 0.8, -2.1, 3.0])
+    position, rotation = arm.tcp_pose(q[None])
+    home = arm.robot.work_area.home
+    with pytest.raises(FFGymError, match="joint limits"):
+        solve_path(arm, position, rotation[0], home)
+    check_all_reach(arm, solve_pose(arm, position[0], rotation[0], home)[None], position[0], rotation[0])
 
 
 def test_a_planar_arm_has_its_elbow_up_or_down():
@@ -93,9 +93,9 @@ def test_a_hinge_that_comes_out_beyond_its_range_is_turned_back():
     limits = [[-0.5, 2 * np.pi - 0.6], [-3.0, 3.0]]
     arm = RigidArm(make_arm("turner", "RR", [Z, 0.5 * X], [Y, Y], tcp=0.4 * X, limits=limits))
     position = arm.tcp_position(np.array([[5.5, 0.3]]))[0]  # from -0.4 the way leads to 5.5 - 2 pi, beyond the limit
-    found = solve_pose(arm, position, None, np.array([-0.4, 0.3]))
-    check_all_reach(arm, found[None], position, None)
-    np.testing.assert_allclose(found[0] % (2 * np.pi), found[0], atol=1e-12)
+    found = solve_path(arm, position[None], None, np.array([-0.4, 0.3]))
+    check_all_reach(arm, found, position, None)
+    np.testing.assert_allclose(found, [[5.5, 0.3]], atol=1e-9)
 
 
 @pytest.mark.parametrize(("name", "turning"), [("seven_axis", True), ("three_link", False), ("gantry", False)])
@@ -122,3 +122,15 @@ def test_a_stretched_arm_is_solved_though_its_equations_are_exactly_singular():
     np.testing.assert_allclose(solve_pose(arm, [0.9, 0.0, 1.0], None, np.zeros(2)), 0, atol=1e-9)
     bent = solve_pose(arm, [0.8, 0.0, 1.0], None, np.zeros(2))
     np.testing.assert_allclose(arm.tcp_position(bent[None])[0], [0.8, 0, 1], atol=1e-9)
+
+
+def test_a_pose_at_a_joint_limit_is_within_it():
+    limits = [[-1.0, 1.5], [0.0, 2.0], [-0.25, 0.75]]
+    arm = RigidArm(make_arm("short", "RRP", [Z, 0.4 * X, 0.3 * X], [Z, Z, X], tcp=0.2 * X, limits=limits))
+    for q in (np.array([-1.0, 0.0, 0.75]), np.array([1.5, 2.0, -0.25])):
+        position, rotation = (part[0] for part in arm.tcp_pose(q[None]))
+        np.testing.assert_allclose(solve_pose(arm, position, rotation, q), q, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(pose_solutions(arm, position, rotation, q)[0], q, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(solve_path(arm, position[None], rotation, q), q[None], rtol=0, atol=1e-9)
+    beyond = np.array([[-1.0, -1e-6, 0.75]])
+    assert arm.robot.kinematics.beyond_limits(beyond).tolist() == [[False, True, False]]
