@@ -4,6 +4,7 @@ python -m scripts.format_tables
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,12 +53,17 @@ def capabilities_table() -> str:
 
 
 def filled(page: str) -> str:
-    """Return the page with its tables as they are now.
+    """Return the page with its tables as they are now."""
+    return with_tables(page, {"entries": entries_table(), "functions": capabilities_table()})
+
+
+def with_tables(page: str, tables: Mapping[str, str]) -> str:
+    """Return a page with tables in their places, by the names of these.
 
     Raises:
         FFGymError: if the page has no place for one.
     """
-    for name, table in {"entries": entries_table(), "functions": capabilities_table()}.items():
+    for name, table in tables.items():
         parts = re.split(rf"(<!-- {name} -->\n\n).*?(\n\n<!-- -->)", page, flags=re.DOTALL)
         if len(parts) != 4:
             raise FFGymError(f"The page must hold '<!-- {name} -->', a table and '<!-- -->' once.")

@@ -19,10 +19,10 @@ from ffgym.robot.inverse_kinematics import joint_rates
 from ffgym.types import Array
 
 RESOLVED = 0.1
-"""Largest change of joint speeds per path speed from one point at which a leg is examined to the next, as a share of the
-largest on the leg; chosen: what lies between is then missed by the square of it, which `bounds.MARGIN` covers."""
-_REFINEMENTS = 6
-"""How often the grid of a leg may be halved; near a singularity, which is refused, more would be needed."""
+"""Largest change of joint speeds per path speed from one point at which a leg is examined to the next, as a share of
+the largest on the leg; chosen: what lies between is then missed by the square of it, which `bounds.MARGIN` covers."""
+_REFINEMENTS = 12
+"""How often an interval may be halved; chosen: 5 mm become 1 um, below which nobody draws a path."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,14 +70,15 @@ def _bounds(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> tupl
     """Arc lengths at which each leg was examined, and bounds on path speed there, from the tool and from the joints."""
     legs, axes = run.route.legs, limits.of_joints(arm.robot.kinematics.max_speed)
     grid = [leg.grid() for leg in legs]
+    slopes = _joint_slopes(arm, run, grid, q)
     for _ in range(_REFINEMENTS):
-        slopes = _joint_slopes(arm, run, grid, q)
-        coarse = [_changes(first / axes.speed) > RESOLVED for first, _ in slopes]
-        if not any(coarse):
+        finer = [
+            _refined(s, first / axes.speed, second / axes.speed)
+            for s, (first, second) in zip(grid, slopes, strict=True)
+        ]
+        if all(len(new) == len(s) for new, s in zip(finer, grid, strict=True)):
             break
-        grid = [_halved(s) if c else s for s, c in zip(grid, coarse, strict=True)]
-    else:
-        slopes = _joint_slopes(arm, run, grid, q)
+        grid, slopes = finer, _joint_slopes(arm, run, finer, q)
     bounds = [
         axis_bounds((first, second, slope_of(second, s)), axes, tool_bounds(leg.speed, s, leg.at(s), limits))
         for leg, s, (first, second) in zip(legs, grid, slopes, strict=True)
@@ -96,14 +97,16 @@ def _joint_slopes(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) 
     return list(zip(np.split(first, cuts), np.split(second, cuts), strict=True))
 
 
-def _changes(slope: Array) -> float:
-    """Largest change of a slope (K, N) from one point of the grid to the next, as a share of the largest slope."""
-    return float(np.abs(np.diff(slope, axis=0)).max() / np.abs(slope).max())
-
-
-def _halved(s: Array) -> Array:
-    """Grid with twice as many intervals."""
-    return np.linspace(s[0], s[-1], 2 * len(s) - 1)
+def _refined(s: Array, first: Array, second: Array) -> Array:
+    """Grid with a new point in the middle of each interval over which one of two slopes (K, N) changes much."""
+    largest = float(np.abs(first).max())
+    scales = (
+        largest,
+        max(float(np.abs(second).max()), largest / s[-1]),
+    )  # a straight path has no second slope to resolve
+    changes = [np.abs(np.diff(x, axis=0)).max(axis=1) / scale for x, scale in zip((first, second), scales, strict=True)]
+    coarse = np.max(changes, axis=0) > RESOLVED
+    return np.sort(np.concatenate([s, 0.5 * (s[:-1] + s[1:])[coarse]]))
 
 
 def _blamed(arm: RigidArm, run: ToolRun, courses: Sequence[Course], q: Array) -> Move:

@@ -66,9 +66,9 @@ class MotionLimits:
     joint_rise_jerk: float = JOINT_RISE_JERK
     """Jerk of joint moves, in largest speeds of the joints per second squared [1/s^2], > 0."""
     joint_acceleration: Array | None = None
-    """Of each joint on any path, link side [rad/s^2, or m/s^2], shape (N,), > 0."""
+    """Of each joint on any path, link side [rad/s^2 or m/s^2], shape (N,), > 0; None is 12.5 largest speeds per s."""
     joint_jerk: Array | None = None
-    """Of each joint on any path, link side [rad/s^3, or m/s^3], shape (N,), > 0."""
+    """Of each joint on any path, link side [rad/s^3 or m/s^3], shape (N,), > 0; None is 2000 largest speeds per s^2."""
 
     def __post_init__(self) -> None:
         for name, unit in _UNITS.items():
