@@ -15,6 +15,7 @@ from scripts.robot_tables import page
 ROOT = Path(__file__).parent.parent
 EXECUTED = [
     "README.md",
+    "docs/kinematics.md",
     "docs/recorder.md",
     "docs/robot_check.md",
     "docs/reproduction.md",
