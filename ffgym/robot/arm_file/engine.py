@@ -18,6 +18,7 @@ _WAYS_OUT = (
         "inertia, or weld it to the link before it",
     ),
     ("inertia must", "No body has such an inertia; take it about the centre of mass, in kg m^2, from the CAD model"),
+    ("ASCII file", f"Save the mesh as binary STL, {WAY_OUT}"),
     ("stl_decoder", f"Copy or make the mesh again, {WAY_OUT}"),
     ("obj_decoder", f"Copy or make the mesh again, {WAY_OUT}"),
     ("mesh", f"Repair the mesh, {WAY_OUT}"),

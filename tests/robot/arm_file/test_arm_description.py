@@ -65,6 +65,7 @@ def test_numbers_of_the_file_say_so():
     assert robot.quantities["flange.rotation"].source == "kr_like.urdf, frame tool0"
     assert robot.quantities["simulation.gravity"].origin == ("chosen",)
     assert described(FILES / "kr_like.xml").quantities["simulation.gravity"].value.tolist() == [0.0, 0.0, -9.80665]
+    assert not np.any(np.signbit(described(FILES / "scara.xml").kinematics.axis[:, 0]))  # no -0 to wonder at
     assert described(FILES / "scara.xml").quantities["kinematics.range"].unit == "rad, rad, m, rad"
 
 
@@ -220,6 +221,10 @@ def test_notes_say_what_is_left_out(tmp_path):
     assert joints == "springs in its joints are left out"
     assert gravity.startswith("compensated gravity")
     assert medium.startswith("forces of the air")
+    tendon = "<tendon><spatial stiffness='9'><site site='tool0'/><site site='tip'/></spatial></tendon><actuator>"
+    (tmp_path / "arm.xml").write_text((FILES / "kr_like.xml").read_text().replace("<actuator>", tendon))
+    (note,) = read_arm(tmp_path / "arm.xml").notes
+    assert "of its tendons (counterbalances are entries of [springs])" in note
 
 
 def test_a_robot_from_a_file_can_be_copied_and_pickled():

@@ -125,6 +125,23 @@ def test_a_package_is_any_folder_above_the_file_and_collada_gives_way_to_collisi
     assert len(read_arm(elsewhere).geoms) == len(arm.geoms)
 
 
+def test_a_mesh_may_be_given_by_its_full_path(tmp_path):
+    write_stl(tmp_path / "mesh" / "hull.stl")
+    text = (FILES / "kr_like.urdf").read_text()
+    for uri in (f"file://{tmp_path}/mesh/hull.stl", f"{tmp_path}/mesh/hull.stl"):
+        (tmp_path / "arm.urdf").write_text(text.replace("meshes/base.stl", uri))
+        assert read_arm(tmp_path / "arm.urdf").geoms[0].type == "mesh"
+
+
+def test_settings_of_the_file_hide_neither_looks_nor_frames(ur_mjcf):
+    expected = read_arm(ur_mjcf, UR_JOINTS)
+    text = ur_mjcf.read_text().replace("autolimits", 'fusestatic="true" discardvisual="true" autolimits')
+    ur_mjcf.write_text(text)
+    arm = read_arm(ur_mjcf, UR_JOINTS)
+    assert len(arm.geoms) == len(expected.geoms)
+    assert set(arm.frames) == set(expected.frames)
+
+
 def test_a_link_whose_meshes_cannot_be_read_is_noted(tmp_path):
     path = tmp_path / "ur_like.urdf"
     path.write_text((FILES / "ur_like.urdf").read_text().replace("base.stl", "base.dae"))

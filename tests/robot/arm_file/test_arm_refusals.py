@@ -2,6 +2,7 @@
 
 import re
 
+import mujoco
 import pytest
 
 from ffgym.errors import FFGymError
@@ -101,6 +102,13 @@ BROKEN = {
     "weld": (
         mjcf(body("a", body("b")), "<equality><weld body1='b' body2='a'/></equality>"),
         "The constraint 'number 1' between 'b' and 'a' closes a loop",
+    ),
+    "weld of sites": (
+        mjcf(
+            "<site name='here'/>" + body("a", body("b") + "<site name='there'/>"),
+            "<equality><weld name='w' site1='there' site2='here'/></equality>",
+        ),
+        "The constraint 'w' between 'a' and 'world' closes a loop",
     ),
     "tied joint": (
         mjcf(CHAIN, "<equality><joint name='belt' joint1='j_a' joint2='j_b'/></equality>"),
@@ -282,3 +290,48 @@ def test_joints_that_are_no_hinges_or_slides_may_be_held(tmp_path):
     path = tmp_path / "robot.xml"
     path.write_text(mjcf(body("a", body("b"), "<freejoint/>")), encoding="utf-8")
     assert read_arm(path, ["j_b"]).quantities["base.mass"].value > 0
+
+
+def test_constraints_that_bind_nothing_that_moves_are_no_loop(tmp_path):
+    held = body("c", body("d"), "<joint name='j_c' axis='1 0 0'/>")
+    ties = [
+        "<weld body1='b' body2='a' active='false'/>",  # switched off
+        "<connect body1='foot' body2='world' anchor='0 0 0'/>",  # the base and the world
+        "<connect body1='d' body2='b' anchor='0 0 0'/>",  # a linkage in one link, whose joints are held
+        "<joint joint1='j_c' joint2='j_d'/>",
+        "<joint joint1='j_c'/>",
+    ]
+    arm = body("foot", body("a", body("b", held)), "")
+    path = tmp_path / "arm.xml"
+    path.write_text(mjcf(arm, f"<equality>{''.join(ties)}</equality>"), encoding="utf-8")
+    assert read_arm(path, ["j_a", "j_b"]).joints == ("j_a", "j_b")
+
+
+def test_names_that_are_no_text_are_refused(tmp_path):
+    path = tmp_path / "arm.xml"
+    path.write_bytes(mjcf(CHAIN).encode().replace(b"'a'", b"'\x80'"))
+    assert "Names in it are not UTF-8 text" in refusal(path)
+
+
+def test_lines_are_named_where_they_are_those_of_the_file(tmp_path):
+    path = tmp_path / "arm.xml"
+    path.write_text("\n\n" + mjcf(body("a", mass="")), encoding="utf-8")
+    assert ", line 3." in refusal(path)
+    path.write_text("<!-- -->\n" + urdf(ARM).replace("mass value='1'", "mass value='x'"), encoding="utf-8")
+    assert refusal(path).endswith("bad format in attribute 'value'; Element 'mass'.")
+
+
+def test_warnings_of_mujoco_are_notes_and_whoever_listened_before_still_does(tmp_path):
+    def listener(message):
+        raise AssertionError(message)
+
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(listener)
+    try:
+        path = tmp_path / "arm.urdf"
+        path.write_text(urdf(ARM).replace("lower='-1' upper='1'", "lower='0' upper='0'"), encoding="utf-8")
+        arm = read_arm(path)
+        assert mujoco.get_mju_user_warning() is listener
+    finally:
+        mujoco.set_mju_user_warning(before)
+    assert arm.notes == ("joint 'j' has equal lower and upper limits, limit ignored",)
