@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ffgym.control import cartesian_reference
 from ffgym.robot import RigidArm, solve_pose
-from ffgym.robot.inverse_kinematics import rotation_error
+from ffgym.robot.inverse_kinematics import joint_rates, rotation_error
 from ffgym.robot.inverse_kinematics.mobility import mobility
 from tests.robot.arm_samples import ARMS, random_arm
 from tests.robot.tool_motions import joint_motion, slope, tool_path
@@ -124,3 +124,16 @@ def test_a_path_in_one_block_is_the_same_as_sample_by_sample(name):
         )  # fmt: skip
         np.testing.assert_allclose(alone.q[0], whole.q[row], rtol=0, atol=1e-8)
         np.testing.assert_allclose(alone.ddq[0], whole.ddq[row], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ARMS)
+@pytest.mark.parametrize("turning", [True, False])
+def test_rates_of_a_sample_have_the_same_bits_alone_and_among_others(name, turning):
+    arm = RigidArm(ARMS[name]())
+    home, rng = arm.robot.work_area.home, np.random.default_rng(0)
+    q = home + rng.uniform(-0.1, 0.1, (300, len(home)))
+    twist, change = rng.normal(size=(2, 300, 6 if turning else 3))
+    together = joint_rates(arm, q, home, twist, change)
+    for row in (0, 299):
+        alone = joint_rates(arm, q[[row]], home, twist[[row]], change[[row]])
+        np.testing.assert_array_equal(np.concatenate(alone), [part[row] for part in together])
