@@ -40,8 +40,8 @@ def _servo(servo: ServoLoop) -> str:
         return f"Servo unstable at {servo.place}, without friction."
     margin = "more than 100" if servo.gain_margin is None else f"{servo.gain_margin:.3g}"
     return (
-        f"Servo stable at {servo.place} up to {margin} times the gains; least damped oscillation {servo.frequency:.3g} Hz "
-        f"with damping ratio {servo.damping:.2g}, without friction."
+        f"Servo stable at {servo.place} up to {margin} times the gains; least damped oscillation "
+        f"{servo.frequency:.3g} Hz with damping ratio {servo.damping:.2g}, without friction."
     )
 
 

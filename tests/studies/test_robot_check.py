@@ -4,7 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
+from ffgym.errors import FFGymError
 from ffgym.plant import Plant
 from ffgym.robot import ModelOptions, RigidArm, RobotDraft, builtin_robots, load_draft, resonances
 from ffgym.studies.robot_check import check_robot, skeleton
@@ -198,6 +201,25 @@ def test_a_slip_is_noticed_and_named(change, doubt):
 def test_a_servo_or_a_place_that_does_not_work_is_a_doubt(change, doubt):
     found = check_robot(changed(change))
     assert any(doubt in sentence for sentence in found.doubts), found.doubts
+
+
+SCALED = [path for path in load_draft(IRB).quantities if path.split(".")[0] in ("links", "drive", "friction", "servo")]
+
+
+@settings(max_examples=6)
+@given(
+    st.dictionaries(st.sampled_from(SCALED), st.floats(-6, 6), min_size=1, max_size=4), st.sets(st.sampled_from(SCALED))
+)
+def test_any_numbers_and_any_gaps_are_checked(powers, gaps):
+    draft = changed({path: 10.0**power for path, power in powers.items()})
+    draft = replace(draft, quantities={path: q for path, q in draft.quantities.items() if path not in gaps})
+    try:
+        draft.check()
+    except FFGymError:
+        assume(False)  # e.g. static below Coulomb friction
+    found = check_robot(draft)
+    assert set(found.draft.missing) == gaps
+    assert (found.servo is None) == bool(gaps)
 
 
 def test_circles_that_cannot_be_followed_are_said_and_not_raised():
