@@ -129,10 +129,10 @@ def start_offset(recording: Recording) -> Array:
 
 
 def _nearest_rows(points: Array, rows: IntArray, reference: Array, reach: int) -> IntArray:
-    """Of the reference's rows within `reach` of each row, the nearest to its point; of equals the nearest in time."""
+    """Of the reference's rows within `reach` of each row, the nearest to its point."""
     best = np.full(len(rows), np.inf)
     near: IntArray = rows.copy()
-    for shift in sorted(range(-reach, reach + 1), key=abs):
+    for shift in range(-reach, reach + 1):
         candidate = np.clip(rows + shift, 0, len(reference) - 1)
         square = ((points - reference[candidate]) ** 2).sum(axis=1)
         closer = square < best
