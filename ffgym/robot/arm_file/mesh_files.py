@@ -14,8 +14,8 @@ WAY_OUT = 'or leave the looks out: looks = "none" in [robot], looks=False in rea
 def find_mesh(uri: str, folder: Path, what: str) -> Path:
     """The file that `uri` means in a file that lies in `folder`.
 
-    `package://name/rest` is looked for under every folder that holds the file, as `name/rest`, and as `rest` where the
-    folder itself has that name; other relative paths start at `folder`.
+    `package://name/rest` is looked for as `name/rest` in every folder that holds the file; other relative paths start
+    at `folder`.
 
     Raises:
         FFGymError: if there is no such file; `what` names the mesh.
@@ -34,6 +34,4 @@ def _places(uri: str, folder: Path) -> list[Path]:
         return [folder / uri]
     if scheme == "file":
         return [Path(rest)]
-    package, _, inside = rest.partition("/")
-    above = [folder, *folder.parents]
-    return [parent / inside for parent in above if parent.name == package] + [parent / rest for parent in above]
+    return [parent / rest for parent in (folder, *folder.parents)]

@@ -28,7 +28,7 @@ def add_shapes(
     notes = []
     parts = [root, *(element for elements in shapes.values() for element in elements)]
     materials = [material for part in parts for material in part.findall("material")]
-    colours = {str(m.get("name")): m for m in reversed(materials) if m.find("color") is not None}
+    colours = {str(m.get("name")): m for m in materials if m.find("color") is not None}
     for link, elements in shapes.items():
         body = spec.body(link)
         drawable = _drawable(elements)
@@ -69,8 +69,6 @@ def _add_shape(
         quat=quaternion(numbers(origin, "rpy", what, (0.0, 0.0, 0.0))),
         rgba=colour,
         mass=0.0,
-        contype=0,
-        conaffinity=0,
         **form,
     )
 

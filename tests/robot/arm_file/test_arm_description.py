@@ -209,6 +209,20 @@ def test_hints_say_what_the_file_knows_of_the_drives():
     assert geared[2].effort == 90.0
 
 
+def test_speeds_of_some_joints_are_hints_and_no_limits_of_the_arm(tmp_path):
+    text = (FILES / "ur_like.urdf").read_text().replace('velocity="3.14159"', 'velocity="0"', 1)
+    (tmp_path / "arm.urdf").write_text(text)
+    arm = read_arm(tmp_path / "arm.urdf", looks=False)
+    assert [hint.speed for hint in arm.hints] == [None] + [3.14159] * 5
+    assert "kinematics.max_speed" not in arm.quantities
+
+
+def test_two_motors_of_a_joint_are_no_gear_ratio(tmp_path):
+    text = (FILES / "kr_like.xml").read_text()
+    (tmp_path / "arm.xml").write_text(text.replace("</actuator>", "<motor joint='joint_a2' gear='60'/></actuator>"))
+    assert read_arm(tmp_path / "arm.xml").hints[1].gear_ratio is None
+
+
 def test_notes_say_what_is_left_out(tmp_path):
     text = (FILES / "kr_like.xml").read_text()
     assert read_arm(FILES / "kr_like.xml").notes == ()

@@ -93,6 +93,9 @@ def test_visual_geoms_are_preferred_to_those_that_collide(ur_mjcf):
         ("upper_arm_link", "capsule"),
     ]
     assert looks[0].colour == pytest.approx((0.033, 0.033, 0.033, 1))
+    both = "<geom type='box' size='1 1 1' contype='0' conaffinity='0'/><geom size='1'/>"
+    ur_mjcf.write_text(f"<mujoco><worldbody><body><joint/>{both}</body></worldbody></mujoco>")
+    assert [geom.type for geom in read_arm(ur_mjcf).geoms] == ["box"]
 
 
 def test_shapes_of_urdf_are_read_with_colour_scale_and_origin(tmp_path):
@@ -150,6 +153,16 @@ def test_a_link_whose_meshes_cannot_be_read_is_noted(tmp_path):
     assert arm.notes == (
         "link 'base_link_inertia' is not drawn: its meshes are in formats other than .stl, .obj, .msh",
     )
+
+
+def test_one_mesh_that_cannot_be_read_is_enough_for_collision_shapes(tmp_path):
+    text = (FILES / "ur_like.urdf").read_text().replace("base.stl", "base.dae")
+    sphere = '<visual><geometry><sphere radius="0.3"/></geometry></visual>'
+    box = '<collision><geometry><box size="0.2 0.4 0.6"/></geometry></collision>'
+    text = text.replace('<link name="base_link_inertia">', f'<link name="base_link_inertia">{sphere}{box}')
+    (tmp_path / "arm.urdf").write_text(text)
+    base = [geom for geom in read_arm(tmp_path / "arm.urdf").geoms if geom.body == "base"]
+    assert [(geom.type, geom.size) for geom in base] == [("box", (0.1, 0.2, 0.3))]
 
 
 def test_shapes_turn_with_roll_pitch_and_yaw_about_fixed_axes(tmp_path):

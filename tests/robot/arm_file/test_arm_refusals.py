@@ -134,6 +134,10 @@ BROKEN = {
     ),
     # masses
     "massless URDF": (urdf(link("a"), link("b", ""), joint("j", "a", "b")), "Element name 'b'"),
+    "shapes weigh nothing": (
+        urdf(link("a"), link("b", "<visual><geometry><sphere radius='1'/></geometry></visual>"), joint("j", "a", "b")),
+        "Element name 'b'",
+    ),
     "massless MJCF": (mjcf(body("a", mass="")), "Element name 'a'"),
     "massless way out": (mjcf(body("a", mass="")), "A link that moves must weigh something"),
     "two joints in a body": (
@@ -247,6 +251,14 @@ def test_a_mesh_that_a_mass_comes_from_matters_without_looks(tmp_path):
     mass = "links.mass"
     assert without.quantities[mass].value[0] == pytest.approx(1000 * 0.1**3 / 6, rel=1e-5)  # of water
     assert with_looks.quantities[mass].value == without.quantities[mass].value
+
+
+def test_masses_come_from_shapes_where_the_file_says_so(tmp_path):
+    path = tmp_path / "arm.xml"
+    text = mjcf(body("a", mass=WEIGHT + "<geom size='1' mass='7'/>"), "<compiler inertiafromgeom='true'/>")
+    path.write_text(text, encoding="utf-8")
+    for looks in (True, False):
+        assert read_arm(path, looks=looks).quantities["links.mass"].value == [7.0]
 
 
 @pytest.mark.parametrize(
