@@ -11,7 +11,7 @@ from ffgym.paths.bounds import Bounds, axis_bounds, slope_of, tool_bounds
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.moves import Move, located
 from ffgym.paths.pacing import stretches
-from ffgym.paths.route import Course, Route, chained
+from ffgym.paths.route import Course, Leg, Route, chained
 from ffgym.paths.timing import time_law
 from ffgym.recordings import PhaseKind
 from ffgym.robot import RigidArm, solve_path
@@ -66,35 +66,54 @@ def _followed(arm: RigidArm, course: Course, q: Array) -> tuple[Array, Array, Ar
     return rows, *joint_rates(arm, rows, q, np.hstack([tangent, rate]), np.hstack([bend, change]))
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Examined:
+    """A leg at the points of its grid."""
+
+    leg: Leg
+    s: Array
+    """Arc lengths from its start, increasing, shape (K,)."""
+    course: Course
+    first: Array
+    """Joint positions' derivative by arc length, shape (K, N)."""
+    second: Array
+    """Their second derivative, shape (K, N)."""
+
+
 def _bounds(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> tuple[list[Array], list[Bounds]]:
     """Arc lengths at which each leg was examined, and bounds on path speed there, from the tool and from the joints."""
-    legs, axes = run.route.legs, limits.of_joints(arm.robot.kinematics.max_speed)
-    grid = [leg.grid() for leg in legs]
-    slopes = _joint_slopes(arm, run, grid, q)
+    axes = limits.of_joints(arm.robot.kinematics.max_speed)
+    legs = _examined(arm, run, [leg.grid() for leg in run.route.legs], q)
     for _ in range(_REFINEMENTS):
-        finer = [
-            _refined(s, first / axes.speed, second / axes.speed)
-            for s, (first, second) in zip(grid, slopes, strict=True)
-        ]
-        if all(len(new) == len(s) for new, s in zip(finer, grid, strict=True)):
+        finer = [_refined(leg.s, leg.first / axes.speed, leg.second / axes.speed) for leg in legs]
+        if all(len(s) == len(leg.s) for s, leg in zip(finer, legs, strict=True)):
             break
-        grid, slopes = finer, _joint_slopes(arm, run, finer, q)
+        legs = _examined(arm, run, finer, q)
     bounds = [
-        axis_bounds((first, second, slope_of(second, s)), axes, tool_bounds(leg.speed, s, leg.at(s), limits))
-        for leg, s, (first, second) in zip(legs, grid, slopes, strict=True)
+        axis_bounds(
+            (leg.first, leg.second, slope_of(leg.second, leg.s)),
+            axes,
+            tool_bounds(leg.leg.speed, leg.s, leg.course, limits),
+        )
+        for leg in legs
     ]
-    return grid, bounds
+    return [leg.s for leg in legs], bounds
 
 
-def _joint_slopes(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) -> list[tuple[Array, Array]]:
-    """First two derivatives of the joint positions by path length at the grid of each leg, (K, N) each."""
+def _examined(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) -> list[_Examined]:
+    """The legs of a run at the points of a grid."""
     courses = [leg.at(s) for leg, s in zip(run.route.legs, grid, strict=True)]
     try:
         _, first, second = _followed(arm, chained(courses), q)
     except FFGymError as error:
         raise located(_blamed(arm, run, courses, q), str(error)) from error
     cuts = np.cumsum([len(s) for s in grid])[:-1]
-    return list(zip(np.split(first, cuts), np.split(second, cuts), strict=True))
+    return [
+        _Examined(leg=leg, s=s, course=course, first=d1, second=d2)
+        for leg, s, course, d1, d2 in zip(
+            run.route.legs, grid, courses, np.split(first, cuts), np.split(second, cuts), strict=True
+        )
+    ]
 
 
 def _refined(s: Array, first: Array, second: Array) -> Array:

@@ -20,7 +20,7 @@ SHARPEST = np.deg2rad(175.0)
 """Largest angle by which a rounded corner turns back [rad]; chosen: beyond it is a cusp, and the robot stops."""
 SPENT = 1e-9
 """Share of a leg up to which what two corners leave of it is nothing; chosen: well above rounding."""
-GRID = 32
+GRID = 16
 """Intervals in which a leg is examined at least."""
 GRID_STEP = 0.005
 """Longest interval in which a leg is examined [m, or s of joint motion]; chosen: over 5 mm the joint motion of an arm

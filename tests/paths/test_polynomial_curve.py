@@ -106,3 +106,11 @@ def test_a_closed_spline_is_smooth_where_it_closes():
 def test_points_that_make_no_spline_are_refused(through, closed, message):
     with pytest.raises(FFGymError, match=message):
         spline_through(np.array(through, dtype=float), closed=closed)
+
+
+def test_a_point_of_a_curve_does_not_depend_on_the_others():
+    curve = spline_through(np.array([[0.0, 0, 0], [1, 0, 0.2], [1.1, 0.9, 0], [0, 1, 0]]))
+    s = np.linspace(0, curve.length, 50)
+    together, alone = curve.at(s), [curve.at(s[i : i + 1]) for i in range(50)]
+    for order, part in enumerate(together):
+        np.testing.assert_array_equal(part, np.concatenate([one[order] for one in alone]))
