@@ -134,14 +134,14 @@ def test_the_path_error_needs_a_tool(one_axis):
         gym.make(NAME, path=sine(one_axis), reward="path_error")
 
 
-@pytest.mark.parametrize("speed", [0.01, 0.04])
-def test_the_path_error_of_info_is_the_distance_to_the_path(arm, speed):
+@pytest.mark.parametrize(("speed", "share"), [(0.01, 0.03), (0.04, 0.005)])  # the faster, the more curvature counts
+def test_the_path_error_of_info_is_the_distance_to_the_path(arm, speed, share):
     recording, infos = run(path=tilted(arm, speed=speed))
     distance = Contour.of(recording).distance[4::4]
     seen = np.array([info["path_error"] for info in infos])
     moving = ~recording.mask(kind="standstill")[4::4]
     assert distance.max() > 5e-5
-    np.testing.assert_allclose(seen[moving], distance[moving], atol=0.03 * distance.max())
+    np.testing.assert_allclose(seen[moving], distance[moving], atol=share * distance.max())
 
 
 def test_circles_share_a_plane_only_if_they_share_their_centre(arm):
