@@ -39,7 +39,7 @@ CAPABILITIES: tuple[Capability, ...] = (
     ),
     Capability(
         name="identification",
-        title="identification from logged motions",
+        title="logs of the machine with units and sides, all that identification asks for",
         needs=(*_GEOMETRY, "simulation.gravity", "drive.gear_ratio"),
     ),
     Capability(
