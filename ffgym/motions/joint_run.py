@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
 from ffgym.errors import FFGymError
 from ffgym.motions.rows import Rows, phases_at, sample_times
@@ -138,23 +139,29 @@ def run_joints(arm: RigidArm, steps: Sequence[JointStep], limits: MotionLimits) 
     )
 
 
-def _zone(arm: RigidArm, before: JointStep, after: JointStep) -> tuple[float, float]:
-    """How far along both legs the tool stays within the zone around the target, at most half of each."""
+def _zone(arm: RigidArm, before: JointStep, after: JointStep) -> float:
+    """How far along both legs the tool stays within the zone around the target, at most half of the shorter leg."""
     if arm.robot.tool is None:
         raise located(before.move, f"A zone is a distance of the TCP, which {arm.robot.name!r} has not; stop there.")
-    radius, unit = before.move.zone.radius, arm.robot.kinematics.max_speed
-    return (
-        _within(arm, before.leg.curve, before.leg.curve.length, radius, unit),
-        _within(arm, after.leg.curve, 0.0, radius, unit),
-    )
+    first, second = before.leg.curve, after.leg.curve
+    half, radius = 0.5 * min(first.length, second.length), before.move.zone.radius
+    return min(_within(arm, first, first.length, half, radius), _within(arm, second, 0.0, half, radius))
 
 
-def _within(arm: RigidArm, curve: Curve, corner: float, radius: float, unit: Array) -> float:
-    """Length of a curve, from one of its ends, on which the TCP stays within `radius` [m] of that end."""
-    away = np.linspace(0.0, 0.5 * curve.length, _ZONE_POINTS + 1)
-    points = arm.tcp_position(curve.at(np.abs(corner - away))[0] * unit)
-    beyond = np.flatnonzero(np.linalg.norm(points - points[0], axis=1) > radius)
-    return float(away[max(int(beyond[0]) - 1, 1)] if beyond.size else away[-1])
+def _within(arm: RigidArm, curve: Curve, corner: float, longest: float, radius: float) -> float:
+    """Length of a curve from one of its ends on which the TCP stays within `radius` [m] of that end."""
+    unit = arm.robot.kinematics.max_speed
+
+    def beyond(length: Array | float) -> Array:
+        points = arm.tcp_position(curve.at(np.abs(corner - np.append(0.0, length)))[0] * unit)
+        return np.linalg.norm(points[1:] - points[0], axis=1) - radius
+
+    away = np.linspace(0.0, longest, _ZONE_POINTS + 1)
+    outside = np.flatnonzero(beyond(away) > 0)
+    if not outside.size:
+        return longest
+    inner, outer = away[outside[0] - 1], away[outside[0]]
+    return float(brentq(lambda length: float(beyond(length)[0]), inner, outer))
 
 
 def _bounds(arm: RigidArm, leg: Leg, s: Array, limits: MotionLimits) -> Bounds:

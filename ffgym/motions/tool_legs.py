@@ -127,8 +127,7 @@ def _no_corner(before: Step, after: Step) -> str:
 
 def _run(steps: Sequence[Step]) -> ToolRun:
     legs = [step.leg for step in steps]
-    radii = [step.move.zone.radius for step in steps[:-1]]
-    route, targets = rounded(legs, [(radius, radius) for radius in radii])
+    route, targets = rounded(legs, [step.move.zone.radius for step in steps[:-1]])
     moves, targets, kinds = _with_circles([step.move for step in steps], legs, targets)
     return ToolRun(route=route, targets=targets, moves=moves, kinds=kinds)
 

@@ -100,7 +100,7 @@ def chained(parts: Sequence[Course]) -> Course:
     return Course(path=(p0, p1, p2, p3), turned=(r0, r1, r2))
 
 
-def rounded(legs: Sequence[Leg], zones: Sequence[tuple[float, float]]) -> tuple[Route, Array]:
+def rounded(legs: Sequence[Leg], zones: Sequence[float]) -> tuple[Route, Array]:
     """Legs joined into a route, each corner rounded within its zone.
 
     Zones that would overlap shrink to half of the shorter leg; of a leg that two corners use up nothing is left between
@@ -108,24 +108,23 @@ def rounded(legs: Sequence[Leg], zones: Sequence[tuple[float, float]]) -> tuple[
 
     Args:
         legs: one or more, each starting where the one before ends.
-        zones: how far before and after each corner the rounding may begin and end, along the path, for all corners.
+        zones: how far before and after each corner the rounding may begin and end, along the path.
 
     Returns:
         The route, and the arc length at which it passes each target, the last one at its end, shape (L,).
     """
     cuts = [
-        (0.0, 0.0) if meets(before, after) else _shrunk(zone, before.curve.length, after.curve.length)
+        0.0 if meets(before, after) else min(zone, 0.5 * before.curve.length, 0.5 * after.curve.length)
         for zone, before, after in zip(zones, legs, legs[1:], strict=False)
     ]
-    before, after = [0.0, *(cut[1] for cut in cuts)], [*(cut[0] for cut in cuts), 0.0]
-    trimmed = [_trimmed(leg, a, b) for leg, a, b in zip(legs, before, after, strict=True)]
+    trimmed = [_trimmed(leg, a, b) for leg, a, b in zip(legs, [0.0, *cuts], [*cuts, 0.0], strict=True)]
     chain, targets, length = [], [], 0.0
     for i, leg in enumerate(trimmed):
         if leg.curve.length > SPENT * legs[i].curve.length:
             chain.append(leg)
             length += leg.curve.length
         if i < len(cuts):
-            corner = _corner(legs[i], legs[i + 1], leg, trimmed[i + 1], cuts[i]) if max(cuts[i]) > 0 else None
+            corner = _corner(legs[i], legs[i + 1], leg, trimmed[i + 1], cuts[i]) if cuts[i] > 0 else None
             passed = corner.curve.length if corner else 0.0
             targets.append(length + 0.5 * passed)
             chain += [corner] if corner else []
@@ -152,11 +151,6 @@ def corner_angle(before: Curve, after: Curve) -> float:
     return float(2 * np.arctan2(np.linalg.norm(t1 - t0), np.linalg.norm(t1 + t0)))
 
 
-def _shrunk(zone: tuple[float, float], before: float, after: float) -> tuple[float, float]:
-    half = 0.5 * min(before, after)
-    return min(zone[0], half), min(zone[1], half)
-
-
 def _trimmed(leg: Leg, start: float, end: float) -> Leg:
     """The leg without its first and last stretch."""
     if start == 0 and end == 0:
@@ -167,7 +161,7 @@ def _trimmed(leg: Leg, start: float, end: float) -> Leg:
     return replace(leg, curve=Part(curve=leg.curve, start=start, end=leg.curve.length - end), turning=turning)
 
 
-def _corner(before: Leg, after: Leg, first: Leg, second: Leg, cut: tuple[float, float]) -> Leg:
+def _corner(before: Leg, after: Leg, first: Leg, second: Leg, cut: float) -> Leg:
     """Rounded corner between the trimmed legs, at the lower of their speeds."""
     curve = blend(first.curve, second.curve)
     turning: Turning | None = None
@@ -176,7 +170,7 @@ def _corner(before: Leg, after: Leg, first: Leg, second: Leg, cut: tuple[float, 
             corner=after.turning.start,
             before=before.turning.rate,
             after=after.turning.rate,
-            legs=cut,
+            cut=cut,
             length=curve.length,
         )
     elif before.turning is not None or after.turning is not None:

@@ -46,8 +46,8 @@ class BlendedTurn(Turning):
 
     .. math:: R(s) = e^{f(s) \omega_0} e^{g(s) \omega_1} R_c
 
-    where f rises from minus the length of the corner's first leg to 0 and g from 0 to the length of the second, both
-    as quintics. Orientation, rate and its derivative equal those of the legs at both ends.
+    where f rises from minus the length that the corner cuts off a leg to 0 and g from 0 to that length, both as
+    quintics. Orientation, rate and its derivative equal those of the legs at both ends.
     """
 
     corner: Array
@@ -56,16 +56,16 @@ class BlendedTurn(Turning):
     """Rate omega_0 of the leg before [rad/m], shape (3,)."""
     after: Array
     """Rate omega_1 of the leg after [rad/m], shape (3,)."""
-    legs: tuple[float, float]
-    """Arc length from where the blend starts to the corner, and from the corner to where it ends."""
+    cut: float
+    """Arc length of the legs from where the blend starts to the corner, and from the corner to where it ends."""
     length: float
     """Arc length of the blend."""
 
     def at(self, s: Array) -> Turned:
         """Orientation and rates at arc lengths `s`."""
         x = s / self.length
-        f, df, ddf = _fade_in(1 - x, self.legs[0], self.length)
-        g, dg, ddg = _fade_in(x, self.legs[1], self.length)
+        f, df, ddf = _fade_in(1 - x, self.cut, self.length)
+        g, dg, ddg = _fade_in(x, self.cut, self.length)
         f, ddf = -f, -ddf  # the first leg runs backwards: its rate keeps its sign
         outer, inner = Rotation.from_rotvec(f[:, None] * self.before), Rotation.from_rotvec(g[:, None] * self.after)
         second = outer.apply(self.after)

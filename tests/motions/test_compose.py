@@ -184,6 +184,9 @@ def test_joint_moves_are_straight_in_joint_space_and_round_their_corners_near_th
     check_reference(blended)
     away = np.linalg.norm(arm.tcp_position(blended.q) - arm.tcp_position(middle[None]), axis=1)
     assert 1e-3 < away.min() < 0.05
+    small = [MoveJoint(to=a), MoveJoint(to=middle, zone=Zone(radius=0.001)), MoveJoint(to=b)]
+    nearest = arm.tcp_position(compose(arm, small).reference.q) - arm.tcp_position(middle[None])
+    assert 1e-6 < np.linalg.norm(nearest, axis=1).min() < 0.001
     assert np.abs(blended.dq[np.argmin(away)]).max() > 0.1
 
 

@@ -39,18 +39,16 @@ def test_an_even_turn_goes_the_short_way_from_one_orientation_to_the_other(start
 
 
 @few
-@given(
-    corner=turns, before=turns, after=turns, legs=st.tuples(st.floats(0.1, 1), st.floats(0.1, 1)), cut=st.floats(0.6, 1)
-)
-def test_a_blended_turn_starts_and_ends_as_its_legs(corner, before, after, legs, cut):
-    length = cut * sum(legs)
+@given(corner=turns, before=turns, after=turns, leg=st.floats(0.1, 1), share=st.floats(0.6, 1))
+def test_a_blended_turn_starts_and_ends_as_its_legs(corner, before, after, leg, share):
+    length = 2 * share * leg
     middle = matrix(corner)
-    first = EvenTurn(start=matrix(-legs[0] * np.array(before)) @ middle, rate=np.array(before))
+    first = EvenTurn(start=matrix(-leg * np.array(before)) @ middle, rate=np.array(before))
     second = EvenTurn(start=middle, rate=np.array(after))
-    turning = BlendedTurn(corner=middle, before=first.rate, after=second.rate, legs=legs, length=length)
+    turning = BlendedTurn(corner=middle, before=first.rate, after=second.rate, cut=leg, length=length)
     check_rates(turning, length)
     ends = turning.at(np.array([0.0, length]))
-    begun, ended = first.at(np.zeros(1)), second.at(np.array([legs[1]]))
+    begun, ended = first.at(np.zeros(1)), second.at(np.array([leg]))
     for part, one, other in zip(ends, begun, ended, strict=True):
         np.testing.assert_allclose(part, [one[0], other[0]], atol=1e-9)
 
