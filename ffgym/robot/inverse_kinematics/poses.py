@@ -56,7 +56,8 @@ def pose_solutions(arm: RigidArm, position: Array, rotation: Array | None, seed:
     goal, posture = _request(arm, position, rotation, seed)
     nearest = first_pose(arm, goal, posture, anywhere=True)
     q, met = _search(arm, goal, posture, any_poses(arm, _SEARCHES))
-    found = _different(arm, np.vstack([nearest[None], q[met]]))
+    within = met & ~arm.robot.kinematics.beyond_limits(q).any(axis=1)
+    found = _different(arm, np.vstack([nearest[None], q[within]]))
     every = np.vstack([_whole_turns(arm, solution) for solution in found])
     return every[np.argsort(np.abs(every - posture.anchor).max(axis=1), kind="stable")]
 

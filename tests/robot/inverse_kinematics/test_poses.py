@@ -110,6 +110,17 @@ def test_the_nearest_posture_is_the_seed_itself_where_it_makes_the_pose(name, tu
     check_all_reach(arm, solutions, position, asked)
 
 
+def test_all_postures_found_are_nearest_to_the_seed_among_their_neighbours():
+    """Also those that Newton's method reaches beyond a joint limit, which a whole turn brings back within."""
+    arm = RigidArm(ARMS["seven_axis"]())
+    home, speed = arm.robot.work_area.home, arm.robot.kinematics.max_speed
+    position, rotation = arm.tcp_pose(home[None])
+    solutions = pose_solutions(arm, position[0], rotation[0], home)
+    assert len(solutions) > 1
+    free = np.linalg.svd(arm.jacobian(solutions))[2][:, 6]
+    np.testing.assert_allclose(np.sum(free * (solutions - home) / speed**2, axis=1), 0, atol=1e-9)
+
+
 def test_what_is_found_is_the_same_in_every_call():
     arm = RigidArm(ARMS["seven_axis"]())
     pose = arm.tcp_pose(arm.robot.work_area.home[None])
@@ -131,6 +142,8 @@ def test_a_pose_at_a_joint_limit_is_within_it():
         position, rotation = (part[0] for part in arm.tcp_pose(q[None]))
         np.testing.assert_allclose(solve_pose(arm, position, rotation, q), q, rtol=0, atol=1e-9)
         np.testing.assert_allclose(pose_solutions(arm, position, rotation, q)[0], q, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(solve_path(arm, position[None], rotation, q), q[None], rtol=0, atol=1e-9)
+    along = np.linspace([-0.5, 0.3, 0.75], [0.5, 1.3, 0.75], 50)  # one joint stays at its limit, to rounding
+    positions, rotations = arm.tcp_pose(along)
+    np.testing.assert_allclose(solve_path(arm, positions, rotations, along[0]), along, rtol=0, atol=1e-9)
     beyond = np.array([[-1.0, -1e-6, 0.75]])
     assert arm.robot.kinematics.beyond_limits(beyond).tolist() == [[False, True, False]]
