@@ -1,8 +1,7 @@
 """Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -10,6 +9,8 @@ from mujoco import batch
 
 from ffgym.errors import FFGymError, check_shape, check_whole
 from ffgym.plant.addresses import Addresses
+from ffgym.plant.equilibrium import bent_by_load
+from ffgym.plant.sameness import check_same_controller
 from ffgym.robot import ModelOptions, RobotDescription, compile_model, model_field, physics_fingerprint
 from ffgym.types import Array, BoolArray, IntArray
 
@@ -92,7 +93,7 @@ class Plant:
         Raises:
             FFGymError: if joints, gear ratios, servo gains or sample times differ.
         """
-        _check_same_controller(self.robot, robot)
+        check_same_controller(self.robot, robot)
 
     def fingerprint(self, index: int = 0) -> str:
         """Fingerprint of the physics of one simulation."""
@@ -140,44 +141,12 @@ class Plant:
         self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
         loaded = np.any(self.model.opt.gravity) or self._has_springs
-        load = self._sag(rows) if loaded else np.zeros_like(motor_q)
+        robots = [self.robots[i] for i in rows]
+        load = bent_by_load(engine, at, rows, robots, self._has_springs) if loaded else np.zeros_like(motor_q)
         self._qvel[np.ix_(rows, at.motor_qpos)] = speed
         gain = self.robot.servo.integral_gain
         integral = np.divide(self.robot.drive.motor_torque(load), gain, out=np.zeros_like(load), where=gain > 0)
         self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
-
-    def _sag(self, rows: IntArray) -> Array:
-        """Bend the joints of resting robots until they carry the load; returns its torque, link side [N m], (B, N).
-
-        Solves K delta = -g(q + delta) by fixed-point iteration in the engine, where each robot has its own masses;
-        each row stops on its own, whatever the others do. The load is gravity, and springs between links if there are.
-        """
-        engine, at = self.batch, self.addresses
-        gravity, passive = engine.bind("qfrc_bias"), engine.bind("qfrc_passive")
-        stiffness = np.stack([self.robots[i].drive.joint_stiffness for i in rows])[:, at.is_elastic]
-        moving = np.arange(len(rows))
-        for _ in range(100):
-            engine.forward(rows[moving], stage=mujoco.mjtStage.mjSTAGE_VEL.value)
-            if not at.is_elastic.any():
-                break
-            here = np.ix_(rows[moving], at.deflection_qpos)
-            load = gravity[here]
-            if self._has_springs:  # what is passive but not the joint's own spring
-                load = load - (passive[here] + stiffness[moving] * self._qpos[here])
-            update = -load / stiffness[moving]
-            change = np.abs(update - self._qpos[here]).max(axis=1)
-            self._qpos[here] = update
-            moving = moving[change >= _TOLERANCE]
-            if not moving.size:
-                break
-        else:
-            robot = self.robots[rows[moving[0]]]
-            raise FFGymError(
-                f"Robot {robot.name!r} finds no equilibrium under gravity: joint_stiffness = "
-                f"{robot.drive.joint_stiffness} N m/rad is too soft for its masses."
-            )
-        motors = np.ix_(rows, at.motor_qpos)
-        return gravity[motors] - passive[motors] if self._has_springs else gravity[motors]
 
     def state(self) -> PlantState:
         """State of all robots now, arrays of shape (B, N), copies."""
@@ -249,27 +218,6 @@ class Plant:
                 f"{self.physics_dt} s."
             )
 
-
-def _check_same_controller(own: RobotDescription, other: RobotDescription) -> None:
-    """Raise if a plant does not fit the controller of a robot."""
-    pairs: dict[str, tuple[Any, Any]] = {
-        "joints": (own.joints, other.joints),
-        "drive.gear_ratio": (own.drive.gear_ratio, other.drive.gear_ratio),
-        "drive.coupling": (own.drive.matrix, other.drive.matrix),
-        "springs": (len(own.springs), len(other.springs)),
-        "simulation.physics_dt": (own.physics_dt, other.physics_dt),
-    }
-    pairs |= {f"servo.{f.name}": (getattr(own.servo, f.name), getattr(other.servo, f.name)) for f in fields(own.servo)}
-    for name, (mine, theirs) in pairs.items():
-        if not np.array_equal(mine, theirs):
-            raise FFGymError(
-                f"Robots {own.name!r} and {other.name!r} differ in {name}, {mine} and {theirs}; a plant must have what "
-                f"its controller was made for."
-            )
-
-
-_TOLERANCE = 1e-14
-"""Change of deflection [rad] at which the search for equilibrium stops: rounding of angles of order 1 rad."""
 
 _BAD = [
     int(mujoco.mjtWarning.mjWARN_BADQPOS),

@@ -1,0 +1,61 @@
+"""Static equilibrium of flexible robots, found in the engine."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from mujoco import batch
+
+from ffgym.errors import FFGymError
+from ffgym.plant.addresses import Addresses
+from ffgym.robot import RobotDescription
+from ffgym.types import Array, IntArray
+
+_TOLERANCE = 1e-14
+"""Change of deflection [rad] at which the search for equilibrium stops: rounding of angles of order 1 rad."""
+_MAX_ITERATIONS = 100
+
+
+def bent_by_load(
+    engine: batch.Batch, at: Addresses, rows: IntArray, robots: Sequence[RobotDescription], has_springs: bool
+) -> Array:
+    """Bend the joints of resting robots until they carry the load; returns its torque, link side [N m], (B, N).
+
+    Solves K delta = -g(q + delta) by fixed-point iteration in the engine, where each robot has its own masses; each row
+    stops on its own, whatever the others do. The load is gravity, and springs between links if there are.
+
+    Args:
+        engine: simulations, at rest.
+        at: where each joint's quantities stand in it.
+        rows: which simulations, shape (B,).
+        robots: what they are, B of them.
+        has_springs: whether there are springs between links.
+
+    Raises:
+        FFGymError: if a robot is so soft that the iteration does not converge.
+    """
+    gravity, passive, qpos = engine.bind("qfrc_bias"), engine.bind("qfrc_passive"), engine.bind("qpos")
+    stiffness = np.stack([robot.drive.joint_stiffness for robot in robots])[:, at.is_elastic]
+    moving = np.arange(len(rows))
+    for _ in range(_MAX_ITERATIONS):
+        engine.forward(rows[moving], stage=mujoco.mjtStage.mjSTAGE_VEL.value)
+        if not at.is_elastic.any():
+            break
+        here = np.ix_(rows[moving], at.deflection_qpos)
+        load = gravity[here]
+        if has_springs:  # what is passive but not the joint's own spring
+            load = load - (passive[here] + stiffness[moving] * qpos[here])
+        update = -load / stiffness[moving]
+        change = np.abs(update - qpos[here]).max(axis=1)
+        qpos[here] = update
+        moving = moving[change >= _TOLERANCE]
+        if not moving.size:
+            break
+    else:
+        robot = robots[moving[0]]
+        raise FFGymError(
+            f"Robot {robot.name!r} finds no equilibrium under gravity: joint_stiffness = "
+            f"{robot.drive.joint_stiffness} N m/rad is too soft for its masses."
+        )
+    motors = np.ix_(rows, at.motor_qpos)
+    return gravity[motors] - passive[motors] if has_springs else gravity[motors]
