@@ -10,7 +10,7 @@ import numpy as np
 
 from agents.learning.forgetting import SEEN_FROM, compare
 from ffgym.report import save_figure
-from ffgym.report.forgetting_plot import forgetting_figure
+from ffgym.report.learning.forgetting_plot import forgetting_figure
 from ffgym.robot import load_robot
 
 

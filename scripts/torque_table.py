@@ -18,7 +18,7 @@ from ffgym.files import check_writable, write_json, write_text
 from ffgym.provenance import versions
 from ffgym.published import KR300_FRICTION
 from ffgym.report._matplotlib import check_figure, save_figure
-from ffgym.report.torque_plot import torque_figure
+from ffgym.report.robot.torque_plot import torque_figure
 from ffgym.robot import compile_model, load_robot, physics_fingerprint
 from ffgym.studies.measured import measured_folder, read_kr300
 from ffgym.studies.torque_prediction import CUTOFF, MOVING, TorqueError, TorquePrediction, predict_torque

@@ -9,7 +9,7 @@ from agents.common.trials import Signal, SimulatedTrial
 from agents.learning.lffc import LFFC
 from agents.stability.limits import LearningStability
 from ffgym.control import Reference
-from ffgym.report.learning_plot import LearningCurves
+from ffgym.report.learning.learning_plot import LearningCurves
 
 
 def learning_curves(

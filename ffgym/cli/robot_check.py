@@ -34,7 +34,7 @@ class Check:
         check = check_robot(draft)
         info = provenance("ffgym robot check", self, draft.name, _fingerprint(draft), None)
         if self.report is not None:
-            from ffgym.report.robot_page import render_robot_page
+            from ffgym.report.robot.page import render_robot_page
 
             write_text(self.report, render_robot_page(check, info))
         if self.json is not None:
@@ -45,7 +45,7 @@ class Check:
                 print(f"{what}: {place}")
 
     def _print(self, check: RobotCheck) -> None:
-        from ffgym.report.robot_text import format_check
+        from ffgym.report.robot.text import format_check
 
         print(format_check(check))
         proposals = [proposal.path for proposal in propose(check.draft)]

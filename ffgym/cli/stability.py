@@ -88,7 +88,7 @@ class Stability:
     def _draw(self, network: BSplineNetwork, arm: RigidArm, motion: Reference, iterations: int, path: Path) -> None:
         from agents.stability.check import learning_curves
         from ffgym.report import save_figure
-        from ffgym.report.learning_plot import learning_caption, learning_figure
+        from ffgym.report.learning.learning_plot import learning_caption, learning_figure
 
         trial = SimulatedTrial(arm=arm, record_dt=self.record_dt_ms / 1e3, n_threads=self.threads)
         curves = learning_curves(network, trial, motion, self.figure_rates, iterations, signal=self.signal)

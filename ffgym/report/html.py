@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from ffgym.errors import FFGymError
 from ffgym.report._matplotlib import encode_figure, require_matplotlib
-from ffgym.report.comparison import percent
-from ffgym.report.figures import ReportFigure
+from ffgym.report.circles.comparison import percent
+from ffgym.report.circles.figures import ReportFigure
 
 if TYPE_CHECKING:
     from jinja2 import Environment

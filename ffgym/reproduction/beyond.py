@@ -9,9 +9,9 @@ from agents.common.trials import SimulatedTrial
 from agents.stability.check import learning_curves
 from ffgym.paths import SPEEDS
 from ffgym.report import ReportFigure
-from ffgym.report.agents_plot import agents_figure
-from ffgym.report.comparison import percent
-from ffgym.report.learning_plot import LearningCurves, learning_caption, learning_figure
+from ffgym.report.circles.comparison import percent
+from ffgym.report.learning.agents_plot import agents_figure
+from ffgym.report.learning.learning_plot import LearningCurves, learning_caption, learning_figure
 from ffgym.reproduction.claims import Check, Claim
 from ffgym.reproduction.comparisons import mean_path_reduction
 from ffgym.reproduction.items import Item, PlainTable

@@ -4,8 +4,8 @@ import numpy as np
 
 from agents.splines.basis import FINE_RANGE, SplineBasis
 from ffgym.report import ReportFigure
-from ffgym.report.basis_plot import basis_figure
-from ffgym.report.feedback_plot import feedback_over_speed_figure, feedback_parts_figure
+from ffgym.report.learning.basis_plot import basis_figure
+from ffgym.report.learning.feedback_plot import feedback_over_speed_figure, feedback_parts_figure
 from ffgym.reproduction.claims import ZERO, Check, Claim
 from ffgym.reproduction.items import Item
 from ffgym.reproduction.laboratory import Laboratory

@@ -4,7 +4,7 @@ import numpy as np
 
 from agents.learning.progress import Learning
 from ffgym.report import law_styles
-from ffgym.report.friction_loops import unlike
+from ffgym.report.circles.friction_loops import unlike
 from ffgym.reproduction.claims import ROUGH, ZERO, Check, Claim
 from ffgym.reproduction.items import Item
 from ffgym.reproduction.laboratory import Laboratory

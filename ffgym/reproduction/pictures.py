@@ -4,16 +4,16 @@ from collections.abc import Mapping, Sequence
 
 from agents.learning.progress import Learning
 from ffgym.report import ReportFigure, law_styles
-from ffgym.report.bars import motor_error_caption, motor_error_figure
-from ffgym.report.friction_loops import (
+from ffgym.report.circles.bars import motor_error_caption, motor_error_figure
+from ffgym.report.circles.friction_loops import (
     joint_loops_caption,
     joint_loops_figure,
     one_axis_loops_caption,
     one_axis_loops_figure,
 )
-from ffgym.report.one_axis_plot import one_axis_caption, one_axis_figure
-from ffgym.report.paths_plot import paths_caption, paths_figure
-from ffgym.report.training_plot import Training, training_caption, training_figure
+from ffgym.report.circles.one_axis_plot import one_axis_caption, one_axis_figure
+from ffgym.report.circles.paths_plot import paths_caption, paths_figure
+from ffgym.report.learning.training_plot import Training, training_caption, training_figure
 from ffgym.studies import CircleStudy, OneAxisStudy
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from ffgym.published import published_mm
 from ffgym.report import circle_tables
-from ffgym.report.comparison import FACTOR, reduction
+from ffgym.report.circles.comparison import FACTOR, reduction
 from ffgym.reproduction.claims import EVERY, MOST, Check, Claim
 from ffgym.reproduction.comparisons import label, mean_path_reduction
 from ffgym.reproduction.laboratory import Laboratory

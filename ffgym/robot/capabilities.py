@@ -39,7 +39,7 @@ CAPABILITIES: tuple[Capability, ...] = (
     ),
     Capability(
         name="identification",
-        title="logs of the machine with units and sides, all that identification asks for",
+        title="logs of the machine, as identification needs them",
         needs=(*_GEOMETRY, "simulation.gravity", "drive.gear_ratio"),
     ),
     Capability(

@@ -14,7 +14,7 @@ from agents.learning.forgetting import compare
 from agents.learning.lffc import LFFC
 from ffgym.control import StaticLuGre
 from ffgym.errors import FFGymError
-from ffgym.report.forgetting_plot import forgetting_figure
+from ffgym.report.learning.forgetting_plot import forgetting_figure
 from ffgym.simulation import Run
 from ffgym.studies import sine_references
 from tests.agents.lesson_samples import lesson

@@ -10,12 +10,12 @@ from ffgym.errors import FFGymError
 from ffgym.metrics import motor_error, motor_error_rms, relative_rms
 from ffgym.report import circle_figures, one_axis_figures, save_figure
 from ffgym.report._matplotlib import encode_figure
-from ffgym.report.bars import motor_error_figure
-from ffgym.report.friction_loops import joint_loops_caption, joint_loops_figure
+from ffgym.report.circles.bars import motor_error_figure
+from ffgym.report.circles.friction_loops import joint_loops_caption, joint_loops_figure
+from ffgym.report.circles.one_axis_plot import one_axis_figure
+from ffgym.report.circles.paths_plot import flat_circles, magnification, paths_figure
+from ffgym.report.circles.ratios_plot import ratios_figure
 from ffgym.report.laws import law_styles
-from ffgym.report.one_axis_plot import one_axis_figure
-from ffgym.report.paths_plot import flat_circles, magnification, paths_figure
-from ffgym.report.ratios_plot import ratios_figure
 
 
 def lines_of(axes) -> dict:
@@ -168,7 +168,7 @@ def test_drawing_does_not_load_pyplot():
     code = """
 import sys
 from ffgym.report._matplotlib import encode_figure
-from ffgym.report.one_axis_plot import one_axis_figure
+from ffgym.report.circles.one_axis_plot import one_axis_figure
 from ffgym.robot import load_robot
 from ffgym.studies import one_axis_study
 picture = encode_figure(one_axis_figure(one_axis_study(load_robot("one_axis"), frequencies=[3.0]), 3.0), "png")

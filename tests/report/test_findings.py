@@ -1,7 +1,7 @@
 import pytest
 
 from ffgym.report import findings, headline
-from ffgym.report.comparison import percent
+from ffgym.report.circles.comparison import percent
 
 
 def test_a_simulation_that_equals_the_real_robot_reproduces_everything(made_up):

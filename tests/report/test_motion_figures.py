@@ -12,9 +12,9 @@ from ffgym.control import DynamicLuGreExact, NoCompensation, joint_reference
 from ffgym.metrics import Contour
 from ffgym.paths import joint_sine
 from ffgym.report import format_motion, render_motion_page
-from ffgym.report.motion_page import motion_figures
-from ffgym.report.thinning import POINTS, peaks_kept
-from ffgym.report.tool_path_plot import SHARE, magnification, sights_of
+from ffgym.report.motion.page import motion_figures
+from ffgym.report.motion.thinning import POINTS, peaks_kept
+from ffgym.report.motion.tool_path_plot import SHARE, magnification, sights_of
 from ffgym.studies import circle_references, motion_study
 
 ANGLE = np.linspace(0, 2 * np.pi, 400)

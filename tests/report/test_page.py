@@ -8,7 +8,7 @@ import pytest
 from ffgym.control import NoCompensation
 from ffgym.errors import FFGymError
 from ffgym.report import circle_figures, findings, one_axis_figures, render_report, write_report
-from ffgym.report.page import provenance
+from ffgym.report.circles.page import provenance
 from ffgym.studies import circle_study, one_axis_study
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}

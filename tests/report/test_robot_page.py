@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.report.robot_page import render_robot_page, robot_figures
-from ffgym.report.robot_tables import robot_tables
-from ffgym.report.robot_text import format_check
+from ffgym.report.robot.page import render_robot_page, robot_figures
+from ffgym.report.robot.tables import robot_tables
+from ffgym.report.robot.text import format_check
 from ffgym.robot import CAPABILITIES, builtin_robots, load_draft
 from ffgym.studies.robot_check import check_robot
 

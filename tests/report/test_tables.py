@@ -5,7 +5,7 @@ import pytest
 
 from ffgym.published import published_mm
 from ffgym.report import circle_tables, format_one_axis, format_text
-from ffgym.report.tables import WIDTH
+from ffgym.report.circles.tables import WIDTH
 
 
 def test_table_entries_are_the_cells_of_the_study(circle):

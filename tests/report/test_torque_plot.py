@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.report.torque_plot import torque_figure
+from ffgym.report.robot.torque_plot import torque_figure
 from ffgym.robot import load_robot
 from ffgym.studies.torque_prediction import TorquePrediction
 from scripts.torque_table import table

@@ -14,8 +14,8 @@ WAY_OUT = 'or leave the looks out: looks = "none" in [robot], looks=False in rea
 def find_mesh(uri: str, folder: Path, what: str) -> Path:
     """The file that `uri` means in a file that lies in `folder`.
 
-    `package://name/rest` is looked for as `name/rest` in every folder that holds the file; other relative paths start
-    at `folder`.
+    `package://name/rest` is looked for as `name/rest` in every folder that holds the file, `file:///place` is absolute;
+    other relative paths start at `folder`.
 
     Raises:
         FFGymError: if there is no such file; `what` names the mesh.
@@ -29,9 +29,5 @@ def find_mesh(uri: str, folder: Path, what: str) -> Path:
 
 
 def _places(uri: str, folder: Path) -> list[Path]:
-    scheme, separator, rest = uri.partition("://")
-    if not separator:
-        return [folder / uri]
-    if scheme == "file":
-        return [Path(rest)]
-    return [parent / rest for parent in (folder, *folder.parents)]
+    _, scheme, rest = uri.partition("://")
+    return [parent / rest for parent in (folder, *folder.parents)] if scheme else [folder / uri]

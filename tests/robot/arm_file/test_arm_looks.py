@@ -141,7 +141,7 @@ def test_settings_of_the_file_hide_neither_looks_nor_frames(ur_mjcf):
     text = ur_mjcf.read_text().replace("autolimits", 'fusestatic="true" discardvisual="true" autolimits')
     ur_mjcf.write_text(text)
     arm = read_arm(ur_mjcf, UR_JOINTS)
-    assert len(arm.geoms) == len(expected.geoms)
+    assert [(geom.body, geom.type) for geom in arm.geoms] == [(geom.body, geom.type) for geom in expected.geoms]
     assert set(arm.frames) == set(expected.frames)
 
 

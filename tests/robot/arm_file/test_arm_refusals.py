@@ -105,7 +105,7 @@ BROKEN = {
     ),
     "weld of sites": (
         mjcf(
-            "<site name='here'/>" + body("a", body("b") + "<site name='there'/>"),
+            "<site name='here'/><site name='also'/><site name='too'/>" + body("a", body("b") + "<site name='there'/>"),
             "<equality><weld name='w' site1='there' site2='here'/></equality>",
         ),
         "The constraint 'w' between 'a' and 'world' closes a loop",

@@ -3,17 +3,17 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ffgym.report.bars import motor_error_caption, motor_error_figure
-from ffgym.report.comparison import circle_tables
-from ffgym.report.friction_loops import (
+from ffgym.report.circles.bars import motor_error_caption, motor_error_figure
+from ffgym.report.circles.comparison import circle_tables
+from ffgym.report.circles.friction_loops import (
     joint_loops_caption,
     joint_loops_figure,
     one_axis_loops_caption,
     one_axis_loops_figure,
 )
-from ffgym.report.one_axis_plot import one_axis_caption, one_axis_figure
-from ffgym.report.paths_plot import paths_caption, paths_figure
-from ffgym.report.ratios_plot import ratios_caption, ratios_figure
+from ffgym.report.circles.one_axis_plot import one_axis_caption, one_axis_figure
+from ffgym.report.circles.paths_plot import paths_caption, paths_figure
+from ffgym.report.circles.ratios_plot import ratios_caption, ratios_figure
 from ffgym.studies import CircleStudy, OneAxisStudy
 
 if TYPE_CHECKING:

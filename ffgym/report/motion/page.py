@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from ffgym.report.figures import ReportFigure
+from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.html import embedded, provenance_lines, render
 from ffgym.report.laws import law_styles
-from ffgym.report.motion_plot import (
+from ffgym.report.motion.plot import (
     motor_errors_caption,
     motor_errors_figure,
     path_error_caption,
@@ -15,7 +15,7 @@ from ffgym.report.motion_plot import (
     torques_caption,
     torques_figure,
 )
-from ffgym.report.tool_path_plot import tool_path_caption, tool_path_figure
+from ffgym.report.motion.tool_path_plot import tool_path_caption, tool_path_figure
 from ffgym.studies import MotionStudy
 
 

@@ -1,7 +1,7 @@
 """What a robot check found, in sentences and as text for a terminal."""
 
-from ffgym.report.robot_tables import FactTable, robot_tables
-from ffgym.report.tables import Column, aligned, filled
+from ffgym.report.circles.tables import Column, aligned, filled
+from ffgym.report.robot.tables import FactTable, robot_tables
 from ffgym.studies.robot_check import RobotCheck, ServoLoop
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ffgym.report.comparison import FACTOR, Row, SpeedTable, circle_tables, nearness, percent, reduction
+from ffgym.report.circles.comparison import FACTOR, Row, SpeedTable, circle_tables, nearness, percent, reduction
 from ffgym.report.laws import UNCOMPENSATED, law_styles
 from ffgym.studies import CircleStudy
 

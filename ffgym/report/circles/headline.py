@@ -1,6 +1,6 @@
 """The results in a few sentences, all of them computed."""
 
-from ffgym.report.comparison import FACTOR, SpeedTable, circle_tables, nearness, percent, reduction
+from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, nearness, percent, reduction
 from ffgym.report.laws import ORACLE, baseline_of, law_styles
 from ffgym.studies import CircleStudy, OneAxisStudy
 

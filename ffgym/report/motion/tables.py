@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Sequence
 
+from ffgym.report.circles.tables import Column, aligned, filled, shortened
 from ffgym.report.laws import law_styles
-from ffgym.report.tables import Column, aligned, filled, shortened
 from ffgym.studies import MotionResult, MotionStudy
 
 

@@ -9,7 +9,7 @@ from ffgym.metrics import Contour, motor_error
 from ffgym.recordings import Recording
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import law_styles
-from ffgym.report.thinning import peaks_kept
+from ffgym.report.motion.thinning import peaks_kept
 from ffgym.studies import MotionResult, MotionStudy
 from ffgym.types import Array
 

@@ -8,10 +8,10 @@ from typing import Any
 
 from ffgym.files import check_writable, write_text
 from ffgym.provenance import versions
-from ffgym.report.comparison import FACTOR, SpeedTable, circle_tables, nearness, reduction
-from ffgym.report.figures import circle_figures, one_axis_figures
-from ffgym.report.findings import PARTLY, REPRODUCED, findings
-from ffgym.report.headline import headline
+from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, nearness, reduction
+from ffgym.report.circles.figures import circle_figures, one_axis_figures
+from ffgym.report.circles.findings import PARTLY, REPRODUCED, findings
+from ffgym.report.circles.headline import headline
 from ffgym.report.html import embedded, provenance_lines, render
 from ffgym.report.laws import UNCOMPENSATED, baseline_of, law_styles
 from ffgym.studies import CircleStudy, OneAxisStudy

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from textwrap import wrap
 
-from ffgym.report.comparison import FACTOR, Entry, SpeedTable, circle_tables, nearness
+from ffgym.report.circles.comparison import FACTOR, Entry, SpeedTable, circle_tables, nearness
 from ffgym.report.laws import UNCOMPENSATED, law_styles
 from ffgym.studies import CircleStudy, OneAxisStudy
 

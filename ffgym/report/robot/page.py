@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from ffgym.report.figures import ReportFigure
+from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.html import embedded, provenance_lines, render
-from ffgym.report.robot_plot import robot_caption, robot_figure
-from ffgym.report.robot_rendering import rendered_robot
-from ffgym.report.robot_tables import robot_tables
-from ffgym.report.robot_text import facts
+from ffgym.report.robot.plot import robot_caption, robot_figure
+from ffgym.report.robot.rendering import rendered_robot
+from ffgym.report.robot.tables import robot_tables
+from ffgym.report.robot.text import facts
 from ffgym.studies.robot_check import RobotCheck
 
 

@@ -1,0 +1,1 @@
+"""How laws learn: bases, training, trials, stability, forgetting, and comparison of agents."""

@@ -1,0 +1,1 @@
+"""Any motion on a page: path of the tool, errors, torques."""
