@@ -3,12 +3,13 @@
 Speeds where stretches meet are the largest that a pass forwards and one backwards find reachable. Acceleration is zero
 there, so that each stretch keeps its own limits to its very ends. What is left on a stretch is the classic profile of
 seven phases between two speeds, in closed form but for one root. Libraries were weighed: ruckig solves the more general
-problem of any state to any state, but refuses some of these stretches (long ones at low speed), and passes waypoints
-to a service on the network; toppra knows no limit of jerk. The tests hold these profiles against ruckig's.
+problem of any state to any state and finds the same profiles, but has waypoints only as a service on the network, and
+where the length of a stretch just allows its speeds it now and then runs backwards; toppra knows no limit of jerk. The
+tests hold these profiles against ruckig's.
 """
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,23 +108,30 @@ def junction_speeds(stretches: Sequence[Stretch]) -> list[float]:
 def _reachable(stretch: Stretch, speed: float, wanted: float) -> float:
     """Largest speed up to `wanted` that the stretch can change to, or from, `speed`."""
     room = stretch.length * (1 - _SLACK)
-    if wanted <= speed or _distance(stretch, speed, wanted) <= room:
+    if wanted <= speed or _distance(stretch, speed, wanted - speed) <= room:
         return wanted
-    return float(brentq(lambda v: _distance(stretch, speed, v) - room, speed, wanted, xtol=1e-14 * wanted))
+    return speed + _root(lambda change: _distance(stretch, speed, change) - room, wanted - speed)
 
 
-def _distance(stretch: Stretch, slow: float, fast: float) -> float:
-    """Least length over which speed changes between two values, with zero acceleration at both."""
-    time = sum(tau for tau, _ in _phases(stretch, fast - slow))
-    return 0.5 * (slow + fast) * time
+def _distance(stretch: Stretch, slow: float, change: float) -> float:
+    """Least length over which speed rises from `slow` by `change`, or falls back; acceleration is zero at both ends."""
+    time = sum(tau for tau, _ in _phases(stretch, change))
+    return (slow + 0.5 * change) * time
+
+
+def _root(excess: Callable[[float], float], high: float) -> float:
+    """Where a rising function is zero between 0, where it is negative, and `high`; small roots to all their digits."""
+    return float(brentq(excess, 0.0, high, xtol=np.finfo(np.float64).tiny, maxiter=1000))
 
 
 def _profile(stretch: Stretch, before: float, after: float) -> tuple[float, Array]:
     """Duration [s], and rows of start time, length, speed, acceleration and jerk, shape (K, 5), of one stretch."""
-    peak = _peak_speed(stretch, before, after)
-    rising = _phases(stretch, peak - before)
-    falling = [(tau, -jerk) for tau, jerk in _phases(stretch, peak - after)]
-    first, last = _distance(stretch, before, peak), stretch.length - _distance(stretch, after, peak)
+    slow, fast = sorted((before, after))
+    extra = _extra_speed(stretch, slow, fast)
+    peak, rise, fall = fast + extra, extra + (fast - before), extra + (fast - after)
+    rising, falling = _phases(stretch, rise), [(tau, -jerk) for tau, jerk in _phases(stretch, fall)]
+    first = _distance(stretch, before, rise)
+    last = stretch.length - _distance(stretch, after, fall)
     cruise = [(max(last - first, 0.0) / peak, 0.0)]
     rows: list[tuple[float, ...]] = []
     time = 0.0
@@ -136,16 +144,17 @@ def _profile(stretch: Stretch, before: float, after: float) -> tuple[float, Arra
     return time, np.array(rows)
 
 
-def _peak_speed(stretch: Stretch, before: float, after: float) -> float:
-    """Largest speed on the stretch: its limit, or what its length leaves room for."""
+def _extra_speed(stretch: Stretch, slow: float, fast: float) -> float:
+    """How much faster than the faster of its two ends a stretch is run: up to its limit, or what its length allows."""
 
-    def excess(peak: float) -> float:
-        return _distance(stretch, before, peak) + _distance(stretch, after, peak) - stretch.length
+    def excess(extra: float) -> float:
+        there, back = _distance(stretch, slow, extra + (fast - slow)), _distance(stretch, fast, extra)
+        return there + back - stretch.length
 
-    low, high = max(before, after), stretch.speed
-    if excess(high) <= 0 or low >= high:
-        return high
-    return float(brentq(excess, low, high, xtol=1e-15 * high)) if excess(low) < 0 else low
+    most = stretch.speed - fast
+    if most <= 0 or excess(0.0) >= 0:
+        return 0.0
+    return most if excess(most) <= 0 else _root(excess, most)
 
 
 def _phases(stretch: Stretch, change: float) -> list[tuple[float, float]]:
