@@ -70,7 +70,6 @@ def _range(pose: Pose, file: str, joints: JointFrame) -> dict[str, Quantity]:
 def _quantity(path: str, value: Array, origin: tuple[str, ...], source: str, joints: JointFrame) -> Quantity:
     rule = RULES[path]
     array = check_shape(path, value, np.shape(value)).copy()
-    array += 0.0  # which makes -0 a plain 0
     array.flags.writeable = False
     return Quantity(
         value=array,
