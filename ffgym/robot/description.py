@@ -61,6 +61,7 @@ class RobotDescription:
             )
 
     def _check_springs(self) -> None:
+        """Springs must join two bodies that there are."""
         bodies = ("base", *self.links, *(["tool"] if self.tool is not None else []))
         for spring in self.springs:
             for body in spring.bodies:

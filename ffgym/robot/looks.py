@@ -23,7 +23,8 @@ def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
 
     A robot whose description has no shapes is drawn as a stick figure.
     """
-    geoms = robot.geoms or stick_figure(robot)
+    there = [geom for geom in robot.geoms if geom.body != "tool" or robot.tool is not None]  # a draft may lack its tool
+    geoms = there or stick_figure(robot)
     meshes = {geom.mesh: f"mesh{i}" for i, geom in enumerate(geoms) if geom.mesh is not None}
     for mesh, name in meshes.items():
         _add_mesh(spec, name, mesh)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from ffgym.errors import FFGymError
-from ffgym.robot import parse_robot
+from ffgym.robot import compile_model, parse_robot
 from ffgym.robot.drive import Drive
 from ffgym.robot.quantity import parse_quantity
 from ffgym.robot.rule import JointFrame
@@ -137,6 +137,11 @@ stiffness = { value = 2000.0, unit = "N/m", origin = "chosen", source = "test" }
             parse_robot(one_axis_text + spring.replace("BODY", body))
     with pytest.raises(FFGymError, match="must have two bodies and"):
         parse_robot(one_axis_text + spring.replace("stiffness", "softness"))
+
+
+def test_looks_of_a_tool_that_is_not_there_are_not_drawn(irb4600):
+    bare = compile_model(replace(irb4600, tool=None, work_area=None))
+    assert bare.ngeom < compile_model(irb4600).ngeom
 
 
 def test_logs_say_on_which_side_they_are(one_axis_text):
