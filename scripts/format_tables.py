@@ -12,9 +12,9 @@ import tyro
 
 from ffgym.errors import FFGymError
 from ffgym.files import write_text
-from ffgym.robot.capabilities import CAPABILITIES
-from ffgym.robot.rule import OTHER_UNITS, Rule
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.capabilities import CAPABILITIES
+from ffgym.robot.reading.rule import OTHER_UNITS, Rule
+from ffgym.robot.reading.rules import RULES
 
 GEOMETRY = CAPABILITIES[0].needs
 """What every function needs, which the table says once."""

@@ -11,7 +11,7 @@ import tyro
 
 from ffgym.files import write_text
 from ffgym.robot import RobotDescription, builtin_robots, load_robot
-from ffgym.robot.quantity import Quantity
+from ffgym.robot.reading.quantity import Quantity
 from ffgym.types import Array
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.robot import builtin_robots, load_robot
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.rules import RULES
 from scripts.format_tables import filled
 from scripts.robot_tables import page
 

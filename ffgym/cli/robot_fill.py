@@ -8,7 +8,7 @@ import tyro
 from ffgym.errors import FFGymError
 from ffgym.files import write_text
 from ffgym.robot import load_draft
-from ffgym.robot.parse import parse_draft
+from ffgym.robot.reading.parse import parse_draft
 from ffgym.robot.template import filled_text, propose
 
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from ffgym.robot import RobotDescription
-from ffgym.robot.spec import deflection_joint, friction_actuator, motor_joint, servo_actuator
+from ffgym.robot.model.names import deflection_joint, friction_actuator, motor_joint, servo_actuator
 from ffgym.types import BoolArray, IntArray
 
 

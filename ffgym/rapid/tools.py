@@ -10,7 +10,7 @@ from ffgym.rapid.predefined import DESCRIBED_TOOL, TOOL0
 from ffgym.rapid.records import Value
 from ffgym.robot import RobotDescription
 from ffgym.robot.parts import Tool
-from ffgym.robot.quantity import Quantity
+from ffgym.robot.reading.quantity import Quantity
 from ffgym.types import Array
 
 _ROUNDING = 1e-6

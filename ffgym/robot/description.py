@@ -9,7 +9,7 @@ from ffgym.errors import FFGymError, check_choice
 from ffgym.friction import LuGreParameters
 from ffgym.robot.drive import Drive
 from ffgym.robot.parts import Geom, Kinematics, Links, Logs, Sensors, Servo, Spring, Tool, WorkArea, plain, rebuilt
-from ffgym.robot.quantity import Quantity
+from ffgym.robot.reading.quantity import Quantity
 from ffgym.types import Array
 
 

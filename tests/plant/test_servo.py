@@ -10,7 +10,7 @@ import pytest
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, joint_reference
 from ffgym.paths import joint_sine
 from ffgym.plant import Plant
-from ffgym.robot.spec import friction_actuator, servo_actuator
+from ffgym.robot.model.names import friction_actuator, servo_actuator
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
 from tests.plant.driving import controls

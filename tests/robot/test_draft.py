@@ -10,11 +10,12 @@ import pytest
 import tomlkit
 
 from ffgym.errors import FFGymError
-from ffgym.robot import RigidArm, draft, load_robot, parse_robot, resonances
-from ffgym.robot.capabilities import CAPABILITIES, capability, needed_by
-from ffgym.robot.load import load_draft
-from ffgym.robot.parse import parse_draft
-from ffgym.robot.rules import RULES
+from ffgym.robot import RigidArm, load_robot, parse_robot, resonances
+from ffgym.robot.reading import draft
+from ffgym.robot.reading.capabilities import CAPABILITIES, capability, needed_by
+from ffgym.robot.reading.load import load_draft
+from ffgym.robot.reading.parse import parse_draft
+from ffgym.robot.reading.rules import RULES
 
 NAME = "irb4600_60_205"
 TREE = tomllib.loads((resources.files("ffgym.robot") / "data" / f"{NAME}.toml").read_text(encoding="utf-8"))

@@ -11,9 +11,9 @@ from hypothesis.extra.numpy import arrays
 from ffgym.errors import FFGymError
 from ffgym.robot import compile_model, parse_robot
 from ffgym.robot.drive import Drive
-from ffgym.robot.quantity import parse_quantity
-from ffgym.robot.rule import JointFrame
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.quantity import parse_quantity
+from ffgym.robot.reading.rule import JointFrame
+from ffgym.robot.reading.rules import RULES
 
 RATIOS = st.floats(20, 200) | st.floats(-200, -20)
 

@@ -8,8 +8,8 @@ import pytest
 
 from ffgym.errors import FFGymError
 from ffgym.robot import builtin_robots, load_robot, parse_robot
-from ffgym.robot.quantity import ORIGINS
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.quantity import ORIGINS
+from ffgym.robot.reading.rules import RULES
 
 ROBOTS = ("ball_screw", "irb4600_60_205", "kuka_kr300_r2500", "one_axis", "two_link")
 THESIS_ROBOTS = ("irb4600_60_205", "one_axis")

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from ffgym.errors import FFGymError
 from ffgym.robot import RobotDescription, builtin_robots, parse_robot
-from ffgym.robot.spec import ModelOptions, compile_model
+from ffgym.robot.model.spec import ModelOptions, compile_model
 
 TEXTS = {
     name: (resources.files("ffgym.robot") / "data" / f"{name}.toml").read_text(encoding="utf-8")

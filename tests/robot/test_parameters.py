@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.errors import FFGymError
 from ffgym.robot import compile_model, physics_fingerprint, with_parameters
-from ffgym.robot.load import builtin_robots, load_robot
+from ffgym.robot.reading.load import builtin_robots, load_robot
 
 FRICTION = """
 [parameters]

@@ -8,8 +8,8 @@ import numpy as np
 
 from ffgym.robot import CAPABILITIES
 from ffgym.robot.inverse_kinematics import MAX_CONDITION
-from ffgym.robot.quantity import ORIGINS
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.quantity import ORIGINS
+from ffgym.robot.reading.rules import RULES
 from ffgym.studies.robot_check import POSES, Place, RobotCheck
 from ffgym.types import Array
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from ffgym.errors import check_choice
 from ffgym.robot.parts import Geom
-from ffgym.robot.quantity import Quantity
+from ffgym.robot.reading.quantity import Quantity
 from ffgym.types import Array
 
 Kind = Literal["mjcf", "urdf"]

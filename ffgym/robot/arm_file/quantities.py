@@ -8,9 +8,9 @@ import numpy as np
 from ffgym.errors import check_shape
 from ffgym.robot.arm_file.arm_file import ArmFile, JointHints, Kind
 from ffgym.robot.arm_file.measure import Pose, geometry, masses
-from ffgym.robot.quantity import Quantity
-from ffgym.robot.rule import JointFrame, si_units
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.quantity import Quantity
+from ffgym.robot.reading.rule import JointFrame, si_units
+from ffgym.robot.reading.rules import RULES
 from ffgym.types import Array
 
 UNLIMITED = 2 * np.pi

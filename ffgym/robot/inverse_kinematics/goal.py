@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.errors import FFGymError, check_rotation, check_rotations, check_shape
-from ffgym.robot.arm import RigidArm
+from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.rotation import rotation_error
 from ffgym.types import Array, IntArray
 

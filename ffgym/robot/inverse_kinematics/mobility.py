@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.robot.arm import RigidArm
+from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.types import Array
 
 MAX_CONDITION = 1e3

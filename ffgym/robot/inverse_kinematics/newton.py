@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.robot.arm import RigidArm
+from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
 from ffgym.robot.inverse_kinematics.posture import Posture
 from ffgym.types import Array, BoolArray

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.robot.arm import RigidArm
+from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.jacobian_rates import jacobian_rates, jacobian_slope
 from ffgym.robot.inverse_kinematics.mobility import mobility
 from ffgym.types import Array

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ffgym.errors import FFGymError
-from ffgym.robot.arm import RigidArm
+from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
 from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION, any_poses, mobility
 from ffgym.robot.inverse_kinematics.newton import ROUNDING

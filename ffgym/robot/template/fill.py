@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.rules import RULES
 from ffgym.robot.template.proposals import Proposal
 from ffgym.robot.template.toml_text import MARK, filled_entry
 

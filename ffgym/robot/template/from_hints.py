@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ffgym.robot.arm_file import ArmFile, JointHints
-from ffgym.robot.rule import LINK
+from ffgym.robot.reading.rule import LINK
 from ffgym.robot.template.proposals import Proposal
 from ffgym.types import Array
 

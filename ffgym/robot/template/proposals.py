@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.robot.arm import RigidArm
-from ffgym.robot.draft import RobotDraft
-from ffgym.robot.rules import RULES
+from ffgym.robot.dynamics.arm import RigidArm
+from ffgym.robot.reading.draft import RobotDraft
+from ffgym.robot.reading.rules import RULES
 from ffgym.types import Array
 
 STATIC_SHARE = 1.05

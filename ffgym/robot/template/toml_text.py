@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.robot.rule import LINK, JointFrame, Rule, si_units
+from ffgym.robot.reading.rule import LINK, JointFrame, Rule, si_units
 from ffgym.robot.template.proposals import Proposal
 from ffgym.types import Array
 

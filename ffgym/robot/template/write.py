@@ -5,9 +5,9 @@ from pathlib import Path
 from textwrap import wrap
 
 from ffgym.robot.arm_file import ArmFile, flange_at
-from ffgym.robot.capabilities import needed_by
-from ffgym.robot.rule import Rule
-from ffgym.robot.rules import POINT, RULES
+from ffgym.robot.reading.capabilities import needed_by
+from ffgym.robot.reading.rule import Rule
+from ffgym.robot.reading.rules import POINT, RULES
 from ffgym.robot.template.from_hints import hinted
 from ffgym.robot.template.guide import ADVICE
 from ffgym.robot.template.proposals import Proposal

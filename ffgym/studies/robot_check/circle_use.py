@@ -7,7 +7,7 @@ import numpy as np
 from ffgym.errors import FFGymError
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.robot.motor_torque import motor_torque
+from ffgym.robot.dynamics.motor_torque import motor_torque
 from ffgym.studies.circle_study import circle_references
 from ffgym.types import Array
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from ffgym.robot import RigidArm, RobotDraft, load_draft
 from ffgym.robot.arm_file import read_arm
-from ffgym.robot.parse import parse_draft
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.parse import parse_draft
+from ffgym.robot.reading.rules import RULES
 from ffgym.robot.template import filled_text, propose, template
 from ffgym.robot.template.guide import ADVICE
 from tests.robot.template.arm_xml import ARM, NUMBERS, entry

@@ -7,12 +7,12 @@ from types import MappingProxyType
 import numpy as np
 
 from ffgym.errors import FFGymError
-from ffgym.robot.assemble import assemble, begun
-from ffgym.robot.capabilities import CAPABILITIES, POSITIONS, capability
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.parts import Geom, Logs, Spring
-from ffgym.robot.quantity import Quantity
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.assemble import assemble, begun
+from ffgym.robot.reading.capabilities import CAPABILITIES, POSITIONS, capability
+from ffgym.robot.reading.quantity import Quantity
+from ffgym.robot.reading.rules import RULES
 from ffgym.types import Array
 
 
@@ -45,7 +45,7 @@ class RobotDraft:
         return self._without((*required, *self._half_given()))
 
     def lacks(self, name: str, *also: str) -> tuple[str, ...]:
-        """Entries that a capability (`ffgym.robot.capabilities`), and entries `also` needed, still lack."""
+        """Entries that a capability (`ffgym.robot.reading.capabilities`), and entries `also` needed, still lack."""
         half_given = () if name == "kinematics" else self._half_given()
         return self._without((*capability(name).needs, *also, *half_given))
 

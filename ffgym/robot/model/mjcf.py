@@ -12,8 +12,15 @@ import mujoco
 import numpy as np
 
 from ffgym.errors import FFGymError
-from ffgym.robot.fingerprint import physics_fingerprint
-from ffgym.robot.mjcf_elements import actuator_element, element, inertial_element, key_element, tendon_element, text
+from ffgym.robot.model.fingerprint import physics_fingerprint
+from ffgym.robot.model.mjcf_elements import (
+    actuator_element,
+    element,
+    inertial_element,
+    key_element,
+    tendon_element,
+    text,
+)
 
 _COMMENTS = {
     "worldbody": "The arm, link side, in SI units. JOINT_motor moves by motor angle / gear ratio and carries rotor "

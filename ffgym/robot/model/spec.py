@@ -14,13 +14,13 @@ import numpy as np
 
 from ffgym.errors import check_number
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.looks import add_looks
+from ffgym.robot.model.looks import add_looks
+from ffgym.robot.model.motors import add_actuators
+from ffgym.robot.model.names import deflection_joint, motor_joint, spring_tendon
 from ffgym.robot.parts import Spring
 
 MASSLESS = 1e-9
 """Mass [kg] and inertia [kg m^2] of the rotor bodies: MuJoCo wants a moving body to weigh something."""
-
-_SERVO_INPUTS = mujoco.mjtCtrlInput.mjINPUT_POS | mujoco.mjtCtrlInput.mjINPUT_VEL | mujoco.mjtCtrlInput.mjINPUT_FF
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,36 +47,6 @@ class ModelOptions:
             check_number("physics_dt", self.physics_dt, unit="s", low=0.0, open_low=True)
 
 
-def motor_joint(joint: str) -> str:
-    """Name of the hinge that the motor turns."""
-    return f"{joint}_motor"
-
-
-def deflection_joint(joint: str) -> str:
-    """Name of the hinge that is the elasticity."""
-    return f"{joint}_deflection"
-
-
-def servo_actuator(joint: str) -> str:
-    """Name of the servo actuator."""
-    return f"{joint}_servo"
-
-
-def friction_actuator(joint: str) -> str:
-    """Name of the friction actuator."""
-    return f"{joint}_friction"
-
-
-def motor_tendon(joint: str) -> str:
-    """Name of the tendon whose length is the angle of a motor that other axes turn too."""
-    return f"{joint}_motor_angle"
-
-
-def spring_tendon(spring: str) -> str:
-    """Name of the tendon that is a spring between links."""
-    return f"{spring}_spring"
-
-
 def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> mujoco.MjSpec:
     """MuJoCo model of the robot, editable; `spec.compile()` gives the MjModel.
 
@@ -97,7 +67,7 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
     if robot.tool is not None:
         _add_tool(body, robot)
     for i in range(robot.n_joints):
-        _add_actuators(spec, robot, i, options)
+        add_actuators(spec, robot, i, servo=options.servo, friction=options.friction)
     if options.springs:
         for spring in robot.springs:
             _add_spring(spec, spring)
@@ -156,73 +126,6 @@ def _joint_type(robot: RobotDescription, i: int) -> mujoco.mjtJoint:
     return mujoco.mjtJoint.mjJNT_SLIDE if robot.kinematics.is_sliding[i] else mujoco.mjtJoint.mjJNT_HINGE
 
 
-def _add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, options: ModelOptions) -> None:
-    """Servo and friction of motor i, on its joint, or on a tendon if other joints turn the motor too."""
-    if not (options.servo or options.friction):
-        return
-    joint, ratios = robot.joints[i], robot.drive.matrix[i]
-    if np.any(np.delete(ratios, i)):
-        tendon = spec.add_tendon(name=motor_tendon(joint))
-        for j in np.flatnonzero(ratios):
-            tendon.wrap_joint(motor_joint(robot.joints[j]), ratios[j])
-        motor = _Transmission(kind=mujoco.mjtTrn.mjTRN_TENDON, target=motor_tendon(joint), gear=1.0)
-    else:
-        motor = _Transmission(kind=mujoco.mjtTrn.mjTRN_JOINT, target=motor_joint(joint), gear=float(ratios[i]))
-    if options.servo:
-        _add_servo(spec, robot, i, motor)
-    if options.friction:
-        _add_friction(spec, robot, i, motor)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Transmission:
-    """What an actuator acts on, so that its length is the motor angle."""
-
-    kind: mujoco.mjtTrn
-    target: str
-    gear: float
-
-
-def _add_servo(spec: mujoco.MjSpec, robot: RobotDescription, i: int, motor: _Transmission) -> None:
-    """PID with set-points for position, velocity and feed-forward torque; its integral is clamped."""
-    servo, peak = robot.servo, robot.drive.peak_torque[i]
-    integral_gain = servo.integral_gain[i]
-    actuator = spec.add_actuator(
-        name=servo_actuator(robot.joints[i]),
-        trntype=motor.kind,
-        target=motor.target,
-        gear=[motor.gear, 0, 0, 0, 0, 0],
-        armature=robot.drive.rotor_inertia[i],
-        forcelimited=True,
-        forcerange=[-peak, peak],
-    )
-    actuator.set_to_pid(
-        kp=servo.position_gain[i],
-        kv=servo.velocity_gain[i],
-        ki=integral_gain,
-        imax=peak / integral_gain if integral_gain > 0 else 0.0,
-        ctrlspec=int(_SERVO_INPUTS),
-    )
-
-
-def _add_friction(spec: mujoco.MjSpec, robot: RobotDescription, i: int, motor: _Transmission) -> None:
-    """LuGre friction of motor i: a motor without electrics, whose bristles MuJoCo integrates exactly."""
-    f = robot.friction
-    actuator = spec.add_actuator(
-        name=friction_actuator(robot.joints[i]),
-        trntype=motor.kind,
-        target=motor.target,
-        gear=[motor.gear, 0, 0, 0, 0, 0],
-        damping=[f.viscous[i], 0, 0],
-    )
-    actuator.set_to_dcmotor(
-        motorconst=[0, 0],
-        resistance=1.0,  # must be positive, acts on nothing: the electrical branch is off
-        lugre=[f.bristle_stiffness[i], f.bristle_damping[i], f.coulomb[i], f.static[i], f.stribeck_velocity[i]],
-        ctrlspec=int(mujoco.mjtCtrlInput.mjINPUT_NONE),
-    )
-
-
 def _add_tool(flange: mujoco.MjsBody, robot: RobotDescription) -> None:
     """Tool body in the tool0 frame, with sites for tool0 and the TCP."""
     assert robot.tool is not None
@@ -234,6 +137,15 @@ def _add_tool(flange: mujoco.MjsBody, robot: RobotDescription) -> None:
     tool.add_site(name="tcp", pos=robot.tool.tcp, size=[0.004, 0.004, 0.004], rgba=[0.1, 0.4, 1, 1])
 
 
+def _set_inertial(body: mujoco.MjsBody, mass: float, com: np.ndarray, inertia: np.ndarray) -> None:
+    """Mass [kg], centre of mass [m] and inertia [kg m^2] (xx, yy, zz, xy, xz, yz) about it."""
+    body.explicitinertial = True
+    body.mass = mass
+    body.ipos = com
+    if np.any(inertia):
+        body.fullinertia = inertia
+
+
 def _add_spring(spec: mujoco.MjSpec, spring: Spring) -> None:
     """Tendon that pulls two bodies together with a force that is a cubic of its elongation."""
     ends = zip(("start", "end"), spring.bodies, (spring.start, spring.end), strict=True)
@@ -243,12 +155,3 @@ def _add_spring(spec: mujoco.MjSpec, spring: Spring) -> None:
     for end, body, point in ends:
         site = spec.body(body).add_site(name=f"{spring.name}_{end}", pos=point, size=[0.01, 0.01, 0.01])
         tendon.wrap_site(site.name)
-
-
-def _set_inertial(body: mujoco.MjsBody, mass: float, com: np.ndarray, inertia: np.ndarray) -> None:
-    """Mass [kg], centre of mass [m] and inertia [kg m^2] (xx, yy, zz, xy, xz, yz) about it."""
-    body.explicitinertial = True
-    body.mass = mass
-    body.ipos = com
-    if np.any(inertia):
-        body.fullinertia = inertia

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from ffgym.errors import FFGymError, check_choice
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.draft import RobotDraft
-from ffgym.robot.parse import parse_draft
+from ffgym.robot.reading.draft import RobotDraft
+from ffgym.robot.reading.parse import parse_draft
 
 
 def builtin_robots() -> tuple[str, ...]:

@@ -8,9 +8,9 @@ from typing import Any
 
 from ffgym.errors import FFGymError
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.quantity import Quantity, parse_quantity
-from ffgym.robot.rule import JointFrame
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.quantity import Quantity, parse_quantity
+from ffgym.robot.reading.rule import JointFrame
+from ffgym.robot.reading.rules import RULES
 from ffgym.types import Array
 
 GROUPS = {"friction": "friction", "drive": "drive", "links": "bodies", "tool": "tool"}

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 
 from ffgym.errors import FFGymError
-from ffgym.robot.draft import RobotDraft
-from ffgym.robot.head import parse_head
-from ffgym.robot.parse_looks import parse_looks
 from ffgym.robot.parts import Logs, Spring
-from ffgym.robot.quantity import Quantity, parse_quantity
-from ffgym.robot.rule import SIDES, JointFrame, Rule
-from ffgym.robot.rules import POINT, RULES, SPRING_RULES
-from ffgym.robot.tables import names_of, table_of
+from ffgym.robot.reading.draft import RobotDraft
+from ffgym.robot.reading.head import parse_head
+from ffgym.robot.reading.parse_looks import parse_looks
+from ffgym.robot.reading.quantity import Quantity, parse_quantity
+from ffgym.robot.reading.rule import SIDES, JointFrame, Rule
+from ffgym.robot.reading.rules import POINT, RULES, SPRING_RULES
+from ffgym.robot.reading.tables import names_of, table_of
 
 
 def parse_draft(text: str, where: str = "description", folder: str | Path = ".") -> RobotDraft:

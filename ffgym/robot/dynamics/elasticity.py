@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 
 from ffgym.errors import FFGymError, check_shape
-from ffgym.robot.arm import RigidArm
+from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.types import Array
 
 _TOLERANCE = 1e-14

@@ -5,7 +5,7 @@ from typing import Any
 
 from ffgym.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.robot.parts import Geom
-from ffgym.robot.tables import table_of
+from ffgym.robot.reading.tables import table_of
 
 
 def parse_looks(look: Any, bodies: tuple[str, ...]) -> tuple[Geom, ...]:

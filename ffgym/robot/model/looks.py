@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import mujoco
 
 from ffgym.robot.description import RobotDescription
+from ffgym.robot.model.stick_figure import stick_figure
 from ffgym.robot.parts import Geom, Mesh
-from ffgym.robot.stick_figure import stick_figure
 
 _GEOM_TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,

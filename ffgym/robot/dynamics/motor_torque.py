@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ffgym.errors import check_shape
-from ffgym.robot.arm import RigidArm
+from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.types import Array
 
 

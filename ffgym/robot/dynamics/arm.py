@@ -7,9 +7,9 @@ import numpy as np
 from mujoco import batch
 
 from ffgym.errors import FFGymError, check_shape
-from ffgym.robot.chain import chain_to_site
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.spec import ModelOptions, compile_model
+from ffgym.robot.dynamics.chain import chain_to_site
+from ffgym.robot.model.spec import ModelOptions, compile_model
 from ffgym.types import Array
 
 _CHUNK = 1024

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ffgym.errors import FFGymError
-from ffgym.robot.rules import RULES
+from ffgym.robot.reading.rules import RULES
 
 _GEOMETRY = ("kinematics.position", "kinematics.axis", "kinematics.range")
 _MASSES = ("links.mass", "links.com", "links.inertia")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.errors import FFGymError, check_shape
-from ffgym.robot.rule import JointFrame, Rule, gear_factors, si_units, unit_factors
+from ffgym.robot.reading.rule import JointFrame, Rule, gear_factors, si_units, unit_factors
 from ffgym.types import Array
 
 ORIGINS = ("sourced", "derived", "chosen", "fitted")

@@ -8,8 +8,8 @@ from typing import Any
 from ffgym.errors import FFGymError, check_choice
 from ffgym.robot.arm_file import flange_at, read_arm
 from ffgym.robot.parts import JOINT_TYPES, Geom
-from ffgym.robot.quantity import Quantity
-from ffgym.robot.tables import names_of
+from ffgym.robot.reading.quantity import Quantity
+from ffgym.robot.reading.tables import names_of
 
 _NAMED = {"name", "title", "joints", "links"}
 _FROM_FILE = {"name", "title", "model"}
