@@ -8,6 +8,7 @@ import numpy as np
 
 from ffgym.control import Reference
 from ffgym.errors import FFGymError
+from ffgym.paths.motion import MAX_STEPS
 from ffgym.paths.timing import TimeLaw
 from ffgym.recordings import Phase, PhaseKind
 from ffgym.robot import RobotDescription
@@ -34,7 +35,7 @@ class Rows:
 
 def rest(q: Array, duration: float, dt: float, label: str) -> Rows:
     """Rest at `q` (N,) for `duration` [s], up to the next sample."""
-    count = int(np.ceil(duration / dt - 1e-9)) + 1
+    count = _sample_count(duration, dt)
     still = np.zeros((count, len(q)))
     phase = Phase(label=label, kind="standstill", start=0.0, end=(count - 1) * dt)
     return Rows(q=still + q, dq=still, ddq=still, phases=(phase,))
@@ -42,7 +43,15 @@ def rest(q: Array, duration: float, dt: float, label: str) -> Rows:
 
 def sample_times(law: TimeLaw, dt: float) -> Array:
     """Times [s] of the samples of a piece, up to the first at or after its end, shape (T,)."""
-    return np.arange(int(np.ceil(law.duration / dt - 1e-9)) + 1, dtype=np.float64) * dt
+    return np.arange(_sample_count(law.duration, dt), dtype=np.float64) * dt
+
+
+def _sample_count(duration: float, dt: float) -> int:
+    """Samples every `dt` [s] from 0 up to the first at or after `duration` [s]."""
+    steps = duration / dt
+    if not steps <= MAX_STEPS:
+        raise FFGymError(f"The motion would last {duration:.6g} s, must be at most {MAX_STEPS:g} steps of {dt} s.")
+    return int(np.ceil(steps - 1e-9)) + 1
 
 
 def phases_at(

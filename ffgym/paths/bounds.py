@@ -89,6 +89,7 @@ def slope_of(values: Array, s: Array) -> Array:
 def _least(limit: Array | float, slope: Array) -> Array:
     """Smallest limit / slope over the axes of `slope` (T, N), shape (T,); infinite where nothing moves."""
     ratio = np.full(slope.shape, np.inf)
-    np.divide(limit, slope, out=ratio, where=slope > 0)
+    with np.errstate(over="ignore"):  # beyond all numbers is no bound either
+        np.divide(limit, slope, out=ratio, where=slope > 0)
     least: Array = ratio.min(axis=1)
     return least

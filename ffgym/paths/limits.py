@@ -31,6 +31,9 @@ JOINT_JERK = 2000.0
 circle takes 1215, and a curve at constant speed may use 80 % (see `bounds`)."""
 
 
+LEAST, MOST = 1e-6, 1e9
+"""Range of all limits, in SI units: beyond it rounding would rule, and no machine is."""
+
 _UNITS = {
     "acceleration": "m/s^2",
     "jerk": "m/s^3",
@@ -72,14 +75,14 @@ class MotionLimits:
 
     def __post_init__(self) -> None:
         for name, unit in _UNITS.items():
-            check_number(name, getattr(self, name), unit=unit, low=0.0, open_low=True)
+            check_number(name, getattr(self, name), unit=unit, low=LEAST, high=MOST)
         check_number("joint_speed", self.joint_speed, low=0.0, high=1.0, open_low=True)
         for name in ("joint_acceleration", "joint_jerk"):
             given = getattr(self, name)
             if given is not None:
                 value = check_shape(name, given, (None,))
-                if not np.all(value > 0):
-                    raise FFGymError(f"{name} = {value.tolist()} must be > 0 for every joint.")
+                if not np.all((value >= LEAST) & (value <= MOST)):
+                    raise FFGymError(f"{name} = {value.tolist()} must be in [{LEAST}, {MOST}] for every joint.")
                 object.__setattr__(self, name, value)
 
     def of_joints(self, max_speed: Array) -> "AxisLimits":

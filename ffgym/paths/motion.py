@@ -96,9 +96,10 @@ def sample(segments: Sequence[Segment], dt: float) -> tuple[Array, Array, Array,
         FFGymError: if `dt` is not positive, or the motion is shorter than one step or longer than MAX_STEPS.
     """
     dt = check_number("dt", dt, unit="s", low=0.0, open_low=True)
-    ends = np.cumsum([segment.duration for segment in segments])
+    with np.errstate(over="ignore"):  # an infinite number of steps is too many
+        ends = np.cumsum([segment.duration for segment in segments])
+        steps = ends[-1] / dt
     starts = np.concatenate([[0.0], ends[:-1]])
-    steps = ends[-1] / dt
     if not 1 - 1e-9 <= steps <= MAX_STEPS:
         raise FFGymError(
             f"The motion lasts {ends[-1]:.6g} s, must be from one step of dt = {dt} s to {MAX_STEPS:g} of them."

@@ -10,6 +10,11 @@ from ffgym.errors import FFGymError, check_number, check_rotation, check_shape
 from ffgym.paths.motion import CartesianPath, JointPath
 from ffgym.types import Array
 
+FARTHEST = 1e3
+"""Largest coordinate of a position [m]; beyond it one surely is in another unit, and paths are too long to examine."""
+FASTEST = 1e3
+"""Largest programmed speed [m/s], and [rad/s] of turning; beyond it one surely is in another unit."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pose:
@@ -21,7 +26,7 @@ class Pose:
     """Orientation of tool0 (the flange) in the world, shape (3, 3); None keeps the one before."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "position", check_shape("position", self.position, (3,)))
+        object.__setattr__(self, "position", check_position("position", self.position))
         if self.rotation is not None:
             object.__setattr__(self, "rotation", check_rotation("rotation", self.rotation))
 
@@ -36,8 +41,8 @@ class Speed:
     """Of the tool's orientation [rad/s], > 0; 500 deg/s is that of RAPID's predefined speeds."""
 
     def __post_init__(self) -> None:
-        check_number("speed", self.tcp, unit="m/s", low=0.0, open_low=True)
-        check_number("turning speed", self.turn, unit="rad/s", low=0.0, open_low=True)
+        check_number("speed", self.tcp, unit="m/s", low=0.0, high=FASTEST, open_low=True)
+        check_number("turning speed", self.turn, unit="rad/s", low=0.0, high=FASTEST, open_low=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +92,7 @@ class MoveArc(Move):
     speed: Speed
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "via", check_shape("via", self.via, (3,)))
+        object.__setattr__(self, "via", check_position("via", self.via))
 
 
 @final
@@ -152,6 +157,18 @@ class Wait(Move):
 
     def __post_init__(self) -> None:
         check_number("wait", self.duration, unit="s", low=0.0, open_low=True)
+
+
+def check_position(name: str, value: Array) -> Array:
+    """Return `value` as a position [m], shape (3,).
+
+    Raises:
+        FFGymError: if it is none, or farther away than any robot reaches.
+    """
+    position = check_shape(name, value, (3,))
+    if np.abs(position).max() > FARTHEST:
+        raise FFGymError(f"{name} = {position.tolist()} m is beyond {FARTHEST:g} m; is it in another unit?")
+    return position
 
 
 def located(move: Move, message: str) -> FFGymError:

@@ -35,7 +35,7 @@ def multisine(
         duration: of the sines with their fades [s], at least two ramps.
         ramp: time of fading in, and of fading out [s], > 0.
         dwell: rest at both ends [s], > 0.
-        dt: sample time [s].
+        dt: sample time [s], at most `ramp`.
         name: name of the motion.
 
     Raises:
@@ -45,9 +45,11 @@ def multisine(
     frequencies = check_shape("frequencies", frequencies, (None,))
     if not len(centre) or not len(frequencies) or np.any(frequencies <= 0):
         raise FFGymError(f"frequencies = {frequencies.tolist()} Hz must be > 0, at least one, for at least one joint.")
+    ramp = check_number("ramp", ramp, unit="s", low=0.0, open_low=True)
+    dt = check_number("dt", dt, unit="s", low=0.0, high=ramp, open_low=True)
+    check_below_nyquist(frequencies, dt)
     shape = (len(frequencies), len(centre))
     amplitude, phases = check_shape("amplitude", amplitude, shape), check_shape("phases", phases, shape)
-    ramp = check_number("ramp", ramp, unit="s", low=0.0, open_low=True)
     duration = check_number("duration", duration, unit="s", low=2 * ramp)
     dwell = check_number("dwell", dwell, unit="s", low=0.0, open_low=True)
     omega = 2 * np.pi * frequencies[:, None]
@@ -65,6 +67,19 @@ def multisine(
         standstill("rest 1", centre, dwell),
     ]
     return joint_path(name, segments, dt)
+
+
+def check_below_nyquist(frequencies: Array, dt: float) -> None:
+    """Check that samples every `dt` [s] show what runs at `frequencies` [Hz], shape (F,).
+
+    Raises:
+        FFGymError: if one is not below half the sample rate.
+    """
+    if not np.all(frequencies < 0.5 / dt):
+        raise FFGymError(
+            f"frequencies = {frequencies.tolist()} Hz must be below half the sample rate, which is {0.5 / dt:g} Hz at "
+            f"dt = {dt} s."
+        )
 
 
 def schroeder_phases(n_sines: int, n_joints: int) -> Array:

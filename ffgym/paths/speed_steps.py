@@ -17,6 +17,10 @@ PEAK = 0.3125
 1 - 2 (3 x^2 - 2 x^3) to x = 1/2."""
 
 
+MOST_PERIODS = 1000
+"""Most periods of a triangle; more are surely a slip."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpeedStep:
     """A time at constant speed, or at rest."""
@@ -134,7 +138,7 @@ def triangle(
     amplitude = check_shape("amplitude", amplitude, centre.shape)
     ramp = check_number("ramp", ramp, unit="s", low=0.0, open_low=True)
     period = check_number("period", period, unit="s", low=4 * ramp, open_low=True)
-    n_periods = check_whole("n_periods", n_periods, low=1)
+    n_periods = check_whole("n_periods", n_periods, low=1, high=MOST_PERIODS)
     if not np.any(amplitude):
         raise FFGymError("amplitude is zero on every joint; give at least one joint an amplitude.")
     half = period / 2 - ramp  # at constant speed, between two reversals

@@ -194,6 +194,23 @@ BAD = {
     "dwell": ("dwell = -1\n" + TO_START, "dwell"),
     "start": ("start = [1]\n" + TO_START, "start .one entry"),
     "name": ("name = 3\n" + TO_START, "name = 3 must be text"),
+    "another planet": (LINE.format("1e200, 0, 0"), "is beyond 1000 m; is it in another unit"),
+    "beyond the speed of sound": (one_part("line", to="[0, 0, 0]", speed=1e308), "speed = 1e.308 m/s is out of range"),
+    "forever": (AT + TO_START + one_part("line", to="[0.1, 0, 0]", speed=1e-300), "speed|would last"),
+    "an endless wait": (AT + TO_START + one_part("wait", duration=1e300), "The motion would last 1e.300 s"),
+    "an endless triangle": (one_part("triangle", amplitude=0.1, period=2, periods="1_000_000_000"), "n_periods"),
+    "an endless circle": (one_part("circle", centre='"p1"', radius=0.1, speed=1, turns="1_000_000_000"), "turns"),
+    "huge circle": (one_part("circle", centre='"p1"', radius=1e308, speed=1), "radius"),
+    "huge joints": (one_part("joints", to=1e9), "is beyond 1e.06; is it in another unit"),
+    "too fast to sample": (one_part("sine", amplitude=0.1, frequency=200, duration=1), "below half the sample rate"),
+    "too fast to sum": (
+        one_part("multisine", amplitude=0.1, frequencies="[125]", duration=1),
+        "below half the sample rate, which is 125 Hz",
+    ),
+    "no sines": (one_part("multisine", amplitude=0.1, frequencies="[]", duration=1), "frequencies is empty"),
+    "endless dwell": (one_part("triangle", amplitude=0.1, period=2, dwell=1e308), "The motion lasts inf s"),
+    "limits beyond sense": ("[limits]\njerk = 1e300\n" + TO_START, "jerk = 1e.300 m/s.3 is out of range"),
+    "joint limits beyond sense": ("[limits]\njoint_jerk = 1e-9\n" + TO_START, "must be in .1e-06"),
     "far away": (AT + LINE.format("9, 0, 0"), "job.toml: part 1 .line.: .*reach"),
     "sine after a move": (
         one_part("joints", to=0.1)

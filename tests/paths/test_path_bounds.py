@@ -124,7 +124,7 @@ def test_limits_are_positive(name):
 def test_joint_limits_that_make_no_sense_are_refused():
     with pytest.raises(FFGymError, match="joint_speed"):
         MotionLimits(joint_speed=1.1)
-    with pytest.raises(FFGymError, match="must be > 0 for every joint"):
+    with pytest.raises(FFGymError, match="for every joint"):
         MotionLimits(joint_jerk=[1.0, 0.0])
     with pytest.raises(FFGymError, match="has 1 entries"):
         MotionLimits(joint_acceleration=[1.0]).of_joints(np.ones(2))

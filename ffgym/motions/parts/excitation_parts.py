@@ -6,14 +6,14 @@ from typing import Any, ClassVar, final
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice, check_shape
+from ffgym.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.motions.parts.part import Part, entry
 from ffgym.motions.parts.place import OF_RANGE, OF_SPEED, Place
 from ffgym.paths.circles import DWELL
 from ffgym.paths.joint_space import joint_sine
 from ffgym.paths.motion import JointPath
 from ffgym.paths.moves import Move, MoveTimed
-from ffgym.paths.multisine import multisine, schroeder_phases
+from ffgym.paths.multisine import check_below_nyquist, multisine, schroeder_phases
 from ffgym.paths.speed_steps import speed_ladder, triangle
 from ffgym.types import Array
 
@@ -50,7 +50,13 @@ class SinePart(ExcitationPart):
     def moves(self, place: Place) -> Sequence[Move]:
         """One excitation."""
         size = place.joints("amplitude", self.amplitude, place.span)
-        return self._timed(place, lambda q, dt: joint_sine(size, self.frequency, self.duration, centre=q, dt=dt))
+        frequency = check_number("frequency", self.frequency, unit="Hz", low=0.0, open_low=True)
+
+        def path(q: Array, dt: float) -> JointPath:
+            check_below_nyquist(np.array([frequency]), dt)
+            return joint_sine(size, frequency, self.duration, centre=q, dt=dt)
+
+        return self._timed(place, path)
 
 
 @final
@@ -69,6 +75,8 @@ class MultisinePart(ExcitationPart):
     def moves(self, place: Place) -> Sequence[Move]:
         """One excitation."""
         frequencies = check_shape("frequencies", self.frequencies, (None,))
+        if not len(frequencies):
+            raise FFGymError("frequencies is empty, must hold at least one frequency in Hz.")
         amplitude = self._amplitudes(place, len(frequencies))
         phases = self._phases(*amplitude.shape)
 

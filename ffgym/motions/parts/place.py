@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ffgym.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.paths.moves import check_position
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array
 
@@ -19,6 +20,8 @@ OF_SPEED = "one for all joints, a list, a table by joint, or '10 %' of each join
 """What a speed of joints may be."""
 UPRIGHT = np.array([0.0, 0.0, 1.0])
 """Normal of planes for a robot without a work area."""
+LARGEST = 1e6
+"""Largest value for a joint, in SI units; beyond it one surely is in another unit."""
 UNIT_NORM = 1e-3
 """Largest deviation from 1 of the norm of a quaternion that is taken for rounding."""
 
@@ -44,7 +47,7 @@ class Place:
         """Point in the world [m], shape (3,): coordinates from the origin, or the name of a point of the work area."""
         if isinstance(value, str):
             return named_point(self.robot, value)
-        return self.origin + check_shape(name, value, (3,))
+        return self.origin + check_position(name, value)
 
     def normal(self, value: Any) -> Array:
         """Normal of a plane, shape (3,): as given, or that of the work area; upright for a robot without one."""
@@ -104,7 +107,7 @@ def joint_values(robot: RobotDescription, name: str, value: Any, whole: Array, o
         share = value.removesuffix("%").strip()
         if share == value.strip() or not _is_number(share):
             raise FFGymError(f"{name} = {value!r} must be numbers, or a share such as '10 %'.")
-        return check_number(name, float(share), unit="%") / 100 * whole
+        return check_number(name, float(share), unit="%", low=-LARGEST, high=LARGEST) / 100 * whole
     if isinstance(value, dict):
         result = np.array(np.broadcast_to(others, whole.shape), dtype=np.float64)
         for joint, number in value.items():
@@ -112,8 +115,12 @@ def joint_values(robot: RobotDescription, name: str, value: Any, whole: Array, o
             result[index] = joint_values(robot, f"{name}.{joint}", number, whole, others)[index]
         return result
     if isinstance(value, list):
-        return check_shape(f"{name} (one entry for each of {', '.join(robot.joints)})", value, whole.shape)
-    return np.full(whole.shape, check_number(name, value))
+        values = check_shape(f"{name} (one entry for each of {', '.join(robot.joints)})", value, whole.shape)
+    else:
+        values = np.full(whole.shape, check_number(name, value))
+    if np.abs(values).max() > LARGEST:
+        raise FFGymError(f"{name} = {value} is beyond {LARGEST:g}; is it in another unit?")
+    return values
 
 
 def rotation_of(rpy_deg: Any, quaternion: Any) -> Array | None:

@@ -12,11 +12,13 @@ from ffgym.motions.parts.part import Part, entry
 from ffgym.motions.parts.place import FIRST, Place, rotation_of
 from ffgym.paths.circles import DWELL, RADII, circle_test, plane_of
 from ffgym.paths.curves import arc_about
-from ffgym.paths.moves import Move, MoveArc, MoveLinear, MoveSpline, MoveTimed, Pose, Speed, Zone
+from ffgym.paths.moves import FARTHEST, Move, MoveArc, MoveLinear, MoveSpline, MoveTimed, Pose, Speed, Zone
 from ffgym.types import Array
 
 TURN_SPEED_DEG = 500.0
 """Default turning speed of the tool [deg/s]: that of RAPID's predefined speeds."""
+MOST_TURNS = 1000
+"""Most turns of a circle; more are surely a slip."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,11 +99,11 @@ class CirclePart(ToolPart):
     def moves(self, place: Place) -> Sequence[Move]:
         """A line to the start, and two arcs for each circle."""
         centre = place.point("centre", self.centre)
-        radius = check_number("radius", self.radius, unit="m", low=0.0, open_low=True)
+        radius = check_number("radius", self.radius, unit="m", low=0.0, high=FARTHEST, open_low=True)
         plane = plane_of(place.normal(self.normal))
         angle = np.deg2rad(check_number("start_deg", self.start_deg, unit="deg"))
         arm = radius * (np.cos(angle) * plane.first + np.sin(angle) * plane.second)
-        turns = check_whole("turns", self.turns, low=1)
+        turns = check_whole("turns", self.turns, low=1, high=MOST_TURNS)
         label = self.label or f"circle {radius * 1e3:g} mm"
         circle = arc_about(centre, centre + arm, np.cross(plane.first, plane.second), 2 * np.pi)
         quarters = circle.at(np.linspace(0.0, circle.length, 5))[0]
