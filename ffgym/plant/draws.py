@@ -9,6 +9,7 @@ import numpy as np
 
 from ffgym.errors import FFGymError, check_number
 from ffgym.robot import RobotDescription
+from ffgym.robot.parts import point_mass_inertia
 from ffgym.types import Array
 
 
@@ -120,7 +121,7 @@ class PlantDistribution:
 
 
 def with_payload(robot: RobotDescription, mass: float) -> RobotDescription:
-    """Return the robot with a point mass [kg] at its TCP.
+    """Return the robot with a point mass [kg] at its TCP; a small ball, if the tool itself weighs nothing.
 
     Raises:
         FFGymError: if the robot has no tool, or the mass is negative.
@@ -132,6 +133,8 @@ def with_payload(robot: RobotDescription, mass: float) -> RobotDescription:
     total = tool.mass + mass
     if total == 0:
         return robot
+    if tool.mass == 0:
+        return replace(robot, tool=replace(tool, mass=mass, com=tool.tcp, inertia=point_mass_inertia(mass)))
     com = (tool.mass * tool.com + mass * tool.tcp) / total
     inertia = tool.inertia + tool.mass * _about(tool.com - com) + mass * _about(tool.tcp - com)
     return replace(robot, tool=replace(tool, mass=total, com=com, inertia=inertia))

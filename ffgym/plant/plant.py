@@ -91,7 +91,7 @@ class Plant:
         """Check that a controller made for `robot` fits this plant, and this plant's a robot.
 
         Raises:
-            FFGymError: if joints, gear ratios, servo gains or sample times differ.
+            FFGymError: if joints, gear ratios, servo gains, sample times or the make of springs and tool differ.
         """
         check_same_controller(self.robot, robot)
 
@@ -104,7 +104,8 @@ class Plant:
         """Give simulations `ids` other physics: masses, stiffness, friction, ... of `robots`; then put them to `rest`.
 
         Raises:
-            FFGymError: if a robot differs in what its controller knows: joints, gear ratios, servo, or sample times.
+            FFGymError: if a robot differs in what its controller knows: joints, gear ratios, servo, sample times; or in
+                which joints are elastic, which bodies springs join, or whether there is a tool.
         """
         for i, robot in zip(ids, robots, strict=True):
             if robot is self.robots[i]:

@@ -13,13 +13,15 @@ def check_same_controller(own: RobotDescription, other: RobotDescription) -> Non
     """Check that a plant fits the controller of a robot.
 
     Raises:
-        FFGymError: if they differ in what a controller knows, or in their springs.
+        FFGymError: if they differ in what a controller knows, or in the make of their joints, springs and tool.
     """
     pairs: dict[str, tuple[Any, Any]] = {
         "joints": (own.joints, other.joints),
         "drive.gear_ratio": (own.drive.gear_ratio, other.drive.gear_ratio),
         "drive.coupling": (own.drive.matrix, other.drive.matrix),
-        "springs": (len(own.springs), len(other.springs)),
+        "kinematics.types": (own.kinematics.types, other.kinematics.types),
+        "bodies of springs": ([spring.bodies for spring in own.springs], [spring.bodies for spring in other.springs]),
+        "having a tool": (own.tool is not None, other.tool is not None),
         "simulation.physics_dt": (own.physics_dt, other.physics_dt),
     }
     pairs |= {f"servo.{f.name}": (getattr(own.servo, f.name), getattr(other.servo, f.name)) for f in fields(own.servo)}

@@ -9,15 +9,12 @@ from ffgym.rapid.frames import Frame, frame, point, turn
 from ffgym.rapid.predefined import DESCRIBED_TOOL, TOOL0
 from ffgym.rapid.records import Value
 from ffgym.robot import RobotDescription
-from ffgym.robot.parts import Tool
+from ffgym.robot.parts import Tool, point_mass_inertia
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.types import Array
 
 _ROUNDING = 1e-6
 """Relative difference up to which a program's tool is the described one; programs are written with fewer digits."""
-
-_BALL = 0.01
-"""Radius [m] of the ball that stands for a point mass, which RAPID allows and a rigid body is not; chosen: 10 mm."""
 
 
 def tool_frame(tool: Value) -> Frame:
@@ -71,9 +68,8 @@ def _held(flange: Tool, tool: Value) -> Tool:
         return Tool(rotation=flange.rotation, position=flange.position, tcp=tcp)
     if not mass > 0 or min(moments) < 0:
         raise FFGymError(f"tload has mass {mass:g} kg and moments {moments} kg m^2; mass must be > 0, moments >= 0.")
-    if not any(moments):
-        moments = [0.4 * mass * _BALL**2] * 3
-    return replace(flange, tcp=tcp, mass=mass, com=point(cog), inertia=_inertia(turn(aom, "aom"), moments))
+    inertia = _inertia(turn(aom, "aom"), moments) if any(moments) else point_mass_inertia(mass)
+    return replace(flange, tcp=tcp, mass=mass, com=point(cog), inertia=inertia)
 
 
 def _inertia(axes: Array, moments: list[float]) -> Array:

@@ -19,6 +19,9 @@ LIMIT_ROUNDING = 1e-9
 """How far beyond a joint limit [rad or m] is still at it: more than computed joint positions are off by, and less than
 any drive measures."""
 
+_BALL = 0.01
+"""Radius [m] of the ball that stands for a point mass; chosen: small beside any tool."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Kinematics:
@@ -214,6 +217,12 @@ class Geom:
     """Unit quaternion, scalar first; of no use to a cylinder or capsule."""
     mesh: Mesh | None = None
     """Surface of a mesh."""
+
+
+def point_mass_inertia(mass: float) -> Array:
+    """Inertia of a ball of 10 mm radius that stands for a point mass [kg], which a rigid body is not; shape (6,)."""
+    moment = 0.4 * mass * _BALL**2
+    return np.array([moment, moment, moment, 0.0, 0.0, 0.0])
 
 
 def _check_inertia(name: str, inertia: Array) -> None:

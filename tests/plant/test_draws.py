@@ -9,6 +9,7 @@ import pytest
 from ffgym.errors import FFGymError
 from ffgym.plant import LogUniform, Plant, PlantDistribution, Uniform, with_payload
 from ffgym.robot import ModelOptions, RigidArm, compile_model, model_field, static_deflection
+from ffgym.robot.parts import Spring
 from tests.plant.driving import controls
 
 
@@ -114,6 +115,36 @@ def test_a_payload_is_a_point_mass_at_the_tcp(irb4600, arm, corners):
     extra = loaded.inverse_dynamics(q, 0 * q, ddq, gravity=True) - arm.inverse_dynamics(q, 0 * q, ddq, gravity=True)
     expected = 5.0 * jacobian.T @ (jacobian @ ddq[0] - irb4600.gravity)
     np.testing.assert_allclose(extra[0], expected, rtol=1e-9)
+
+
+def test_a_payload_on_a_tool_without_mass_is_a_small_ball_and_more_can_be_added(irb4600):
+    bare = replace(irb4600, tool=replace(irb4600.tool, mass=0.0, com=np.zeros(3), inertia=np.zeros(6)))
+    assert with_payload(bare, 0.0) is bare
+    loaded = with_payload(with_payload(bare, 2.0), 1.0).tool
+    assert loaded.mass == 3.0
+    np.testing.assert_allclose(loaded.com, bare.tool.tcp, rtol=1e-15)
+    np.testing.assert_allclose(loaded.inertia[:3], 0.4 * 2.0 * 0.01**2, rtol=1e-12)
+    assert PlantDistribution().draw(bare, np.random.default_rng(0)).tool.mass > 0
+
+
+def test_a_batch_holds_robots_of_one_make_only(irb4600):
+    spring = Spring(
+        name="balance",
+        bodies=("frame", "lower_arm"),
+        start=np.array([-0.2, 0.0, 0.1]),
+        end=np.array([-0.2, 0.0, 0.3]),
+        length=0.15,
+        stiffness=(2e4, 0.0, 0.0),
+    )
+    sliding = replace(irb4600.kinematics, types=("slide", *["hinge"] * 5))
+    plant = Plant(replace(irb4600, springs=(spring,)), 1)
+    for name, other in {
+        "kinematics.types": replace(plant.robot, kinematics=sliding),
+        "bodies of springs": replace(plant.robot, springs=(replace(spring, bodies=("frame", "forearm")),)),
+        "having a tool": replace(plant.robot, tool=None, geoms=()),
+    }.items():
+        with pytest.raises(FFGymError, match=f"differ in {name}"):
+            plant.become([0], [other])
 
 
 def test_what_cannot_be_drawn_or_become_is_refused(irb4600, one_axis):
