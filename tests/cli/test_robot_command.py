@@ -57,7 +57,9 @@ def test_meshes_that_are_missing_can_be_left_out(folder, capsys):
         '<site name="tcp"', '<geom type="mesh" mesh="m"/><site name="tcp"'
     )
     (folder / "meshes.xml").write_text(text)
-    assert "absent.stl" in refusal(capsys, "new", "meshes.xml", "--out", "mine.toml")
+    said = refusal(capsys, "new", "meshes.xml", "--out", "mine.toml")
+    assert "absent.stl" in said
+    assert "--no-looks" in said
     assert main(["robot", "new", "meshes.xml", "--out", "mine.toml", "--no-looks"]) == 0
     assert main(["robot", "check", "mine.toml"]) == 0
 

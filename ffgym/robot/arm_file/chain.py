@@ -17,7 +17,11 @@ BASE, ELSEWHERE = -1, -2
 TYPES = {mujoco.mjtJoint.mjJNT_HINGE.value: "hinge", mujoco.mjtJoint.mjJNT_SLIDE.value: "slide"}
 """Joints that a serial arm may have, as MuJoCo and descriptions call them."""
 
-_HELD = "Name the joints that move, joints = [...] from the base outwards; all others are held at zero."
+HELD = (
+    "Name the joints that move from the base outwards, --joints of ffgym robot new or joints = [...] in [robot]; all "
+    "others are held at zero."
+)
+"""The way out of files with more than one chain of hinges and sliding joints."""
 _SHOWN = 4
 """Branches that an error lists before it counts the rest."""
 
@@ -100,7 +104,7 @@ def _check_types(model: mujoco.MjModel, joints: Sequence[int], names: Sequence[s
     for j in joints:
         if model.jnt_type[j] not in TYPES:
             kind = mujoco.mjtJoint(model.jnt_type[j]).name.removeprefix("mjJNT_").lower()
-            raise FFGymError(f"Joint {names[j]!r} is a {kind} joint; an arm has hinges and sliding joints. {_HELD}")
+            raise FFGymError(f"Joint {names[j]!r} is a {kind} joint; an arm has hinges and sliding joints. {HELD}")
 
 
 def _check_single(joints: Sequence[int], before: dict[int, int | None], names: Sequence[str]) -> None:
@@ -112,7 +116,7 @@ def _check_single(joints: Sequence[int], before: dict[int, int | None], names: S
     branches = [str([names[j] for j in chain[len(common) :]]) for chain in chains]
     shown = " or ".join(branches[:_SHOWN]) + (f" or {len(branches) - _SHOWN} more" if branches[_SHOWN:] else "")
     where = f"It branches after {names[common[-1]]!r}" if common else "It has several chains"
-    raise FFGymError(f"{where}: {shown}. {_HELD} For example joints = {[names[j] for j in common or chains[0]]}.")
+    raise FFGymError(f"{where}: {shown}. {HELD} For example joints = {[names[j] for j in common or chains[0]]}.")
 
 
 def _chain_to(joint: int, before: dict[int, int | None]) -> list[int]:
@@ -153,5 +157,5 @@ def _check_links(model: mujoco.MjModel, joints: Sequence[int], names: Sequence[s
             body = model.body(model.jnt_bodyid[j]).name
             raise FFGymError(
                 f"Joints {names[j]!r} and {names[k]!r} are both in body {body!r}, so the link between them weighs "
-                f"nothing. Put a body with a mass between them, or move only one of them. {_HELD}"
+                f"nothing. Put a body with a mass between them, or move only one of them. {HELD}"
             )

@@ -7,7 +7,7 @@ from ffgym.errors import FFGymError
 READABLE = (".stl", ".obj", ".msh")
 """Formats that MuJoCo reads."""
 
-WAY_OUT = 'or leave the looks out: looks = "none" in [robot], looks=False in read_arm'
+WAY_OUT = 'or leave the looks out: --no-looks of ffgym robot new, looks = "none" in [robot], looks=False in read_arm'
 """What helps against any trouble with a mesh."""
 
 

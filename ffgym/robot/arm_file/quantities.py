@@ -17,16 +17,22 @@ UNLIMITED = 2 * np.pi
 """Range of a hinge without limits, to both sides [rad]: one turn, what cables along an arm usually bear."""
 
 
-def quantities_of(pose: Pose, hints: Sequence[JointHints], file: str, kind: Kind) -> dict[str, Quantity]:
-    """Entries by path; `file` is their source.
+def quantities_of(
+    pose: Pose, hints: Sequence[JointHints], file: str, kind: Kind, *, has_masses: bool
+) -> dict[str, Quantity]:
+    """Entries by path; `file` is their source, and without masses those of the links are left out.
 
     Raises:
         FFGymError: if a link weighs nothing, or a number is not finite.
     """
     joints = JointFrame(types=pose.chain.types)
     with np.errstate(over="ignore", invalid="ignore"):  # numbers that overflow are refused below
-        values = geometry(pose) | masses(pose)
+        values = geometry(pose) | (masses(pose) if has_masses else {})
     entries = {path: _quantity(path, value, ("sourced",), file, joints) for path, value in values.items()}
+    if not has_masses:
+        source = f"{file} has no masses; a base that stands still needs none"
+        still = {"base.mass": np.zeros(()), "base.com": np.zeros(3)}
+        entries |= {path: _quantity(path, value, ("chosen",), source, joints) for path, value in still.items()}
     path, gravity = "simulation.gravity", pose.model.opt.gravity
     if kind == "urdf":
         entries[path] = _quantity(path, gravity, ("chosen",), f"{file} says none; URDF has z upwards", joints)

@@ -62,7 +62,7 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
         joints=chain.names,
         links=links,
         types=chain.types,
-        quantities=MappingProxyType(quantities_of(pose, hints, path.name, kind)),
+        quantities=MappingProxyType(quantities_of(pose, hints, path.name, kind, has_masses=source.has_masses)),
         frames=MappingProxyType(named_frames(pose)),
         hints=hints,
         geoms=looks_of(pose, links) if looks else (),

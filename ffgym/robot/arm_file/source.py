@@ -16,5 +16,7 @@ class Source:
     """Speed limits of joints [rad/s] or [m/s]."""
     gear_ratios: Mapping[str, float] = field(default_factory=dict)
     """Motor over joint motion, of joints."""
+    has_masses: bool = True
+    """Whether it says what links weigh; if not, the model's masses are stand-ins that mean nothing."""
     notes: tuple[str, ...] = ()
     """What is left out."""

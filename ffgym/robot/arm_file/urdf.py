@@ -8,6 +8,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 
 from ffgym.errors import FFGymError, check_choice
+from ffgym.robot.arm_file.chain import HELD
 from ffgym.robot.arm_file.source import Source
 from ffgym.robot.arm_file.urdf_shapes import add_shapes
 from ffgym.robot.arm_file.xml_numbers import number
@@ -16,6 +17,10 @@ _SERIAL = ("revolute", "continuous", "prismatic", "fixed")
 """Joint types that a serial arm may have."""
 _OTHERS = ("planar", "floating", "spherical")
 """Joint types that are held still, if at all."""
+_NO_MASSES = (
+    "the file has no masses (inertial) at all; links.mass, links.com and links.inertia have to come from elsewhere"
+)
+"""What is said of a file that is geometry alone."""
 
 
 def read_urdf(data: bytes, folder: Path, joints: Sequence[str] | None, *, looks: bool) -> Source:
@@ -35,9 +40,26 @@ def read_urdf(data: bytes, folder: Path, joints: Sequence[str] | None, *, looks:
         _hold_if_unfit(joint, joints)
     speeds, ratios = _speeds(root), _gear_ratios(root)
     shapes = _without_shapes(root)
+    has_masses = root.find("link/inertial") is not None
+    if not has_masses:
+        _stand_in_for_masses(root)
     spec = mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
     notes = add_shapes(spec, root, shapes, folder) if looks else ()
-    return Source(spec=spec, speeds=speeds, gear_ratios=ratios, notes=notes)
+    return Source(
+        spec=spec,
+        speeds=speeds,
+        gear_ratios=ratios,
+        has_masses=has_masses,
+        notes=(*(() if has_masses else (_NO_MASSES,)), *notes),
+    )
+
+
+def _stand_in_for_masses(root: ET.Element) -> None:
+    """Give every link some mass, without which MuJoCo moves nothing; whoever reads the model leaves it out."""
+    for link in root.findall("link"):
+        inertial = ET.SubElement(link, "inertial")
+        ET.SubElement(inertial, "mass", value="1")
+        ET.SubElement(inertial, "inertia", ixx="1", iyy="1", izz="1", ixy="0", ixz="0", iyz="0")
 
 
 def _check_expanded(root: ET.Element) -> None:
@@ -108,10 +130,7 @@ def _hold_if_unfit(joint: ET.Element, wanted: Sequence[str] | None) -> None:
     if kind in _SERIAL:
         return
     if wanted is None or name in wanted:
-        raise FFGymError(
-            f"Joint {name!r} is {kind}; an arm has revolute, continuous and prismatic joints. Name the joints that "
-            f"move, joints = [...] from the base outwards; all others are held at zero."
-        )
+        raise FFGymError(f"Joint {name!r} is {kind}; an arm has revolute, continuous and prismatic joints. {HELD}")
     joint.set("type", "fixed")
 
 

@@ -23,7 +23,9 @@ class Advice:
     """How large it usually is; empty where that says nothing."""
 
 
-_ARM_FILE = "the arm file; a table here replaces what it says"
+_ARM_FILE = "the arm file, as a rule"
+_FRAMES = "link frames stand on the joints and are parallel to the world at q = 0"
+_TOOL_FRAME = "a frame of the arm file, named by tool_frame in [robot] instead of this table"
 _FRICTION_TEST = (
     "constant speeds in both directions on one joint (thesis 6.1), or the controller's friction feed-forward"
 )
@@ -33,19 +35,19 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
     {
         "kinematics.position": Advice(where=_ARM_FILE),
         "kinematics.axis": Advice(where=_ARM_FILE),
-        "kinematics.range": Advice(where=f"data sheet (working range), controller backup; {_ARM_FILE}"),
+        "kinematics.range": Advice(where="data sheet (working range), controller backup"),
         "kinematics.max_speed": Advice(where="data sheet (axis speeds)", typical="100 to 400 deg/s"),
         "base.mass": Advice(where=_ARM_FILE),
         "base.com": Advice(where=_ARM_FILE),
-        "links.mass": Advice(where=f"CAD, data sheet (total mass), identification; {_ARM_FILE}"),
-        "links.com": Advice(where=f"CAD, identification; {_ARM_FILE}"),
-        "links.inertia": Advice(where=f"CAD, identification; {_ARM_FILE}"),
-        "flange.position": Advice(where="data sheet (flange); left out, tool0 is at the last joint"),
-        "flange.rotation": Advice(where="manual (tool0 or flange frame: z out of the flange, as a rule)"),
+        "links.mass": Advice(where="CAD, data sheet (total mass), identification"),
+        "links.com": Advice(where=f"CAD, identification; {_FRAMES}"),
+        "links.inertia": Advice(where=f"CAD, identification; {_FRAMES}"),
+        "flange.position": Advice(where=f"{_TOOL_FRAME}; data sheet (flange); left out, tool0 is at the last joint"),
+        "flange.rotation": Advice(where=f"{_TOOL_FRAME}; manual (z out of the flange, as a rule)"),
         "tool.mass": Advice(where="controller backup (tool load data), scales"),
         "tool.com": Advice(where="controller backup (tool load data), CAD"),
         "tool.inertia": Advice(where="controller backup (tool load data), CAD"),
-        "tool.tcp": Advice(where="controller backup (tool frame), tool calibration"),
+        "tool.tcp": Advice(where=f"{_TOOL_FRAME}; controller backup (tool frame), tool calibration"),
         "drive.gear_ratio": Advice(
             where="controller backup (transmission), data sheet, or motor turns counted over one joint turn",
             typical="50 to 250, direct drives 1; a screw of 10 mm a turn has 628 rad/m",

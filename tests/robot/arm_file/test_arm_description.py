@@ -3,6 +3,7 @@
 import copy
 import pickle
 import re
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from ffgym.errors import FFGymError
 from ffgym.paths import joint_sine
 from ffgym.robot import ModelOptions, compile_model, load_draft, load_robot, parse_robot, physics_fingerprint
 from ffgym.robot.arm_file import JointHints, read_arm
+from ffgym.robot.reading.parse import parse_draft
 from ffgym.simulation import Run, simulate
 from tests.robot.arm_file.arm_file_samples import (
     ARMS,
@@ -189,6 +191,32 @@ def test_a_draft_may_have_a_file_and_nothing_else(tmp_path):
     draft = load_draft(tmp_path / "mine.toml")
     assert draft.can("kinematics")
     assert "drive.gear_ratio" in draft.missing
+
+
+def test_a_urdf_without_any_mass_is_geometry_alone(tmp_path):
+    """As vendors publish industrial robots; a link without mass among others with mass is an error."""
+    root = ET.parse(FILES / "kr_like.urdf").getroot()
+    for link in root.findall("link"):
+        for inertial in link.findall("inertial"):
+            link.remove(inertial)
+    path = tmp_path / "light.urdf"
+    path.write_bytes(ET.tostring(root))
+    bare, whole = (read_arm(file, looks=False) for file in (path, FILES / "kr_like.urdf"))
+    assert set(whole.quantities) - set(bare.quantities) == {"links.mass", "links.com", "links.inertia"}
+    for name in ("kinematics.position", "kinematics.axis", "kinematics.range"):
+        np.testing.assert_array_equal(bare.quantities[name].value, whole.quantities[name].value)
+    assert bare.quantities["base.mass"].value == 0
+    assert bare.quantities["base.mass"].origin == ("chosen",)
+    assert any("no masses" in note for note in bare.notes)
+    assert not any("no masses" in note for note in whole.notes)
+    draft = parse_draft(description_text(path, whole.types, looks="none"))
+    assert draft.missing == ("links.mass", "links.com", "links.inertia")
+    masses = "".join(
+        entry(name, whole.quantities[name].value.tolist(), unit, "link")
+        for name, unit in (("links.mass", "kg"), ("links.com", "m"), ("links.inertia", "kg m^2"))
+    )
+    robot = parse_robot(description_text(path, whole.types, looks="none", more=masses))
+    np.testing.assert_array_equal(robot.bodies.mass, whole.quantities["links.mass"].value)
 
 
 def test_hints_say_what_the_file_knows_of_the_drives():

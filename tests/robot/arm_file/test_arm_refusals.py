@@ -163,7 +163,7 @@ BROKEN = {
     "mesh URDF": (
         urdf(link("a", shape("meshes/hull.stl")), link("b"), joint("j", "a", "b")),
         "The mesh 'meshes/hull.stl' of link 'a' visual is missing; looked for {folder}/meshes/hull.stl. Put it there, "
-        'or leave the looks out: looks = "none" in [robot]',
+        'or leave the looks out: --no-looks of ffgym robot new, looks = "none" in [robot]',
     ),
     "mesh in package": (
         urdf(link("a", shape("package://arm/hull.stl")), link("b"), joint("j", "a", "b")),

@@ -215,3 +215,13 @@ def test_the_proposed_physics_step_divides_any_control_step_and_is_short(control
     step = float(parse_draft(filled_text(text, propose(draft), draft.types)).quantities["simulation.physics_dt"].value)
     assert abs(control_dt / step - round(control_dt / step)) < 1e-9
     assert 0 < step <= 2.5e-4 * (1 + 1e-9)
+
+
+def test_what_the_arm_file_could_say_is_asked_with_the_way_to_let_it(folder):
+    text = template("mine", read_arm(folder / "arm.xml"), "arm.xml", tool_frame="flange")
+    assert "[flange.rotation]" not in text
+    no_frame = ARM.replace('name="tcp"', 'name="nozzle"').replace('name="flange"', 'name="last"')
+    (folder / "plain.xml").write_text(no_frame)
+    text = template("mine", read_arm(folder / "plain.xml"), "plain.xml")
+    where = text.split("# --- flange.rotation")[1].split("#? [flange.rotation]")[0]
+    assert "tool_frame in [robot] instead of this table" in " ".join(where.replace("#", "").split())
