@@ -28,6 +28,11 @@ class Curve(ABC):
     def length(self) -> float:
         """Arc length [m, or s in joint space], > 0."""
 
+    @property
+    def knots(self) -> Array:
+        """Arc lengths at which one formula ends and the next begins, increasing, with both ends, shape (K,)."""
+        return np.array([0.0, self.length])
+
     @abstractmethod
     def at(self, s: Array) -> Derivatives:
         """Position and derivatives at arc lengths `s` within [0, length], shape (T,)."""

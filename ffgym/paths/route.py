@@ -1,5 +1,6 @@
 """A path without time: legs one after another, with corners rounded, measured by arc length from end to end."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -21,7 +22,7 @@ SHARPEST = np.deg2rad(175.0)
 SPENT = 1e-9
 """Share of a leg up to which what two corners leave of it is nothing; chosen: well above rounding."""
 GRID = 16
-"""Intervals in which a leg is examined at least."""
+"""Intervals in which each piece of a leg's curve is examined at least."""
 GRID_STEP = 0.005
 """Longest interval in which a leg is examined [m, or s of joint motion]; chosen: over 5 mm the joint motion of an arm
 hardly changes."""
@@ -55,15 +56,19 @@ class Leg:
         return Course(path=self.curve.at(s), turned=None if self.turning is None else self.turning.at(s))
 
     def grid(self) -> Array:
-        """Arc lengths at which the leg is examined, from its start to its end."""
-        length = self.curve.length
-        coarse = np.linspace(0.0, length, GRID + 1)
-        turned = (
-            0.0 if self.turning is None else length * float(np.linalg.norm(self.turning.at(coarse)[1], axis=1).max())
-        )
-        return np.linspace(
-            0.0, length, max(GRID, int(np.ceil(length / GRID_STEP)), int(np.ceil(turned / GRID_TURN))) + 1
-        )
+        """Arc lengths at which the leg is examined, from its start to its end; closest where its pieces are shortest."""
+        knots = self.curve.knots
+        points = [self._examined(start, end) for start, end in itertools.pairwise(knots)]
+        return np.concatenate([*(piece[:-1] for piece in points), knots[-1:]])
+
+    def _examined(self, start: float, end: float) -> Array:
+        """Arc lengths at which one piece of the curve is examined, with both ends."""
+        coarse = np.linspace(start, end, GRID + 1)
+        turned = 0.0
+        if self.turning is not None:
+            turned = (end - start) * float(np.linalg.norm(self.turning.at(coarse)[1], axis=1).max())
+        count = max(GRID, int(np.ceil((end - start) / GRID_STEP)), int(np.ceil(turned / GRID_TURN)))
+        return np.linspace(start, end, count + 1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -277,6 +277,15 @@ def test_a_stop_that_was_not_asked_for_is_noted(arm, moves, note):
     assert note in motion.notes[0]
 
 
+@pytest.mark.parametrize("speed", [0.05, 0.1, 0.2])
+def test_bends_of_a_tenth_of_a_millimetre_behind_a_long_way_are_within_the_limits(two_link_arm, speed):
+    """A spline is examined on each of its pieces: one grid over the whole found these bends by chance."""
+    ends = [(-792.94858, 2624.08824), (-792.91891, 2624.02909), (-792.84513, 2624.12727), (-792.73732, 2623.9772)]
+    through = tuple(Pose(position=np.array([x, 0, z]) * 1e-3) for x, z in ends)
+    start = MoveJoint(to=np.array([1.6218399, 1.70115448]))
+    check_reference(compose(two_link_arm, [start, MoveSpline(through=through, speed=Speed(tcp=speed))]).reference)
+
+
 def test_planar_arms_keep_their_orientation_free(two_link_arm):
     target = two_link_arm.tcp_position(np.array([[0.3, 0.5]]))[0]
     start = two_link_arm.tcp_position(np.array([[0.2, 0.8]]))[0]
