@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from ffgym.errors import FFGymError, check_number
 from ffgym.metrics.path_error import standstill_offset
-from ffgym.recordings import Recording
+from ffgym.recordings import Phase, Recording
 from ffgym.types import Array, BoolArray, IntArray
 
 WINDOW = 0.05
@@ -79,6 +79,11 @@ class ContourError:
     """Deviation of the TCP from a stretch of its path, in space [m]."""
 
     label: str
+    """Name of the phase, or WHOLE; several phases may have one name."""
+    start: float
+    """Where the stretch begins, on the clock of the recording [s]."""
+    end: float
+    """Where it ends [s]."""
     rms: float
     """Root mean square distance to the nearest point of the path."""
     max: float
@@ -102,10 +107,11 @@ def contour_errors(recording: Recording, window: float = WINDOW) -> list[Contour
             f"Recording {recording.header.segment!r} shows no TCP in motion, so it has no path error to score."
         )
     t, phases = recording.t, [phase for phase in recording.header.phases if phase.kind != "standstill"]
-    stretches = [(phase.label, (t >= phase.start) & (t < phase.end)) for phase in phases]
+    stretches = [(phase, (t >= phase.start) & (t < phase.end)) for phase in phases]
+    whole = Phase(label=WHOLE, kind="motion", start=float(t[0]), end=float(t[-1]))
     return [
-        _figures(contour, label, within[contour.rows])
-        for label, within in [(WHOLE, moving), *stretches]
+        _figures(contour, phase, within[contour.rows])
+        for phase, within in [(whole, moving), *stretches]
         if within[contour.rows].any()
     ]
 
@@ -164,10 +170,12 @@ def _on_polylines(points: Array, corners: Array) -> Array:
     return nearest
 
 
-def _figures(contour: Contour, label: str, within: BoolArray) -> ContourError:
+def _figures(contour: Contour, phase: Phase, within: BoolArray) -> ContourError:
     distance, lag = contour.distance[within], np.abs(contour.lag[within])
     return ContourError(
-        label=label,
+        label=phase.label,
+        start=phase.start,
+        end=phase.end,
         rms=float(np.sqrt(np.mean(distance**2))),
         max=float(distance.max()),
         lag_rms=float(np.sqrt(np.mean(lag**2))),

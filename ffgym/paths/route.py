@@ -56,7 +56,7 @@ class Leg:
         return Course(path=self.curve.at(s), turned=None if self.turning is None else self.turning.at(s))
 
     def grid(self) -> Array:
-        """Arc lengths at which the leg is examined, from its start to its end; closest where its pieces are shortest."""
+        """Arc lengths at which the leg is examined, from its start to its end, those of its knots among them."""
         knots = self.curve.knots
         points = [self._examined(start, end) for start, end in itertools.pairwise(knots)]
         return np.concatenate([*(piece[:-1] for piece in points), knots[-1:]])

@@ -8,14 +8,14 @@ from typing import Any
 from ffgym.errors import FFGymError
 from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Pose, Wait
 from ffgym.rapid.arguments import pair
-from ffgym.rapid.evaluate import evaluate_arguments
+from ffgym.rapid.evaluate import evaluate, evaluate_arguments
 from ffgym.rapid.execution import Configuration, Execution
 from ffgym.rapid.instructions import MOVES
 from ffgym.rapid.predefined import TOOL0, WOBJ0
-from ffgym.rapid.records import Value
+from ffgym.rapid.records import NUM, Value
 from ffgym.rapid.scope import Scope
 from ffgym.rapid.source import Source
-from ffgym.rapid.syntax import Call, Expression, Instruction, Place, Reference
+from ffgym.rapid.syntax import Argument, Call, Expression, Instruction, Place, Reference
 from ffgym.rapid.targets import joint_positions, pose, quarter_turns, speed, zone
 from ffgym.rapid.tools import tool_frame, with_tool
 from ffgym.robot import RobotDescription
@@ -48,7 +48,7 @@ class MoveBuilder:
         paired = pair(self.source, instruction.name, place, instruction.arguments, MOVES[kind])
         values, options = evaluate_arguments(scope, paired, MOVES[kind])
         *targets, speed_data, zone_data, tool = values
-        names = [_name(target) for target in paired.values[: len(targets)]]
+        names = [_name(scope, target) for target in paired.values[: len(targets)]]
         self._use(tool, paired.values[-1].place, absolute=kind == "moveabsj")
         with self._at(place):
             how: dict[str, Any] = {
@@ -126,10 +126,17 @@ def _to_pose(kind: str, poses: Sequence[Pose], how: Mapping[str, Any]) -> Move:
     return MoveJoint(to=poses[0], **how)
 
 
-def _name(target: Expression) -> str:
-    """What messages and phases call a target."""
+def _name(scope: Scope, target: Expression | None) -> str:
+    """What messages and phases call a target: its name, of a displaced one with the numbers that it is displaced by."""
     if isinstance(target, Reference):
         return target.name
-    if isinstance(target, Call) and target.arguments[0].value is not None:
-        return f"{target.name}({_name(target.arguments[0].value)})"
-    return "target"
+    if not isinstance(target, Call):
+        return "target"
+    displaced, *by = target.arguments
+    return f"{target.name}({', '.join([_name(scope, displaced.value), *(_written(scope, part) for part in by)])})"
+
+
+def _written(scope: Scope, argument: Argument) -> str:
+    r"""An argument that is a number, and its options, e.g. '-20\Rx:=5', whatever was written for the numbers."""
+    named = [("", argument.value), *((f"\\{option.name}:=", option.value) for option in argument.options)]
+    return "".join(f"{name}{evaluate(scope, value, NUM) + 0.0:g}" for name, value in named if value is not None)

@@ -20,6 +20,9 @@ class StretchError:
     """Deviation of the TCP from its path on the whole motion or one phase of it [mm]; see `metrics.ContourError`."""
 
     label: str
+    start: float
+    """On the clock of the recording [s]; with `end` it tells phases of one name apart."""
+    end: float
     rms_mm: float
     max_mm: float
     lag_rms_mm: float
@@ -156,6 +159,8 @@ def _path(recording: Recording) -> list[StretchError]:
     return [
         StretchError(
             label=error.label,
+            start=error.start,
+            end=error.end,
             rms_mm=error.rms * 1e3,
             max_mm=error.max * 1e3,
             lag_rms_mm=error.lag_rms * 1e3,

@@ -139,7 +139,7 @@ def test_figures_are_those_of_each_phase_and_standstill_counts_nowhere():
     parts = [("wait", "standstill", 0.0, 0.4), ("one", "motion", 0.4, 0.6), ("two", "lead_out", 0.6, 1.0)]
     named = tuple(Phase(label=a, kind=k, start=s, end=e) for a, k, s, e in parts)
     whole, one, two = contour_errors(drawn(reference, tcp, named))
-    assert (one.label, two.label) == ("one", "two")
+    assert [(e.label, e.start, e.end) for e in (one, two)] == [("one", 0.4, 0.6), ("two", 0.6, 1.0)]
     assert (one.rms, two.rms) == (pytest.approx(1e-4), pytest.approx(3e-4))
     assert whole.rms == pytest.approx(np.sqrt((200 * 1e-8 + 400 * 9e-8) / 600))
 
@@ -148,6 +148,7 @@ def test_a_recording_without_phases_counts_as_one_motion():
     reference = line()
     (whole,) = contour_errors(drawn(reference, reference))
     assert (whole.label, whole.max) == (WHOLE, pytest.approx(0.0, abs=1e-12))
+    assert (whole.start, whole.end) == (0.0, pytest.approx(0.999))
 
 
 def test_a_recording_that_only_rests_is_refused():

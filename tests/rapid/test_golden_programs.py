@@ -4,7 +4,7 @@ from importlib import resources
 
 import numpy as np
 import pytest
-from rapid_samples import ARITHMETIC, EXPORTED, JOINTS, WORK_OBJECT, moves, told
+from rapid_samples import ARITHMETIC, EXPORTED, JOINTS, WORK_OBJECT, moves, moves_of, told
 
 from ffgym.paths.moves import MoveArc, Pose
 from ffgym.rapid import parse_program
@@ -22,8 +22,8 @@ def test_own_data_and_arithmetic(irb4600):
     assert [told(move) for move in moves(irb4600, ARITHMETIC)] == [
         ("MoveJoint", "p", [1325, -187.5, 590], None, 100, 0),
         ("MoveLinear", "p", [1325, -187.5, 600], None, 10, 5),
-        ("MoveArc", "offs(p)", [1325, -137.5, 600], [1300, -200, 590], 7, 3),
-        ("MoveLinear", "offs(p)", [1325, -137.5, 605], None, 10, 1),
+        ("MoveArc", "offs(p, 0, 50, 0)", [1325, -137.5, 600], [1300, -200, 590], 7, 3),
+        ("MoveLinear", "offs(p, 0, 50, 5)", [1325, -137.5, 605], None, 10, 1),
         ("MoveLinear", "p", [1300, -200, 600], None, 7000, 0),
         ("Wait", 0.25),
     ]
@@ -41,11 +41,11 @@ def test_joint_space(irb4600):
 def test_a_work_object_that_is_turned_by_a_quarter(irb4600):
     """Its x is the world's y, its y the world's -x."""
     side = [
-        ("MoveLinear", "Offs(pCorner)", [1400, 10, 520], None, 50, 0),
-        ("MoveLinear", "Offs(pCorner)", [1370, 10, 520], None, 50, 1),
+        ("MoveLinear", "Offs(pCorner, 10, 0, 0)", [1400, 10, 520], None, 50, 0),
+        ("MoveLinear", "Offs(pCorner, 10, 30, 0)", [1370, 10, 520], None, 50, 1),
     ]
     assert [told(move) for move in moves(irb4600, WORK_OBJECT)] == [
-        ("MoveJoint", "Offs(pCorner)", [1400, 10, 570], None, 100, 0),
+        ("MoveJoint", "Offs(pCorner, 10, 0, 50)", [1400, 10, 570], None, 100, 0),
         *side,
         *side,
     ]
@@ -75,3 +75,10 @@ def test_shipped_examples_hold_the_tool_of_the_built_in_robot_down_on_one_plane(
     heights = [move.to.position[2] for move in cartesian if isinstance(move, MoveArc)]
     assert len(heights) >= 5
     np.testing.assert_allclose(heights, heights[0], atol=1e-12)
+
+
+def test_displaced_targets_are_called_by_the_numbers_that_they_are_displaced_by(irb4600):
+    data = "CONST num deep := 20;"
+    body = r"MoveL RelTool(Offs(p, 5 - 7.5, deep / 2, 0), 0, -0.0, -deep\Rx:=5\rz:=-deep), v100, fine, tRobot;"
+    (move,) = moves_of(irb4600, body, data)
+    assert move.label == r"RelTool(Offs(p, -2.5, 10, 0), 0, 0, -20\Rx:=5\rz:=-20)"

@@ -158,7 +158,7 @@ def test_the_page_stands_alone_and_escapes_what_it_is_told(study):
     none = study.results[0]
     for stretch in none.path:
         assert f"{stretch.rms_mm:.3f}" in page
-        assert stretch.label in page
+        assert f'<td class="l">{stretch.label}</td><td>{stretch.start:.2f}</td>' in page
     for joint in study.robot.joints:
         assert f'<td class="l">{joint}</td>' in page
     assert f"{1e3 * none.motor_rms_rad[5]:.2f}" in page

@@ -46,7 +46,7 @@ def test_errors_are_those_of_the_metrics_without_standstill(study):
         np.testing.assert_allclose(result.motor_rms_rad, motor_error_rms(recording), rtol=1e-15)
         np.testing.assert_array_equal(result.motor_max_rad, np.abs(motor_error(recording)[moving]).max(axis=0))
         for stretch, error in zip(result.path, contour_errors(recording), strict=True):
-            assert stretch.label == error.label
+            assert (stretch.label, stretch.start, stretch.end) == (error.label, error.start, error.end)
             figures = (stretch.rms_mm, stretch.max_mm, stretch.lag_rms_mm, stretch.lag_max_mm)
             np.testing.assert_allclose(figures, np.array([error.rms, error.max, error.lag_rms, error.lag_max]) * 1e3)
 

@@ -91,7 +91,7 @@ def path_error_caption(study: MotionStudy, motion: str) -> str:
     for result in _results(study, motion):
         whole, *stretches = result.path
         where = max(stretches, key=lambda stretch: stretch.max_mm, default=whole)
-        worst.append(f"{styles[result.agent].label} {where.max_mm:.3f} mm ({where.label})")
+        worst.append(f"{styles[result.agent].label} {where.max_mm:.3f} mm ({where.label}, from {where.start:.2f} s)")
     return (
         "Across: distance of the tool from the nearest point of its path. Along: how far it is behind its reference in "
         f"the direction of motion. Offset at the start removed. Grey: standstill. Largest distance: {'; '.join(worst)}."
