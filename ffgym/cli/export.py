@@ -27,6 +27,8 @@ class Export:
     """Built-in robot, or a path to a description that ends in .toml."""
     path: tyro.conf.Positional[str | None] = None
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID); none is the model."""
+    entry: str | None = None
+    """Procedure of a RAPID program to run; none is main, or the only one."""
     out: Path = Path("export")
     """Folder to write; it must be empty or not exist."""
     feedforward: str = "none"
@@ -70,7 +72,7 @@ class Export:
 
     def _refuse_unused(self) -> None:
         """Options that say how a motion is run have no effect without one."""
-        given = given_options(self, ("feedforward", "parameters", "sides", "angles", "record_dt_ms"))
+        given = given_options(self, ("entry", "feedforward", "parameters", "sides", "angles", "record_dt_ms"))
         if self.path is None and given:
             raise FFGymError(
                 f"{', '.join(given)} has no effect without a motion. Name one after the robot, or leave it out."
@@ -89,7 +91,7 @@ class Export:
 
     def _motion(self, arm: RigidArm, path: str) -> list[str]:
         """Export the robot and a motion on it; returns what to print."""
-        motion = load_motion(arm, path)
+        motion = load_motion(arm, path, entry=self.entry)
         if motion.reference.robot is not arm.robot:  # the motion brings its own tool
             arm = RigidArm(motion.reference.robot)
         options = replace(self._options, looks=False)

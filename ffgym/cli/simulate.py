@@ -28,6 +28,8 @@ class Simulate:
     """Built-in robot, or a path to a description that ends in .toml."""
     path: tyro.conf.Positional[str]
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    entry: str | None = None
+    """Procedure of a RAPID program to run; none is main, or the only one."""
     feedforward: tuple[str, ...] = ("none", "lugre_dynamic")
     """Names of docs/agents, or files of learned laws. Those that learn are trained first, on their standard motions."""
     parameters: Path | None = None
@@ -59,7 +61,7 @@ class Simulate:
         """Check, simulate, write, print."""
         recordings = self._check()
         arm = RigidArm(load_robot(self.robot))
-        motion = load_motion(arm, self.path)
+        motion = load_motion(arm, self.path, entry=self.entry)
         if motion.reference.robot is not arm.robot:  # the motion brings its own tool
             arm = RigidArm(motion.reference.robot)
         study = self._simulated(arm, motion)

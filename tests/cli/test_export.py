@@ -126,6 +126,7 @@ def test_parts_that_are_left_out_are_left_out_of_model_and_motion(tmp_path):
         (["one_axis", "--out", "robot.xml"], "robot.xml: must be a folder; the model in it is model.xml"),
         (["one_axis", "--out", "absent/robot"], "absent does not exist; create it"),
         (["one_axis", "--json", "absent/origin.json"], "absent does not exist; create it"),
+        (["one_axis", "--entry", "main"], "--entry has no effect without a motion"),
         (["one_axis", "--feedforward", "elastic", "--angles", "deg"], "--feedforward, --angles has no effect without"),
         (["irb4600_60_205", "absent.mod"], "absent.mod"),
         (["irb4600_60_205", "circles", "--feedforward", "magic"], "magic"),

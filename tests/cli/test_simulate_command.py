@@ -170,6 +170,16 @@ def test_a_wrong_program_is_named_with_its_place(here, capsys):
     assert "bad.mod:3:" in only_error(capsys)
 
 
+def test_another_procedure_of_a_program_can_be_run(here, capsys):
+    twice = PROGRAM.replace("ENDMODULE", "PROC short()\nMoveJ start, v100, fine, tool0;\n{}ENDPROC\nENDMODULE")
+    (here / "two.mod").write_text(twice.format("MoveL Offs(start, 1, 0, 0), v50, fine, tool0;\n"), encoding="utf-8")
+    for entry, label in (([], "Offs(start, 5, 5, 0)"), (["--entry", "short"], "Offs(start, 1, 0, 0)")):
+        assert run("irb4600_60_205", "two.mod", *entry, "--feedforward", "none", "--json", "two.json") == 0
+        assert json.loads((here / "two.json").read_text())["results"][0]["path"][-1]["label"] == label
+    assert run("irb4600_60_205", "circles", "--entry", "short") == 1
+    assert "entry = 'short' is a procedure of a program" in only_error(capsys)
+
+
 def test_a_missing_extra_is_named_only_where_a_page_is_wanted(here, monkeypatch, capsys):
     monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "jinja2")
     assert run("irb4600_60_205", "circles", "--report", "r.html") == 1
@@ -185,7 +195,7 @@ def test_recordings_of_laws_with_odd_names_get_plain_file_names():
 
 def test_every_option_is_on_the_page_and_its_commands_parse():
     page = (ROOT / "docs" / "simulate.md").read_text(encoding="utf-8")
-    for option in ("feedforward", "parameters", "sensors", "seed", "record-dt-ms", "out", "report", "json"):
+    for option in ("entry", "feedforward", "parameters", "sensors", "seed", "record-dt-ms", "out", "report", "json"):
         assert f"`--{option}" in page
     for part in ("flexible", "friction", "gravity", "springs"):
         assert f"`--no-{part}`" in page

@@ -64,3 +64,17 @@ def test_files_that_are_no_text_are_one_error(arm, tmp_path):
     (tmp_path / "folder.toml").mkdir()
     with pytest.raises(FFGymError, match="cannot be read"):
         load_motion(arm, tmp_path / "folder.toml")
+
+
+def test_a_procedure_of_a_program_is_run_alone(arm):
+    hole = load_motion(arm, "cut_bracket", entry="CutHole").reference
+    assert [phase.kind for phase in hole.phases].count("circle") == 1
+    assert hole.duration < load_motion(arm, "cut_bracket").reference.duration / 2
+    with pytest.raises(FFGymError, match=r"cut_bracket.mod: has no procedure cut; choose one as entry: main, pierce"):
+        load_motion(arm, "cut_bracket", entry="cut")
+
+
+@pytest.mark.parametrize("source", ["circles", "points.csv", "cut.toml"])
+def test_only_programs_have_procedures(arm, source):
+    with pytest.raises(FFGymError, match=r"entry = 'main' is a procedure of a program \(.mod, .prg\), which .* is not"):
+        load_motion(arm, source, entry="main")
