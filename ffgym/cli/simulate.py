@@ -89,7 +89,8 @@ class Simulate:
         if self.report is not None:
             need_extra("The report", "matplotlib", "jinja2")
         places = {f"--out of {name}": path for name, path in recordings.items()}
-        check_outputs({**places, "--report": self.report, "--json": self.json})
+        inputs = (self.robot, self.path, self.parameters, *self.feedforward)
+        check_outputs({**places, "--report": self.report, "--json": self.json}, inputs=inputs)
         return recordings
 
     def _recordings(self, laws: list[str]) -> dict[str, Path]:

@@ -95,7 +95,7 @@ def test_an_interrupt_is_exit_code_130(monkeypatch, capsys):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(Export, "run", interrupt)
-    assert main(["export"]) == 130
+    assert main(["export", "one_axis"]) == 130
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("ffgym: interrupted")
 
@@ -105,7 +105,7 @@ def test_an_error_of_several_lines_becomes_one(monkeypatch, capsys):
         raise FFGymError("first\n  second\tthird")
 
     monkeypatch.setattr(Export, "run", fail)
-    assert main(["export"]) == 1
+    assert main(["export", "one_axis"]) == 1
     assert capsys.readouterr().err == "ffgym: error: first second third\n"
 
 
@@ -131,12 +131,12 @@ def test_a_process_returns_the_exit_code(tmp_path):
         )
         return done.returncode, done.stderr
 
-    assert code("export", "--robot", "one_axis", "--out", "arm.xml") == (0, "")
-    failed, message = code("export", "--robot", "absent")
+    assert code("export", "one_axis", "--out", "arm") == (0, "")
+    failed, message = code("export", "absent")
     assert failed == 1
     assert len(message.splitlines()) == 1
     assert code("dance")[0] == 2
-    assert [p.name for p in tmp_path.iterdir()] == ["arm.xml"]
+    assert [p.name for p in tmp_path.iterdir()] == ["arm"]
 
 
 def test_the_demo_runs_every_position_and_speed_by_default():

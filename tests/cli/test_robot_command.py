@@ -86,6 +86,8 @@ def test_a_table_that_is_there_is_not_written_over_unless_forced(folder, capsys)
         (["check", "no_robot"], "Unknown robot 'no_robot'"),
         (["check", "one_axis", "--json", "a", "--report", "a"], "they need two files"),
         (["check", "one_axis", "--json", "absent/a.json"], "does not exist"),
+        (["check", "arm.toml", "--json", "arm.xml"], "--json arm.xml: the name must end in .json"),
+        (["check", "arm.toml", "--report", "arm.toml"], "--report arm.toml: the name must end in .html"),
     ],
 )
 def test_what_cannot_be_done_is_one_line_and_leaves_nothing(folder, capsys, arguments, message):

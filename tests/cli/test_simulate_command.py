@@ -153,6 +153,12 @@ def test_parts_of_the_machine_can_be_left_out(here):
         (["irb4600_60_205", "circles", "--out", "c.txt"], "Unknown recording format '.txt'. Available: .csv, .npz"),
         (["irb4600_60_205", "circles", "--out", "no/c.csv"], "the folder"),
         (["irb4600_60_205", "circles", "--json", "a", "--report", "a"], "they need two files"),
+        (
+            ["one_axis", "table.csv", "--feedforward", "none", "--out", "table.csv"],
+            "is read by this command and would be",
+        ),
+        (["one_axis", "table.csv", "--feedforward", "none", "--json", "table.csv"], "is read by this"),
+        (["one_axis", "circles", "--report", "page.pdf"], "--report page.pdf: the name must end in .html"),
         (["irb4600_60_205", "circles", "--feedforward", "none", "--out", "a.csv", "--json", "a.csv"], "need two files"),
         (["irb4600_60_205", "circles", "--record-dt-ms", "3"], "record_dt = 0.003 s must be a multiple"),
         (["irb4600_60_205", "circles", "--sensors", "--seed", "-1"], "seed"),
@@ -164,12 +170,6 @@ def test_what_cannot_run_is_one_line_and_writes_nothing(arguments, message, caps
     assert not list(here.iterdir())
 
 
-def test_a_wrong_program_is_named_with_its_place(here, capsys):
-    (here / "bad.mod").write_text("MODULE bad\n  PROC main()\n    MoveX p1;\n  ENDPROC\nENDMODULE\n", encoding="utf-8")
-    assert run("irb4600_60_205", "bad.mod") == 1
-    assert "bad.mod:3:" in only_error(capsys)
-
-
 def test_another_procedure_of_a_program_can_be_run(here, capsys):
     twice = PROGRAM.replace("ENDMODULE", "PROC short()\nMoveJ start, v100, fine, tool0;\n{}ENDPROC\nENDMODULE")
     (here / "two.mod").write_text(twice.format("MoveL Offs(start, 1, 0, 0), v50, fine, tool0;\n"), encoding="utf-8")
@@ -178,6 +178,12 @@ def test_another_procedure_of_a_program_can_be_run(here, capsys):
         assert json.loads((here / "two.json").read_text())["results"][0]["path"][-1]["label"] == label
     assert run("irb4600_60_205", "circles", "--entry", "short") == 1
     assert "entry = 'short' is a procedure of a program" in only_error(capsys)
+
+
+def test_a_wrong_program_is_named_with_its_place(here, capsys):
+    (here / "bad.mod").write_text("MODULE bad\n  PROC main()\n    MoveX p1;\n  ENDPROC\nENDMODULE\n", encoding="utf-8")
+    assert run("irb4600_60_205", "bad.mod") == 1
+    assert "bad.mod:3:" in only_error(capsys)
 
 
 def test_a_missing_extra_is_named_only_where_a_page_is_wanted(here, monkeypatch, capsys):
