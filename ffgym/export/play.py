@@ -2,7 +2,7 @@
 
 Needs numpy and mujoco, nothing else. From the state in keyframe `start`, each physics step gets a row of
 `controls.csv` as `data.ctrl`. Prints the largest difference of each quantity from `recording.csv`; the exit code is 1
-if one is above TOLERANCE.
+if one is above TOLERANCE, or if the files do not belong together.
 """
 
 import json
@@ -30,7 +30,13 @@ def main(folder: Path) -> int:
     if mujoco.__version__ != made_with:
         print(f"recorded with MuJoCo {made_with}, played with {mujoco.__version__}: last digits may differ")
     signals = signals_of(model, header["joints"])
-    stride = (len(controls) - 1) // (len(recording["timestamp"]) - 1)
+    time = recording["timestamp"]
+    stride = round((time[1] - time[0]) / model.opt.timestep)  # physics steps between recorded rows
+    if len(controls) - 1 != stride * (len(time) - 1):
+        print(
+            f"{len(controls) - 1} steps do not fit {len(time)} recorded rows, {stride} steps apart: a file is cut off"
+        )
+        return 1
     print("largest difference, SI units")
     worst = 0.0
     for name, played in play(model, controls, signals, stride).items():

@@ -241,3 +241,16 @@ def test_a_player_whose_files_do_not_match_says_so(runs, tmp_path):
     played = subprocess.run(command, capture_output=True, text=True, check=False)
     assert played.returncode == 1
     assert float(played.stdout.split()[-1]) > 1e-6
+
+
+@pytest.mark.parametrize("name", ["controls.csv", "recording.csv"])
+def test_a_player_whose_files_are_cut_off_says_so(name, runs, tmp_path):
+    run, options = runs["one_axis"]
+    export_run(tmp_path, run, options=options)
+    lines = (tmp_path / name).read_text(encoding="utf-8").splitlines()
+    (tmp_path / name).write_text("\n".join(lines[: -len(lines) // 3]), encoding="utf-8")
+    command = [sys.executable, str(tmp_path / "play.py")]
+    played = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert played.returncode == 1
+    assert "a file is cut off" in played.stdout
+    assert played.stderr == ""
