@@ -133,14 +133,16 @@ class ElasticLaw(CausalLaw):
 
         Beyond `drive.peak_torque` the drive clips it, and no feed-forward can help.
         """
-        return self._along(reference)[0] + self.model.robot.drive.motor_torque(self._load(reference.q[:1]))
+        return self._along(reference)[0] + self.model.robot.drive.motor_torque(
+            self.model.holding_torque(reference.q[:1])
+        )
 
     def _along(self, reference: Reference) -> tuple[Array, Lead, Array]:
         """Torque that the motors need beyond gravity at the start [N m], lead, integral of the lead [rad s], (T, N)."""
         self.check_joints(reference)
         dt, reach = reference.robot.servo.control_dt, self.preview - 2
         links = self._links(reference.q, reference.motor_dq, reference.motor_ddq)
-        load = self._load(reference.q[:1])
+        load = self.model.holding_torque(reference.q[:1])
         links -= load
         rows = np.pad(links, ((reach, reach + 1), (0, 0)), mode="edge")  # one sample more, which friction looks at
         ahead = self._lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
@@ -187,10 +189,6 @@ class ElasticLaw(CausalLaw):
     def _links(self, q: Array, motor_dq: Array, motor_ddq: Array) -> Array:
         """Torque of the links with the load they carry at rest, link side [N m]."""
         return links_torque(self.model, q, motor_dq, motor_ddq, load=True)
-
-    def _load(self, q: Array) -> Array:
-        """Torque that holds the arm at rest, link side [N m]."""
-        return self.model.gravity_torque(q) + self.model.spring_torque(q)
 
     def _lead(self, links: Array, dt: float) -> Lead:
         """Lead at the middle one of samples of the links' torque [N m], (..., 2 w + 1, N)."""

@@ -78,7 +78,7 @@ def test_its_drives_can_hold_it_and_have_torque_to_spare(name):
     arm = arm_of(name)
     drive = arm.robot.drive
     q = reference_of(name).q[::50]
-    load = drive.motor_torque(arm.gravity_torque(q) + arm.spring_torque(q))
+    load = drive.motor_torque(arm.holding_torque(q))
     assert np.all(np.abs(load) + arm.robot.friction.static < 0.9 * drive.peak_torque)
 
 

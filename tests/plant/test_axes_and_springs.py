@@ -10,7 +10,7 @@ from agents.elastic import elastic_law
 from ffgym.control import NoCompensation, joint_reference, rigid_feedforward
 from ffgym.paths import joint_sine, random_multisine
 from ffgym.plant import Plant
-from ffgym.robot import ModelOptions, RigidArm, compile_model
+from ffgym.robot import ModelOptions, RigidArm, compile_model, static_deflection
 from ffgym.robot.parts import Spring
 from ffgym.simulation import Run, simulate
 
@@ -148,6 +148,15 @@ def test_spring_torque_is_the_gradient_of_its_energy(balanced, length):
             slope[j] = (values[0] - values[1]) / 2e-5
         np.testing.assert_allclose(arm.spring_torque(q[None])[0], slope, atol=1e-4)
         assert abs(slope[1]) > 40
+
+
+def test_a_resting_plant_bends_as_static_deflection_says_which_springs_change(balanced, irb4600):
+    q = balanced.work_area.home[None]
+    plant = Plant(balanced, 1)
+    plant.rest(q)
+    bent = static_deflection(RigidArm(balanced), q)
+    np.testing.assert_allclose(plant.state().link_position - q, bent, rtol=0, atol=1e-12)
+    assert np.abs(bent - static_deflection(RigidArm(irb4600), q))[0, 1] > 1e-4
 
 
 def test_springs_can_be_left_out(balanced, irb4600):

@@ -107,6 +107,10 @@ class RigidArm:
             return np.zeros(check_shape("q", q, (None, self.robot.n_joints)).shape)
         return -self._evaluate(("qfrc_passive",), q, stage="velocity")["qfrc_passive"]
 
+    def holding_torque(self, q: Array) -> Array:
+        """Torque [N m] that holds the arm still at `q` against gravity and springs, shape (T, N)."""
+        return self.gravity_torque(q) + self.spring_torque(q)
+
     def inverse_dynamics(self, q: Array, dq: Array, ddq: Array, *, gravity: bool = False) -> Array:
         """Joint torque [N m] of the rigid links for a motion, M(q) ddq + C(q, dq) dq (+ g(q)), shape (T, N)."""
         ddq = check_shape("ddq", ddq, (len(q), self.robot.n_joints))

@@ -1,4 +1,4 @@
-"""What the joint elasticity does on its own: static deflection under gravity, and resonances."""
+"""What the joint elasticity does on its own: static deflection under load, and resonances."""
 
 from typing import Literal
 
@@ -13,9 +13,9 @@ _TOLERANCE = 1e-14
 
 
 def static_deflection(arm: RigidArm, motor_q: Array) -> Array:
-    """Deflection under gravity with the motors held at `motor_q`, both link side [rad], shape (T, N).
+    """Deflection under gravity and springs between links with the motors held at `motor_q`, link side [rad], (T, N).
 
-    Solves K delta = -g(motor_q + delta) by fixed-point iteration; rigid joints have none.
+    Solves K delta = -h(motor_q + delta), with the holding torque h, by fixed-point iteration; rigid joints have none.
 
     Raises:
         FFGymError: if the arm is so soft that the iteration does not converge.
@@ -25,7 +25,7 @@ def static_deflection(arm: RigidArm, motor_q: Array) -> Array:
     deflection = np.zeros_like(motor_q)
     moving = np.ones(len(motor_q), dtype=np.bool_)  # each row stops on its own, whatever the others do
     for _ in range(100):
-        update = -arm.gravity_torque(motor_q + deflection) / stiffness
+        update = -arm.holding_torque(motor_q + deflection) / stiffness
         change = np.abs(update - deflection).max(axis=1)
         deflection = np.where(moving[:, None], update, deflection)
         moving &= change >= _TOLERANCE

@@ -56,18 +56,13 @@ class Inertia:
 def gravity_of(robot: RobotDescription, places: dict[str, Array], *, with_gears: bool) -> Gravity:
     """Holding torque at joint positions by name, and its worst over the ranges; `with_gears` also at the motors."""
     arm = RigidArm(robot)
-    everywhere = holding_torque(arm, poses_in_range(robot))
+    everywhere = arm.holding_torque(poses_in_range(robot))
     at_motors = np.abs(robot.drive.motor_torque(everywhere)).max(axis=0) if with_gears else None
     return Gravity(
-        places={name: holding_torque(arm, q[None])[0] for name, q in places.items()},
+        places={name: arm.holding_torque(q[None])[0] for name, q in places.items()},
         worst=np.abs(everywhere).max(axis=0),
         motor_worst=at_motors,
     )
-
-
-def holding_torque(arm: RigidArm, q: Array) -> Array:
-    """Torque that the joints give to hold the links still, springs included, link side [N m], shape (T, N)."""
-    return arm.gravity_torque(q) + arm.spring_torque(q)
 
 
 def inertia_of(robot: RobotDescription, q: Array) -> Inertia:
