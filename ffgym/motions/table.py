@@ -7,7 +7,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ffgym.errors import FFGymError
-from ffgym.motions.parts.place import UNIT_NORM
+from ffgym.motions.parts.place import LARGEST, UNIT_NORM
+from ffgym.paths.moves import FARTHEST
 from ffgym.recordings.csv import read_table
 from ffgym.types import Array
 
@@ -87,7 +88,20 @@ def _in_si(names: Sequence[str], values: Array, wanted: Mapping[str, str]) -> di
             row = int(np.flatnonzero(~np.isfinite(values[:, i]))[0])
             raise FFGymError(f"Row {row + 1}, column {full!r} is {values[row, i]}, must be a finite number.")
         columns[name] = values[:, i] * factor
+        if name != "t":  # clocks may count from long ago
+            _check_unit(full, columns[name], FARTHEST if name in POSITION else LARGEST)
     return columns
+
+
+def _check_unit(full: str, column: Array, largest: float) -> None:
+    """Refuse values that are surely in another unit than the column's name says."""
+    beyond = np.flatnonzero(np.abs(column) > largest)
+    if beyond.size:
+        row = int(beyond[0])
+        raise FFGymError(
+            f"Row {row + 1}, column {full!r} is {column[row]:.6g} in SI units, which is beyond {largest:g}; is it in "
+            f"another unit?"
+        )
 
 
 def _without_unit(full: str, known: Mapping[str, str]) -> tuple[str, float]:

@@ -76,6 +76,48 @@ def test_a_table_that_moves_at_its_ends_keeps_its_speed_there(one_axis, tmp_path
     assert [p.kind for p in reference.phases] == ["motion"]
 
 
+def turning_table(irb4600, t, angle, shift=0.0, signs=1.0):
+    """A tool that turns about a leaning axis at one point, as a table."""
+    turn = Rotation.from_rotvec(np.outer(angle, [0.3, 0.4, np.sqrt(0.75)]))
+    quaternions = (turn * Rotation.from_matrix(irb4600.work_area.tool_rotation)).as_quat(scalar_first=True)
+    points = POINT + np.outer(shift * t, [1, 0, 0])
+    quaternions = quaternions * np.reshape(signs, (-1, 1))
+    return csv("t_s,x_m,y_m,z_m,qw,qx,qy,qz", np.column_stack([t, points, quaternions]))
+
+
+def turned_by(arm, reference):
+    """Angular velocity of tool0 [rad/s], from the joints."""
+    return np.einsum("tij,tj->ti", arm.jacobian(reference.q), reference.dq)[:, 3:]
+
+
+def test_an_orientation_that_starts_and_ends_at_rest_does_so(arm, irb4600, tmp_path):
+    t = np.linspace(0, 1.002, 101)  # ends between two samples
+    angle = 0.1 * (1 - np.cos(2 * np.pi * t / t[-1]))
+    signs = np.where(np.arange(len(t)) % 3, 1, -1)  # of a log that knows both signs of a quaternion
+    text = turning_table(irb4600, t, angle, signs=signs)
+    reference = load_motion(arm, written(tmp_path, text)).reference
+    assert [p.kind for p in reference.phases] == ["standstill", "motion", "standstill"]
+    moving = (reference.t >= 0.3) & (reference.t <= 1.3)
+    tau = reference.t[moving] - 0.3
+    rate = 0.1 * 2 * np.pi / t[-1] * np.sin(2 * np.pi * tau / t[-1])
+    along = np.outer(rate, [0.3, 0.4, np.sqrt(0.75)])
+    np.testing.assert_allclose(turned_by(arm, reference)[moving], along, atol=2e-4)
+    hermite = reference.dq[:-1] + DT / 2 * (reference.ddq[:-1] + reference.ddq[1:])
+    assert np.abs(reference.dq[1:] - hermite)[76:320].max() < 1e-4
+
+
+def test_a_table_that_ends_at_speed_between_two_samples_ends_with_the_one_before(arm, irb4600, tmp_path):
+    t = np.linspace(0, 0.99, 100)
+    text = turning_table(irb4600, t, 0.2 * t, shift=0.05)
+    reference = load_motion(arm, written(tmp_path, text)).reference
+    assert reference.duration == pytest.approx(0.988)
+    np.testing.assert_allclose(
+        turned_by(arm, reference), np.tile([0.06, 0.08, 0.2 * np.sqrt(0.75)], (248, 1)), rtol=1e-4
+    )
+    steps = np.diff(reference.q, axis=0) - DT / 2 * (reference.dq[:-1] + reference.dq[1:])
+    assert np.abs(steps).max() < 1e-7
+
+
 def test_joint_rows_without_times_are_points_of_a_curve(arm, irb4600, corners, tmp_path):
     rows = np.stack([corners[name] for name in ("p1", "p2", "p3")])
     text = csv(",".join(f"{joint}_rad" for joint in irb4600.joints), rows)
@@ -94,6 +136,8 @@ BAD = {
     "twice in other units": ("x_m,x_mm,z_m\n1,2,3\n", "Column 'x_mm' says 'x' a second time"),
     "nan": ("x_m,y_m,z_m\n1,2,3\n1,nan,3\n", "Row 2, column 'y_m' is nan, must be a finite number"),
     "inf": ("x_m,y_m,z_m\n1,2,inf\n", "Row 1, column 'z_m' is inf"),
+    "a place that is none": ("x_m,y_m,z_m\n1,2,3\n1300,-200,600\n", "Row 2, column 'x_m' is 1300 in SI .*another unit"),
+    "an angle that is none": ("a_deg,b_m\n1e9,2\n", "Row 1, column 'a_deg' is 1.74533e.07 in SI .*another unit"),
     "missing column": ("x_m,z_m\n1,2\n", "Columns x, y, z belong together; y is missing"),
     "missing joint": ("a_rad\n1\n", "Columns a, b belong together; b is missing"),
     "unknown joint": ("a_rad,c_rad\n1,2\n", "Unknown column 'c_rad'. A table may have t_s or t_ms"),
