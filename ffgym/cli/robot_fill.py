@@ -6,7 +6,7 @@ from pathlib import Path
 import tyro
 
 from ffgym.errors import FFGymError
-from ffgym.files import write_text
+from ffgym.files import read_text, write_text
 from ffgym.robot import load_draft
 from ffgym.robot.reading.parse import parse_draft
 from ffgym.robot.template import filled_text, propose
@@ -26,7 +26,7 @@ class Fill:
         draft = load_draft(self.robot)
         proposals = propose(draft)
         if proposals:
-            text = filled_text(self.robot.read_text(encoding="utf-8"), proposals, draft.types)
+            text = filled_text(read_text(self.robot), proposals, draft.types)
             draft = parse_draft(text, where=str(self.robot), folder=self.robot.parent)
             write_text(self.robot, text)
         for proposal in proposals:

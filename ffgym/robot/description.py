@@ -53,12 +53,24 @@ class RobotDescription:
         if len(set(bodies)) != len(bodies):
             raise FFGymError(f"Link names {self.links} clash with the bodies world, base, tool or <link>_rotor.")
         self._check_springs()
+        self._check_home()
         substeps = self.servo.control_dt / self.physics_dt
         if abs(substeps - round(substeps)) > 1e-9 or substeps < 1:
             raise FFGymError(
                 f"servo.control_dt = {self.servo.control_dt} s must be a whole multiple of "
                 f"simulation.physics_dt = {self.physics_dt} s."
             )
+
+    def _check_home(self) -> None:
+        """Home must be a pose that the robot can take."""
+        if self.work_area is None:
+            return
+        for name, q, (low, high) in zip(self.joints, self.work_area.home, self.kinematics.range, strict=True):
+            if not low - 1e-9 <= q <= high + 1e-9:
+                raise FFGymError(
+                    f"work_area.home of {name} = {q:.6g} is outside its range, [{low:.6g}, {high:.6g}] (rad or m). "
+                    f"Give a pose near the work, as the controller shows it."
+                )
 
     def _check_springs(self) -> None:
         """Springs must join two bodies that there are."""

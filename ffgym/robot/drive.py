@@ -34,10 +34,19 @@ class Drive:
     is no coupling."""
 
     def __post_init__(self) -> None:
-        if self.coupling is None:
-            return
+        with np.errstate(over="ignore"):
+            reflected = self.gear_ratio**2 * self.rotor_inertia
+        if not np.all(np.isfinite(reflected)):
+            raise FFGymError(
+                f"drive.gear_ratio = {self.gear_ratio.tolist()} gives rotors of {reflected.tolist()} kg m^2 behind the "
+                f"gearbox. Ratios are motor turns per joint turn, some hundred at most."
+            )
+        if self.coupling is not None:
+            self._check_coupling(self.coupling)
+
+    def _check_coupling(self, coupling: Array) -> None:
         n = len(self.gear_ratio)
-        coupling = check_shape("drive.coupling", self.coupling, (n, n))
+        coupling = check_shape("drive.coupling", coupling, (n, n))
         if np.any(np.diag(coupling)):
             raise FFGymError(
                 f"drive.coupling has {np.diag(coupling)} on its diagonal, must be 0; see drive.gear_ratio."

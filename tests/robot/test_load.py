@@ -138,6 +138,19 @@ def test_a_file_that_cannot_be_read_is_refused_by_name(tmp_path):
         load_robot(tmp_path / "bytes.toml")
 
 
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
+    """As editors on Windows write it."""
+    text = "\ufeff" + text_of("one_axis")
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    assert load_robot(tmp_path / "mine.toml").name == "one_axis"
+
+
+@pytest.mark.parametrize("name", ["arm.xml", "folder/arm.urdf"])
+def test_an_arm_file_is_no_robot_and_the_command_that_makes_one_is_named(name):
+    with pytest.raises(FFGymError, match=f"{name} is an arm file.* ffgym robot new {name}$"):
+        load_robot(name)
+
+
 def test_parsing_names_the_text_it_was_given():
     with pytest.raises(FFGymError, match=r"^my robot is not valid TOML: "):
         parse_robot("[robot", where="my robot")

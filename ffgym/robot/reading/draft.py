@@ -128,7 +128,8 @@ def stand_ins(values: Mapping[str, Array], n_joints: int, size: float = 1.0) -> 
     """Valid numbers of about `size` for all required entries, with those of `values` that they must fit."""
     ins = {path: np.full(_shape(path, n_joints), size) for path, rule in RULES.items() if not rule.optional}
     ins["kinematics.axis"] = np.tile([0.0, 0.0, 1.0], (n_joints, 1))
-    ins["kinematics.range"] = np.tile([-size, size], (n_joints, 1))
+    home = np.broadcast_to(values.get("work_area.home", 0.0), n_joints)
+    ins["kinematics.range"] = np.column_stack([np.minimum(-size, home), np.maximum(size, home)])
     ins["links.inertia"] = np.tile([size, size, size, 0.0, 0.0, 0.0], (n_joints, 1))
     ins["sensors.encoder_bits"] = np.array(16.0)
     for first, second in (("friction.coulomb", "friction.static"), ("servo.control_dt", "simulation.physics_dt")):

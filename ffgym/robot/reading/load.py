@@ -4,6 +4,7 @@ from importlib import resources
 from pathlib import Path
 
 from ffgym.errors import FFGymError, check_choice
+from ffgym.files import read_text
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.parse import parse_draft
@@ -32,6 +33,10 @@ def load_draft(robot: str | Path) -> RobotDraft:
     """
     if str(robot).endswith(".toml"):
         return parse_draft(_read_text(Path(robot)), where=str(robot), folder=Path(robot).parent)
+    if Path(robot).suffix in (".xml", ".urdf"):
+        raise FFGymError(
+            f"{robot} is an arm file, which says nothing of drives. Make a description of it: ffgym robot new {robot}"
+        )
     name = check_choice("robot", str(robot), builtin_robots())
     text = (resources.files("ffgym.robot") / "data" / f"{name}.toml").read_text(encoding="utf-8")
     return parse_draft(text, where=f"{name}.toml")
@@ -69,8 +74,8 @@ def parse_robot(text: str, where: str = "description", folder: str | Path = ".")
 
 def _read_text(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        return read_text(path)
+    except FFGymError as error:
         raise FFGymError(
-            f"Cannot read robot description {path}: {error}. Built-in robots: {', '.join(builtin_robots())}."
+            f"Cannot read robot description {error} Built-in robots: {', '.join(builtin_robots())}."
         ) from error

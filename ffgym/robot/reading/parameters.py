@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ffgym.errors import FFGymError
+from ffgym.files import read_text
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.quantity import Quantity, parse_quantity
 from ffgym.robot.reading.rule import JointFrame
@@ -28,10 +29,11 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
         FFGymError: if the file cannot be read, is for another robot, or an entry is unknown or invalid.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-        tree = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"Cannot read parameter file {path}: {error}.") from error
+        tree = tomllib.loads(read_text(path))
+    except FFGymError as error:
+        raise FFGymError(f"Cannot read parameter file {error}") from error
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise FFGymError(f"Cannot read parameter file {path}: it is not valid TOML: {error}.") from error
     try:
         _check_head(tree.pop("parameters", {}), robot)
         return _replaced(robot, _parsed(tree, robot))

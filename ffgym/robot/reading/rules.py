@@ -37,6 +37,9 @@ def _link(
     )
 
 
+SHORTEST_STEP = 1e-6
+"""Physics step [s], a million steps for a second; a shorter one is a slip of unit, and fills any memory."""
+
 RULES: Mapping[str, Rule] = MappingProxyType(
     {
         "kinematics.position": Rule(
@@ -129,7 +132,7 @@ RULES: Mapping[str, Rule] = MappingProxyType(
             meaning="sample time of the tracker", shape=(), unit="s", optional=True, low=0.0, open_low=True
         ),
         "simulation.physics_dt": Rule(
-            meaning="physics step; divides control_dt", shape=(), unit="s", low=0.0, open_low=True
+            meaning="physics step; divides control_dt", shape=(), unit="s", low=SHORTEST_STEP
         ),
         "simulation.gravity": Rule(meaning="gravity in the world", shape=(3,), unit="m/s^2"),
         "work_area.tool_rotation": Rule(
