@@ -8,16 +8,13 @@ import numpy as np
 
 from ffgym.errors import FFGymError
 from ffgym.motions.tool_run import ToolRun
-from ffgym.paths.curves import Arc, Curve, Line, Still, arc_through
+from ffgym.paths.curves import SAME, Arc, Curve, Line, Still, arc_through
 from ffgym.paths.moves import Move, MoveArc, MoveLinear, MoveSpline, Pose, located
 from ffgym.paths.polynomial_curve import spline_through
 from ffgym.paths.route import SHARPEST, SMOOTH, Leg, corner_angle, rounded
 from ffgym.paths.turning import SplineTurn, even_turn
 from ffgym.recordings import PhaseKind
 from ffgym.types import Array
-
-SAME = 1e-7
-"""Distance [m] and angle [rad] below which a target counts as reached; chosen: far below what an arm repeats."""
 
 ToolMove = MoveLinear | MoveArc | MoveSpline
 """Moves whose path is given in space."""

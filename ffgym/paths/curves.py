@@ -16,8 +16,12 @@ from ffgym.types import Array
 Derivatives = tuple[Array, Array, Array, Array]
 """Position and its first three derivatives by arc length, each of shape (T, D)."""
 
-STRAIGHT = 1e-9
-"""Sine of the angle below which three points count as lying on a line; an arc through them is none."""
+SAME = 1e-7
+"""Distance [m] and angle [rad] below which two points and two orientations count as one; chosen: far below what an arm
+repeats, and far above the 1e-10 m that inverse kinematics leave where a path starts."""
+STRAIGHT = 1e-6
+"""Sine of the angle below which three points count as lying on a line; chosen: over 1 m such an arc is less than 1 um
+beside the line, and what inverse kinematics leave at the start of an arc of 1 mm turns it by less."""
 
 
 class Curve(ABC):
@@ -146,11 +150,12 @@ def arc_through(start: Array, via: Array, end: Array) -> Arc:
     start, via, end = (check_shape(name, p, (3,)) for name, p in (("start", start), ("via", via), ("end", end)))
     a, b = via - start, end - start
     normal = np.cross(a, b)
-    area = float(np.linalg.norm(normal))
-    if not area > STRAIGHT * float(np.linalg.norm(a) * np.linalg.norm(b)):
+    area, sides = float(np.linalg.norm(normal)), [float(np.linalg.norm(side)) for side in (a, b, via - end)]
+    if min(sides) <= SAME or area <= STRAIGHT * sides[0] * sides[1]:
+        points = ", ".join(str(p.round(9).tolist()) for p in (start, via, end))
         raise FFGymError(
-            f"The points {start.tolist()}, {via.tolist()}, {end.tolist()} m lie on a line or coincide, so that no arc "
-            f"runs through them. Move one of them, or use a line."
+            f"The points {points} m lie on a line or coincide, so that no arc runs through them. Move one of them, use "
+            f"a line, or make a circle of two arcs."
         )
     # centre of the circle through three points, from the sides that leave `start`
     centre = start + np.cross(a @ a * b - b @ b * a, normal) / (2 * area**2)

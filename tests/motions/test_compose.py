@@ -321,6 +321,13 @@ FAR = line(5, 0, 0, where="prog:7", label="far")
         (
             [
                 line(0, 0, 0),
+                MoveArc(via=POINT + np.array([0.1, 0.1, 0]), to=pose(0, 0, 0), speed=Speed(tcp=1), where="prog:7"),
+            ],
+            "prog:7: The points .* coincide, .* make a circle of two arcs",
+        ),
+        (
+            [
+                line(0, 0, 0),
                 MoveSpline(through=(pose(1e-9, 0, 0), pose(1e-9, 0, 0)), speed=Speed(tcp=1), where="prog:7"),
             ],
             "prog:7: The points of a spline must be",

@@ -55,7 +55,14 @@ def test_three_quarters_of_a_circle_are_the_long_way_round():
 
 @pytest.mark.parametrize(
     "points",
-    [((0, 0, 0), (1, 0, 0), (2, 0, 0)), ((0, 0, 0), (0, 0, 0), (1, 0, 0)), ((0, 0, 0), (1, 1, 0), (0, 0, 0))],
+    [
+        ((0, 0, 0), (1, 0, 0), (2, 0, 0)),
+        ((0, 0, 0), (0, 0, 0), (1, 0, 0)),
+        ((0, 0, 0), (1, 1, 0), (0, 0, 0)),
+        ((0, 0, 0), (0.01, 0, 0), (0.02, 1e-10, 0)),  # what inverse kinematics leave bends no arc
+        ((0, 0, 0), (0.01, 0.01, 0), (0, 0, 1e-10)),
+        ((0, 0, 0), (0.01, 0.01, 0), (0.01, 0.01, 5e-8)),
+    ],
 )
 def test_points_on_a_line_or_twice_make_no_arc(points):
     with pytest.raises(FFGymError, match="lie on a line or coincide"):
