@@ -1,6 +1,7 @@
 """Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import mujoco
@@ -203,7 +204,8 @@ class Plant:
     def _roll(self, controls: Array, record: tuple[str, ...], ids: IntArray | None) -> dict[str, Array]:
         steps = controls.shape[1]
         began = self._time.copy()
-        out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
+        with _unprinted_warnings():
+            out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
         if self._warnings.any():
             warned, self._warned = self._warnings > self._warned, self._warnings.copy()
             self._check_stable(warned, began, steps)
@@ -218,6 +220,17 @@ class Plant:
                 f"and {start + steps * self.physics_dt:.3f} s. Lower servo gains, torques or the physics step of "
                 f"{self.physics_dt} s."
             )
+
+
+@contextmanager
+def _unprinted_warnings() -> Iterator[None]:
+    """Keep MuJoCo from printing warnings and writing them to MUJOCO_LOG.TXT; an unstable simulation is an error of ours."""
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda _: None)
+    try:
+        yield
+    finally:
+        mujoco.set_mju_user_warning(before)
 
 
 _BAD = [

@@ -166,3 +166,10 @@ def test_every_entry_of_a_description_serves_some_function():
         "flange.position", "tool.mass", "tool.com", "tool.inertia", "drive.coupling",
         "sensors.tracker_noise", "sensors.tracker_period", "work_area.tool_rotation", "work_area.normal",
     }  # fmt: skip
+
+
+def test_a_home_far_from_zero_fits_a_draft_without_joint_ranges():
+    tree = copy.deepcopy(TREE)
+    del tree["kinematics"]["range"]
+    tree["work_area"]["home"]["value"] = [170.0, -80.0, 10.0, 0.0, 90.0, -300.0]
+    parse_draft(tomlkit.dumps(tree)).check()

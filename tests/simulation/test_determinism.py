@@ -112,8 +112,8 @@ def test_a_batch_stepped_in_parts_has_the_bits_of_one_call(irb4600, arm, runs):
         np.testing.assert_array_equal(whole[k], np.concatenate([part[k] for part in parts], axis=1))
 
 
-def test_the_simulation_that_becomes_unstable_is_named(irb4600, arm, corners, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # MuJoCo writes its log to the working directory
+def test_the_simulation_that_becomes_unstable_is_named(irb4600, corners, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
     plant = Plant(irb4600, 3)
     held = controls(plant, corners["p1"] * irb4600.drive.gear_ratio, shape=(3, 10, 6))
     for bad in (1, 1, 2, 1):  # every time, also after it was put to rest
@@ -125,3 +125,5 @@ def test_the_simulation_that_becomes_unstable_is_named(irb4600, arm, corners, tm
             plant.advance(held)
     plant.rest(np.tile(corners["p1"], (3, 1)))
     plant.advance(held)
+    assert not list(tmp_path.iterdir())  # no MUJOCO_LOG.TXT
+    assert capfd.readouterr() == ("", "")

@@ -153,6 +153,17 @@ def test_an_arm_without_drives_still_has_reach_gravity_and_resonances_of_nothing
     assert "drive.gear_ratio" in found.lacks["motor_torque"]
 
 
+def test_a_robot_without_work_area_rests_at_zero_or_as_near_as_its_ranges_let_it():
+    plain = without("work_area")
+    assert check_robot(plain).rest.name == "q = 0"
+    ranges = plain.quantities["kinematics.range"]
+    beyond = replace(ranges, value=np.where(np.arange(6)[:, None] == 3, [[-3.0, -0.1]], ranges.value))
+    found = check_robot(replace(plain, quantities=plain.quantities | {"kinematics.range": beyond}))
+    assert found.rest.name == "q nearest to 0"
+    np.testing.assert_array_equal(found.rest.q, [0, 0, 0, -0.1, 0, 0])
+    assert found.gravity.places.keys() == {"q nearest to 0"}
+
+
 def test_an_empty_description_is_checked_too():
     empty = replace(load_draft(IRB), quantities={}, geoms=())
     found = check_robot(empty)
@@ -179,7 +190,9 @@ def test_an_empty_description_is_checked_too():
         ({"drive.peak_torque": 0.3}, "drive.peak_torque of j2, 12 N m, cannot hold gravity, 15.9 N m"),
         ({"friction.bristle_stiffness": 1e-3}, "friction.bristle_stiffness of j1: it slips after 7.7 rad"),
         ({"friction.bristle_stiffness": 1e4, "friction.bristle_damping": 0.0}, "on its bristles"),
-        ({"friction.bristle_damping": 100.0}, "friction's damping of the rotor of"),
+        ({"friction.viscous": 3.0}, "friction.viscous of j6 takes 427% of drive.peak_torque at the speed limit"),
+        ({"friction.bristle_damping": 100.0}, "what friction and servo damp the rotor of"),
+        ({"servo.velocity_gain": 15.0}, "what friction and servo damp the rotor of"),
         ({"simulation.physics_dt": 16.0}, "simulation.physics_dt = 0.004 s is long for the resonance of 30"),
     ],
 )

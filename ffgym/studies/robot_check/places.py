@@ -63,7 +63,8 @@ def rest_place(robot: RobotDescription) -> Place:
     """Home of the work area, or the joint positions nearest to 0 within the ranges."""
     area = robot.work_area
     q = np.clip(0.0, *robot.kinematics.range.T) if area is None else area.home
-    name = "q = 0" if area is None else "home"
+    nearest = "q nearest to 0" if np.any(q) else "q = 0"
+    name = nearest if area is None else "home"
     condition = None if robot.tool is None else float(np.linalg.cond(RigidArm(robot).jacobian(q[None]))[0])
     return Place(name=name, q=q, condition=condition)
 
