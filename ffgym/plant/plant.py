@@ -224,7 +224,7 @@ class Plant:
 
 @contextmanager
 def _unprinted_warnings() -> Iterator[None]:
-    """Keep MuJoCo from printing warnings and writing them to MUJOCO_LOG.TXT; an unstable simulation is an error of ours."""
+    """Keep MuJoCo from printing warnings and writing them to a file; an unstable simulation is an error of ours."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _: None)
     try:
