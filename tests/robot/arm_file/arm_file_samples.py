@@ -8,6 +8,7 @@ import numpy as np
 
 from ffgym.robot import parse_robot
 from ffgym.robot.arm_file import read_arm
+from tests.robot.toml_entries import entry, small_motors
 
 FILES = Path(__file__).parent / "files"
 
@@ -25,12 +26,6 @@ ARMS = {
 """Files with the joints that move (None is all) and a frame for the tool."""
 
 
-def entry(path, value, unit, side=None):
-    """One table of a description."""
-    side_line = f"side = '{side}'\n" if side else ""
-    return f"[{path}]\nvalue = {value}\nunit = {unit!r}\n{side_line}origin = 'chosen'\nsource = 'test'\n"
-
-
 def drive_table(types):
     """Everything that no arm file has, for joints of these types, as TOML."""
 
@@ -38,28 +33,15 @@ def drive_table(types):
         units = [slide if kind == "slide" else hinge for kind in types]
         return units if len(set(units)) > 1 else units[0]
 
-    n, motor = len(types), "motor"
+    n = len(types)
     numbers = [
         ("drive.gear_ratio", [100.0] * n, link("1", "rad/m")),
-        ("drive.rotor_inertia", [5e-4] * n, "kg m^2", motor),
         ("drive.joint_stiffness", [2e4] * n, link("N m/rad", "N/m"), "link"),
         ("drive.joint_damping", [20.0] * n, link("N m s/rad", "N s/m"), "link"),
-        ("drive.peak_torque", [5.0] * n, "N m", motor),
-        ("friction.coulomb", [0.1] * n, "N m", motor),
-        ("friction.static", [0.12] * n, "N m", motor),
-        ("friction.viscous", [0.002] * n, "N m s/rad", motor),
-        ("friction.stribeck_velocity", [0.5] * n, "rad/s", motor),
-        ("friction.bristle_stiffness", [20.0] * n, "N m/rad", motor),
-        ("friction.bristle_damping", [0.05] * n, "N m s/rad", motor),
-        ("servo.position_gain", [2.0] * n, "N m/rad", motor),
-        ("servo.velocity_gain", [0.06] * n, "N m s/rad", motor),
-        ("servo.integral_gain", [10.0] * n, "N m/(rad s)", motor),
         ("servo.control_dt", 0.004, "s"),
-        ("sensors.encoder_bits", 16, "bit/turn", motor),
-        ("simulation.physics_dt", 0.0005, "s"),
         ("kinematics.max_speed", [3.0] * n, link("rad/s", "m/s"), "link"),
     ]
-    return "".join(entry(*number) for number in numbers)
+    return small_motors(n) + "".join(entry(*number) for number in numbers)
 
 
 def description_text(model, types, *, more="", **head):

@@ -12,19 +12,15 @@ from ffgym.paths import CartesianPath, constant_velocity, joint_sine
 from ffgym.recordings import Phase
 from ffgym.robot import ModelOptions, RigidArm, compile_model, parse_robot, resonances
 from ffgym.simulation import Run, simulate
+from tests.robot.toml_entries import entry, small_motors
 
 LENGTH, MASS, INERTIA = 0.5, 4.0, 0.1
-
-
-def entry(name, value, unit, side=None):
-    line = f"\nside = '{side}'" if side else ""
-    return f"[{name}]\nvalue = {value}\nunit = '{unit}'{line}\norigin = 'chosen'\nsource = 'test arm'\n"
 
 
 def planar_arm(n, stiffness="20000.0", tool=False):
     """Description of a chain of n equal bars that swing about y in the vertical plane, hanging along x at q = 0."""
     each = "[{}]".format
-    link, motor = "link", "motor"
+    link = "link"
     joints, links = [f"hinge{i}" for i in range(n)], [f"bar{i}" for i in range(n)]
     text = f"[robot]\nname = 'bars'\ntitle = 'Chain of bars'\njoints = {joints}\nlinks = {links}\n"
     numbers = [
@@ -38,22 +34,9 @@ def planar_arm(n, stiffness="20000.0", tool=False):
         ("links.com", [[LENGTH / 2, 0.0, 0.0]] * n, "m", link),
         ("links.inertia", [[INERTIA / 10, INERTIA, INERTIA, 0, 0, 0]] * n, "kg m^2", link),
         ("drive.gear_ratio", [80.0] * n, "1"),
-        ("drive.rotor_inertia", [5e-4] * n, "kg m^2", motor),
         ("drive.joint_stiffness", each(", ".join([stiffness] * n)), "N m/rad", link),
         ("drive.joint_damping", [20.0] * n, "N m s/rad", link),
-        ("drive.peak_torque", [5.0] * n, "N m", motor),
-        ("friction.coulomb", [0.1] * n, "N m", motor),
-        ("friction.static", [0.12] * n, "N m", motor),
-        ("friction.viscous", [0.002] * n, "N m s/rad", motor),
-        ("friction.stribeck_velocity", [0.5] * n, "rad/s", motor),
-        ("friction.bristle_stiffness", [20.0] * n, "N m/rad", motor),
-        ("friction.bristle_damping", [0.05] * n, "N m s/rad", motor),
-        ("servo.position_gain", [2.0] * n, "N m/rad", motor),
-        ("servo.velocity_gain", [0.06] * n, "N m s/rad", motor),
-        ("servo.integral_gain", [10.0] * n, "N m/(rad s)", motor),
         ("servo.control_dt", 0.002, "s"),
-        ("sensors.encoder_bits", 16, "bit/turn", motor),
-        ("simulation.physics_dt", 0.0005, "s"),
         ("simulation.gravity", [0.0, 0.0, -9.81], "m/s^2"),
     ]
     if tool:
@@ -66,7 +49,7 @@ def planar_arm(n, stiffness="20000.0", tool=False):
             ("work_area.tool_rotation", [[0.0, 0, 1.0], [0, 1.0, 0], [-1.0, 0, 0]], "1"),
             ("work_area.home", [-60.0] + [90.0] * (n - 2) + [60.0] * (n > 1), "deg", link),
         ]
-    return parse_robot(text + "".join(entry(*number) for number in numbers), where="bars.toml")
+    return parse_robot(text + small_motors(n) + "".join(entry(*number) for number in numbers), where="bars.toml")
 
 
 @pytest.mark.parametrize("n", [1, 2, 3])

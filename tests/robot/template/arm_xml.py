@@ -1,5 +1,7 @@
 """A six-axis arm as a user might have it, and what its table is filled in with."""
 
+from tests.robot import toml_entries
+
 ARM = """<mujoco model="cutter">
   <compiler angle="radian"/>
   <worldbody>
@@ -37,9 +39,8 @@ ARM = """<mujoco model="cutter">
 
 
 def entry(path: str, value: object, unit: str, side: str | None = None) -> str:
-    """TOML text of an entry."""
-    sides = "" if side is None else f'side = "{side}"\n'
-    return f'\n[{path}]\nvalue = {value}\nunit = "{unit}"\n{sides}origin = "sourced"\nsource = "data sheet"\n'
+    """TOML text of an entry, as a user who has data sheets writes it."""
+    return "\n" + toml_entries.entry(path, value, unit, side, origin="sourced", source="data sheet")
 
 
 NUMBERS = {
