@@ -32,6 +32,9 @@ from ffgym.rapid.words import KEYWORDS, RESERVED, TERMINALS, UNSUPPORTED_SIGNS, 
 MAX_NESTING = 20
 """Deepest nesting of brackets; chosen: data of RAPID need 4, and reading a tree must not exhaust Python's stack."""
 
+LONGEST_NAME = 32
+"""Most characters of a name; technical reference manual RAPID overview (ABB 3HAC16580-1), identifiers."""
+
 
 def read(source: Source) -> Module:
     """Syntax tree of a program.
@@ -45,8 +48,8 @@ def read(source: Source) -> Module:
         raise _bad_character(source, error) from None
     except UnexpectedToken as error:
         raise _bad_token(source, error) from None
-    except _TooDeep as error:
-        raise source.error(error.place, f"brackets are nested deeper than {MAX_NESTING}.") from None
+    except _Refused as error:
+        raise source.error(error.place, str(error)) from None
     module: Module = tree
     return module
 
@@ -57,16 +60,16 @@ def _parser() -> Lark:
     return Lark(grammar, parser="lalr", lexer="basic", postlex=_Keywords(), transformer=_Builder())
 
 
-class _TooDeep(Exception):
-    """Brackets within brackets within brackets."""
+class _Refused(Exception):
+    """A token that the grammar would take."""
 
-    def __init__(self, place: Place) -> None:
-        super().__init__(place)
-        self.place = place
+    def __init__(self, token: Token, message: str) -> None:
+        super().__init__(message)
+        self.place = _place(token)
 
 
 class _Keywords:
-    """Between lexer and parser: names that are keywords become such, and the depth of brackets is watched."""
+    """Between lexer and parser: makes keywords of names, and watches their length and the depth of brackets."""
 
     always_accept = ()
 
@@ -77,9 +80,11 @@ class _Keywords:
             if token.type == "NAME" and token.upper() in RESERVED:
                 yield token.update(type=token.upper())
                 continue
+            if token.type == "NAME" and len(token) > LONGEST_NAME:
+                raise _Refused(token, f"{_shown(token)} is too long, names have {LONGEST_NAME} characters at most.")
             depth += (token.type in ("LSQB", "LPAR")) - (token.type in ("RSQB", "RPAR"))
             if depth > MAX_NESTING:
-                raise _TooDeep(_place(token))
+                raise _Refused(token, f"brackets are nested deeper than {MAX_NESTING}.")
             yield token
 
 

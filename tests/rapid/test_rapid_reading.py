@@ -49,6 +49,17 @@ def test_files_of_any_encoding_and_line_end_are_read(irb4600, tmp_path, encoded)
     assert same(load_program(path).execute(irb4600).moves, moves(irb4600, EXPORTED))
 
 
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8"])
+def test_names_may_have_the_letters_of_a_controller_in_either_case(irb4600, tmp_path, encoding):
+    path = tmp_path / "cut.mod"
+    path.write_bytes(
+        program("MoveL OFFS(p, gr\u00d6\u00dfe, 0, 0), v10, fine, tRobot;", "CONST num Gr\u00f6\u00dfe := 7;").encode(
+            encoding
+        )
+    )
+    assert told(load_program(path).execute(irb4600).moves[1])[2] == [1307, -200, 600]
+
+
 def test_places_count_lines_the_same_with_every_line_end(irb4600):
     for end in ("\n", "\r\n", "\r"):
         with pytest.raises(FFGymError, match=r"^cut.mod:6:1: SetDO is not supported"):

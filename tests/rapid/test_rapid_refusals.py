@@ -22,6 +22,8 @@ STATEMENTS = {
     "MoveL p, v10, fine\\InPos:=x, tRobot;": r"6:19: \InPos is not supported with the zone of MoveL",
     "MoveL p{1}, v10, fine, tRobot;": "6:8: unexpected character '{': arrays are not supported",
     "again:": "6:6: unexpected character ':': labels are not supported",
+    "a" * 33 + ";": "6:1: 'aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa' is too long, names have 32 characters",
+    "a" * 32 + ";": "6:1: aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa is not supported",
     "MoveL *, v10, fine, tRobot;": "6:7: unexpected '*'; expected",
     "MoveL CRobT(), v10, fine, tRobot;": "6:13: unexpected ')'",
     "MoveL CRobT(p), v10, fine, tRobot;": "6:7: function CRobT is not supported. Available: Offs, RelTool",
@@ -130,7 +132,8 @@ def test_a_wrong_declaration_is_one_error_with_its_place(irb4600, data, message)
         f"PROC main() MoveL {TARGET}, v10, fine, tRobot; ENDPROC": "1:13: the first move is MoveL, which needs a start",
         "5": "1:1: unexpected '5'; expected",
         "\x00": "1:1: unexpected character '\\x00'",
-        "x" * 1000: "1:1: unexpected 'xxxx",
+        "x" * 1000: "1:1: 'xxxx",
+        "1" * 1000: "1:1: unexpected '1111",
     }.items(),
 )
 def test_a_wrong_program_is_one_error_with_its_place(irb4600, text, message):
