@@ -65,8 +65,8 @@ def _jump(arm: RigidArm, step: Array, sample: int) -> FFGymError:
     joint = int(np.argmax(np.abs(step)))
     return FFGymError(
         f"The path jumps at sample {sample}: joint {arm.robot.joints[joint]} would move {np.abs(step[joint]):.2f} "
-        f"{arm.robot.kinematics.units[joint]} in one sample. Use a shorter sample time, or a path that stays on one "
-        f"branch."
+        f"{arm.robot.kinematics.units[joint]} in one sample. Keep the path farther from singularities and on one "
+        f"branch, or sample it more finely."
     )
 
 
