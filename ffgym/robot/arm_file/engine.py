@@ -9,7 +9,7 @@ from pathlib import Path
 import mujoco
 
 from ffgym.errors import FFGymError
-from ffgym.robot.arm_file.mesh_files import WAY_OUT
+from ffgym.robot.arm_file.mesh_files import WAY_OUT, without_mesh
 
 _WAYS_OUT = (
     (
@@ -75,8 +75,7 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
             if missing is not None and Path(mesh.file).name == Path(missing[1]).name:
                 place = Path(spec.modelfiledir) / missing[1]
                 raise FFGymError(
-                    f"The mesh {mesh.name!r} is missing; looked for {place}. Put it there, {WAY_OUT}, if no mass "
-                    f"comes from it."
+                    f"The mesh {mesh.name!r} is missing; looked for {place}. Put it there, {without_mesh(spec, mesh)}."
                 ) from error
         raise
     return model

@@ -1,6 +1,9 @@
-"""Where the meshes of a URDF file are."""
+"""Where meshes are, and what helps where they are not."""
 
 from pathlib import Path
+
+import mujoco
+import numpy as np
 
 from ffgym.errors import FFGymError
 
@@ -31,3 +34,21 @@ def find_mesh(uri: str, folder: Path, what: str) -> Path:
 def _places(uri: str, folder: Path) -> list[Path]:
     _, scheme, rest = uri.partition("://")
     return [parent / rest for parent in (folder, *folder.parents)] if scheme else [folder / uri]
+
+
+def without_mesh(spec: mujoco.MjSpec, mesh: mujoco.MjsMesh) -> str:
+    """What helps if a mesh of MJCF is missing: without looks it does not matter, unless the mass of a body needs it."""
+    bodies = [geom.parent.name for geom in spec.geoms if geom.meshname == mesh.name and weighs(spec, geom)]
+    if not bodies:
+        return WAY_OUT
+    return f"or give body {bodies[0]!r} an <inertial>: its mass comes from this mesh"
+
+
+def weighs(spec: mujoco.MjSpec, geom: mujoco.MjsGeom) -> bool:
+    """Whether MuJoCo takes mass of a body from this geom."""
+    rule = spec.compiler.inertiafromgeom
+    if geom.mass == 0 or (np.isnan(geom.mass) and geom.density == 0):
+        return False
+    if rule == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO:
+        return not geom.parent.explicitinertial
+    return bool(rule == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE)

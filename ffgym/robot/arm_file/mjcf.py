@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 
 from ffgym.errors import FFGymError
+from ffgym.robot.arm_file.mesh_files import weighs
 from ffgym.robot.arm_file.source import Source
 
 _SMALL = 0.01
@@ -41,7 +42,7 @@ def _drop_shapes(spec: mujoco.MjSpec) -> None:
     Spheres, and not nothing, because sensors, contact pairs and tendons may speak of the geoms.
     """
     for geom in spec.geoms:
-        if _weighs(spec, geom.parent):
+        if weighs(spec, geom):
             continue
         geom.type, geom.size = mujoco.mjtGeom.mjGEOM_SPHERE, np.array([_SMALL, 0.0, 0.0])
         geom.meshname, geom.mass, geom.fromto = "", 0.0, np.full(6, np.nan)
@@ -49,11 +50,3 @@ def _drop_shapes(spec: mujoco.MjSpec) -> None:
     for mesh in list(spec.meshes):
         if mesh.name not in used:
             spec.delete(mesh)
-
-
-def _weighs(spec: mujoco.MjSpec, body: mujoco.MjsBody) -> bool:
-    """Whether MuJoCo takes the mass of a body from its geoms."""
-    rule = spec.compiler.inertiafromgeom
-    if rule == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO:
-        return not body.explicitinertial
-    return rule == mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_TRUE
