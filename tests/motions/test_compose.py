@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from programs import DT, POINT, line, pose, programs
+from reference_checks import check_reference, rows_of, tool_speed
 from scipy.spatial.transform import Rotation
 
 from ffgym.errors import FFGymError
@@ -15,33 +16,6 @@ from ffgym.motions import compose
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveJointSpline, MoveLinear, MoveSpline, Pose, Speed, Wait, Zone
 from ffgym.robot import RigidArm, load_robot, solve_pose
-
-
-def tool_speed(arm, reference):
-    twist = np.einsum("tij,tj->ti", arm.jacobian(reference.q), reference.dq)
-    return np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1)
-
-
-def rows_of(reference, phase):
-    return (reference.t >= phase.start) & (reference.t < phase.end)
-
-
-def check_reference(reference, limits=None):
-    """Continuous in position, speed and acceleration, at rest at both ends, phases without a gap, limits kept."""
-    kinematics = reference.robot.kinematics
-    axes = (limits or MotionLimits()).of_joints(kinematics.max_speed)
-    q, dq, ddq = reference.q, reference.dq, reference.ddq
-    assert np.all(np.abs(dq) <= axes.speed)
-    assert np.all(np.abs(ddq) <= axes.acceleration)
-    assert np.all(np.abs(np.diff(ddq, axis=0)) <= axes.jerk * DT + 1e-6)
-    hermite = q[:-1] + DT / 2 * (dq[:-1] + dq[1:]) + DT**2 / 12 * (ddq[:-1] - ddq[1:])
-    np.testing.assert_allclose(q[1:], hermite, atol=2 * axes.jerk.max() * DT**3 / 24 + 1e-8)
-    np.testing.assert_allclose(dq[1:], dq[:-1] + DT / 2 * (ddq[:-1] + ddq[1:]), atol=axes.jerk.max() * DT**2 / 4 + 1e-7)
-    np.testing.assert_array_equal(dq[[0, -1]], 0)
-    assert reference.phases[0].start == 0
-    assert reference.phases[-1].end == pytest.approx(reference.t[-1])
-    for before, after in pairwise(reference.phases):
-        assert before.end == pytest.approx(after.start, abs=1e-9)
 
 
 def check_program(arm, moves):
@@ -221,62 +195,6 @@ def test_a_joint_spline_passes_its_rows(one_axis, arm, corners):
         assert np.abs(reference.q - row).max(axis=1).min() < 0.02
 
 
-def test_the_motion_starts_at_the_first_target_or_where_it_is_told(arm, corners):
-    first = compose(arm, [line(0, 0, 0), line(0.1, 0, 0)]).reference
-    np.testing.assert_allclose(first.q[0], corners["p1"], atol=1e-9)
-    told = compose(arm, [line(0.1, 0, 0)], start=corners["p1"]).reference
-    np.testing.assert_array_equal(told.q, first.q)
-
-
-def test_one_target_alone_is_a_rest_there(arm, corners):
-    reference = compose(arm, [MoveJoint(to=corners["p1"])], dwell=0.1).reference
-    assert [p.kind for p in reference.phases] == ["standstill"]
-    np.testing.assert_array_equal(reference.q, np.tile(corners["p1"], (26, 1)))
-
-
-def test_a_target_that_is_reached_already_takes_no_time(arm):
-    once = compose(arm, [line(0, 0, 0), line(0.1, 0, 0)]).reference
-    twice = compose(arm, [line(0, 0, 0), line(0, 0, 0), line(0.1, 0, 0), line(0.1, 0, 0)]).reference
-    np.testing.assert_allclose(once.q, twice.q, atol=1e-9)
-
-
-def test_a_stop_holds_at_a_target_that_is_reached_already(arm, corners):
-    round_it = [line(0, 0, 0), line(0.1, 0, 0, zone=0.01), line(0.1, 0, 0), line(0.1, 0.1, 0)]
-    tcp = arm.tcp_position(compose(arm, round_it).reference.q)
-    assert np.linalg.norm(tcp - POINT - [0.1, 0, 0], axis=1).min() < 1e-9
-    a, b, c = (MoveJoint(to=corners[name], zone=Zone(radius=0.01)) for name in ("p1", "p2", "p3"))
-    q = compose(arm, [a, b, MoveJoint(to=corners["p2"]), c]).reference.q
-    assert np.abs(q - corners["p2"]).max(axis=1).min() < 1e-12
-
-
-def test_a_wait_rests_up_to_the_next_sample(arm):
-    reference = compose(arm, [line(0, 0, 0), Wait(duration=0.05), line(0.1, 0, 0)], dwell=0.0).reference
-    assert [(p.kind, round(p.end - p.start, 6)) for p in reference.phases[:1]] == [("standstill", 0.052)]
-
-
-@pytest.mark.parametrize(
-    ("moves", "note"),
-    [
-        ([line(0.1, 0, 0, zone=0.01), line(0, 0, 0)], "prog:2: the robot stops at 'b', because the path turns back"),
-        (
-            [line(0.1, 0, 0, zone=0.01), MoveSpline(through=(pose(0.1, 0.1, 0),), speed=Speed(tcp=0.1))],
-            "because a spline starts and ends at rest",
-        ),
-        ([line(0.1, 0, 0, zone=0.01), MoveJoint(to=pose(0, 0, 0))], "because a corner joins moves of one kind only"),
-        ([line(0.1, 0, 0, zone=0.01), Wait(duration=0.1)], "because a corner joins moves of one kind only"),
-        (
-            [MoveJoint(to=pose(0.1, 0, 0), zone=Zone(radius=0.01)), MoveJoint(to=pose(0, 0, 0))],
-            "because the joints turn back there",
-        ),
-    ],
-)
-def test_a_stop_that_was_not_asked_for_is_noted(arm, moves, note):
-    first = replace(moves[0], label="b", where="prog:2")
-    motion = compose(arm, [line(0, 0, 0), first, *moves[1:]])
-    assert len(motion.notes) == 1
-    assert note in motion.notes[0]
-
-
 @pytest.mark.parametrize("speed", [0.05, 0.1, 0.2])
 def test_bends_of_a_tenth_of_a_millimetre_behind_a_long_way_are_within_the_limits(two_link_arm, speed):
     """A spline is examined on each of its pieces: one grid over the whole found these bends by chance."""
@@ -297,58 +215,6 @@ def test_planar_arms_keep_their_orientation_free(two_link_arm):
 @pytest.fixture(scope="module")
 def two_link_arm():
     return RigidArm(load_robot("two_link"))
-
-
-FAR = line(5, 0, 0, where="prog:7", label="far")
-
-
-@pytest.mark.parametrize(
-    ("moves", "message"),
-    [
-        ([line(0, 0, 0), FAR], "prog:7: .*cannot be reached|prog:7: .*not reachable"),
-        ([line(0, 0, 0), line(0.1, 0, 0, zone=0.01), FAR], "prog:7: .*reach"),
-        ([FAR], "prog:7: .*reach"),
-        ([MoveJoint(to=np.zeros(5), where="prog:7")], "prog:7: 5 joint positions for the 6 joints"),
-        ([MoveJoint(to=np.full(6, 9.0), where="prog:7")], "prog:7: Joint .* = 9 rad is out of range"),
-        ([Wait(duration=1.0, where="prog:7")], "prog:7: An arc or a wait cannot come first"),
-        (
-            [
-                line(0, 0, 0),
-                MoveArc(via=POINT + np.array([0.1, 0, 0]), to=pose(0.2, 0, 0), speed=Speed(tcp=1), where="prog:7"),
-            ],
-            "prog:7: The points .* lie on a line",
-        ),
-        (
-            [
-                line(0, 0, 0),
-                MoveArc(via=POINT + np.array([0.1, 0.1, 0]), to=pose(0, 0, 0), speed=Speed(tcp=1), where="prog:7"),
-            ],
-            "prog:7: The points .* coincide, .* make a circle of two arcs",
-        ),
-        (
-            [
-                line(0, 0, 0),
-                MoveSpline(through=(pose(1e-9, 0, 0), pose(1e-9, 0, 0)), speed=Speed(tcp=1), where="prog:7"),
-            ],
-            "prog:7: The points of a spline must be",
-        ),
-        ([], "has no moves"),
-    ],
-)
-def test_a_move_that_cannot_be_made_is_one_error_with_its_place(arm, moves, message):
-    with pytest.raises(FFGymError, match=message) as caught:
-        compose(arm, moves)
-    assert "\n" not in str(caught.value)
-
-
-def test_robots_without_a_tool_move_their_joints_only(one_axis):
-    arm = RigidArm(one_axis)
-    there, back = MoveJoint(to=np.array([0.5])), MoveJoint(to=np.zeros(1))
-    check_reference(compose(arm, [back, there, back]).reference)
-    with pytest.raises(FFGymError, match="has no tool"):
-        compose(arm, [line(0.1, 0, 0)], start=np.zeros(1))
-    with pytest.raises(FFGymError, match="zone is a distance of the TCP"):
-        compose(arm, [back, MoveJoint(to=np.array([0.5]), zone=Zone(radius=0.1)), MoveJoint(to=np.ones(1))])
 
 
 def test_limits_slow_a_motion_down(arm):
