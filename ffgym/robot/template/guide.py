@@ -21,6 +21,8 @@ class Advice:
     """Where to find it."""
     typical: str = ""
     """How large it usually is; empty where that says nothing."""
+    sliding: str = ""
+    """The same for a sliding joint, where its unit is another."""
 
 
 _ARM_FILE = "the arm file, as a rule"
@@ -50,7 +52,8 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
         "tool.tcp": Advice(where=f"{_TOOL_FRAME}; controller backup (tool frame), tool calibration"),
         "drive.gear_ratio": Advice(
             where="controller backup (transmission), data sheet, or motor turns counted over one joint turn",
-            typical="50 to 250, direct drives 1; a screw of 10 mm a turn has 628 rad/m",
+            typical="50 to 250, direct drives 1",
+            sliding="a screw of 10 mm a turn has 628 rad/m",
         ),
         "drive.coupling": Advice(where="manual of the wrist; left out, each motor turns one joint"),
         "drive.rotor_inertia": Advice(
@@ -65,6 +68,7 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
         "drive.joint_damping": Advice(
             where=f"decay of a resonance; `ffgym robot fill` proposes {DAMPING_TIME:g} s x stiffness",
             typical="1e-4 to 1e-3 s x stiffness",
+            sliding="1e-4 to 1e-3 s x stiffness",
         ),
         "drive.peak_torque": Advice(
             where="controller backup (torque limit), data sheet of the motor", typical="1 to 60 N m"

@@ -6,10 +6,10 @@ from textwrap import wrap
 
 from ffgym.robot.arm_file import ArmFile, flange_at
 from ffgym.robot.reading.capabilities import needed_by
-from ffgym.robot.reading.rule import Rule
+from ffgym.robot.reading.rule import MOTOR, Rule
 from ffgym.robot.reading.rules import POINT, RULES
 from ffgym.robot.template.from_hints import hinted
-from ffgym.robot.template.guide import ADVICE
+from ffgym.robot.template.guide import ADVICE, Advice
 from ffgym.robot.template.proposals import Proposal
 from ffgym.robot.template.toml_text import MARK, empty_entry, filled_entry, marked, names, text
 
@@ -87,23 +87,31 @@ def _said(arm: ArmFile, given: set[str]) -> list[str]:
 def _block(path: str, rule: Rule, hint: Proposal | None, types: tuple[str, ...]) -> list[str]:
     """Comment and table of an entry."""
     if hint is None:
-        return _help(path, rule, len(types)) + empty_entry(path, rule, types)
+        return _help(path, rule, types) + empty_entry(path, rule, types)
     lines = filled_entry(hint, rule, types)
     unknown = any("?" in line for line in lines if line.startswith("value"))
-    return _help(path, rule, len(types)) + (marked(lines) if unknown else lines)
+    return _help(path, rule, types) + (marked(lines) if unknown else lines)
 
 
-def _help(path: str, rule: Rule, n_joints: int) -> list[str]:
+def _help(path: str, rule: Rule, types: tuple[str, ...]) -> list[str]:
     """What an entry is, how large it usually is, where it is found, and what it is for."""
-    size = " x ".join(str(n_joints if s == "N" else s) for s in rule.shape)
+    size = " x ".join(str(len(types) if s == "N" else s) for s in rule.shape)
     sides = f"; as it counts on the {rule.side} side, or on the other, said by side" if rule.gear_power else ""
     advice = ADVICE[path]
-    usual = f" Usual: {advice.typical}." if advice.typical else ""
     numbers = f"{size} numbers" if size else "One number"
     return [
         f"# --- {path}: {rule.meaning}",
-        *_comment(f"{numbers}{sides}.{usual} Where: {advice.where}. {_use(path, rule)}"),
+        *_comment(f"{numbers}{sides}.{_usual(advice, rule, types)} Where: {advice.where}. {_use(path, rule)}"),
     ]
+
+
+def _usual(advice: Advice, rule: Rule, types: tuple[str, ...]) -> str:
+    """How large it is for such joints."""
+    own_unit = rule.slide_unit is not None and rule.side != MOTOR
+    hinged = "" if own_unit and "hinge" not in types else advice.typical
+    sliding = advice.sliding if "slide" in types else ""
+    said = "; ".join(dict.fromkeys(filter(None, (hinged, sliding))))
+    return f" Usual: {said}." if said else ""
 
 
 def _use(path: str, rule: Rule) -> str:

@@ -105,6 +105,20 @@ def test_units_of_sliding_joints_are_those_that_are_read(folder, path):
         assert path in drafted(folder, text + uncommented(text, path)).quantities
 
 
+def test_usual_sizes_are_those_of_the_joints_there_are(folder):
+    def usual(xml, path):
+        (folder / "any.xml").write_text(xml)
+        said = " ".join(new(folder, "any.xml").split(f"# --- {path}:")[1].split("#?")[0].replace("#", "").split())
+        return said.split("Usual: ")[1].split(". Where")[0] if "Usual: " in said else None
+
+    screw, hinge = "a screw of 10 mm a turn has 628 rad/m", "50 to 250, direct drives 1"
+    slides = SCARA.replace('range="-90 90"', 'type="slide" range="0 1"')
+    found = [usual(xml, "drive.gear_ratio") for xml in (ARM, SCARA, slides)]
+    assert found == [hinge, f"{hinge}; {screw}", screw]
+    assert [usual(xml, "kinematics.max_speed") for xml in (ARM, slides)] == ["100 to 400 deg/s", None]
+    assert [usual(xml, "drive.peak_torque") for xml in (ARM, slides)] == ["1 to 60 N m"] * 2
+
+
 def test_an_entry_that_was_forgotten_is_no_toml_and_says_so(folder):
     text = new(folder).replace("#? [drive.gear_ratio]\n#? value", "[drive.gear_ratio]\nvalue")
     with pytest.raises(ValueError, match=r"^mine\.toml is not valid TOML"):
