@@ -29,8 +29,9 @@ class RandomTasks(Tasks):
     Args:
         robot: any robot.
         duration: of an episode [s].
-        peak_speeds: range of the largest speed of each joint, motor side [rad/s]; drawn log-uniformly.
-        spread: the centre of the motion is drawn within +- this of the home pose, link side [rad].
+        peak_speeds: range of the largest speed of each joint, motor side [rad/s], without what couplings add; drawn
+            log-uniformly.
+        spread: the centre of the motion is drawn within +- this of the home pose, link side [rad or m].
     """
 
     option_names = ("centre", "peak_speed")
@@ -65,12 +66,12 @@ class RandomTasks(Tasks):
 
 
 def _checked_centre(centre: Any, limits: Array) -> Array:
-    """Centre of a motion [rad], shape (N,), with room for the motion about it."""
+    """Centre of a motion, link side [rad or m], shape (N,), with room for the motion about it."""
     centre = check_shape("centre", centre, (len(limits),))
     low, high = _inner(limits)
     if np.any((centre < low) | (centre > high)):
         raise FFGymError(
-            f"centre = {centre} rad must be within the middle 80 % of the joint ranges, {low} to {high} rad."
+            f"centre = {centre} must be within the middle 80 % of the joint ranges, {low} to {high} [rad or m]."
         )
     return centre
 
@@ -86,7 +87,7 @@ def _checked_speed(speed: Any, n: int) -> Array:
 
 
 def _inner(limits: Array) -> tuple[Array, Array]:
-    """The middle 80 % of the joint ranges (N, 2) [rad]: room for the motion about its centre."""
+    """The middle 80 % of the joint ranges (N, 2): room for the motion about its centre."""
     middle, half = limits.mean(axis=1), np.diff(limits, axis=1)[:, 0] / 2
     return middle - 0.8 * half, middle + 0.8 * half
 
@@ -98,8 +99,9 @@ class JointMotionVectorEnv(TrackingVectorEnv):
         num_envs: number of robots.
         robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
         duration: of an episode [s].
-        peak_speeds: range of the largest speed of each joint, motor side [rad/s]; drawn log-uniformly.
-        spread: the centre of the motion is drawn within +- this of the home pose, link side [rad].
+        peak_speeds: range of the largest speed of each joint, motor side [rad/s], without what couplings add; drawn
+            log-uniformly.
+        spread: the centre of the motion is drawn within +- this of the home pose, link side [rad or m].
         autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
         render_mode: 'rgb_array' or None.
         settings: keyword arguments of every environment, see `ffgym.envs.Settings`.

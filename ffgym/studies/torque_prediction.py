@@ -16,7 +16,7 @@ CUTOFF = 10.0
 """Cut-off of the low-pass filter [Hz]: above what planned motions hold, below the resonances of an industrial robot."""
 
 MOVING = 0.02
-"""Joint speed [rad/s] above which a sample counts: below it the bristles decide, and no steady law knows the torque."""
+"""Joint speed [rad/s or m/s] above which a sample counts: below it the bristles decide, and no steady law knows the torque."""
 
 _ORDER = 4
 """Order of the Butterworth filter, which runs forward and backward, so that nothing is delayed."""
@@ -96,7 +96,9 @@ def predict_torque(
     scored[:ends], scored[-ends:] = False, False
     still = [joint for j, joint in enumerate(robot.joints) if not scored[:, j].any()]
     if still:
-        raise FFGymError(f"Joints {still} never move faster than {MOVING} rad/s, so there is nothing to compare.")
+        raise FFGymError(
+            f"Joints {still} never move faster than {MOVING} rad/s or m/s, so there is nothing to compare."
+        )
     torque = motor_torque(RigidArm(robot), q, dq, ddq)
     predicted = {"description": torque.total}
     if published is not None:
