@@ -16,7 +16,8 @@ CUTOFF = 10.0
 """Cut-off of the low-pass filter [Hz]: above what planned motions hold, below the resonances of an industrial robot."""
 
 MOVING = 0.02
-"""Joint speed [rad/s or m/s] above which a sample counts: below it the bristles decide, and no steady law knows the torque."""
+"""Joint speed [rad/s or m/s] above which a sample counts: below it the bristles decide the torque, which no steady law
+knows."""
 
 _ORDER = 4
 """Order of the Butterworth filter, which runs forward and backward, so that nothing is delayed."""
