@@ -104,6 +104,8 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         if target.exists():
             target.rmdir()  # it is empty
         temporary.rename(target)
+    except FFGymError as error:  # of a file in the folder: tell its name as the user knows it
+        raise FFGymError(str(error).replace(str(temporary), str(path))) from error
     except OSError as error:
         raise FFGymError(f"{path}: cannot be written: {error.strerror}. There must be space left.") from error
     finally:

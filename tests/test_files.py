@@ -123,6 +123,15 @@ def test_a_full_disk_is_one_clear_error_and_leaves_no_folder(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_file_that_fails_in_a_new_folder_is_named_as_it_would_have_been(tmp_path):
+    with (
+        pytest.raises(FFGymError, match=f"^{tmp_path}/new/absent/row.csv: cannot be written: No such file"),
+        new_folder(tmp_path / "new") as folder,
+    ):
+        write_text(folder / "absent" / "row.csv", "1")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_folder_that_holds_something_stays_as_it_is(tmp_path):
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "mine").write_text("mine")

@@ -85,7 +85,8 @@ def named_point(robot: RobotDescription, name: str) -> Array:
     points = {} if robot.work_area is None else robot.work_area.positions
     if not points:
         raise FFGymError(
-            f"Robot {robot.name!r} has no named points in its work area, so {name!r} is none; use numbers."
+            f"Robot {robot.name!r} has no named points in its work area, so {name!r} is none. Use numbers, or give it "
+            f"one: [work_area.positions.{'p1' if name == FIRST else name}] in its description."
         )
     return points[next(iter(points)) if name == FIRST else check_choice("point", name, [*points, FIRST])]
 
