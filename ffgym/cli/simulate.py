@@ -10,7 +10,8 @@ import tyro
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar
-from ffgym.errors import check_choice
+from ffgym.cli.unused import given_options
+from ffgym.errors import FFGymError, check_choice
 from ffgym.files import write_json, write_text
 from ffgym.motions import Motion, load_motion
 from ffgym.recordings import write_recording
@@ -85,6 +86,8 @@ class Simulate:
     def _check(self) -> dict[str, Path]:
         """Refuse what cannot be run or written; returns the recordings' places by law."""
         names = check_laws(self.feedforward, "--feedforward")
+        if not self.sensors and (given := given_options(self, ("seed",))):
+            raise FFGymError(f"{given[0]} has no effect without --sensors: nothing else is random. Leave it out.")
         recordings = self._recordings(names)
         if self.report is not None:
             need_extra("The report", "matplotlib", "jinja2")

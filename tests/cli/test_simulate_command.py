@@ -162,6 +162,7 @@ def test_parts_of_the_machine_can_be_left_out(here):
         (["irb4600_60_205", "circles", "--feedforward", "none", "--out", "a.csv", "--json", "a.csv"], "need two files"),
         (["irb4600_60_205", "circles", "--record-dt-ms", "3"], "record_dt = 0.003 s must be a multiple"),
         (["irb4600_60_205", "circles", "--sensors", "--seed", "-1"], "seed"),
+        (["irb4600_60_205", "circles", "--seed", "1"], "--seed has no effect without --sensors"),
     ],
 )
 def test_what_cannot_run_is_one_line_and_writes_nothing(arguments, message, capsys, here):
