@@ -48,6 +48,23 @@ def test_every_python_block_of_a_document_runs(document, tmp_path, monkeypatch):
         exec(compile(block, document, "exec"), names)  # the blocks of one document build on each other
 
 
+@pytest.mark.parametrize(
+    ("document", "name", "source"),
+    [
+        ("docs/arm_files.md", "arm.urdf", "tests/robot/arm_file/files/ur_like.urdf"),
+        ("docs/robot_description.md", "friction_of_cell_3.toml", "ffgym/robot/data/one_axis.toml"),
+    ],
+)
+def test_the_python_block_of_a_page_runs_on_a_file_of_its_kind(document, name, source, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = (ROOT / source).read_text(encoding="utf-8")
+    if name.endswith(".toml"):
+        text = text[text.index("[friction.") : text.index("[servo.")]
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), flags=re.S)
+    exec(compile(block, document, "exec"), {})
+
+
 def test_the_exported_motion_runs_in_plain_mujoco_as_its_page_says(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     page = (ROOT / "docs" / "export.md").read_text(encoding="utf-8")
