@@ -13,7 +13,11 @@ from ffgym.types import Array
 _HINTS: Mapping[str, tuple[Callable[[JointHints], float | None], str | None, str]] = {
     "kinematics.max_speed": (lambda hint: hint.speed, LINK, "speed limits"),
     "drive.gear_ratio": (lambda hint: hint.gear_ratio, None, "gear of transmission or actuator"),
-    "drive.rotor_inertia": (lambda hint: hint.armature, LINK, "armature, the rotor as the joint feels it"),
+    "drive.rotor_inertia": (
+        lambda hint: hint.armature,
+        LINK,
+        "armature, the rotor at the joint; a simulator's number unless measured",
+    ),
     "drive.peak_torque": (lambda hint: hint.effort, LINK, "effort or force limits"),
     "friction.coulomb": (lambda hint: hint.friction, LINK, "joint friction; a simulator's number unless measured"),
     "friction.viscous": (lambda hint: hint.damping, LINK, "joint damping; a simulator's number unless measured"),
