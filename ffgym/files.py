@@ -28,8 +28,9 @@ def check_writable(path: str | os.PathLike[str]) -> None:
         raise FFGymError(f"{path}: is a folder, must be a file.")
     if not folder.is_dir():
         raise FFGymError(f"{path}: the folder {folder} does not exist; create it, or choose another place.")
-    if not os.access(folder, os.W_OK):
-        raise FFGymError(f"{path}: the folder {folder} is not writable; choose another place.")
+    for place in (folder, target):
+        if place.exists() and not os.access(place, os.W_OK):
+            raise FFGymError(f"{path}: {place} is not writable; choose another place, or allow writing.")
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
@@ -45,6 +46,8 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
+        if target.exists():
+            shutil.copymode(target, temporary)
         os.replace(temporary, target)
     except OSError as error:
         raise FFGymError(

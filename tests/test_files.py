@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
-from ffgym.files import check_vacant, csv_rows, new_folder, write_bytes, write_json, write_text
+from ffgym.files import check_vacant, check_writable, csv_rows, new_folder, write_bytes, write_json, write_text
 
 
 def full(*_):
@@ -40,6 +40,20 @@ def test_a_file_is_replaced(old):
     write_text(old, "new")
     assert old.read_text() == "new"
     assert list(old.parent.iterdir()) == [old]
+
+
+def test_a_file_that_is_replaced_keeps_its_permissions(old):
+    old.chmod(0o640)
+    write_text(old, "new")
+    assert old.stat().st_mode & 0o777 == 0o640
+
+
+def test_a_file_that_is_protected_is_refused(monkeypatch, old):
+    """Whoever runs the tests may be allowed everything."""
+    monkeypatch.setattr(os, "access", lambda path, _: path != old)
+    with pytest.raises(FFGymError, match=r"result\.json is not writable"):
+        check_writable(old)
+    check_writable(old.with_name("other.json"))
 
 
 @pytest.mark.parametrize("step", ["replace", "fsync"])

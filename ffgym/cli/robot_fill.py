@@ -6,7 +6,7 @@ from pathlib import Path
 import tyro
 
 from ffgym.errors import FFGymError
-from ffgym.files import read_text, write_text
+from ffgym.files import check_writable, read_text, write_text
 from ffgym.robot import load_draft
 from ffgym.robot.reading.parse import parse_draft
 from ffgym.robot.template import filled_text, propose
@@ -24,6 +24,7 @@ class Fill:
         if self.robot.suffix != ".toml":
             raise FFGymError(f"{self.robot} must be a description that ends in .toml; built-in robots are whole.")
         draft = load_draft(self.robot)
+        check_writable(self.robot)
         proposals = propose(draft)
         if proposals:
             text = filled_text(read_text(self.robot), proposals, draft.types)
@@ -32,4 +33,4 @@ class Fill:
         for proposal in proposals:
             print(f"{proposal.path}: {proposal.source}")
         missing = f"missing: {', '.join(draft.missing)}" if draft.missing else "nothing is missing"
-        print(f"{len(proposals)} entries filled in; {missing}")
+        print(f"{len(proposals)} {'entry' if len(proposals) == 1 else 'entries'} filled in; {missing}")
