@@ -16,11 +16,15 @@ from ffgym.paths.timing import time_law
 from ffgym.recordings import PhaseKind
 from ffgym.robot import RigidArm, solve_path
 from ffgym.robot.inverse_kinematics import joint_rates
+from ffgym.robot.inverse_kinematics.path import PathJump
 from ffgym.types import Array
 
 RESOLVED = 0.1
 """Largest change of joint speeds per path speed from one point at which a leg is examined to the next, as a share of
 the largest on the leg; chosen: what lies between is then missed by the square of it, which `bounds.MARGIN` covers."""
+_HALVINGS = 4
+"""How often the intervals of a leg may be halved on which joints seem to jump; chosen: 5 mm become 0.3 mm, in which
+only an arm in a singularity moves as far."""
 _REFINEMENTS = 12
 """How often an interval may be halved; chosen: 5 mm become 1 um, below which nobody draws a path."""
 
@@ -83,7 +87,7 @@ class _Examined:
 def _bounds(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> tuple[list[Array], list[Bounds]]:
     """Arc lengths at which each leg was examined, and bounds on path speed there, from the tool and from the joints."""
     axes = limits.of_joints(arm.robot.kinematics.max_speed)
-    legs = _examined(arm, run, [leg.grid() for leg in run.route.legs], q)
+    legs = _on_one_branch(arm, run, q)
     for _ in range(_REFINEMENTS):
         finer = [_refined(leg.s, leg.first / axes.speed, leg.second / axes.speed) for leg in legs]
         if all(len(s) == len(leg.s) for s, leg in zip(finer, legs, strict=True)):
@@ -98,6 +102,24 @@ def _bounds(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> tupl
         for leg in legs
     ]
     return [leg.s for leg in legs], bounds
+
+
+def _on_one_branch(arm: RigidArm, run: ToolRun, q: Array) -> list[_Examined]:
+    """The legs of a run at the points of their grids, which are closer where joints would seem to jump."""
+    grid = [leg.grid() for leg in run.route.legs]
+    halvings = [0] * len(grid)
+    while True:
+        try:
+            return _examined(arm, run, grid, q)
+        except FFGymError as error:
+            jump = error.__cause__
+            if not isinstance(jump, PathJump):
+                raise
+            which = int(np.searchsorted(np.cumsum([len(s) for s in grid]), jump.sample, side="right"))
+            if halvings[which] == _HALVINGS:
+                raise
+            halvings[which] += 1
+            grid[which] = np.sort(np.concatenate([grid[which], 0.5 * (grid[which][:-1] + grid[which][1:])]))
 
 
 def _examined(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) -> list[_Examined]:

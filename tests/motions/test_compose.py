@@ -195,6 +195,28 @@ def test_a_joint_spline_passes_its_rows(one_axis, arm, corners):
         assert np.abs(reference.q - row).max(axis=1).min() < 0.02
 
 
+@pytest.mark.parametrize("j5", [0.006, 0.01])
+@pytest.mark.parametrize("way", [0.1, 0.3])
+def test_the_wrist_may_turn_far_within_millimetres_if_it_stays_on_its_branch(arm, irb4600, j5, way):
+    """Beside the singularity of the wrist, j5 = 0, joints turn by more than a jump between points 5 mm apart."""
+    start = irb4600.work_area.home + np.array([0, 0, 0, 0.3, 0, 0])
+    start[4] = j5
+    position, rotation = (part[0] for part in arm.tcp_pose(start[None]))
+    there = Pose(position=position + np.array([0, way, 0]), rotation=rotation)
+    reference = compose(arm, [MoveJoint(to=start), MoveLinear(to=there, speed=Speed(tcp=0.2))]).reference
+    check_reference(reference)
+    assert np.abs(reference.dq / irb4600.kinematics.max_speed).max() > 0.9  # as fast as the wrist may
+
+
+def test_a_path_through_a_singularity_is_refused(arm, irb4600):
+    start = irb4600.work_area.home.copy()
+    start[4] = 0.0
+    position, rotation = (part[0] for part in arm.tcp_pose(start[None]))
+    there = Pose(position=position + np.array([0, 0.1, 0]), rotation=rotation)
+    moves = [MoveJoint(to=start), MoveLinear(to=there, speed=Speed(tcp=0.2), where="prog:7")]
+    assert re.match(r"prog:7: The path (jumps|comes too near a singularity)", attempt(arm, moves)[1])
+
+
 @pytest.mark.parametrize("speed", [0.05, 0.1, 0.2])
 def test_bends_of_a_tenth_of_a_millimetre_behind_a_long_way_are_within_the_limits(two_link_arm, speed):
     """A spline is examined on each of its pieces: one grid over the whole found these bends by chance."""

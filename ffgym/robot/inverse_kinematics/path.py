@@ -15,6 +15,14 @@ from ffgym.types import Array
 _BLOCK = 256
 
 
+class PathJump(FFGymError):
+    """Joints would move so far from one sample to the next that they might be on another branch."""
+
+    def __init__(self, message: str, sample: int) -> None:
+        super().__init__(message)
+        self.sample = sample
+
+
 def solve_path(arm: RigidArm, positions: Array, rotation: Array | None, seed: Array) -> Array:
     """Joint positions, shape (T, N), that put the TCP on `positions` with tool0 turned to `rotation`.
 
@@ -61,12 +69,13 @@ def _follow(arm: RigidArm, goal: Goal, posture: Posture, last: Array, start: int
     return np.vstack([first, _follow(arm, goal.at(slice(half, None)), posture, first[-1], start + half)])
 
 
-def _jump(arm: RigidArm, step: Array, sample: int) -> FFGymError:
+def _jump(arm: RigidArm, step: Array, sample: int) -> PathJump:
     joint = int(np.argmax(np.abs(step)))
-    return FFGymError(
+    return PathJump(
         f"The path jumps at sample {sample}: joint {arm.robot.joints[joint]} would move {np.abs(step[joint]):.2f} "
         f"{arm.robot.kinematics.units[joint]} in one sample. Keep the path farther from singularities and on one "
-        f"branch, or sample it more finely."
+        f"branch, or sample it more finely.",
+        sample,
     )
 
 
