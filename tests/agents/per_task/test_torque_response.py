@@ -14,6 +14,7 @@ from ffgym.paths import joint_sine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
+from tests.robot.robot_samples import unusual
 
 
 def without_bristles(robot):
@@ -54,6 +55,20 @@ def test_the_model_answers_as_the_simulated_rigid_axis(one_axis):
     simulated = answer(arm, reference, torque, lambda recording: -motor_error(recording))
     predicted = TorqueResponse.of(arm, reference.q[0], "motor").along(torque)
     assert np.abs(predicted - simulated).max() < 0.01 * np.abs(simulated).max()
+
+
+@pytest.mark.parametrize("joint", [0, 2, 3, 4])
+def test_the_model_answers_on_a_rail_with_reversing_and_coupled_motors_and_a_counterbalance(irb4600, joint):
+    robot = unusual(irb4600)
+    strongly_coupled = replace(robot.drive, coupling=30 * robot.drive.coupling)
+    arm = RigidArm(without_bristles(replace(robot, drive=strongly_coupled)))
+    centre = np.array([0.2, 0.1, 0.2, 0.4, 0.6, 0.3])
+    reference = joint_reference(arm.robot, joint_sine(np.zeros(6), 1.0, 0.6, centre=centre))
+    torque = 0.3 * pulse(reference, joint)
+    for target, read in (("motor", lambda r: -motor_error(r)), ("tcp", lambda r: r.vector("tcp.position"))):
+        simulated = answer(arm, reference, torque, read)
+        predicted = TorqueResponse.of(arm, reference.q[0], target).along(torque)
+        assert np.abs(predicted - simulated).max() < 0.03 * np.abs(simulated).max()
 
 
 def test_torque_samples_are_joined_by_straight_lines(irb4600, corners):
