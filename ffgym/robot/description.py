@@ -8,8 +8,9 @@ from typing import Any
 from ffgym.errors import FFGymError, check_choice
 from ffgym.friction import LuGreParameters
 from ffgym.robot.drive import Drive
-from ffgym.robot.parts import Geom, Kinematics, Links, Logs, Sensors, Servo, Spring, Tool, WorkArea, plain, rebuilt
+from ffgym.robot.parts import Kinematics, Links, Logs, Sensors, Servo, Spring, Tool, WorkArea, plain, rebuilt
 from ffgym.robot.reading.quantity import Quantity
+from ffgym.robot.shapes import Geom
 from ffgym.types import Array
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ffgym.errors import check_choice
-from ffgym.robot.parts import Geom
 from ffgym.robot.reading.quantity import Quantity
+from ffgym.robot.shapes import Geom
 from ffgym.types import Array
 
 Kind = Literal["mjcf", "urdf"]

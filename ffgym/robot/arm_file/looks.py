@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.robot.arm_file.chain import BASE
 from ffgym.robot.arm_file.measure import Pose
-from ffgym.robot.parts import Geom, Mesh
+from ffgym.robot.shapes import Geom, Mesh
 from ffgym.types import Array
 
 _KINDS = {

@@ -6,7 +6,7 @@ import mujoco
 
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.model.stick_figure import stick_figure
-from ffgym.robot.parts import Geom, Mesh
+from ffgym.robot.shapes import Geom, Mesh
 
 _GEOM_TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.parts import Geom
+from ffgym.robot.shapes import Geom
 from ffgym.types import Array
 
 THICKNESS = 0.02

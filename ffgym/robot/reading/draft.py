@@ -8,11 +8,12 @@ import numpy as np
 
 from ffgym.errors import FFGymError
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.parts import Geom, Logs, Spring
+from ffgym.robot.parts import Logs, Spring
 from ffgym.robot.reading.assemble import assemble, begun
 from ffgym.robot.reading.capabilities import CAPABILITIES, POSITIONS, capability
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.robot.reading.rules import RULES
+from ffgym.robot.shapes import Geom
 from ffgym.types import Array
 
 

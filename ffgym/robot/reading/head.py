@@ -7,9 +7,10 @@ from typing import Any
 
 from ffgym.errors import FFGymError, check_choice
 from ffgym.robot.arm_file import flange_at, read_arm
-from ffgym.robot.parts import JOINT_TYPES, Geom
+from ffgym.robot.parts import JOINT_TYPES
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.robot.reading.tables import names_of
+from ffgym.robot.shapes import Geom
 
 _NAMED = {"name", "title", "joints", "links"}
 _FROM_FILE = {"name", "title", "model"}

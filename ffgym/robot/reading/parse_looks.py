@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from ffgym.errors import FFGymError, check_choice, check_number, check_shape
-from ffgym.robot.parts import Geom
 from ffgym.robot.reading.tables import table_of
+from ffgym.robot.shapes import Geom
 
 
 def parse_looks(look: Any, bodies: tuple[str, ...]) -> tuple[Geom, ...]:
