@@ -42,7 +42,7 @@ ARGUMENTS = {
         ({"robot": 5}, "robot = 5 must be a RobotDescription"),
         ({"plant": FAST_SERVO}, r"differ in servo\.position_gain"),
         ({"plant": OTHER_GEAR}, r"differ in drive\.gear_ratio"),
-        ({"plant": "nowhere.toml"}, "Cannot read robot description nowhere.toml"),
+        ({"plant": "nowhere.toml"}, "Robot description nowhere.toml"),
         ({"preview": -1}, "preview = -1"),
         ({"preview": 1.5}, "preview = 1.5 must be a whole number"),
         ({"horizon": 0}, "horizon = 0.0 control steps is out of range"),

@@ -76,6 +76,4 @@ def _read_text(path: Path) -> str:
     try:
         return read_text(path)
     except FFGymError as error:
-        raise FFGymError(
-            f"Cannot read robot description {error} Built-in robots: {', '.join(builtin_robots())}."
-        ) from error
+        raise FFGymError(f"Robot description {error} Built-in robots: {', '.join(builtin_robots())}.") from error
