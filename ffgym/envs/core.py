@@ -254,7 +254,7 @@ class TrackingCore:
         """Observations, shape (B, D)."""
         window = self._window[:, : self.observation_layout.preview + 1, self.columns.reference]
         drive, at = self.robot.drive, self.columns
-        if drive.coupling is not None:
+        if drive.coupling is not None:  # laws divide by the own gear ratio, so other joints' share is taken off
             window = window.copy()
             window[..., at.position] = drive.joint_angle(window[..., at.position]) * drive.gear_ratio
         return self.observation_layout.encode(*self._seen, self.action, window)
