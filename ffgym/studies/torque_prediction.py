@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import butter, filtfilt
 
-from ffgym.errors import FFGymError, check_number
+from ffgym.errors import FFGymError
+from ffgym.identification.signals import LowPass, joint_motion, motor_effort
 from ffgym.published import AsymmetricFriction
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription, motor_torque
@@ -21,12 +21,6 @@ knows."""
 
 _ORDER = 4
 """Order of the Butterworth filter, which runs forward and backward, so that nothing is delayed."""
-
-_SETTLING = 3.0
-"""Periods of the cut-off at either end of a record that do not count: the filter does not know what lies beyond."""
-
-_PADDING = 3 * (_ORDER + 1)
-"""Rows that the filter mirrors at either end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,10 +84,11 @@ def predict_torque(
         FFGymError: if robot and recording do not fit, the recording does not say what its torque is or is too short
             for the filter, or a joint never moves.
     """
-    measured = _measured_torque(robot, recording)
-    q, dq, ddq = _joint_motion(robot, recording, cutoff)
+    low_pass = LowPass(cutoff=cutoff, order=_ORDER)
+    measured = motor_effort(robot, recording)
+    q, dq, ddq = joint_motion(robot, recording, low_pass)
     scored = np.abs(dq) > MOVING
-    ends = round(_SETTLING / (cutoff * recording.dt))
+    ends = low_pass.end_rows(recording.dt)
     scored[:ends], scored[-ends:] = False, False
     still = [joint for j, joint in enumerate(robot.joints) if not scored[:, j].any()]
     if still:
@@ -108,34 +103,6 @@ def predict_torque(
     if robot.springs:
         predicted["without springs"] = torque.total - torque.springs
     return TorquePrediction(robot=robot, t=recording.t, measured=measured, predicted=predicted, scored=scored)
-
-
-def _measured_torque(robot: RobotDescription, recording: Recording) -> Array:
-    """Recorded motor torque, motor side [N m], shape (T, N)."""
-    header = recording.header
-    if len(header.joints) != robot.n_joints:
-        raise FFGymError(
-            f"The recording of {header.robot!r} has {len(header.joints)} joints, robot {robot.name!r} {robot.n_joints}."
-        )
-    if header.torque_semantics == "unspecified":
-        raise FFGymError(f"Recording {header.segment!r} does not say what its torque is: torque_semantics.")
-    torque = recording.joint_array("motor.effort")
-    return robot.drive.motor_torque(torque) if header.torque_semantics == "link_side" else torque
-
-
-def _joint_motion(robot: RobotDescription, recording: Recording, cutoff: float) -> tuple[Array, Array, Array]:
-    """Position, speed, acceleration behind the gearbox from motor angles, without delay; SI, shape (T, N) each."""
-    angle, dt = recording.joint_array("motor.position"), recording.dt
-    check_number("cutoff", cutoff, unit="Hz", low=0.0, open_low=True)
-    if cutoff >= 0.5 / dt or len(angle) <= _PADDING or np.ptp(np.diff(recording.t)) > 0.01 * dt:
-        raise FFGymError(
-            f"Recording {recording.header.segment!r} must have more than {_PADDING} rows at even times, and the "
-            f"cutoff {cutoff:g} Hz must lie below {0.5 / dt:g} Hz; it has {len(angle)} rows, {dt:g} s apart."
-        )
-    angle = angle if recording.header.position_side == "link" else robot.drive.joint_angle(angle)
-    q = filtfilt(*butter(_ORDER, cutoff, fs=1 / dt), angle, axis=0)
-    dq = np.gradient(q, dt, axis=0)
-    return q, dq, np.gradient(dq, dt, axis=0)
 
 
 def _error(joint: str, measured: Array, error: Array) -> TorqueError:
