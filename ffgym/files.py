@@ -58,6 +58,26 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
             temporary.unlink(missing_ok=True)
 
 
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
+    """Bytes of a file that is not empty.
+
+    Raises:
+        FFGymError: if there is no such file, it is a folder, empty, or cannot be read.
+    """
+    place = Path(path)
+    try:
+        data = place.read_bytes()
+    except FileNotFoundError as error:
+        raise FFGymError(f"{place}: no such file. Check the path; it is relative to {Path.cwd()}.") from error
+    except IsADirectoryError as error:
+        raise FFGymError(f"{place}: is a folder, must be a file. Name a recording in it.") from error
+    except OSError as error:
+        raise FFGymError(f"{place}: cannot be read: {error.strerror}.") from error
+    if not data:
+        raise FFGymError(f"{place}: the file is empty. Copy or record it again.")
+    return data
+
+
 def read_text(path: str | os.PathLike[str]) -> str:
     """Text of a UTF-8 file, without byte order mark.
 
@@ -153,7 +173,7 @@ def decode_arrays(data: bytes) -> dict[str, Any]:
     except Exception as error:  # zipfile, zlib and numpy raise a dozen types for damaged bytes
         kind = type(error).__name__  # and not its text: numpy's advises to load what may run as a program
         raise FFGymError(
-            f"Damaged, cut short, not NPZ, or with Python objects in it ({kind}). Copy or make it again."
+            f"Damaged, cut short, not NPZ, or with a password or Python objects in it ({kind}). Copy or make it again."
         ) from error
     if len(arrays) < len(names):
         twice = sorted({name for name in names if names.count(name) > 1})

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from ffgym.errors import FFGymError
-from ffgym.files import write_bytes
+from ffgym.files import read_bytes, write_bytes
 from ffgym.recordings import csv, npz
 from ffgym.recordings.header import Header
 from ffgym.recordings.recording import Recording
@@ -48,7 +48,7 @@ def read_recording(path: str | os.PathLike[str], header: Header | None = None) -
         FFGymError: if the file cannot be read, or is not a valid recording; the message begins with the path.
     """
     decode = _format_of(path).decode
-    data = _read_file(Path(path))
+    data = read_bytes(path)
     try:
         return decode(data, header)
     except FFGymError as error:
@@ -60,17 +60,3 @@ def _format_of(path: str | os.PathLike[str]) -> Format:
     if suffix not in FORMATS:
         raise FFGymError(f"{os.fspath(path)}: suffix {suffix!r} is unknown, must be one of {', '.join(FORMATS)}.")
     return FORMATS[suffix]
-
-
-def _read_file(path: Path) -> bytes:
-    try:
-        data = path.read_bytes()
-    except FileNotFoundError as error:
-        raise FFGymError(f"{path}: no such file. Check the path; it is relative to {Path.cwd()}.") from error
-    except IsADirectoryError as error:
-        raise FFGymError(f"{path}: is a folder, must be a file. Name a recording in it.") from error
-    except OSError as error:
-        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
-    if not data:
-        raise FFGymError(f"{path}: the file is empty. Copy or record it again.")
-    return data

@@ -108,7 +108,7 @@ def family_named(name: str) -> Family:
         FFGymError: if there is none; the message lists the closest names.
     """
     if name not in FAMILIES:
-        raise FFGymError(f"Unknown column family {_short(name)!r}. {_closest(name, FAMILIES)}")
+        raise FFGymError(f"Unknown column family {_short(name)!r}. {closest(name, FAMILIES)}")
     return FAMILIES[name]
 
 
@@ -164,14 +164,15 @@ def _check_user_column(name: str, joints: Sequence[str], units: Mapping[str, str
     family, _, part = name.rpartition(".")
     if family in FAMILIES and FAMILIES[family].parts == "joint" and part not in joints:
         raise FFGymError(f"Column {_short(name)!r} names joint {_short(part)!r}, but header.joints is {tuple(joints)}.")
-    way_out = f"{_closest(name, owner)} Name columns of your own user.<name> and give their unit in header.units."
+    way_out = f"{closest(name, owner)} Name columns of your own user.<name> and give their unit in header.units."
     raise FFGymError(f"Unknown column {_short(name)!r}. {way_out}")
 
 
-def _closest(name: str, known: Iterable[str]) -> str:
+def closest(name: str, known: Iterable[str]) -> str:
+    """For messages about an unknown name: the known ones that look like it, or all of them."""
     known = list(known)
-    closest = get_close_matches(_short(name), known, n=3, cutoff=0.5)
-    return f"Closest: {', '.join(closest)}." if closest else f"Available: {', '.join(known)}."
+    near = get_close_matches(_short(name), known, n=3, cutoff=0.5)
+    return f"Closest: {', '.join(near)}." if near else f"Available: {', '.join(known)}."
 
 
 def _short(name: str) -> str:

@@ -89,7 +89,7 @@ def test_repeated_entry_is_refused() -> None:
 
 def test_pickled_object_is_refused_and_not_run(tmp_path: Path) -> None:
     trace = tmp_path / "trace"
-    with refused("Damaged, cut short, not NPZ, or with Python objects in it (ValueError)"):
+    with refused("Damaged, cut short, not NPZ, or with a password or Python objects in it (ValueError)"):
         decode(packed(timestamp=np.array([Trap(str(trace))], dtype=object)), header())
     assert not trace.exists()
 
