@@ -36,9 +36,18 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
         raise FFGymError(f"Cannot read parameter file {path}: it is not valid TOML: {error}.") from error
     try:
         _check_head(tree.pop("parameters", {}), robot)
-        return _replaced(robot, _parsed(tree, robot))
+        return with_numbers(robot, tree)
     except FFGymError as error:
         raise FFGymError(f"{path}: {error}") from error
+
+
+def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescription:
+    """Return the robot with the numbers of parsed TOML tables, as in a parameter file, in place of its own.
+
+    Raises:
+        FFGymError: if an entry is unknown or invalid.
+    """
+    return _replaced(robot, _parsed(tree, robot))
 
 
 def _check_head(head: Any, robot: RobotDescription) -> None:
