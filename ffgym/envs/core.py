@@ -42,7 +42,7 @@ class TrackingCore:
         self.tasks, self.settings, self.robot = tasks, settings, tasks.robot
         robot = self.robot
         self.starts = Starts(tasks, n, settings)
-        self.plant = Plant(self.starts.plant_robot, n, n_threads=settings.n_threads)
+        self.plant = Plant(self.starts.machine, n, n_threads=settings.n_threads)
         self.plant.check_controller(robot)
         self.action_torque = settings.action_torque(robot)
         """Added torque of an action of 1, motor side [N m], shape (N,)."""
@@ -109,7 +109,7 @@ class TrackingCore:
         if recorder is not None:
             recorder.claim(self)
         starts = self.starts.draw(ids, options)
-        self.plant.become(ids, [start.robot for start in starts])
+        self.plant.become(ids, [start.machine for start in starts])
         self.plant.rest(*_at_start(starts), ids)
         self._touched = True
         self._rest(ids, [start.motion for start in starts])
@@ -136,13 +136,13 @@ class TrackingCore:
 
         If it fails after the engine has begun the new episodes (in a layer, or by Ctrl-C), they wait for another reset.
         """
-        robots, state = [self.plant.robots[i] for i in ids], self.plant.batch.state.copy()
+        machines, state = [self.plant.machines[i] for i in ids], self.plant.batch.state.copy()
         self._touched = False
         try:
             with self.starts.all_or_nothing():
                 yield
         except BaseException:
-            self.plant.become(ids, robots)
+            self.plant.become(ids, machines)
             self.plant.batch.state[:] = state
             if self._touched:
                 self._running[ids] = False

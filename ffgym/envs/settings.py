@@ -12,7 +12,7 @@ from ffgym.envs.rendering import Rendering
 from ffgym.envs.rewards import Reward, reward_of
 from ffgym.envs.sensing import Sensing
 from ffgym.errors import FFGymError, check_choice, check_number, check_shape, check_whole
-from ffgym.plant import PlantDistribution
+from ffgym.plant import Machine, PlantDistribution
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
@@ -32,9 +32,9 @@ test (0.11 rad, joint 1 at 100 mm/s)."""
 class Settings:
     """Keyword arguments of every environment."""
 
-    plant: RobotDescription | str | Path | None = None
-    """The robot that is simulated, if it is not the one the controller knows: a description, a built-in name, or a path
-    to a description that ends in .toml."""
+    plant: Machine | RobotDescription | str | Path | None = None
+    """What is simulated, if it is not the robot the controller knows: a description, a built-in name, a path to a
+    description that ends in .toml, or a machine with physical effects of its own."""
     randomization: PlantDistribution | None = None
     """Draws a plant like `plant` for every episode; None always simulates `plant` itself."""
     reward: str | Reward = "motor_error"

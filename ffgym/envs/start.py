@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.envs.machines import machine_of
 from ffgym.envs.motion import Motion
 from ffgym.envs.rewards import Reward, reward_of
 from ffgym.envs.sensing import Sensing
 from ffgym.envs.settings import Settings, check_horizon, check_kind
 from ffgym.envs.tasks import Tasks
 from ffgym.errors import FFGymError, check_choice
-from ffgym.robot import RobotDescription, robot_of
+from ffgym.plant import Machine
 from ffgym.types import IntArray
 
 COMMON_OPTIONS = ("plant", "randomization", "reward", "sensing", "horizon")
@@ -25,8 +26,8 @@ class Start:
     """What an episode will be, checked."""
 
     motion: Motion
-    robot: RobotDescription
-    """The robot that is simulated."""
+    machine: Machine
+    """What is simulated."""
     last_step: int
     """Control steps until the motion or the horizon ends."""
     reward: Reward
@@ -40,8 +41,8 @@ class Starts:
 
     def __init__(self, tasks: Tasks, n: int, settings: Settings) -> None:
         self.tasks, self._n, self._settings = tasks, n, settings
-        self.plant_robot = tasks.robot if settings.plant is None else robot_of(settings.plant, "plant")
-        """The robot that is simulated, before randomisation."""
+        self.machine = Machine.of(tasks.robot) if settings.plant is None else machine_of(settings.plant)
+        """What is simulated, before randomisation."""
         self._listed = tasks.listed() if settings.sampling == "sequence" else []
         if settings.sampling == "sequence" and not self._listed:
             raise FFGymError("sampling = 'sequence' needs motions that can be listed; random motions cannot.")
@@ -80,11 +81,12 @@ class Starts:
         if self._listed:
             task = self._listed[int(i + self._episodes[i] * self._n) % len(self._listed)] | task
         motion = self.tasks.draw(rng, task)
-        plant = robot_of(options["plant"], "plant") if options.get("plant") is not None else self.plant_robot
-        robot = plant if distribution is None else distribution.draw(plant, rng)
+        machine = machine_of(options["plant"]) if options.get("plant") is not None else self.machine
+        if distribution is not None:
+            machine = machine.with_robot(distribution.draw(machine.robot, rng))
         return Start(
             motion=motion,
-            robot=robot,
+            machine=machine,
             last_step=motion.n_steps if horizon is None else min(motion.n_steps, horizon),
             reward=reward,
             sensing=sensing,

@@ -1,9 +1,11 @@
 """What happens: robots as MuJoCo simulates them."""
 
+from ffgym.plant.climate import Climate as Climate
 from ffgym.plant.draws import Distribution as Distribution
 from ffgym.plant.draws import LogUniform as LogUniform
 from ffgym.plant.draws import PlantDistribution as PlantDistribution
 from ffgym.plant.draws import Uniform as Uniform
 from ffgym.plant.draws import with_payload as with_payload
+from ffgym.plant.machine import Machine as Machine
 from ffgym.plant.plant import Plant as Plant
 from ffgym.plant.plant import PlantState as PlantState

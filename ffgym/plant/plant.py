@@ -1,7 +1,6 @@
 """Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -11,9 +10,12 @@ from mujoco import batch
 from ffgym.errors import FFGymError, check_shape, check_whole
 from ffgym.plant.addresses import Addresses
 from ffgym.plant.equilibrium import bent_by_load
+from ffgym.plant.forces import Forces
+from ffgym.plant.machine import Machine
 from ffgym.plant.sameness import check_same_controller
-from ffgym.robot import ModelOptions, RobotDescription, compile_model, model_field, physics_fingerprint
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.plant.stability import check_stable, unprinted_warnings
+from ffgym.robot import ModelOptions, RobotDescription, model_field, physics_fingerprint
+from ffgym.types import Array, IntArray
 
 MAX_THREADS = 1024
 """More threads than any machine has cores; a larger number is a slip."""
@@ -44,18 +46,24 @@ class Plant:
     """
 
     def __init__(
-        self, robot: RobotDescription, n_robots: int, *, options: ModelOptions | None = None, n_threads: int = 0
+        self,
+        robot: RobotDescription | Machine,
+        n_robots: int,
+        *,
+        options: ModelOptions | None = None,
+        n_threads: int = 0,
     ) -> None:
         options = options or ModelOptions(looks=False)
         if not options.servo:
             raise FFGymError("A plant needs its servos; leave ModelOptions.servo at True.")
         n_robots = check_whole("n_robots", n_robots, low=1)
         n_threads = check_whole("n_threads", n_threads, low=0, high=MAX_THREADS)
-        self.robot = robot
-        self.robots = [robot] * n_robots
-        """What each simulation is: `robot`, or what it was made to `become`."""
+        machine = Machine.of(robot)
+        self.robot = robot = machine.robot
+        self.machines = [machine] * n_robots
+        """What each simulation is: the first, or what it was made to `become`."""
         self._options = options
-        self.model = compile_model(robot, options)
+        self.model = machine.spec(options).compile()
         self.batch = batch.Batch(self.model, nsim=n_robots, nthread=n_threads)
         self._qpos, self._qvel, self._act = (self.batch.bind(name) for name in ("qpos", "qvel", "act"))
         self._time, self._warnings = self.batch.bind("time"), self.batch.warning[..., 1]
@@ -69,6 +77,7 @@ class Plant:
         self.addresses = Addresses.of(self.model, robot)
         self._has_springs = bool(robot.springs) and options.springs
         self._servo_columns = self._find_servo_columns()
+        self._forces = self._make_forces()
 
     def _find_servo_columns(self) -> tuple[IntArray, Array]:
         """Where the engine's state has what `servo_state` returns, and the factors on it."""
@@ -88,6 +97,11 @@ class Plant:
         """Number of simulations B."""
         return int(self.batch.nsim)
 
+    @property
+    def robots(self) -> list[RobotDescription]:
+        """What each simulation is, with the effects that other numbers of a description bring about."""
+        return [machine.physical for machine in self.machines]
+
     def check_controller(self, robot: RobotDescription) -> None:
         """Check that a controller made for `robot` fits this plant, and this plant's a robot.
 
@@ -98,31 +112,44 @@ class Plant:
 
     def fingerprint(self, index: int = 0) -> str:
         """Fingerprint of the physics of one simulation."""
-        own = self.robots[index] is self.robot
-        return physics_fingerprint(self.model if own else self.batch.get_model(index))
+        machine = self.machines[index]
+        own = machine.robot is self.robot and not machine.effects
+        model = physics_fingerprint(self.model if own else self.batch.get_model(index))
+        return machine.fingerprint(model)
 
-    def become(self, ids: Sequence[int] | IntArray, robots: Sequence[RobotDescription]) -> None:
+    def become(self, ids: Sequence[int] | IntArray, robots: Sequence[RobotDescription | Machine]) -> None:
         """Give simulations `ids` other physics: masses, stiffness, friction, ... of `robots`; then put them to `rest`.
 
         Raises:
             FFGymError: if a robot differs in what its controller knows: joints, gear ratios, servo, sample times; or in
                 which joints are elastic, which bodies springs join, or whether there is a tool.
         """
+        before = self.machines.copy()
         for i, robot in zip(ids, robots, strict=True):
-            if robot is self.robots[i]:
+            machine = Machine.of(robot)
+            if machine.is_as(self.machines[i]):
                 continue
-            self.check_controller(robot)
-            model = compile_model(robot, self._options)
+            self.check_controller(machine.robot)
+            model = machine.spec(self._options).compile()
             if (model.nq, model.nu, model.na) != (self.model.nq, self.model.nu, self.model.na):
                 raise FFGymError(
-                    f"Robot {robot.name!r} has other elastic joints or actuators than {self.robot.name!r} in the same "
-                    f"batch; simulate it in a batch of its own."
+                    f"Robot {machine.robot.name!r} has other elastic joints or actuators than {self.robot.name!r} in "
+                    f"the same batch; simulate it in a batch of its own."
                 )
             for name in batch.MODEL_FIELDS:
                 own = model_field(model, name)
                 if self.batch.expanded(name) is not None or not np.array_equal(own, model_field(self.model, name)):
                     self.batch.expand(name)[i] = own
-            self.robots[i] = robot
+            self.machines[i] = machine
+        if self.machines != before:
+            self._forces = self._make_forces()
+
+    def _make_forces(self) -> Forces | None:
+        """What acts beside the engine's own physics; None for nothing, which costs nothing."""
+        self.batch.bind("qfrc_applied")[:] = 0.0
+        if not Forces.needed(self.machines):
+            return None
+        return Forces(self.batch, self.addresses, self.machines)
 
     def rest(self, motor_q: Array, motor_dq: Array | None = None, ids: IntArray | None = None) -> None:
         """Put robots into static equilibrium: springs and servo integrals carry gravity, bristles are relaxed.
@@ -143,25 +170,34 @@ class Plant:
         self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
         loaded = np.any(self.model.opt.gravity) or self._has_springs
-        robots = [self.robots[i] for i in rows]
+        robots = [self.machines[i].physical for i in rows]
         load = bent_by_load(engine, at, rows, robots, self._has_springs) if loaded else np.zeros_like(motor_q)
         self._qvel[np.ix_(rows, at.motor_qpos)] = speed
         gain = self.robot.servo.integral_gain
         integral = np.divide(self.robot.drive.motor_torque(load), gain, out=np.zeros_like(load), where=gain > 0)
         self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
+        if self._forces is not None:
+            self._forces.begin(rows)
 
     def state(self) -> PlantState:
         """State of all robots now, arrays of shape (B, N), copies."""
         return self.unpack(self._qpos, self._qvel, self._act)
 
     def servo_state(self) -> Array:
-        """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, 3 N), a copy."""
+        """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, 3 N), a copy.
+
+        Position and speed are those that the resolver reads, if the machine has a resolver with an error.
+        """
         columns, scale = self._servo_columns
         state: Array = self.batch.state.take(columns, axis=1) * scale
         drive, n = self.robot.drive, self.robot.n_joints
         if drive.coupling is not None:
             for part in (slice(0, n), slice(n, 2 * n)):
                 state[:, part] = drive.motor_angle(state[:, part])
+        if self._forces is not None:
+            error = self._forces.resolver_error(state[:, :n], state[:, n : 2 * n])
+            state[:, :n] += error.angle
+            state[:, n : 2 * n] += error.speed
         return state
 
     def unpack(self, qpos: Array, qvel: Array, act: Array) -> PlantState:
@@ -204,37 +240,29 @@ class Plant:
     def _roll(self, controls: Array, record: tuple[str, ...], ids: IntArray | None) -> dict[str, Array]:
         steps = controls.shape[1]
         began = self._time.copy()
-        with _unprinted_warnings():
-            out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
+        with unprinted_warnings():
+            if self._forces is None:
+                out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
+            else:
+                out = self._step_by_step(self._forces, controls, record, ids)
         if self._warnings.any():
             warned, self._warned = self._warnings > self._warned, self._warnings.copy()
-            self._check_stable(warned, began, steps)
+            check_stable(warned, self.robot.name, began, steps * self.physics_dt, self.physics_dt)
         return out
 
-    def _check_stable(self, warned: BoolArray, began: Array, steps: int) -> None:
-        failed = np.flatnonzero(warned[:, _BAD].any(axis=1))
-        if failed.size:
-            start, first = began[failed[0]], int(failed[0])
-            raise FFGymError(
-                f"Simulation {first} of robot {self.robots[first].name!r} became unstable between t = {start:.3f} s "
-                f"and {start + steps * self.physics_dt:.3f} s. Lower servo gains, torques or the physics step of "
-                f"{self.physics_dt} s."
-            )
-
-
-@contextmanager
-def _unprinted_warnings() -> Iterator[None]:
-    """Keep MuJoCo from printing warnings and writing them to a file; an unstable simulation is an error of ours."""
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda _: None)
-    try:
-        yield
-    finally:
-        mujoco.set_mju_user_warning(before)
-
-
-_BAD = [
-    int(mujoco.mjtWarning.mjWARN_BADQPOS),
-    int(mujoco.mjtWarning.mjWARN_BADQVEL),
-    int(mujoco.mjtWarning.mjWARN_BADQACC),
-]
+    def _step_by_step(
+        self, forces: Forces, controls: Array, record: tuple[str, ...], ids: IntArray | None
+    ) -> dict[str, Array]:
+        """As the engine's rollout, with torques of effects in each step."""
+        rows = slice(None) if ids is None or len(ids) == self.n_robots else ids
+        ids = None if isinstance(rows, slice) else ids
+        bound = {name: self.batch.bind(name) for name in record}
+        out = {name: np.empty((*controls.shape[:2], *field.shape[1:])) for name, field in bound.items()}
+        setpoints = self.batch.bind("ctrl")
+        for k in range(controls.shape[1]):
+            setpoints[rows] = controls[:, k]
+            forces.apply(rows, self.physics_dt)
+            self.batch.step(ids)
+            for name, field in bound.items():
+                out[name][:, k] = field[rows]
+        return out

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.control import FeedForwardLaw, NoCompensation, Reference, Setpoints
 from ffgym.errors import FFGymError, check_number, check_shape, check_whole
-from ffgym.plant import Plant
+from ffgym.plant import Machine, Plant
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation.sensors import Sensor, measure
@@ -42,6 +42,7 @@ def simulate(
     runs: Sequence[Run],
     *,
     arm: RigidArm | None = None,
+    machine: Machine | RobotDescription | Sequence[Machine | RobotDescription] | None = None,
     options: ModelOptions | None = None,
     sensors: Sequence[Sensor] = (),
     seed: int = 0,
@@ -54,6 +55,8 @@ def simulate(
     Args:
         runs: what to simulate; all references must be for the same robot description.
         arm: the robot's rigid dynamics, if the caller has them already.
+        machine: what is simulated under the controller of the references' robot; one for all runs or one each. None is
+            that robot itself.
         options: what to leave out of the plant, or another physics step.
         sensors: models of what is measured, applied in order; what neither they nor the drive know is left out.
             None gives the exact state.
@@ -68,7 +71,7 @@ def simulate(
     robot = _one_robot(runs)
     seed = check_whole("seed", seed, low=0)
     arm = arm or RigidArm(robot)
-    plant = Plant(robot, len(runs), options=options, n_threads=n_threads)
+    plant = _plant(robot, machine, len(runs), options, n_threads)
     stride = record_stride(plant, record_dt)
     shared = {
         id(run.reference): ReferenceRows.of(arm, run.reference, plant.n_substeps // stride)
@@ -79,11 +82,28 @@ def simulate(
     traces = _run(plant, arm, runs, _setpoints(runs, total), stride, progress)
     generators = np.random.default_rng(seed).spawn(len(runs))
     recordings = []
-    for run, trace, u_lff, rng in zip(runs, traces, added, generators, strict=True):
+    for i, (run, trace, u_lff, rng) in enumerate(zip(runs, traces, added, generators, strict=True)):
         rows = shared[id(run.reference)]
-        exact = to_recording(trace, rows, law=run.law.name, u_lff=u_lff, arm=arm, plant=plant, seed=seed)
-        recordings.append(measure(exact, sensors, rng))
+        exact = to_recording(trace, rows, law=run.law.name, u_lff=u_lff, arm=arm, plant=plant, index=i, seed=seed)
+        recordings.append(measure(plant.machines[i].seen(exact), sensors, rng))
     return recordings
+
+
+def _plant(
+    robot: RobotDescription,
+    machine: Machine | RobotDescription | Sequence[Machine | RobotDescription] | None,
+    n_runs: int,
+    options: ModelOptions | None,
+    n_threads: int,
+) -> Plant:
+    """The machines that are simulated, under the controller of `robot`."""
+    each = [machine or robot] * n_runs if machine is None or not isinstance(machine, Sequence) else list(machine)
+    if len(each) != n_runs:
+        raise FFGymError(f"There are {len(each)} machines for {n_runs} runs; give one for all, or one each.")
+    plant = Plant(each[0], n_runs, options=options, n_threads=n_threads)
+    plant.check_controller(robot)
+    plant.become(range(n_runs), each)
+    return plant
 
 
 def _one_robot(runs: Sequence[Run]) -> RobotDescription:

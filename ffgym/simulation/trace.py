@@ -10,7 +10,7 @@ import numpy as np
 
 from ffgym.control import Reference, Setpoints, rigid_feedforward, servo_torque
 from ffgym.control.setpoints import torque_at_rows
-from ffgym.plant import Plant, PlantState
+from ffgym.plant import Machine, Plant, PlantState
 from ffgym.recordings import Header, Recording, clipped
 from ffgym.robot import RigidArm
 from ffgym.types import Array
@@ -124,6 +124,7 @@ def to_recording(
     columns: dict[str, Array] = {"timestamp": np.arange(len(trace.qpos), dtype=np.float64) * trace.dt}
     for family, values in _signals(state, rows, u_lff, plant, index).items():
         columns |= {f"{family}.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
+    columns |= _temperatures(plant, index, columns["timestamp"])
     if rows.tcp is not None:
         tcp = {"tcp.position": arm.tcp_position(state.link_position), "tcp_reference.position": rows.tcp}
         columns |= {f"{family}.{axis}": xyz[:, k] for family, xyz in tcp.items() for k, axis in enumerate("xyz")}
@@ -135,15 +136,16 @@ def to_recording(
 
 def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant, index: int) -> dict[str, Array]:
     """Per-joint signals, motor side, (T, N) each; the servo's parts are what MuJoCo's `pid` adds up in each step."""
-    servo, peak = plant.robot.servo, plant.robot.drive.peak_torque
+    machine = plant.machines[index]
+    robot = machine.physical
+    position, velocity = machine.read_by_resolver(state.motor_position, state.motor_velocity)
     compensation = torque_at_rows(u_lff, rows.rows_per_step)
-    error, error_rate = rows.position - state.motor_position, rows.velocity - state.motor_velocity
-    feedback = servo_torque(servo, error, error_rate, state.integral)
+    feedback = servo_torque(robot.servo, rows.position - position, rows.velocity - velocity, state.integral)
     command = feedback.u_fb + rows.feedforward + compensation
-    friction = plant.robots[index].friction.torque(state.bristle, state.motor_velocity)
+    peak = robot.drive.peak_torque
     return {
-        "motor.position": state.motor_position,
-        "motor.velocity": state.motor_velocity,
+        "motor.position": position,
+        "motor.velocity": velocity,
         "motor.effort": np.clip(command, -peak, peak),
         "reference.position": rows.position,
         "reference.velocity": rows.velocity,
@@ -152,10 +154,27 @@ def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant,
         "feedback.integral": feedback.u_i,
         "compensation.effort": compensation,
         "command.effort": command,
-        "friction.effort": friction if plant.addresses.has_bristle.all() else np.zeros_like(friction),
+        **_friction(state, plant, machine),
         "link.position": state.link_position,
         "link.velocity": state.link_velocity,
     }
+
+
+def _friction(state: PlantState, plant: Plant, machine: Machine) -> dict[str, Array]:
+    """True friction; none if effects add to it, as a part of it would be taken for all of it."""
+    if machine.torque_effects:
+        return {}
+    friction = machine.physical.friction.torque(state.bristle, state.motor_velocity)
+    return {"friction.effort": friction if plant.addresses.has_bristle.all() else np.zeros_like(friction)}
+
+
+def _temperatures(plant: Plant, index: int, time: Array) -> dict[str, Array]:
+    """Temperature columns of a machine that has a climate of its own."""
+    climate = plant.machines[index].climate
+    if climate is None:
+        return {}
+    values = climate.temperature(time, plant.robot.n_joints)
+    return {f"temperature.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
 
 
 def _header(reference: Reference, meta: dict[str, Any], plant: Plant, index: int, seed: int | None) -> Header:

@@ -1,0 +1,186 @@
+"""Physical effects that a robot may have and its nominal model may lack: one family, four ways in.
+
+A member is a frozen dataclass whose fields are parameters, declared by `parameter`. It enters a simulated robot
+
+- through the description (`NativeEffect`), where MuJoCo has the effect itself: friction, stiffness, masses;
+- through the MuJoCo model (`ModelEffect`), where that takes more joints than the description has;
+- through torques at every physics step (`TorqueEffect`), on the whole batch at once;
+- through what is measured (`ResolverEffect`, in the servo's loop, and `TrackerEffect`, after the fact).
+
+One formula serves a physics step of many robots and a whole recording: states carry any leading shape.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any, ClassVar, Literal, Self
+
+import mujoco
+import numpy as np
+
+from ffgym.effects.parameter import Parameter, declared
+from ffgym.effects.state import ResolverError, State, Torques, no_memory
+from ffgym.errors import FFGymError, check_choice
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.types import Array, BoolArray
+
+Side = Literal["motor", "link", "tool", "controller"]
+
+
+class Effect(ABC):
+    """One physical effect. Parameters are arrays once built, and cannot be changed.
+
+    Raises:
+        FFGymError: if a parameter has a wrong shape, is not finite, or is below what makes sense.
+    """
+
+    name: ClassVar[str]
+    """As in files and on command lines."""
+    code: ClassVar[str] = ""
+    """Short name of the documentation, e.g. 'F6'; empty for one that only a workcell knows."""
+    title: ClassVar[str]
+    equation: ClassVar[str]
+    """What is added to which equation."""
+    side: ClassVar[Side]
+    """Where it acts."""
+    signature: ClassVar[str]
+    """How it shows in measurements."""
+    way_in: ClassVar[str]
+    """How it enters the simulation, for the documentation."""
+    needs_elasticity: ClassVar[bool] = False
+    """Whether it acts in or through the elasticity of the joint, so that a rigid joint cannot have it."""
+    needs_friction: ClassVar[bool] = False
+    """Whether it acts on the friction of the motor."""
+
+    def __post_init__(self) -> None:
+        n = self._length()
+        for known in self.parameters().values():
+            array = known.checked(self.name, getattr(self, known.name), n)
+            array.setflags(write=False)
+            object.__setattr__(self, known.name, array)
+
+    @classmethod
+    def parameters(cls) -> Mapping[str, Parameter]:
+        """Parameters by name, in the order of the class."""
+        found = {f.name: declared(f.metadata) for f in fields(cls)}  # type: ignore[arg-type]  # members are dataclasses
+        return {name: replace(known, name=name) for name, known in found.items() if known is not None}
+
+    @classmethod
+    def on(cls, robot: RobotDescription, joint: str | None = None, **values: Any) -> Self:
+        """The effect on one joint of a robot, or with the same numbers on all; other joints are left alone.
+
+        Raises:
+            FFGymError: if the robot has no such joint, or a value is unknown or not valid.
+        """
+        full, known = {}, cls.parameters()
+        chosen = np.ones(robot.n_joints, dtype=np.bool_)
+        if joint is not None:
+            check_choice("joint", joint, robot.joints)
+            chosen = np.array([name == joint for name in robot.joints])
+        for name, value in values.items():
+            check_choice(f"parameter of {cls.name}", name, list(known))
+            shape = known[name].shape(robot.n_joints)
+            where = chosen if shape == chosen.shape else np.ones(shape, dtype=np.bool_)
+            full[name] = np.where(where, value, known[name].neutral)
+        return cls(**full)
+
+    @property
+    def n_joints(self) -> int | None:
+        """Number of joints N that it has parameters for; None if it has none per joint."""
+        sizes = {getattr(self, p.name).shape[0] for p in self.parameters().values() if p.per in ("joint", "pair")}
+        return sizes.pop() if sizes else None
+
+    @property
+    def is_null(self) -> bool:
+        """Whether it vanishes: every parameter that has a null value is there."""
+        with_null = [p for p in self.parameters().values() if p.null is not None]
+        return all(bool(np.all(getattr(self, p.name) == p.null)) for p in with_null)
+
+    def values(self) -> dict[str, Array]:
+        """Parameters by name."""
+        return {name: getattr(self, name) for name in self.parameters()}
+
+    def check_fits(self, robot: RobotDescription) -> None:
+        """Check that a robot can have the effect.
+
+        Raises:
+            FFGymError: if the number of joints differs, or the effect needs elasticity where a joint is rigid.
+        """
+        if self.n_joints not in (None, robot.n_joints):
+            raise FFGymError(f"Effect {self.name} is for {self.n_joints} joints, {robot.name!r} has {robot.n_joints}.")
+        if self.needs_elasticity:
+            rigid = [j for j, r, a in zip(robot.joints, robot.drive.is_rigid, self._acts(), strict=True) if r and a]
+            if rigid:
+                raise FFGymError(
+                    f"Effect {self.name} acts in the elasticity of the joint, but {rigid} of {robot.name!r} are rigid. "
+                    f"Give them a joint_stiffness, or leave the effect at its null value there."
+                )
+
+    def _acts(self) -> BoolArray:
+        """Where a parameter with a null value differs from it, shape (N,)."""
+        acts = np.zeros(self.n_joints or 0, dtype=np.bool_)
+        for known in self.parameters().values():
+            if known.null is not None and known.per == "joint":
+                acts |= getattr(self, known.name) != known.null
+        return acts
+
+    def _length(self) -> int:
+        """Number of joints, from the parameter that is given per joint; one number alone is one joint."""
+        lengths = {
+            np.shape(getattr(self, p.name))[0]
+            for p in self.parameters().values()
+            if p.per in ("joint", "pair") and np.ndim(getattr(self, p.name)) > 0
+        }
+        if len(lengths) > 1:
+            raise FFGymError(
+                f"Parameters of effect {self.name} are for {sorted(lengths)} joints, must be for one number."
+            )
+        return lengths.pop() if lengths else 1
+
+
+class NativeEffect(Effect):
+    """An effect that other numbers of the description bring about."""
+
+    @abstractmethod
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """The robot with the effect."""
+
+
+class ModelEffect(Effect):
+    """An effect that needs more in the MuJoCo model than a description makes."""
+
+    @abstractmethod
+    def in_model(self, spec: mujoco.MjSpec, robot: RobotDescription) -> None:
+        """Add the effect to the model."""
+
+
+class TorqueEffect(Effect):
+    """An effect that adds torques, computed at every physics step."""
+
+    def initial_memory(self, state: State) -> Array:
+        """What is remembered at rest, shape (..., N, M); without memory M = 0."""
+        return no_memory(state)
+
+    @abstractmethod
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """Torques at `state`, and what to remember `dt` [s] later, shape (..., N, M).
+
+        Only elementwise arithmetic, so that a result does not depend on how many robots are computed together.
+        """
+
+
+class ResolverEffect(Effect):
+    """An error of the motor's position sensor, which the servo acts on."""
+
+    @abstractmethod
+    def error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
+        """What is read beyond motor angle [rad] and speed [rad/s], motor side, (..., N)."""
+
+
+class TrackerEffect(Effect):
+    """Something between the true tool position and its measurement."""
+
+    @abstractmethod
+    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """The recording as it is seen; `tcp.*` columns change, nothing else."""

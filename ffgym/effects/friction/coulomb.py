@@ -1,0 +1,40 @@
+"""F1: another Coulomb level."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+from ffgym.effects.effect import NativeEffect, Side
+from ffgym.effects.parameter import parameter
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CoulombLevel(NativeEffect):
+    """Coulomb and breakaway torque higher or lower by the same amount."""
+
+    name: ClassVar[str] = "coulomb_level"
+    code: ClassVar[str] = "F1"
+    title: ClassVar[str] = "Coulomb friction level"
+    equation: ClassVar[str] = r"\tau_f \mathrel{+}= \Delta f_c\, s(v)"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: square wave locked to the sign of the speed, whatever speed, place and load"
+    way_in: ClassVar[str] = "native: coulomb and static of MuJoCo's LuGre friction"
+
+    change: Array = parameter(
+        "more Coulomb and breakaway torque, motor side, as a share of the Coulomb torque",
+        unit="1",
+        low=-0.3,
+        high=0.3,
+        minimum=-0.95,
+        source="friction levels of one robot type differ by 30 % with temperature, load and wear (Bittencourt 2012)",
+    )
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        friction = robot.friction
+        more = self.change * friction.coulomb
+        return replace(
+            robot, friction=replace(friction, coulomb=friction.coulomb + more, static=friction.static + more)
+        )

@@ -1,0 +1,104 @@
+"""Parameters of physical effects: unit, value at which the effect vanishes, plausible range, source."""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_shape
+from ffgym.types import Array
+
+_KEY = "effect_parameter"
+
+Per = Literal["joint", "pair", "machine", "vector"]
+"""One number per joint (N,), per pair of joints (N, N), for the machine (), or three of a vector (3,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """What is known of a parameter before any measurement."""
+
+    name: str
+    meaning: str
+    """One phrase, with the side where there are two."""
+    unit: str
+    """SI; '1' for a pure number."""
+    null: float | None
+    """Value at which the effect vanishes; None for a parameter of shape, e.g. a phase, which then does not matter."""
+    low: float
+    """Lower end of what is plausible on an industrial robot."""
+    high: float
+    """Upper end."""
+    source: str
+    """Where the range comes from."""
+    per: Per
+    minimum: float
+    """Smallest value that makes sense."""
+
+    @property
+    def neutral(self) -> float:
+        """Value for a joint that the effect leaves alone."""
+        return self.low if self.null is None else self.null
+
+    def shape(self, n_joints: int) -> tuple[int, ...]:
+        """Shape on a robot of N joints."""
+        shapes: dict[str, tuple[int, ...]] = {
+            "joint": (n_joints,),
+            "pair": (n_joints, n_joints),
+            "machine": (),
+            "vector": (3,),
+        }
+        return shapes[self.per]
+
+    def checked(self, owner: str, value: Any, n_joints: int) -> Array:
+        """Return `value` as an array of the right shape; one number stands for all joints.
+
+        Raises:
+            FFGymError: if it has another shape, is not finite, or is below what makes sense.
+        """
+        shape, name = self.shape(n_joints), f"{owner}.{self.name}"
+        if np.ndim(value) == 0 and shape:
+            value = np.full(shape, value)
+        array = check_shape(name, value, shape)
+        if np.any(array < self.minimum):
+            raise FFGymError(f"{name} = {array.tolist()} {self.unit} must be at least {self.minimum:g} {self.unit}.")
+        return array
+
+
+def parameter(
+    meaning: str,
+    *,
+    unit: str,
+    low: float,
+    high: float,
+    source: str,
+    null: float | None = 0.0,
+    per: Per = "joint",
+    minimum: float = -np.inf,
+    default: float | None = None,
+) -> Any:
+    """Field of an effect's dataclass that is a parameter.
+
+    Args:
+        meaning: one phrase, with the side where there are two.
+        unit: SI; '1' for a pure number.
+        low: lower end of what is plausible.
+        high: upper end.
+        source: where the range comes from.
+        null: value at which the effect vanishes; None for a parameter of shape.
+        per: what there is one number for.
+        minimum: smallest value that makes sense.
+        default: value if none is given; None requires one.
+    """
+    known = Parameter(
+        name="", meaning=meaning, unit=unit, null=null, low=low, high=high, source=source, per=per, minimum=minimum
+    )
+    if default is None:
+        return field(metadata={_KEY: known})
+    return field(default=np.float64(default), metadata={_KEY: known})  # spread over the joints by Parameter.checked
+
+
+def declared(metadata: Any) -> Parameter | None:
+    """The parameter that a dataclass field declares, if any; its name is still empty."""
+    found = metadata.get(_KEY)
+    return found if isinstance(found, Parameter) else None

@@ -1,0 +1,75 @@
+"""Effects in TOML: [effects.<name>] tables, every parameter with its unit and where its value comes from."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ffgym.effects.catalogue import EFFECTS
+from ffgym.effects.effect import Effect
+from ffgym.effects.parameter import Parameter
+from ffgym.errors import FFGymError, check_choice
+from ffgym.robot import RobotDescription
+
+
+def read_effects(
+    tables: Mapping[str, Any], robot: RobotDescription, known: Mapping[str, type[Effect]] = EFFECTS
+) -> tuple[Effect, ...]:
+    """Effects of the tables [effects.<name>] of a file, e.g.
+
+    .. code:: toml
+
+        [effects.load_friction]
+        share = { value = [0.06, 0.06, 0.06, 0.1, 0.1, 0.1], unit = "1", source = "identified" }
+
+    One number stands for all joints. A name may be followed by a colon and anything, for a second effect of that name.
+
+    Args:
+        tables: what stands below [effects].
+        robot: the robot that has them.
+        known: effects by name.
+
+    Raises:
+        FFGymError: if an effect or parameter is unknown or missing, or a value has a wrong unit or shape.
+    """
+    effects = []
+    for name, table in tables.items():
+        kind = known[check_choice("effect", name.split(":")[0], list(known))]
+        if not isinstance(table, dict):
+            raise FFGymError(f"[effects.{name}] must be a table of parameters, got {table!r}.")
+        effects.append(_effect(kind, name, table, robot))
+    return tuple(effects)
+
+
+def _effect(kind: type[Effect], name: str, table: Mapping[str, Any], robot: RobotDescription) -> Effect:
+    known = kind.parameters()
+    for entry in table:
+        check_choice(f"parameter of effects.{name}", entry, list(known))
+    values = {entry: _value(f"effects.{name}.{entry}", given, known[entry]) for entry, given in table.items()}
+    missing = [p.name for p in known.values() if p.name not in values and p.null is not None]
+    if missing:
+        raise FFGymError(f"effects.{name} lacks {missing}; without effect they would be at their null value.")
+    return kind.on(robot, **values)
+
+
+def _value(where: str, given: Any, known: Parameter) -> Any:
+    if not isinstance(given, dict) or not {"value", "unit"} <= set(given) <= {"value", "unit", "source", "interval"}:
+        raise FFGymError(f"{where} = {given!r} must be a table of value, unit, and maybe source and interval.")
+    if given["unit"] != known.unit:
+        raise FFGymError(f"{where} has unit {given['unit']!r}, must be {known.unit!r}.")
+    return given["value"]
+
+
+def effects_toml(effects: Sequence[Effect], source: str) -> str:
+    """Text of the tables that `read_effects` reads back to the bit; `source` says where the values come from."""
+    count: dict[str, int] = {}
+    lines = []
+    for effect in effects:
+        again = count.setdefault(effect.name, 0)
+        count[effect.name] += 1
+        lines.append(f'[effects."{effect.name}:{again + 1}"]' if again else f"[effects.{effect.name}]")
+        for known in effect.parameters().values():
+            value = np.asarray(getattr(effect, known.name)).tolist()
+            lines.append(f'{known.name} = {{ value = {value}, unit = "{known.unit}", source = "{source}" }}')
+        lines.append("")
+    return "\n".join(lines)

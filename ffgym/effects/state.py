@@ -1,0 +1,71 @@
+"""What effects depend on, and what they give: motions and torques of all joints at one instant or along a recording."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.types import Array
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class State:
+    """Motion of all joints; every array ends in (..., N), with B robots or T samples before it."""
+
+    time: Array
+    """Since the motion began [s], shape (..., 1)."""
+    motor_angle: Array
+    """[rad], motor side."""
+    motor_speed: Array
+    """[rad/s], motor side."""
+    joint_angle: Array
+    """Gearbox output, link side [rad]: where the joint would be without elasticity."""
+    joint_speed: Array
+    """Gearbox output, link side [rad/s]."""
+    deflection: Array
+    """Link behind gearbox output, link side [rad]; 0 for a rigid joint."""
+    deflection_rate: Array
+    """[rad/s], link side."""
+    load: Array
+    """Torque that the gearbox passes on to the link, link side [N m]; 0 for a rigid joint, which does not know it."""
+    load_at_motor: Array
+    """The same torque as the motor bears it, motor side [N m]."""
+    joint_stiffness: Array
+    """Of the joint's elasticity, link side [N m/rad]; 0 for a rigid joint."""
+    joint_damping: Array
+    """Of the joint's elasticity, link side [N m s/rad]; 0 for a rigid joint."""
+    friction_sign: Array
+    """LuGre-smoothed sign of the motor speed s = sigma_0 z / g(v) [1]: -1 to 1 in sliding, between while bristles
+    bend."""
+    feedback_torque: Array
+    """What the servo adds by its position, speed and integral errors, motor side [N m]."""
+    motor_torque: Array
+    """What the servo commands, feed-forward included and limited, motor side [N m]."""
+    temperature: Array
+    """Of gearbox and motor [degC]."""
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Torques:
+    """What effects add, each (..., N) or None for nothing."""
+
+    motor: Array | None = None
+    """On the rotor, motor side [N m]; positive accelerates the motor, so that friction is minus a friction law."""
+    spring: Array | None = None
+    """Between gearbox output and link, link side [N m]; positive accelerates the link and pushes the gearbox back."""
+    link: Array | None = None
+    """On the link from the link before it, link side [N m]; the gearbox does not carry it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResolverError:
+    """What the resolver reads beyond the true motor angle, motor side, (..., N) each."""
+
+    angle: Array
+    """[rad]."""
+    speed: Array
+    """[rad/s]."""
+
+
+def no_memory(state: State) -> Array:
+    """Memory of an effect that remembers nothing, shape (..., N, 0)."""
+    return np.zeros((*state.motor_angle.shape, 0))

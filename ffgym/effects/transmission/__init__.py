@@ -1,0 +1,3 @@
+"""What lies between motor and link."""
+
+from ffgym.effects.transmission.kinematic_error import KinematicError as KinematicError

@@ -1,0 +1,61 @@
+"""T5: the gearbox does not turn its output in exact proportion to its input."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class KinematicError(TorqueEffect):
+    r"""Output of the gearbox ahead of or behind the ideal one, periodic in the motor angle.
+
+    The spring is wound by :math:`\delta - e(\theta)` in place of :math:`\delta`. Its energy gives what acts on the
+    deflection, :math:`k e + d \dot e`, and what acts back on the motor, :math:`-\tau_l\, \partial e / \partial \theta`,
+    with the load :math:`\tau_l` passed on, so that no energy is made.
+    """
+
+    name: ClassVar[str] = "kinematic_error"
+    code: ClassVar[str] = "T5"
+    title: ClassVar[str] = "kinematic error of the gearbox"
+    equation: ClassVar[str] = r"q = \theta / n + A \sin(k \theta + \varphi)"
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = "tool: periodic in the motor angle at any speed; torque: grows with the speed squared"
+    way_in: ClassVar[str] = "torque at every physics step on spring and motor"
+    needs_elasticity: ClassVar[bool] = True
+
+    amplitude: Array = parameter(
+        "A, link side",
+        unit="rad",
+        low=0.0,
+        high=3e-4,
+        minimum=0.0,
+        source="0.1 to 0.3 mrad, strain wave gears; from memory of the literature",
+    )
+    cycles: Array = parameter(
+        "k, per motor turn",
+        unit="1",
+        null=None,
+        low=1.0,
+        high=2.0,
+        minimum=0.0,
+        default=2.0,
+        source="strain wave gears: two per turn of the wave generator, that of the motor",
+    )
+    phase: Array = parameter(
+        "phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, source="any; where the motor's zero lies"
+    )
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        angle = self.cycles * state.motor_angle + self.phase
+        error = self.amplitude * np.sin(angle)
+        slope = self.amplitude * self.cycles * np.cos(angle)
+        spring = state.joint_stiffness * error + state.joint_damping * slope * state.motor_speed
+        return Torques(spring=spring, motor=-(state.load + spring) * slope), memory
