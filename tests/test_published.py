@@ -3,7 +3,7 @@
 import pytest
 
 from ffgym.paths import RADII
-from ffgym.published import METHODS, published_mm
+from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS, METHODS, published_mm
 
 # method, statistic, TCP speed [m/s]: rows are radii 1, 3, 5 mm, columns positions 1 to 4; thesis, tables 4.1 and 4.2
 TABLES = {
@@ -49,3 +49,14 @@ def test_what_is_in_no_table_is_none():
     assert published_mm("none", "rms", 0.02, 0.001, "p1") is None
     assert published_mm("none", "rms", 0.01, 0.002, "p1") is None
     assert published_mm("none", "rms", 0.01, 0.001, "p5") is None
+
+
+def test_the_friction_records_are_those_of_table_6_1_but_for_the_misprint():
+    table = {record.number: (record.amplitude, record.frequency) for record in FRICTION_RECORDS}
+    assert [*table] == [*range(1, 16)]
+    assert table[1] == (1.3, 0.25)
+    assert table[10] == (5.0, 5.0)
+    assert table[11] == (10.0, 0.25)  # printed as 5; figure 6.5e has 10
+    assert table[15] == (10.0, 5.0)
+    assert len({*table.values()}) == 15
+    assert {*ESTIMATION_RECORDS} < {*table}
