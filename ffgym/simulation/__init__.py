@@ -3,6 +3,8 @@
 from ffgym.simulation.sensors import LaserTracker as LaserTracker
 from ffgym.simulation.sensors import Resolver as Resolver
 from ffgym.simulation.sensors import Sensor as Sensor
+from ffgym.simulation.sensors import Thermometer as Thermometer
+from ffgym.simulation.sensors import TorqueSensor as TorqueSensor
 from ffgym.simulation.sensors import sensors_of as sensors_of
 from ffgym.simulation.simulate import RECORD_DT as RECORD_DT
 from ffgym.simulation.simulate import Run as Run

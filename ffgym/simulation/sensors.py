@@ -7,11 +7,12 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
+from ffgym.types import Array
 
-TRUTH = ("friction.effort", "link.position", "link.velocity", "tcp.position")
+TRUTH = ("friction.effort", "link.position", "link.velocity", "tcp.position", "temperature")
 """What no machine knows by itself: a measured recording has it only if a sensor measures it."""
 
 
@@ -33,16 +34,20 @@ class Resolver(Sensor):
 
     bits: int
     """Resolution [bit/turn]."""
+    noise: float = 0.0
+    """Standard deviation of the angle before it is rounded [rad], motor side."""
 
     def __post_init__(self) -> None:
         check_whole("resolver bits", self.bits, unit="bit/turn", low=1, high=32)
+        check_number("resolver noise", self.noise, unit="rad", low=0.0)
 
     def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
-        """See base class; there is no random part."""
+        """See base class; without noise nothing is drawn from `rng`."""
         step = 2 * np.pi / 2**self.bits
         columns = {}
         for joint in recording.header.joints:
-            angle = np.round(recording[f"motor.position.{joint}"] / step) * step
+            seen = _noisy(recording[f"motor.position.{joint}"], self.noise, rng)
+            angle = np.round(seen / step) * step
             columns[f"motor.position.{joint}"] = angle
             columns[f"motor.velocity.{joint}"] = np.diff(angle, prepend=angle[0]) / recording.dt
         header = replace(
@@ -83,6 +88,60 @@ class LaserTracker(Sensor):
             columns[f"tcp.position.{axis}"] = np.where(seen, noisy, np.nan)
         columns["tcp.timestamp"] = np.where(seen, recording.t, np.nan)
         return Recording(columns=dict(recording.columns) | columns, header=recording.header)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TorqueSensor(Sensor):
+    """Motor torque with white noise, as from measured currents; what the drive asked for stays exact."""
+
+    noise: Array
+    """Standard deviation of each joint, motor side [N m], shape (N,)."""
+
+    def __post_init__(self) -> None:
+        noise = check_shape("torque noise", self.noise, (None,))
+        if np.any(noise < 0):
+            raise FFGymError(f"torque noise = {noise.tolist()} N m must be >= 0 on every joint.")
+        object.__setattr__(self, "noise", noise)
+
+    def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
+        """See base class."""
+        noise = check_shape("torque noise", self.noise, (len(recording.header.joints),))
+        names = [f"motor.effort.{joint}" for joint in recording.header.joints]
+        return recording.with_columns(
+            {name: _noisy(recording[name], float(size), rng) for name, size in zip(names, noise, strict=True)}
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Thermometer(Sensor):
+    """Temperatures of the joints with white noise, in steps; a machine without a temperature has none to measure."""
+
+    measures: ClassVar[tuple[str, ...]] = ("temperature",)
+    noise: float
+    """Standard deviation [K]."""
+    resolution: float
+    """Step [K]."""
+
+    def __post_init__(self) -> None:
+        check_number("thermometer noise", self.noise, unit="K", low=0.0)
+        check_number("thermometer resolution", self.resolution, unit="K", low=0.0, open_low=True)
+
+    def apply(self, recording: Recording, rng: np.random.Generator) -> Recording:
+        """See base class."""
+        if not recording.has("temperature"):
+            return recording
+        names = [f"temperature.{joint}" for joint in recording.header.joints]
+        seen = {name: _noisy(recording[name], self.noise, rng) for name in names}
+        return recording.with_columns(
+            {name: np.round(value / self.resolution) * self.resolution for name, value in seen.items()}
+        )
+
+
+def _noisy(values: Array, noise: float, rng: np.random.Generator) -> Array:
+    """Values with white noise of standard deviation `noise`; without noise nothing is drawn."""
+    return values + rng.normal(scale=noise, size=len(values)) if noise > 0 else values
 
 
 def measure(recording: Recording, sensors: Sequence[Sensor], rng: np.random.Generator) -> Recording:

@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
-from ffgym.simulation import LaserTracker, Resolver, Run, sensors_of, simulate
+from ffgym.plant import Climate, Machine
+from ffgym.simulation import LaserTracker, Resolver, Run, Thermometer, TorqueSensor, sensors_of, simulate
 from ffgym.simulation.sensors import TRUTH
 from ffgym.studies import circle_references
 
 RESOLVER, TRACKER = Resolver(bits=16), LaserTracker(noise=20e-6, period=0.001)
+KNOWN = {*TRUTH} - {"temperature"}
+"""Truth that a recording of a machine without a temperature holds."""
 TRACKED = ("tcp.position.x", "tcp.position.y", "tcp.position.z")
 
 
@@ -58,7 +61,8 @@ def test_resolver_leaves_what_the_drive_does_exact(arm, references, exact):
 
 
 @pytest.mark.parametrize(
-    ("sensors", "hidden"), [((RESOLVER,), {*TRUTH}), ((RESOLVER, TRACKER), {*TRUTH} - {"tcp.position"}), ((), set())]
+    ("sensors", "hidden"),
+    [((RESOLVER,), KNOWN), ((RESOLVER, TRACKER), KNOWN - {"tcp.position"}), ((), set())],
 )
 def test_a_measured_recording_holds_no_truth_that_no_sensor_sees(arm, references, exact, sensors, hidden):
     recording = measured(arm, references[:1], *sensors)[0]
@@ -121,6 +125,10 @@ def test_noise_of_the_tracker_is_the_same_behind_a_resolver(arm, references):
         (lambda: Resolver(bits=0), "resolver bits = 0"),
         (lambda: LaserTracker(noise=-1.0, period=0.001), "tracker noise = -1"),
         (lambda: LaserTracker(noise=20e-6, period=0.0), "tracker period = 0"),
+        (lambda: Resolver(bits=16, noise=-1.0), "resolver noise = -1"),
+        (lambda: TorqueSensor(noise=[-1.0]), "torque noise = .* must be >= 0"),
+        (lambda: Thermometer(noise=np.nan, resolution=0.1), "thermometer noise must be finite"),
+        (lambda: Thermometer(noise=0.1, resolution=0.0), "thermometer resolution = 0"),
     ],
 )
 def test_impossible_sensors_are_named(build, message):
@@ -131,3 +139,42 @@ def test_impossible_sensors_are_named(build, message):
 def test_sensors_of_a_robot_are_those_of_its_description(irb4600, one_axis):
     assert sensors_of(irb4600) == (RESOLVER, TRACKER)
     assert sensors_of(one_axis) == (RESOLVER,)
+
+
+def test_resolver_noise_comes_before_its_rounding_and_draws_nothing_if_it_is_zero(arm, references, exact):
+    step, scale = 2 * np.pi / 2**16, 1e-3
+    noisy = measured(arm, references[:1], Resolver(bits=16, noise=scale), TRACKER)[0]
+    seen, true = noisy.joint_array("motor.position"), exact[0].joint_array("motor.position")
+    np.testing.assert_allclose(np.round(seen / step) * step, seen, atol=1e-12)
+    assert np.std(seen - true) == pytest.approx(scale, rel=0.02)
+    quiet = measured(arm, references[:1], Resolver(bits=16, noise=0.0), TRACKER)[0]
+    assert quiet.equals(measured(arm, references[:1], RESOLVER, TRACKER)[0])
+
+
+def test_torque_noise_is_on_the_measured_torque_of_its_joint_only(arm, references, exact):
+    scale = np.array([0.1, 0.0, 0.3, 0.0, 0.0, 0.02])
+    recording = measured(arm, references[:1], TorqueSensor(noise=scale))[0]
+    off = recording.joint_array("motor.effort") - exact[0].joint_array("motor.effort")
+    np.testing.assert_allclose(off.std(axis=0), scale, rtol=0.05)
+    np.testing.assert_array_equal(recording.joint_array("command.effort"), exact[0].joint_array("command.effort"))
+    with pytest.raises(FFGymError, match=r"torque noise has shape \(2,\), must be \(6\)"):
+        measured(arm, references[:1], TorqueSensor(noise=[0.1, 0.1]))
+
+
+def test_only_a_thermometer_sees_the_temperature_of_a_machine(arm, irb4600, references):
+    machine = Machine(robot=irb4600, climate=Climate(rise=np.full(6, 20.0), running_since=600.0))
+    runs = [Run(reference=references[0])]
+    exact, blind, seeing = (
+        simulate(runs, arm=arm, machine=machine, sensors=sensors)[0]
+        for sensors in ((), (RESOLVER,), (RESOLVER, Thermometer(noise=0.2, resolution=0.1)))
+    )
+    assert not blind.has("temperature")
+    values = seeing.joint_array("temperature")
+    off = values - exact.joint_array("temperature")
+    assert np.std(off) == pytest.approx(np.hypot(0.2, 0.1 / np.sqrt(12)), rel=0.03)
+    np.testing.assert_allclose(np.round(values / 0.1) * 0.1, values, atol=1e-12)
+
+
+def test_a_thermometer_finds_nothing_on_a_machine_without_temperature(arm, references):
+    thermometer = Thermometer(noise=0.2, resolution=0.1)
+    assert measured(arm, references[:1], RESOLVER, thermometer)[0].equals(measured(arm, references[:1], RESOLVER)[0])
