@@ -6,7 +6,7 @@ model is the drive's own feed-forward, and the difference is friction before all
 
     u_lff = b . [s_1 ... s_W, v, a] + g(x),      x = [s_1 ... s_W, asinh(v / v_0) / asinh(v_max / v_0)]
 
-with slip elements s (`agents.fitting.slip_elements`: what remembers the last reversal), motor speed v and acceleration
+with slip elements s (`ffgym.friction.slip_elements`: what remembers the last reversal), motor speed v and acceleration
 a. The linear part is the mean of a Gaussian process, g its deviation from it: a sum of bells around some of the
 samples seen,
 
@@ -30,11 +30,11 @@ from typing import Any, ClassVar, Self, final
 import numpy as np
 
 from agents.common.law_files import StoredLaw
-from agents.fitting import slip_elements
-from agents.fitting.slip_elements import WIDTHS
 from agents.fitting.supervised import linear_features
 from ffgym.control import CausalLaw, Window
 from ffgym.errors import FFGymError, check_shape
+from ffgym.friction import slip_elements
+from ffgym.friction.slip_elements import WIDTHS
 from ffgym.types import Array
 
 KNEE = 0.01

@@ -14,9 +14,9 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from agents.common.trials import Lesson, Trial, performed
-from agents.fitting import slip_elements
 from ffgym.control import CausalLaw, FeedForwardLaw, NoCompensation, Reference
 from ffgym.errors import FFGymError, check_whole
+from ffgym.friction import slip_elements
 from ffgym.recordings import Recording
 from ffgym.simulation import Run
 from ffgym.types import Array, BoolArray

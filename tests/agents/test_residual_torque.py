@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from agents.catalogue import Setting
-from agents.fitting import slip_elements
 from agents.fitting.residual_fit import fitted, learn_residual_torque
 from agents.fitting.supervised import MotorRecord
 from agents.residual_torque import ResidualTorque
 from ffgym.control import DynamicLuGreExact, NoCompensation, Window
 from ffgym.errors import FFGymError
+from ffgym.friction import slip_elements
 from ffgym.metrics import motor_error_rms
 from ffgym.simulation import Run
 from ffgym.studies import circle_references

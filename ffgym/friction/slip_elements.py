@@ -24,9 +24,9 @@ def advanced(slip: Array, dq: Array, next_dq: Array, dt: float, widths: Array = 
     return np.clip(slip + travel[..., None] / widths, -1.0, 1.0)
 
 
-def along(motor_dq: Array, dt: float) -> Array:
+def along(motor_dq: Array, dt: float, widths: Array = WIDTHS) -> Array:
     """Elements along motor speeds (T, N) [rad/s] sampled every `dt` [s], shape (T, N, W); relaxed at the start."""
-    slip = np.zeros((*motor_dq.shape, len(WIDTHS)))
+    slip = np.zeros((*motor_dq.shape, len(widths)))
     for k in range(len(motor_dq) - 1):
-        slip[k + 1] = advanced(slip[k], motor_dq[k], motor_dq[k + 1], dt)
+        slip[k + 1] = advanced(slip[k], motor_dq[k], motor_dq[k + 1], dt, widths)
     return slip

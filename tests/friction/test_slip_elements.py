@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from agents.fitting import slip_elements
-from agents.fitting.slip_elements import WIDTHS
+from ffgym.friction import slip_elements
+from ffgym.friction.slip_elements import WIDTHS
 
 DT = 0.004
 SPEEDS = arrays(np.float64, (50, 2), elements=st.floats(-20, 20))
