@@ -1,7 +1,7 @@
 """Runs on the machine that is learned from, and what they say about each motor."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -12,7 +12,7 @@ from ffgym.errors import FFGymError, check_choice
 from ffgym.metrics import motor_error
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, Servo
-from ffgym.simulation import RECORD_DT, Run, Sensor, simulate
+from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, SimulatedRig
 from ffgym.types import Array, BoolArray
 
 Trial = Callable[[Sequence[Run], int], Sequence[Recording]]
@@ -37,8 +37,27 @@ def performed(trial: Trial, runs: Sequence[Run], number: int) -> list[Recording]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class RigTrial:
+    """Trials on a rig; sensor noise differs from trial to trial and is the same in every program run."""
+
+    rig: Rig
+    seed: int = 0
+    record_dt: float = RECORD_DT
+    n_threads: int = 0
+
+    def __call__(self, runs: Sequence[Run], number: int) -> list[Recording]:
+        """Run them; see `Trial`.
+
+        Raises:
+            FFGymError: if a run is for another number of joints, or cannot be simulated.
+        """
+        seed = int(np.random.SeedSequence([self.seed, number]).generate_state(1)[0])
+        return self.rig.run(runs, seed=seed, record_dt=self.record_dt, n_threads=self.n_threads)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class SimulatedTrial:
-    """Trials on a simulated robot; sensor noise differs from trial to trial and is the same in every program run."""
+    """Trials on a simulated robot; as `RigTrial`."""
 
     arm: RigidArm
     """Of the robot that moves, whatever model of it the references were made with."""
@@ -49,25 +68,10 @@ class SimulatedTrial:
     n_threads: int = 0
 
     def __call__(self, runs: Sequence[Run], number: int) -> list[Recording]:
-        """Simulate the runs; see `Trial`.
-
-        Raises:
-            FFGymError: if a run is for another number of joints, or cannot be simulated.
-        """
-        return simulate(
-            [self._here(run) for run in runs],
-            arm=self.arm,
-            options=self.options,
-            sensors=self.sensors,
-            seed=int(np.random.SeedSequence([self.seed, number]).generate_state(1)[0]),
-            record_dt=self.record_dt,
-            n_threads=self.n_threads,
-        )
-
-    def _here(self, run: Run) -> Run:
-        """The run on this robot: a reference names the model that it was made with, which may be a wrong one."""
-        robot, reference = self.arm.robot, run.reference
-        return run if reference.robot is robot else replace(run, reference=replace(reference, robot=robot))
+        """Simulate the runs; see `RigTrial`."""
+        rig = SimulatedRig(arm=self.arm, options=self.options, sensors=self.sensors)
+        trial = RigTrial(rig=rig, seed=self.seed, record_dt=self.record_dt, n_threads=self.n_threads)
+        return trial(runs, number)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

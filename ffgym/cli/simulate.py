@@ -17,7 +17,7 @@ from ffgym.motions import Motion, load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import FORMATS
 from ffgym.robot import ModelOptions, RigidArm, load_robot
-from ffgym.simulation import RECORD_DT, sensors_of
+from ffgym.simulation import RECORD_DT, SimulatedRig, sensors_of
 from ffgym.studies import MotionStudy, motion_study
 
 
@@ -109,15 +109,14 @@ class Simulate:
         options = ModelOptions(
             flexible=self.flexible, friction=self.friction, gravity=self.gravity, springs=self.springs, looks=False
         )
+        rig = SimulatedRig(arm=arm, options=options, sensors=sensors_of(arm.robot) if self.sensors else ())
         setting = setting_for(arm, [motion.reference], self.parameters, self.threads, options)
         laws = make_laws(self.feedforward, setting)
         with progress_bar("simulating", "s") as progress:
             return motion_study(
                 [motion.reference],
                 laws=laws,
-                arm=arm,
-                options=options,
-                sensors=sensors_of(arm.robot) if self.sensors else (),
+                rig=rig,
                 seed=self.seed,
                 record_dt=self.record_dt_ms / 1e3,
                 n_threads=self.threads,

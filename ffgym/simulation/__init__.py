@@ -1,5 +1,7 @@
 """Plant + controller + path (+ feed-forward) -> recording."""
 
+from ffgym.simulation.rig import Rig as Rig
+from ffgym.simulation.rig import SimulatedRig as SimulatedRig
 from ffgym.simulation.sensors import LaserTracker as LaserTracker
 from ffgym.simulation.sensors import Resolver as Resolver
 from ffgym.simulation.sensors import Sensor as Sensor

@@ -45,7 +45,7 @@ def simulate(
     machine: Machine | RobotDescription | Sequence[Machine | RobotDescription] | None = None,
     options: ModelOptions | None = None,
     sensors: Sequence[Sensor] = (),
-    seed: int = 0,
+    seed: int | Sequence[np.random.Generator] = 0,
     record_dt: float = RECORD_DT,
     n_threads: int = 0,
     progress: Progress | None = None,
@@ -60,7 +60,7 @@ def simulate(
         options: what to leave out of the plant, or another physics step.
         sensors: models of what is measured, applied in order; what neither they nor the drive know is left out.
             None gives the exact state.
-        seed: seed of the sensor noise; run i uses the i-th stream spawned from it.
+        seed: seed of the sensor noise, of which run i uses the i-th stream spawned from it; or a generator each.
         record_dt: sample time of the recordings [s]; a multiple of the physics step that divides the control step.
         n_threads: threads of the engine, 0 for all cores.
         progress: called now and then with the simulated seconds done and their total.
@@ -68,8 +68,8 @@ def simulate(
     Raises:
         FFGymError: if there is nothing to simulate, robots differ, times do not fit, or a simulation becomes unstable.
     """
-    robot = _one_robot(runs)
-    seed = check_whole("seed", seed, low=0)
+    robot = one_robot(runs)
+    generators = _generators(seed, len(runs))
     arm = arm or RigidArm(robot)
     plant = _plant(robot, machine, len(runs), options, n_threads)
     stride = record_stride(plant, record_dt)
@@ -80,13 +80,22 @@ def simulate(
     added = [_added_torque(run) for run in runs]
     total = [shared[id(run.reference)].u_ff + u_lff for run, u_lff in zip(runs, added, strict=True)]
     traces = _run(plant, arm, runs, _setpoints(runs, total), stride, progress)
-    generators = np.random.default_rng(seed).spawn(len(runs))
     recordings = []
+    named = None if isinstance(seed, Sequence) else int(seed)
     for i, (run, trace, u_lff, rng) in enumerate(zip(runs, traces, added, generators, strict=True)):
         rows = shared[id(run.reference)]
-        exact = to_recording(trace, rows, law=run.law.name, u_lff=u_lff, arm=arm, plant=plant, index=i, seed=seed)
+        exact = to_recording(trace, rows, law=run.law.name, u_lff=u_lff, arm=arm, plant=plant, index=i, seed=named)
         recordings.append(measure(plant.machines[i].seen(exact), sensors, rng))
     return recordings
+
+
+def _generators(seed: int | Sequence[np.random.Generator], n_runs: int) -> Sequence[np.random.Generator]:
+    """Randomness of each run."""
+    if not isinstance(seed, Sequence):
+        return np.random.default_rng(check_whole("seed", seed, low=0)).spawn(n_runs)
+    if len(seed) != n_runs:
+        raise FFGymError(f"There are {len(seed)} generators for {n_runs} runs; give a seed, or one generator each.")
+    return seed
 
 
 def _plant(
@@ -106,7 +115,12 @@ def _plant(
     return plant
 
 
-def _one_robot(runs: Sequence[Run]) -> RobotDescription:
+def one_robot(runs: Sequence[Run]) -> RobotDescription:
+    """The robot that the references of all runs are for.
+
+    Raises:
+        FFGymError: if there is no run, or they are for several.
+    """
     if not runs:
         raise FFGymError("There is nothing to simulate: runs is empty.")
     robots = {id(run.reference.robot): run.reference.robot for run in runs}

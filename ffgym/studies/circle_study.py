@@ -17,8 +17,8 @@ from ffgym.errors import FFGymError, check_shape
 from ffgym.metrics import motor_error_rms, path_errors
 from ffgym.paths import RADII, SPEEDS, circle_test
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, physics_fingerprint
-from ffgym.simulation import Run, simulate
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription
+from ffgym.simulation import Rig, Run, SimulatedRig
 from ffgym.simulation.simulate import Progress
 from ffgym.studies.selection import distinct, picked
 
@@ -135,45 +135,48 @@ def _check_distinct(what: str, values: Sequence[object]) -> None:
 
 
 def circle_study(
-    robot: RobotDescription,
+    robot: RobotDescription | Rig,
     *,
     laws: Sequence[FeedForwardLaw] | None = None,
     positions: Sequence[str] | None = None,
     speeds: Sequence[float] = SPEEDS,
     radii: Sequence[float] = RADII,
-    plant: str = "nominal",
+    plant: str | None = None,
     options: ModelOptions | None = None,
+    seed: int = 0,
     n_threads: int = 0,
     progress: Progress | None = None,
 ) -> CircleStudy:
     """Simulate and score the circle test.
 
     Args:
-        robot: the robot; it is its own plant.
+        robot: the robot, which is its own plant; or a rig, on which the motions are run.
         laws: feed-forward laws; None takes those of chapter 4.
         positions: names in the robot's work area; None takes all.
         speeds: TCP speeds [m/s].
         radii: circle radii [m].
-        plant: what to call the plant in the cells.
-        options: what to change in the plant.
+        plant: what to call the plant in the cells; None takes the name of the rig, 'nominal' for a robot.
+        options: what to change in the plant of a robot.
+        seed: of the sensors' noise, on a rig with sensors.
         n_threads: threads of the engine, 0 for all cores.
         progress: called with the simulated seconds done and their total.
 
     Raises:
         FFGymError: if there is nothing to simulate, two laws share a name, or the robot cannot follow the motion.
     """
-    arm = RigidArm(robot)
-    references = circle_references(arm, positions, speeds, radii)
-    laws = distinct(thesis_laws(robot) if laws is None else laws)
+    rig = robot if isinstance(robot, Rig) else SimulatedRig(arm=RigidArm(robot), options=options)
+    references = circle_references(rig.arm, positions, speeds, radii)
+    laws = distinct(thesis_laws(rig.robot) if laws is None else laws)
     keys = [(law, *key) for key in references for law in laws]
     runs = [Run(reference=references[position, speed], law=law) for law, position, speed in keys]
-    results = simulate(runs, arm=arm, options=options, n_threads=n_threads, progress=progress)
+    results = rig.run(runs, seed=seed, n_threads=n_threads, progress=progress)
     recordings = {
         (law.name, position, speed): recording for (law, position, speed), recording in zip(keys, results, strict=True)
     }
+    plant = rig.name if plant is None else plant
     cells = [cell for key, recording in recordings.items() for cell in _cells(*key, plant, radii, recording)]
-    fingerprint = physics_fingerprint(compile_model(robot, options or ModelOptions(looks=False)))
-    return CircleStudy(robot=robot, cells=cells, recordings=recordings, fingerprint=fingerprint)
+    fingerprint = str(results[0].header.provenance["physics_fingerprint"])
+    return CircleStudy(robot=rig.robot, cells=cells, recordings=recordings, fingerprint=fingerprint)
 
 
 def _cells(

@@ -9,9 +9,9 @@ from ffgym.control import FeedForwardLaw, Reference
 from ffgym.errors import FFGymError
 from ffgym.metrics import contour_errors, motor_error
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription
-from ffgym.simulation import RECORD_DT, Run, Sensor, simulate
-from ffgym.simulation.simulate import Progress
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation import RECORD_DT, Rig, Run, SimulatedRig
+from ffgym.simulation.simulate import Progress, one_robot
 from ffgym.studies.selection import distinct
 
 
@@ -81,9 +81,7 @@ def motion_study(
     references: Sequence[Reference],
     *,
     laws: Sequence[FeedForwardLaw],
-    arm: RigidArm | None = None,
-    options: ModelOptions | None = None,
-    sensors: Sequence[Sensor] = (),
+    rig: Rig | None = None,
     seed: int = 0,
     record_dt: float = RECORD_DT,
     n_threads: int = 0,
@@ -92,11 +90,9 @@ def motion_study(
     """Simulate and score motions.
 
     Args:
-        references: motions of one robot, which is its own plant.
+        references: motions of one robot.
         laws: feed-forward laws.
-        arm: rigid dynamics of the robot, if the caller has them already.
-        options: what to change in the plant.
-        sensors: models of what is measured; none gives the exact state.
+        rig: where they are run; None is on that robot, and records the exact state.
         seed: seed of the sensors' noise.
         record_dt: sample time of the recordings [s].
         n_threads: threads of the engine, 0 for all cores.
@@ -115,19 +111,12 @@ def motion_study(
         if not np.any(reference.dq):
             raise FFGymError(f"Motion {reference.name!r} is all standstill, so that it has no error to score.")
     runs = [Run(reference=reference, law=law) for reference in references for law in distinct(laws)]
-    recorded = simulate(
-        runs,
-        arm=arm,
-        options=options,
-        sensors=sensors,
-        seed=seed,
-        record_dt=record_dt,
-        n_threads=n_threads,
-        progress=progress,
-    )
+    robot = one_robot(runs)
+    rig = rig or SimulatedRig(arm=RigidArm(robot))
+    recorded = rig.run(runs, seed=seed, record_dt=record_dt, n_threads=n_threads, progress=progress)
     pairs = list(zip(runs, recorded, strict=True))
     return MotionStudy(
-        robot=references[0].robot,
+        robot=robot,
         references=dict(zip(names, references, strict=True)),
         results=[_result(run, recording) for run, recording in pairs],
         recordings={(run.law.name, run.reference.name): recording for run, recording in pairs},

@@ -15,6 +15,7 @@ from ffgym.report import format_motion, render_motion_page
 from ffgym.report.motion.page import motion_figures
 from ffgym.report.motion.thinning import POINTS, peaks_kept
 from ffgym.report.motion.tool_path_plot import SHARE, magnification, sights_of
+from ffgym.simulation import SimulatedRig
 from ffgym.studies import circle_references, motion_study
 
 ANGLE = np.linspace(0, 2 * np.pi, 400)
@@ -24,7 +25,9 @@ CIRCLE = np.stack([np.cos(ANGLE), np.sin(ANGLE), 0 * ANGLE], axis=1)
 @pytest.fixture(scope="module")
 def study(irb4600, arm):
     reference = next(iter(circle_references(arm, ["p1"], [0.04], [0.005]).values()))
-    return motion_study([reference], laws=[NoCompensation(), DynamicLuGreExact(irb4600.friction)], arm=arm)
+    return motion_study(
+        [reference], laws=[NoCompensation(), DynamicLuGreExact(irb4600.friction)], rig=SimulatedRig(arm=arm)
+    )
 
 
 @pytest.fixture(scope="module")

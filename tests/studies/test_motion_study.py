@@ -11,8 +11,8 @@ from ffgym.metrics import contour_errors, motor_error, motor_error_rms
 from ffgym.paths import constant_velocity, joint_sine
 from ffgym.paths.joint_space import joint_path
 from ffgym.paths.motion import standstill
-from ffgym.robot import ModelOptions
-from ffgym.simulation import Run, sensors_of, simulate
+from ffgym.robot import ModelOptions, RigidArm
+from ffgym.simulation import Run, SimulatedRig, sensors_of, simulate
 from ffgym.studies import circle_references, motion_study
 
 
@@ -23,7 +23,9 @@ def circle(arm):
 
 @pytest.fixture(scope="module")
 def study(irb4600, arm, circle):
-    return motion_study([circle], laws=[NoCompensation(), DynamicLuGreExact(irb4600.friction)], arm=arm)
+    return motion_study(
+        [circle], laws=[NoCompensation(), DynamicLuGreExact(irb4600.friction)], rig=SimulatedRig(arm=arm)
+    )
 
 
 def sine(robot, frequency=3.0):
@@ -70,16 +72,17 @@ def test_a_robot_without_a_tool_is_scored_at_its_motors(one_axis):
 
 def test_sensors_without_a_tracker_leave_no_path_error(irb4600, arm, circle):
     resolver = sensors_of(irb4600)[:1]
-    (blind,) = motion_study([circle], laws=[NoCompensation()], arm=arm, sensors=resolver).results
+    (blind,) = motion_study([circle], laws=[NoCompensation()], rig=SimulatedRig(arm=arm, sensors=resolver)).results
     assert blind.path == []
-    (seen,) = motion_study([circle], laws=[NoCompensation()], arm=arm, sensors=sensors_of(irb4600), seed=1).results
+    (seen,) = motion_study(
+        [circle], laws=[NoCompensation()], rig=SimulatedRig(arm=arm, sensors=sensors_of(irb4600)), seed=1
+    ).results
     assert seen.path[0].rms_mm > 0
 
 
 def test_options_and_sample_time_reach_the_plant(one_axis):
-    smooth = motion_study(
-        [sine(one_axis)], laws=[NoCompensation()], options=ModelOptions(friction=False, looks=False), record_dt=0.004
-    )
+    rig = SimulatedRig(arm=RigidArm(one_axis), options=ModelOptions(friction=False, looks=False))
+    smooth = motion_study([sine(one_axis)], laws=[NoCompensation()], rig=rig, record_dt=0.004)
     (recording,) = smooth.recordings.values()
     assert recording.dt == pytest.approx(0.004)
     assert not recording.joint_array("friction.effort").any()

@@ -1,0 +1,105 @@
+"""A machine under its controller, as one can use it: motions in, recordings out."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from ffgym.errors import FFGymError
+from ffgym.plant import Machine
+from ffgym.recordings import Recording
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription
+from ffgym.simulation.sensors import Sensor
+from ffgym.simulation.simulate import RECORD_DT, Progress, Run, simulate
+
+
+class Rig(ABC):
+    """Where motions are run. What stands on it may be known or not; its controller is known."""
+
+    name: str
+    """As in tables."""
+    arm: RigidArm
+    """Rigid dynamics of the robot that the controller was made for."""
+
+    @property
+    def robot(self) -> RobotDescription:
+        """What the controller knows of the machine."""
+        return self.arm.robot
+
+    @abstractmethod
+    def run(
+        self,
+        runs: Sequence[Run],
+        *,
+        seed: int | Sequence[np.random.Generator] = 0,
+        started: Sequence[float] | None = None,
+        record_dt: float = RECORD_DT,
+        n_threads: int = 0,
+        progress: Progress | None = None,
+    ) -> list[Recording]:
+        """Run motions with their feed-forward laws; a recording does not depend on the others.
+
+        Args:
+            runs: whatever model of the machine their references were made with, its controller runs them.
+            seed: of the sensors' noise, or the randomness of each run.
+            started: how long the machine has run when each motion begins [s]; None is what it was set up for.
+            record_dt: sample time of the recordings [s].
+            n_threads: threads of the engine, 0 for all cores.
+            progress: called now and then with the simulated seconds done and their total.
+
+        Raises:
+            FFGymError: if there is nothing to run, a run does not fit, or a simulation becomes unstable.
+        """
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedRig(Rig):
+    """A machine that is known."""
+
+    arm: RigidArm
+    machine: Machine | None = None
+    """What is simulated; None is the controller's robot itself."""
+    options: ModelOptions | None = None
+    """What to leave out of it."""
+    sensors: Sequence[Sensor] = ()
+    """What measures; none gives the exact state."""
+    name: str = "nominal"
+
+    def run(
+        self,
+        runs: Sequence[Run],
+        *,
+        seed: int | Sequence[np.random.Generator] = 0,
+        started: Sequence[float] | None = None,
+        record_dt: float = RECORD_DT,
+        n_threads: int = 0,
+        progress: Progress | None = None,
+    ) -> list[Recording]:
+        """See base class."""
+        machine = self.machine or Machine.of(self.robot)
+        return simulate(
+            [_on(self.robot, run) for run in runs],
+            arm=self.arm,
+            machine=machine if started is None else _at(machine, started, len(runs)),
+            options=self.options,
+            sensors=self.sensors,
+            seed=seed,
+            record_dt=record_dt,
+            n_threads=n_threads,
+            progress=progress,
+        )
+
+
+def _on(robot: RobotDescription, run: Run) -> Run:
+    """The run under the controller of `robot`: a reference names the model that it was made with."""
+    reference = run.reference
+    return run if reference.robot is robot else replace(run, reference=replace(reference, robot=robot))
+
+
+def _at(machine: Machine, started: Sequence[float], n_runs: int) -> list[Machine]:
+    if len(started) != n_runs:
+        raise FFGymError(f"There are {len(started)} times at which motions begin, for {n_runs} runs.")
+    return [machine.at(since) for since in started]
