@@ -3,16 +3,27 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from ffgym.effects import drive, friction, measurement, transmission
 from ffgym.effects.effect import Effect
-from ffgym.effects.friction import CoulombLevel, LoadFriction
-from ffgym.effects.measurement import ResolverRipple
-from ffgym.effects.transmission import KinematicError
 
 _EFFECTS: tuple[type[Effect], ...] = (
-    CoulombLevel,
-    LoadFriction,
-    KinematicError,
-    ResolverRipple,
+    friction.CoulombLevel,
+    friction.ViscousLevel,
+    friction.StribeckPeak,
+    friction.PreslidingStiffness,
+    friction.Asymmetry,
+    friction.LoadFriction,
+    friction.TemperatureFriction,
+    friction.NonlinearViscous,
+    friction.PositionFriction,
+    friction.DwellStiction,
+    friction.StribeckExponent,
+    transmission.KinematicError,
+    drive.Cogging,
+    drive.TorqueRipple,
+    drive.TorqueConstant,
+    drive.TorqueOffset,
+    measurement.ResolverRipple,
 )
 
 EFFECTS: Mapping[str, type[Effect]] = MappingProxyType({effect.name: effect for effect in _EFFECTS})

@@ -32,7 +32,7 @@ class Effect(ABC):
     """One physical effect. Parameters are arrays once built, and cannot be changed.
 
     Raises:
-        FFGymError: if a parameter has a wrong shape, is not finite, or is below what makes sense.
+        FFGymError: if a parameter has a wrong shape, is not finite, or is below or above what makes sense.
     """
 
     name: ClassVar[str]
@@ -48,6 +48,10 @@ class Effect(ABC):
     """How it shows in measurements."""
     way_in: ClassVar[str]
     """How it enters the simulation, for the documentation."""
+    confusable_with: ClassVar[tuple[str, ...]] = ()
+    """Codes of effects that look alike in most motions."""
+    separating_motions: ClassVar[tuple[str, ...]] = ()
+    """Protocols (`ffgym record`) whose recordings tell it from those."""
     needs_elasticity: ClassVar[bool] = False
     """Whether it acts in or through the elasticity of the joint, so that a rigid joint cannot have it."""
     needs_friction: ClassVar[bool] = False

@@ -34,6 +34,8 @@ class Parameter:
     per: Per
     minimum: float
     """Smallest value that makes sense."""
+    maximum: float
+    """Largest value that makes sense."""
 
     @property
     def neutral(self) -> float:
@@ -54,7 +56,7 @@ class Parameter:
         """Return `value` as an array of the right shape; one number stands for all joints.
 
         Raises:
-            FFGymError: if it has another shape, is not finite, or is below what makes sense.
+            FFGymError: if it has another shape, is not finite, or is below or above what makes sense.
         """
         shape, name = self.shape(n_joints), f"{owner}.{self.name}"
         if np.ndim(value) == 0 and shape:
@@ -62,6 +64,8 @@ class Parameter:
         array = check_shape(name, value, shape)
         if np.any(array < self.minimum):
             raise FFGymError(f"{name} = {array.tolist()} {self.unit} must be at least {self.minimum:g} {self.unit}.")
+        if np.any(array > self.maximum):
+            raise FFGymError(f"{name} = {array.tolist()} {self.unit} must be at most {self.maximum:g} {self.unit}.")
         return array
 
 
@@ -75,6 +79,7 @@ def parameter(
     null: float | None = 0.0,
     per: Per = "joint",
     minimum: float = -np.inf,
+    maximum: float = np.inf,
     default: float | None = None,
 ) -> Any:
     """Field of an effect's dataclass that is a parameter.
@@ -88,10 +93,20 @@ def parameter(
         null: value at which the effect vanishes; None for a parameter of shape.
         per: what there is one number for.
         minimum: smallest value that makes sense.
+        maximum: largest value that makes sense.
         default: value if none is given; None requires one.
     """
     known = Parameter(
-        name="", meaning=meaning, unit=unit, null=null, low=low, high=high, source=source, per=per, minimum=minimum
+        name="",
+        meaning=meaning,
+        unit=unit,
+        null=null,
+        low=low,
+        high=high,
+        source=source,
+        per=per,
+        minimum=minimum,
+        maximum=maximum,
     )
     if default is None:
         return field(metadata={_KEY: known})

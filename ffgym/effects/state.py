@@ -36,10 +36,20 @@ class State:
     friction_sign: Array
     """LuGre-smoothed sign of the motor speed s = sigma_0 z / g(v) [1]: -1 to 1 in sliding, between while bristles
     bend."""
+    coulomb: Array
+    """Of the description's friction f_c, motor side [N m], as are the next three."""
+    static: Array
+    """f_s [N m]."""
+    viscous: Array
+    """f_v [N m s/rad]."""
+    stribeck_velocity: Array
+    """v_s [rad/s]."""
     feedback_torque: Array
     """What the servo adds by its position, speed and integral errors, motor side [N m]."""
     motor_torque: Array
     """What the servo commands, feed-forward included and limited, motor side [N m]."""
+    peak_torque: Array
+    """Largest that the drive gives, motor side [N m]."""
     temperature: Array
     """Of gearbox and motor [degC]."""
 

@@ -118,8 +118,13 @@ class Forces:
             joint_stiffness=own.stiffness,
             joint_damping=own.damping,
             friction_sign=self._friction_sign(rows, motor_dq, own),
+            coulomb=own.coulomb,
+            static=own.static,
+            viscous=own.viscous,
+            stribeck_velocity=own.stribeck_velocity,
             feedback_torque=feedback,
             motor_torque=command,
+            peak_torque=own.peak_torque,
             temperature=own.temperature(time),
         )
 
@@ -166,6 +171,7 @@ class _Numbers:
     peak_torque: Array
     coulomb: Array
     static: Array
+    viscous: Array
     stribeck_velocity: Array
     bristle_stiffness: Array
     ambient: Array

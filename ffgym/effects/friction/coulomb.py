@@ -21,6 +21,8 @@ class CoulombLevel(NativeEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: square wave locked to the sign of the speed, whatever speed, place and load"
     way_in: ClassVar[str] = "native: coulomb and static of MuJoCo's LuGre friction"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F7", "T3", "T4")
+    separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "warm_up")
 
     change: Array = parameter(
         "more Coulomb and breakaway torque, motor side, as a share of the Coulomb torque",

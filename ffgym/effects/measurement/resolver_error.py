@@ -25,6 +25,8 @@ class ResolverRipple(ResolverEffect):
         "torque: grows with the speed squared; tool: periodic, the same at any speed; servo error too"
     )
     way_in: ClassVar[str] = "added to what the servo compares with its set-points, and to the recorded motor angle"
+    confusable_with: ClassVar[tuple[str, ...]] = ("T5",)
+    separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "circles")
 
     amplitude: Array = parameter(
         "A, motor side",

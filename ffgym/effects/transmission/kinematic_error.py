@@ -28,6 +28,8 @@ class KinematicError(TorqueEffect):
     side: ClassVar[Side] = "link"
     signature: ClassVar[str] = "tool: periodic in the motor angle at any speed; torque: grows with the speed squared"
     way_in: ClassVar[str] = "torque at every physics step on spring and motor"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F9", "M1", "M6")
+    separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "circles")
     needs_elasticity: ClassVar[bool] = True
 
     amplitude: Array = parameter(

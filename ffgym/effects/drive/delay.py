@@ -1,0 +1,80 @@
+"""M5: a motor torque that comes later than commanded."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.errors import FFGymError
+from ffgym.types import Array
+
+LENGTH = 40
+"""Commands that are remembered: 9.5 ms at a physics step of 0.25 ms, far more than a servo bears."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TorqueDelay(TorqueEffect):
+    """Dead time of the drive, then the first-order lag of its current loop.
+
+    Delays between two physics steps are interpolated. The lag takes the exact solution for a command that is held over
+    the step.
+
+    Raises:
+        FFGymError: if the physics step is too short for the commands of the delay to be remembered.
+    """
+
+    name: ClassVar[str] = "torque_delay"
+    code: ClassVar[str] = "M5"
+    title: ClassVar[str] = "delay and bandwidth of the torque loop"
+    equation: ClassVar[str] = r"T_c \dot \tau = u(t - d) - \tau"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: proportional to its own rate of change, in quadrature with the acceleration"
+    way_in: ClassVar[str] = (
+        "torque at every physics step, with memory; delays of MuJoCo's actuators would delay set-points, not torque"
+    )
+    confusable_with: ClassVar[tuple[str, ...]] = ("F2", "G2")
+    separating_motions: ClassVar[tuple[str, ...]] = ("excitation",)
+
+    delay: Array = parameter(
+        "d",
+        unit="s",
+        low=0.0,
+        high=0.001,
+        minimum=0.0,
+        source="cycles of drives, 0.25 to 1 ms; servos as stiff as the built-in ones swing with 2 ms and more",
+    )
+    lag: Array = parameter(
+        "T_c", unit="s", low=0.0, high=0.0005, minimum=0.0, source="current loops of 300 Hz and more bandwidth"
+    )
+
+    def initial_memory(self, state: State) -> Array:
+        """See base class; the latest command comes first, what the current loop gives last."""
+        return np.repeat(state.motor_torque[..., None], LENGTH + 1, axis=-1)
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        given = memory[..., -1]
+        commands = np.concatenate([state.motor_torque[..., None], memory[..., :-2]], axis=-1)
+        due = _interpolated(commands, self.delay / dt)
+        keep = np.exp(-np.divide(dt, self.lag, out=np.full_like(self.lag, np.inf), where=self.lag > 0))
+        given = due + (given - due) * keep
+        later = np.concatenate([commands, given[..., None]], axis=-1)
+        return Torques(motor=given - state.motor_torque), later
+
+
+def _interpolated(commands: Array, steps: Array) -> Array:
+    """Command `steps` physics steps ago, shape (..., N), of `commands` (..., N, M), the latest first."""
+    if np.any(steps > LENGTH - 2):
+        raise FFGymError(
+            f"A delay of {np.max(steps):.1f} physics steps is too long for effect torque_delay, which remembers "
+            f"{LENGTH - 2}; give a shorter delay or a longer physics_dt."
+        )
+    steps = np.broadcast_to(steps, commands.shape[:-1])
+    whole = np.floor(steps).astype(np.intp)[..., None]
+    part = steps - whole[..., 0]
+    first, second = (np.take_along_axis(commands, whole + k, axis=-1)[..., 0] for k in (0, 1))
+    return (1 - part) * first + part * second

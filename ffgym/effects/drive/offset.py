@@ -1,0 +1,39 @@
+"""M4: a motor that gives torque when none is commanded."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TorqueOffset(TorqueEffect):
+    """Offset of the current sensors."""
+
+    name: ClassVar[str] = "torque_offset"
+    code: ClassVar[str] = "M4"
+    title: ClassVar[str] = "torque offset"
+    equation: ClassVar[str] = r"\tau \mathrel{+}= c"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: constant, at rest too"
+    way_in: ClassVar[str] = "torque at every physics step"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F5", "G3")
+    separating_motions: ClassVar[tuple[str, ...]] = ("holds", "slow_triangles")
+
+    offset: Array = parameter(
+        "c, motor side",
+        unit="N m",
+        low=-0.1,
+        high=0.1,
+        source="up to 1 % of rated torque, here of motors of 2 to 8 N m",
+    )
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        return Torques(motor=self.offset + np.zeros_like(state.motor_angle)), memory

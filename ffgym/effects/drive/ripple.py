@@ -1,0 +1,50 @@
+"""M2: a motor whose torque per current depends on its angle."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TorqueRipple(TorqueEffect):
+    """Torque that is more and less than commanded, by a share that is periodic in the motor angle."""
+
+    name: ClassVar[str] = "torque_ripple"
+    code: ClassVar[str] = "M2"
+    title: ClassVar[str] = "torque ripple"
+    equation: ClassVar[str] = r"\tau \mathrel{+}= r\, u \sin(k \theta + \varphi)"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: periodic in the motor angle, amplitude proportional to the torque"
+    way_in: ClassVar[str] = "torque at every physics step, a share of what the servo commands"
+    confusable_with: ClassVar[tuple[str, ...]] = ("M1",)
+    separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
+
+    share: Array = parameter(
+        "r", unit="1", low=0.0, high=0.05, minimum=0.0, maximum=1.0, source="1 to 5 %; from memory of the literature"
+    )
+    cycles: Array = parameter(
+        "k, per motor turn",
+        unit="1",
+        null=None,
+        low=1.0,
+        high=36.0,
+        minimum=0.0,
+        default=6.0,
+        source="1, 2 and 6 times the electrical angle, with 1 to 6 pole pairs",
+    )
+    phase: Array = parameter(
+        "phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, source="any; where the motor's zero lies"
+    )
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        return Torques(motor=self.share * state.motor_torque * np.sin(self.cycles * state.motor_angle + self.phase)), (
+            memory
+        )

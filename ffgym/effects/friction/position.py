@@ -1,0 +1,54 @@
+"""F9: friction that depends on where the joint is."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PositionFriction(TorqueEffect):
+    """Coulomb friction that rises and falls along the joint's turn."""
+
+    name: ClassVar[str] = "position_friction"
+    code: ClassVar[str] = "F9"
+    title: ClassVar[str] = "position-dependent friction"
+    equation: ClassVar[str] = r"\tau_f \mathrel{+}= a f_c \sin(k q + \varphi)\, s(v)"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: sign of the speed times a periodic function of the joint angle"
+    way_in: ClassVar[str] = "torque at every physics step"
+    confusable_with: ClassVar[tuple[str, ...]] = ("M1", "T5")
+    separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "speed_ladder")
+    needs_friction: ClassVar[bool] = True
+
+    share: Array = parameter(
+        "a, of the Coulomb torque",
+        unit="1",
+        low=0.0,
+        high=0.2,
+        minimum=0.0,
+        maximum=1.0,
+        source="up to 0.2; from memory of the literature",
+    )
+    cycles: Array = parameter(
+        "k, per radian of the joint (per metre of a slide)",
+        unit="1/rad",
+        null=None,
+        low=1.0,
+        high=40.0,
+        minimum=0.0,
+        default=10.0,
+        source="chosen: from a turn of the joint to that of a planet wheel",
+    )
+    phase: Array = parameter("phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, source="any")
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        level = self.share * state.coulomb * np.sin(self.cycles * state.joint_angle + self.phase)
+        return Torques(motor=-level * state.friction_sign), memory

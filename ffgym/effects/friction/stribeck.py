@@ -1,0 +1,56 @@
+"""F3: another breakaway peak at low speed, in height and width."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+from ffgym.effects.effect import NativeEffect, Side
+from ffgym.effects.parameter import parameter
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StribeckPeak(NativeEffect):
+    r"""Height and width of the Stribeck curve; its exponent is that of MuJoCo, 2.
+
+    Both changes are shares, of the Coulomb torque and of the Stribeck velocity.
+    """
+
+    name: ClassVar[str] = "stribeck_peak"
+    code: ClassVar[str] = "F3"
+    title: ClassVar[str] = "Stribeck peak"
+    equation: ClassVar[str] = r"g(v) = f_c + (f_s + a f_c - f_c)\, e^{-(v / ((1 + b) v_s))^2}"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: odd in the speed, only below three Stribeck velocities; peaks after reversals"
+    way_in: ClassVar[str] = "native: static and Stribeck velocity of MuJoCo's LuGre friction"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F4", "F10", "F11")
+    separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder", "dwell_restart")
+
+    level: Array = parameter(
+        "a, more breakaway torque as a share of the Coulomb torque",
+        unit="1",
+        low=0.0,
+        high=1.0,
+        source="breakaway 1.1 to 2 times Coulomb torque; from memory of the literature",
+    )
+    velocity: Array = parameter(
+        "b, more Stribeck velocity as a share of it",
+        unit="1",
+        low=-0.5,
+        high=1.0,
+        minimum=-0.95,
+        source="chosen: half to double; it rises with temperature (shape: Bittencourt et al. 2010)",
+    )
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        friction = robot.friction
+        return replace(
+            robot,
+            friction=replace(
+                friction,
+                static=friction.static + self.level * friction.coulomb,
+                stribeck_velocity=friction.stribeck_velocity * (1 + self.velocity),
+            ),
+        )

@@ -1,0 +1,44 @@
+"""F11: a breakaway peak that falls off with another power of the speed than MuJoCo's."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StribeckExponent(TorqueEffect):
+    """Stribeck curve of the description with another exponent; height and width stay."""
+
+    name: ClassVar[str] = "stribeck_exponent"
+    code: ClassVar[str] = "F11"
+    title: ClassVar[str] = "exponent of the Stribeck curve"
+    equation: ClassVar[str] = r"\tau_f \mathrel{+}= (f_s - f_c) \left( e^{-|v / v_s|^a} - e^{-(v / v_s)^2} \right) s(v)"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: odd in the speed, changes sign at the Stribeck velocity, gone above three of it"
+    way_in: ClassVar[str] = "torque at every physics step; MuJoCo's exponent is 2"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F3",)
+    separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder",)
+    needs_friction: ClassVar[bool] = True
+
+    exponent: Array = parameter(
+        "a",
+        unit="1",
+        null=2.0,
+        low=0.5,
+        high=3.0,
+        minimum=0.1,
+        source="0.5 to 3 in the literature, 1.1 to 3 in the parameter files of Rhoban BAM",
+    )
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        x = np.abs(state.motor_speed / state.stribeck_velocity)
+        peak = (state.static - state.coulomb) * (np.exp(-(x**self.exponent)) - np.exp(-(x**2)))
+        return Torques(motor=-peak * state.friction_sign), memory

@@ -1,0 +1,38 @@
+"""F2: another viscous friction."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+from ffgym.effects.effect import NativeEffect, Side
+from ffgym.effects.parameter import parameter
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ViscousLevel(NativeEffect):
+    """Viscous friction higher or lower."""
+
+    name: ClassVar[str] = "viscous_level"
+    code: ClassVar[str] = "F2"
+    title: ClassVar[str] = "viscous friction level"
+    equation: ClassVar[str] = r"\tau_f \mathrel{+}= a\, f_v\, v"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: odd and linear in the speed, whatever place and load"
+    way_in: ClassVar[str] = "native: damping of MuJoCo's friction actuator"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F7", "F8", "M5", "X3")
+    separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder", "warm_up", "excitation")
+
+    change: Array = parameter(
+        "a, more viscous friction as a share of it",
+        unit="1",
+        low=-0.5,
+        high=0.5,
+        minimum=-1.0,
+        source="halves over about 20 K of warm-up (Bittencourt et al. 2010); from memory of the literature",
+    )
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        return replace(robot, friction=robot.friction.scaled(viscous=1 + self.change))
