@@ -15,12 +15,13 @@ from typing import Any
 import tyro
 
 from ffgym.files import check_writable, write_json, write_text
+from ffgym.logs import read_log
 from ffgym.provenance import versions
 from ffgym.published import KR300_FRICTION
 from ffgym.report._matplotlib import check_figure, save_figure
 from ffgym.report.robot.torque_plot import torque_figure
 from ffgym.robot import compile_model, load_robot, physics_fingerprint
-from ffgym.studies.measured import measured_folder, read_kr300
+from ffgym.studies.measured import measured_folder
 from ffgym.studies.torque_prediction import CUTOFF, MOVING, TorqueError, TorquePrediction, predict_torque
 from scripts.convergence_table import renewed
 
@@ -47,7 +48,7 @@ def main(config: Config) -> TorquePrediction:
         check_figure(config.figure)
     if config.json is not None:
         check_writable(config.json)
-    recording = read_kr300(measured_folder() / "kuka_kr300_2020" / f"{config.run}.npz")
+    recording = read_log(measured_folder() / "kuka_kr300_2020" / f"{config.run}.npz", "kuka_kr300_2020")
     prediction = predict_torque(load_robot(recording.header.robot), recording, KR300_FRICTION, config.cutoff)
     print(table(prediction))
     if config.figure is not None:

@@ -38,6 +38,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     from ffgym.cli.demo import Demo
     from ffgym.cli.export import Export
     from ffgym.cli.lffc import Lffc
+    from ffgym.cli.log import Log
     from ffgym.cli.reproduce import Reproduce
     from ffgym.cli.robot import Robot
     from ffgym.cli.simulate import Simulate
@@ -48,6 +49,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         Annotated[Demo, tyro.conf.subcommand("demo")]
         | Annotated[Export, tyro.conf.subcommand("export")]
         | Annotated[Lffc, tyro.conf.subcommand("lffc")]
+        | Annotated[Log, tyro.conf.subcommand("log")]
         | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
         | Annotated[Robot, tyro.conf.subcommand("robot")]
         | Annotated[Simulate, tyro.conf.subcommand("simulate")]
@@ -55,7 +57,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Lffc | Reproduce | Robot | Simulate | Stability | Video = tyro.cli(
+    chosen: Demo | Export | Lffc | Log | Reproduce | Robot | Simulate | Stability | Video = tyro.cli(
         command, prog="ffgym", args=arguments, description=__doc__
     )
     chosen.run()

@@ -134,7 +134,8 @@ class Header:
         optional = [f.name for f in fields(cls) if f.name not in (*cls.required(), "schema_version")]
         return (
             f"{problem}, so it is not known what its numbers mean. Pass read_recording(path, header=Header(...)) "
-            f"with {', '.join(cls.required())}, and as far as known {', '.join(optional)}."
+            f"with {', '.join(cls.required())}, and as far as known {', '.join(optional)}. Other names or units take a "
+            "column map: ffgym.logs.read_log, `ffgym log columns`."
         )
 
     @classmethod

@@ -171,8 +171,13 @@ def _check_user_column(name: str, joints: Sequence[str], units: Mapping[str, str
 def closest(name: str, known: Iterable[str]) -> str:
     """For messages about an unknown name: the known ones that look like it, or all of them."""
     known = list(known)
-    near = get_close_matches(_short(name), known, n=3, cutoff=0.5)
-    return f"Closest: {', '.join(near)}." if near else f"Available: {', '.join(known)}."
+    return alike(name, known) or f"Available: {', '.join(known)}."
+
+
+def alike(name: str, known: Iterable[str]) -> str:
+    """For messages about an unknown name: the known ones that look like it, or nothing."""
+    near = get_close_matches(_short(name), list(known), n=3, cutoff=0.5)
+    return f"Closest: {', '.join(near)}." if near else ""
 
 
 def _short(name: str) -> str:

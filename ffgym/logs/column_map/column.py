@@ -1,0 +1,180 @@
+"""One entry of a column map: where the numbers of a family of columns are in a file, and what they mean there."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Literal, final
+
+from ffgym.errors import FFGymError, check_choice, check_number
+from ffgym.recordings.schema import closest
+
+Resample = Literal["", "gaps", "linear", "hold"]
+
+COLUMN_KEYS: Mapping[str, str] = MappingProxyType(
+    {
+        "source": "name of the array; or a list of names, one for each joint or axis; or a name with `{joint}` in it, "
+        "or `{number}`, which counts the joints from 1",
+        "unit": "unit of scale * source + offset, one or a list with one per joint; needed unless `rate_hz` is given",
+        "axes": 'which axis of the array is what, of "motion", "time" and "part" (joints, x y z); absent is '
+        '["time"] or ["time", "part"], as the array has one or two',
+        "pick": "numbers of the parts to take, from 0, in the order of the joints or axes; absent is all",
+        "scale": "factor: a number, a list with one per part, or the name of an array that holds it; absent is 1",
+        "offset": "added after `scale`, in `unit`: a number, a list, or the name of an array; absent is 0",
+        "sign": "1 or -1, or a list of them, for axes that count the other way; multiplies all of the above",
+        "side": "`motor` or `link`: side of the gearbox of these numbers, if the recording keeps the other; they "
+        "are converted by gear ratio and couplings",
+        "counts_per_turn": "encoder counts per turn, for unit `count`",
+        "clock": "name of the array with the times of these samples, if they are not those of `timestamp`",
+        "clock_unit": "unit of `clock`; absent is the unit of `timestamp`",
+        "resample": "what becomes of samples with times of their own: `gaps` puts each row's nearest sample into it if "
+        "it is within half a period, and NaN elsewhere; `linear` interpolates; `hold` repeats the last one",
+        "rate_hz": "for `timestamp` only, in place of `source`: samples per second, or the name of an array with it",
+        "from_first": "true: times count from the first row (for clocks that count from 1970); for `timestamp` and "
+        "`tcp.timestamp`",
+        "parts": "for `user.` columns only: names that end the columns, one per part of the array",
+        "optional": "true: the columns are left out, with a note, where the file has no such source",
+    }
+)
+"""What an entry [columns."..."] may say, and what it means."""
+
+AXES = ("motion", "time", "part")
+"""What an axis of an array may be."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Column:
+    """One family or column of a recording; the fields are those of COLUMN_KEYS.
+
+    Raises:
+        FFGymError: if a field has the wrong type, or does not go with another.
+    """
+
+    source: str | tuple[str, ...] = ""
+    unit: str | tuple[str, ...] = ""
+    axes: tuple[str, ...] | None = None
+    pick: tuple[int, ...] | None = None
+    scale: float | tuple[float, ...] | str = 1.0
+    offset: float | tuple[float, ...] | str = 0.0
+    sign: float | tuple[float, ...] = 1.0
+    side: str = ""
+    counts_per_turn: float | None = None
+    clock: str = ""
+    clock_unit: str = ""
+    resample: Resample = ""
+    rate_hz: float | str | None = None
+    from_first: bool = False
+    parts: tuple[str, ...] = ()
+    optional: bool = False
+
+    def __post_init__(self) -> None:
+        if bool(self.source) == (self.rate_hz is not None):
+            raise FFGymError("source says which array holds the numbers; it is missing, or stands beside rate_hz.")
+        if self.source and not self.unit:
+            raise FFGymError("unit is missing: it says what the numbers of the file are in, e.g. 'deg' or 'N m'.")
+        _check_axes(self.axes)
+        if any(abs(sign) != 1 for sign in _several(self.sign)):
+            raise FFGymError(f"sign = {self.sign} must be 1 or -1, or a list of them; other factors are a scale.")
+        if self.side:
+            check_choice("side", self.side, ("motor", "link"))
+        if self.resample:
+            check_choice("resample", self.resample, ("gaps", "linear", "hold"))
+        if self.pick is not None and any(index < 0 for index in self.pick):
+            raise FFGymError(f"pick = {list(self.pick)} must be numbers of parts, counted from 0.")
+        if (self.clock or self.clock_unit) and not self.resample:
+            raise FFGymError("clock needs resample = 'gaps', 'linear' or 'hold': what becomes of samples between rows.")
+
+    def arrays(self) -> tuple[str, ...]:
+        """Names of all arrays that the entry reads, without `clock`; templates as they are."""
+        sources = (self.source,) if isinstance(self.source, str) else self.source
+        extra = (self.scale, self.offset, self.rate_hz)
+        return tuple(name for name in (*sources, *extra) if isinstance(name, str) and name)
+
+
+def parse_column(table: Any) -> Column:
+    """Column of a TOML table.
+
+    Raises:
+        FFGymError: if a key is unknown, or a value is not what it must be.
+    """
+    if not isinstance(table, dict):
+        raise FFGymError(f"must be a table with source and unit, got {table!r}.")
+    for key in table:
+        if key not in COLUMN_KEYS:
+            raise FFGymError(f"Unknown key {key!r}. {closest(key, COLUMN_KEYS)}")
+    return Column(**{key: _READERS[key](key, value) for key, value in table.items()})
+
+
+def _check_axes(axes: tuple[str, ...] | None) -> None:
+    if axes is None:
+        return
+    for axis in axes:
+        check_choice("axes entry", axis, AXES)
+    if "time" not in axes or len(set(axes)) < len(axes):
+        raise FFGymError(f"axes = {list(axes)} must hold 'time', and each of {', '.join(AXES)} at most once.")
+
+
+def _several(value: float | tuple[float, ...]) -> tuple[float, ...]:
+    return value if isinstance(value, tuple) else (value,)
+
+
+def _text(key: str, value: Any) -> str:
+    if not isinstance(value, str) or not value:
+        raise FFGymError(f"{key} = {value!r} must be text.")
+    return value
+
+
+def _texts(key: str, value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list) or not value:
+        raise FFGymError(f"{key} = {value!r} must be a list of text.")
+    return tuple(_text(f"{key} entry", entry) for entry in value)
+
+
+def _one_or_texts(key: str, value: Any) -> str | tuple[str, ...]:
+    return _texts(key, value) if isinstance(value, list) else _text(key, value)
+
+
+def _numbers(key: str, value: Any) -> float | tuple[float, ...]:
+    if isinstance(value, list) and value:
+        return tuple(check_number(f"{key} entry", entry) for entry in value)
+    return check_number(key, value)
+
+
+def _numbers_or_name(key: str, value: Any) -> float | tuple[float, ...] | str:
+    return _text(key, value) if isinstance(value, str) else _numbers(key, value)
+
+
+def _rate(key: str, value: Any) -> float | str:
+    return _text(key, value) if isinstance(value, str) else check_number(key, value, unit="Hz", low=0.0, open_low=True)
+
+
+def _indices(key: str, value: Any) -> tuple[int, ...]:
+    if not isinstance(value, list) or not value or not all(type(entry) is int for entry in value):
+        raise FFGymError(f"{key} = {value!r} must be a list of whole numbers.")
+    return tuple(value)
+
+
+def _truth(key: str, value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise FFGymError(f"{key} = {value!r} must be true or false.")
+    return value
+
+
+_READERS: Mapping[str, Callable[[str, Any], Any]] = {
+    "source": _one_or_texts,
+    "unit": _one_or_texts,
+    "axes": _texts,
+    "pick": _indices,
+    "scale": _numbers_or_name,
+    "offset": _numbers_or_name,
+    "sign": _numbers,
+    "side": _text,
+    "counts_per_turn": check_number,
+    "clock": _text,
+    "clock_unit": _text,
+    "resample": _text,
+    "rate_hz": _rate,
+    "from_first": _truth,
+    "parts": _texts,
+    "optional": _truth,
+}

@@ -1,0 +1,138 @@
+"""Entries of a column map beside the arrays of a file that they name."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import final
+
+from ffgym.errors import FFGymError
+from ffgym.logs.column_map import Column, ColumnMap
+from ffgym.logs.contents import Contents
+from ffgym.logs.gather import Gathered, gather, source_names
+from ffgym.logs.target import Target, target_of
+from ffgym.recordings import Header
+
+TIMESTAMP = "timestamp"
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Entry:
+    """One entry of the map, and its arrays."""
+
+    column: Column
+    target: Target
+    values: Gathered
+    clock: Gathered | None
+    """Times of the samples, one part; None where they are the times of the rows."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Entries:
+    """All entries of a map that a file has arrays for."""
+
+    timestamp: Column
+    """How the times of the rows are known."""
+    times: Gathered | None
+    """Them, one part; None for a constant rate."""
+    others: dict[str, Entry]
+    """Everything else, by key."""
+    left_out: list[str]
+    """Optional entries that the file has nothing for."""
+
+
+@contextmanager
+def in_entry(key: str) -> Iterator[None]:
+    """Begin what goes wrong with the name of the entry.
+
+    Raises:
+        FFGymError: in place of one within.
+    """
+    try:
+        yield
+    except FFGymError as error:
+        raise FFGymError(f"[columns.{key!r}]: {error}") from error
+
+
+def entries_of(contents: Contents, columns: ColumnMap, header: Header) -> Entries:
+    """Find the arrays of all entries.
+
+    Raises:
+        FFGymError: if one is missing or has another shape than it must; the message names the entry.
+    """
+    timestamp = columns.columns[TIMESTAMP]
+    with in_entry(TIMESTAMP):
+        times = _times(contents, timestamp)
+    others: dict[str, Entry] = {}
+    left_out: list[str] = []
+    for key, column in columns.columns.items():
+        if key == TIMESTAMP:
+            continue
+        with in_entry(key):
+            target = target_of(key, column, header.joints)
+            names = source_names(column, target, header.joints)
+            if column.optional and not _present(contents, column, names):
+                left_out.append(key)
+                continue
+            others[key] = _entry(contents, column, target, names, timestamp)
+    if not any(entry.clock is None for entry in others.values()):
+        raise FFGymError("No column has the clock of timestamp; at least one must.")
+    return Entries(timestamp=timestamp, times=times, others=others, left_out=left_out)
+
+
+def _times(contents: Contents, timestamp: Column) -> Gathered | None:
+    if timestamp.resample or timestamp.optional or timestamp.side or timestamp.parts:
+        raise FFGymError("the clock of the rows has no resample, optional, side or parts.")
+    if timestamp.rate_hz is not None:
+        if timestamp.from_first:
+            raise FFGymError("rate_hz counts from 0 already; leave from_first out.")
+        return None
+    if not isinstance(timestamp.source, str) or not isinstance(timestamp.unit, str):
+        raise FFGymError("the clock of the rows is one array in one unit.")
+    return gather(contents, timestamp, timestamp.source, 1)
+
+
+def _entry(
+    contents: Contents, column: Column, target: Target, names: tuple[str, ...] | str, timestamp: Column
+) -> Entry:
+    if column.rate_hz is not None:
+        raise FFGymError("rate_hz belongs to timestamp.")
+    if column.from_first and target.key != "tcp.timestamp":
+        raise FFGymError("from_first belongs to timestamp and tcp.timestamp.")
+    values = gather(contents, column, names, len(target.columns))
+    return Entry(column=column, target=target, values=values, clock=_clock(contents, column, target, values, timestamp))
+
+
+def _clock(contents: Contents, column: Column, target: Target, values: Gathered, timestamp: Column) -> Gathered | None:
+    """Times of samples that are not those of the rows."""
+    source = timestamp.source if isinstance(timestamp.source, str) else ""
+    if not column.resample:
+        if source and values.stream != contents.streams.get(source):
+            raise FFGymError(
+                f"its samples come with the clock of {values.stream!r}, and timestamp with another. Say what "
+                "becomes of them between rows: resample = 'gaps', 'linear' or 'hold'."
+            )
+        return None
+    if column.resample == "gaps" and not target.may_miss:
+        raise FFGymError(f"resample = 'gaps' leaves NaN, which {target.key} may not hold; take 'linear' or 'hold'.")
+    if column.resample == "linear" and target.family is not None and target.family.parts == "quaternion":
+        raise FFGymError("resample = 'linear' between orientations gives none; take 'gaps' or 'hold'.")
+    name = column.clock or _clock_of_stream(contents, values.stream, source)
+    axes = ("motion", "time") if contents.numbers(name).ndim == 2 else ("time",)
+    return gather(contents, Column(source=name, unit="s", axes=axes), name, 1)
+
+
+def _clock_of_stream(contents: Contents, stream: str | None, timestamp: str) -> str:
+    """The clock of a stream that is of the same kind as that of the rows."""
+    kinds = [kind for clocks in contents.clocks.values() for kind, name in clocks.items() if name == timestamp]
+    clocks = contents.clocks.get(stream, {}) if stream is not None else {}
+    if not kinds or kinds[0] not in clocks:
+        raise FFGymError("resample needs clock: the name of the array with the times of these samples.")
+    return clocks[kinds[0]]
+
+
+def _present(contents: Contents, column: Column, names: tuple[str, ...] | str) -> bool:
+    """Whether the file has the arrays of an optional entry."""
+    wanted = {names} if isinstance(names, str) else set(names)
+    return wanted <= set(contents.arrays)

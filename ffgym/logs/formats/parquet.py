@@ -1,0 +1,70 @@
+"""Parquet files: columns of numbers, lists of one length as arrays (T, K), structures by their paths."""
+
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from ffgym.logs.contents import Contents
+from ffgym.logs.formats.damage import one_error
+
+
+def read_parquet(data: bytes, where: str) -> Contents:
+    """Columns of a Parquet file. Times of a calendar become whole numbers of nanoseconds since 1970.
+
+    Raises:
+        FFGymError: if it is damaged or encrypted.
+    """
+    with one_error("a Parquet file"):
+        return contents_of(pq.read_table(pa.BufferReader(data)), where)
+
+
+def contents_of(table: Any, where: str) -> Contents:
+    """Columns of an Arrow table."""
+    while any(pa.types.is_struct(field.type) for field in table.schema):
+        table = table.flatten()  # names of fields follow a dot
+    arrays: dict[str, NDArray[Any]] = {}
+    skipped: dict[str, str] = {}
+    for name, column in zip(table.column_names, table.columns, strict=True):
+        array = _array(column.combine_chunks())
+        if array is None:
+            skipped[name] = f"a Parquet column of type {column.type}, or of lists of different lengths"
+        else:
+            arrays[name] = array
+    return Contents(where=where, arrays=arrays, skipped=skipped)
+
+
+def _array(column: Any) -> NDArray[Any] | None:
+    """Column as an array, None if it has no such form; an absent number is NaN."""
+    kind = column.type
+    if isinstance(column, pa.ChunkedArray):
+        column = pa.concat_arrays(column.chunks) if column.num_chunks else pa.array([], type=kind)
+    if pa.types.is_dictionary(kind):
+        return _array(column.dictionary_decode())
+    if pa.types.is_fixed_size_list(kind) or pa.types.is_list(kind) or pa.types.is_large_list(kind):
+        return _lists(column)
+    if pa.types.is_timestamp(kind) or pa.types.is_duration(kind):
+        if column.null_count:
+            return None
+        whole = pa.timestamp("ns") if pa.types.is_timestamp(kind) else pa.duration("ns")
+        return np.asarray(column.cast(whole).cast(pa.int64()))
+    if pa.types.is_decimal(kind):
+        column, kind = column.cast(pa.float64()), pa.float64()
+    if pa.types.is_boolean(kind) or pa.types.is_integer(kind) or pa.types.is_floating(kind):
+        return np.asarray(column.to_numpy(zero_copy_only=False))
+    if pa.types.is_string(kind) or pa.types.is_large_string(kind):
+        return np.array(["" if cell is None else cell for cell in column.to_pylist()], dtype=np.str_)
+    return None
+
+
+def _lists(column: Any) -> NDArray[Any] | None:
+    """Lists of one length as rows; lists of lists as further axes."""
+    if column.null_count or not len(column):
+        return None
+    lengths = {len(row) for row in column}
+    inner = _array(column.flatten())
+    if len(lengths) > 1 or inner is None:
+        return None
+    return inner.reshape(len(column), lengths.pop(), *inner.shape[1:])

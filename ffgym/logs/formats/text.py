@@ -1,0 +1,150 @@
+"""CSV, TSV and other tables in text: delimiters, decimal commas, lines before the table, a row of units."""
+
+import csv
+import re
+from collections import Counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ffgym.errors import FFGymError
+from ffgym.logs.contents import Contents
+from ffgym.logs.formats.text_layout import TextLayout
+
+DELIMITERS = ("\t", ";", ",")
+"""Tried in this order; a comma may also be a decimal one. Blank space comes last."""
+
+_BLANK = " "
+
+_MISSING = frozenset({"", "nan", "NaN", "NAN", "-nan", "#N/A", "N/A", "null", "None"})
+"""Cells without a sample."""
+
+
+def read_text_table(data: bytes, where: str, layout: TextLayout) -> Contents:
+    """Columns of a text file: numbers, or text where a cell is neither a number nor empty.
+
+    Raises:
+        FFGymError: if it is not text of the given encoding, or rows differ in their number of cells.
+    """
+    lines = _decoded(data, layout).splitlines()
+    names_row = _names_row(lines, layout)
+    first = layout.first_row or max(names_row or 0, layout.units_row or 0) + 1
+    delimiter = layout.delimiter or _delimiter(lines, names_row or first, layout)
+    rows = _rows(lines, first, delimiter, layout)
+    if not rows:
+        raise FFGymError(f"There are no rows from line {first} on.")
+    if names_row:
+        names = _names(_split(lines[names_row - 1], delimiter, names_row), names_row)
+    else:
+        names = [str(i + 1) for i in range(len(rows[0][1]))]
+    names, table = _rectangular(names, rows)
+    cells = zip(names, zip(*table, strict=True), strict=True)
+    return Contents(where=where, arrays={name: _column(column, layout.decimal) for name, column in cells})
+
+
+def _decoded(data: bytes, layout: TextLayout) -> str:
+    try:
+        return data.decode(layout.encoding)
+    except (UnicodeDecodeError, UnicodeError) as error:
+        raise FFGymError(
+            f"The file is not {layout.encoding} text ({error}). encoding in [file] of the column map names another, "
+            'e.g. "latin-1" or "utf-16".'
+        ) from error
+
+
+def _names_row(lines: list[str], layout: TextLayout) -> int | None:
+    """Line with the names, from 1; None if there is none."""
+    if layout.names_row == 0:
+        return None
+    if layout.names_row is not None:
+        if layout.names_row > len(lines):
+            raise FFGymError(f"[file] names_row = {layout.names_row}, but the file has only {len(lines)} lines.")
+        return layout.names_row
+    start = _first_line(lines, 1, layout)
+    if start is None:
+        raise FFGymError("The file has no lines but blank ones and comments.")
+    cells = re.split(r"[\t;\s]+" if layout.decimal == "," else r"[\t;,\s]+", lines[start - 1].strip())
+    return None if all(_number(cell, layout.decimal) is not None for cell in cells if cell) else start
+
+
+def _first_line(lines: list[str], start: int, layout: TextLayout) -> int | None:
+    """First line from `start` on, from 1, that is neither blank nor a comment."""
+    for number, line in enumerate(lines[start - 1 :], start=start):
+        if line.strip() and not line.startswith(layout.comment):
+            return number
+    return None
+
+
+def _delimiter(lines: list[str], line: int, layout: TextLayout) -> str:
+    text = lines[line - 1] if line <= len(lines) else ""
+    tried = [delimiter for delimiter in DELIMITERS if delimiter != layout.decimal]
+    return next((delimiter for delimiter in tried if delimiter in text), _BLANK)
+
+
+def _split(line: str, delimiter: str, number: int) -> list[str]:
+    if delimiter == _BLANK:
+        return line.split()
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, strict=True))]
+    except (csv.Error, StopIteration) as error:
+        raise FFGymError(f"Line {number} is not a row of cells: {error}.") from error
+
+
+def _rows(lines: list[str], first: int, delimiter: str, layout: TextLayout) -> list[tuple[int, list[str]]]:
+    """Line numbers and cells of all rows."""
+    numbered = enumerate(lines[first - 1 :], start=first)
+    kept = ((number, line) for number, line in numbered if line.strip() and not line.startswith(layout.comment))
+    return [(number, _split(line, delimiter, number)) for number, line in kept]
+
+
+def _names(cells: list[str], line: int) -> list[str]:
+    """Names of columns; the second `q` is called `q#2`, so that each can be told."""
+    seen: Counter[str] = Counter()
+    names = []
+    for cell in cells:
+        seen[cell] += 1
+        names.append(cell if seen[cell] == 1 else f"{cell}#{seen[cell]}")
+    if not any(names):
+        raise FFGymError(f"Line {line} holds no names of columns; names_row in [file] says where they are.")
+    return names
+
+
+def _rectangular(names: list[str], rows: list[tuple[int, list[str]]]) -> tuple[list[str], list[list[str]]]:
+    """Names and cells without the empty column that a delimiter at the end of each line makes.
+
+    Raises:
+        FFGymError: if a row has more or fewer cells than there are names.
+    """
+    if all(cells and cells[-1] == "" for _, cells in rows):
+        unnamed = names[-1] == "" or names[-1].startswith("#")
+        if unnamed or len(names) == len(rows[0][1]) - 1:
+            rows = [(line, cells[:-1]) for line, cells in rows]
+            names = names[:-1] if unnamed else names
+    for line, cells in rows:
+        if len(cells) != len(names):
+            raise FFGymError(
+                f"Line {line} has {len(cells)} cells, but there are {len(names)} columns: "
+                f"{', '.join(names)[:80]}. "
+                "Damaged or cut short there, or [file] must say what delimiter, decimal and names_row are."
+            )
+    return names, [cells for _, cells in rows]
+
+
+def _column(cells: tuple[str, ...], decimal: str) -> NDArray[Any]:
+    numbers = [_number(cell, decimal) for cell in cells]
+    if any(number is None for number in numbers):
+        return np.array(cells)
+    return np.array(numbers, dtype=np.float64)
+
+
+def _number(cell: str, decimal: str) -> float | None:
+    """Number in a cell, NaN for a missing one, None if it is something else."""
+    if cell in _MISSING:
+        return np.nan
+    if "_" in cell or (decimal == "," and "." in cell):  # float skips the one; the other separates thousands
+        return None
+    try:
+        return float(cell.replace(",", ".") if decimal == "," else cell)
+    except ValueError:
+        return None

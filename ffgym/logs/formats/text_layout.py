@@ -1,0 +1,69 @@
+"""How a text file is laid out, as far as it cannot be seen."""
+
+import codecs
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Self, final
+
+from ffgym.errors import FFGymError, check_choice, check_whole
+from ffgym.recordings.schema import closest
+
+LAYOUT_KEYS: Mapping[str, str] = MappingProxyType(
+    {
+        "delimiter": 'what separates cells: ",", ";", "\\t", or " " for any blank space; absent takes the first of '
+        "tab, semicolon, comma and blank space that the row of names, or the first row, holds",
+        "decimal": '"." (default) or ","',
+        "comment": 'what comment lines begin with; absent is "#"',
+        "encoding": 'absent is UTF-8; e.g. "latin-1", "utf-16"',
+        "names_row": "line with the names of the columns, from 1, or 0 for none: columns are then called 1, 2, ...; "
+        "absent is the first line that is neither blank nor a comment, unless it is all numbers",
+        "units_row": "line with units, which is skipped; it must follow the names",
+        "first_row": "line of the first sample; absent is the one after names and units",
+    }
+)
+"""What the table [file] may say of a CSV or other text file, and what it means."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TextLayout:
+    """Layout of a text file; the fields are those of LAYOUT_KEYS, None where nothing is said."""
+
+    delimiter: str | None = None
+    decimal: str = "."
+    comment: str = "#"
+    encoding: str = "utf-8-sig"
+    names_row: int | None = None
+    units_row: int | None = None
+    first_row: int | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("decimal", "comment", "encoding"):
+            if not isinstance(getattr(self, name), str) or not getattr(self, name):
+                raise FFGymError(f"[file] {name} = {getattr(self, name)!r} must be text.")
+        check_choice("[file] decimal", self.decimal, (".", ","))
+        if self.delimiter is not None and (not isinstance(self.delimiter, str) or len(self.delimiter) != 1):
+            raise FFGymError(f"[file] delimiter = {self.delimiter!r} must be one character.")
+        try:
+            codecs.lookup(self.encoding)
+        except LookupError as error:
+            raise FFGymError(f"[file] encoding = {self.encoding!r} is unknown; e.g. utf-8, latin-1, utf-16.") from error
+        for name, low in (("names_row", 0), ("units_row", 1), ("first_row", 1)):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, check_whole(f"[file] {name}", value, low=low))
+
+    @classmethod
+    def of(cls, table: Any) -> Self:
+        """Layout of the table [file] of a column map.
+
+        Raises:
+            FFGymError: if a key is unknown, or a value invalid.
+        """
+        if not isinstance(table, dict):
+            raise FFGymError(f"[file] must be a table, got {table!r}.")
+        for key in table:
+            if key not in LAYOUT_KEYS:
+                raise FFGymError(f"Unknown key {key!r} in [file]. {closest(key, LAYOUT_KEYS)}")
+        return cls(**table)

@@ -1,0 +1,106 @@
+"""The arrays that an entry of a column map names, as one array (motions, rows, parts)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ffgym.errors import FFGymError
+from ffgym.logs.column_map import Column
+from ffgym.logs.column_map.column import AXES
+from ffgym.logs.contents import Contents
+from ffgym.logs.target import Target
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Gathered:
+    """Numbers as they are in the file, in one shape."""
+
+    values: NDArray[Any]
+    """Shape (M, T, P): motions, rows, parts; the file's own number type, so that no digit of a clock is lost."""
+    stacked: bool
+    """Whether the array had an axis of motions."""
+    stream: str | None
+    """Stream of the file that they belong to, None if it has no streams."""
+
+
+def source_names(column: Column, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:
+    """One name, or one for each part where the entry lists them or has a place for the joint."""
+    source = column.source
+    if isinstance(source, tuple) or ("{joint}" not in source and "{number}" not in source):
+        return source
+    if target.joints is None:
+        raise FFGymError(f"source = {source!r} has a place for a joint, but {target.key} has none; list the names.")
+    return tuple(source.replace("{joint}", joints[j]).replace("{number}", str(j + 1)) for j in target.joints)
+
+
+def gather(contents: Contents, column: Column, names: tuple[str, ...] | str, n_parts: int) -> Gathered:
+    """Numbers of the arrays `names` for the `n_parts` columns of an entry.
+
+    Raises:
+        FFGymError: if an array is missing, is not numbers, or does not have the shape that it must.
+    """
+    if isinstance(names, str):
+        values = _picked(names, _in_order(names, contents.numbers(names), _axes(column, contents, names)), column)
+        if values.shape[2] != n_parts:
+            raise FFGymError(_wrong_parts(names, contents[names].shape, values.shape[2], n_parts))
+    else:
+        values = _side_by_side(contents, column, names, n_parts)
+    first = names if isinstance(names, str) else names[0]
+    stacked = column.axes is not None and "motion" in column.axes
+    return Gathered(values=values, stacked=stacked, stream=contents.streams.get(first))
+
+
+def _side_by_side(contents: Contents, column: Column, names: tuple[str, ...], n_parts: int) -> NDArray[Any]:
+    """One array for each part."""
+    if len(names) != n_parts:
+        raise FFGymError(f"source lists {len(names)} arrays, must be {n_parts}, one for each column.")
+    if column.pick is not None or (column.axes is not None and "part" in column.axes):
+        raise FFGymError("source lists one array for each part; pick and the axis 'part' belong to a single array.")
+    arrays = [_in_order(name, contents.numbers(name), column.axes or ("time",)) for name in names]
+    for name, array in zip(names, arrays, strict=True):
+        if array.shape != arrays[0].shape:
+            raise FFGymError(f"{name!r} has {array.shape[1]} rows, but {names[0]!r} has {arrays[0].shape[1]}.")
+        if contents.streams.get(name) != contents.streams.get(names[0]):
+            raise FFGymError(f"{name!r} and {names[0]!r} have different clocks; map them as columns of their own.")
+    return np.concatenate(arrays, axis=2)
+
+
+def _axes(column: Column, contents: Contents, name: str) -> tuple[str, ...]:
+    if column.axes is not None:
+        return column.axes
+    array = contents.numbers(name)
+    if array.ndim not in (1, 2):
+        raise FFGymError(
+            f'{name!r} has shape {array.shape}; say which axis is what, e.g. axes = ["motion", "time", "part"].'
+        )
+    return ("time",) if array.ndim == 1 else ("time", "part")
+
+
+def _in_order(name: str, array: NDArray[Any], axes: tuple[str, ...]) -> NDArray[Any]:
+    """The array with its axes in the order motion, time, part; axes that it lacks have length 1."""
+    if array.ndim != len(axes):
+        raise FFGymError(f"{name!r} has shape {array.shape}, but axes = {list(axes)} needs {len(axes)} of them.")
+    present = [axis for axis in AXES if axis in axes]
+    ordered = array.transpose([axes.index(axis) for axis in present])
+    shape = [ordered.shape[present.index(axis)] if axis in present else 1 for axis in AXES]
+    return ordered.reshape(shape)
+
+
+def _picked(name: str, values: NDArray[Any], column: Column) -> NDArray[Any]:
+    if column.pick is None:
+        return values
+    if max(column.pick) >= values.shape[2]:
+        raise FFGymError(f"pick = {list(column.pick)}, but {name!r} has only {values.shape[2]} parts, counted from 0.")
+    return values[:, :, list(column.pick)]
+
+
+def _wrong_parts(name: str, shape: tuple[int, ...], n_found: int, n_parts: int) -> str:
+    return (
+        f"{name!r} has shape {shape} and so {n_found} parts, must be {n_parts}, one for each joint or axis of the "
+        f'column. axes says which axis is what, e.g. ["part", "time"]; pick chooses parts; a map for another robot '
+        f"does not fit."
+    )

@@ -1,0 +1,81 @@
+"""Logs: recordings, and files of other tools with a column map."""
+
+import hashlib
+import os
+from dataclasses import replace
+from pathlib import Path
+
+from ffgym.errors import FFGymError
+from ffgym.logs.column_map import ColumnMap, load_columns
+from ffgym.logs.convert import recordings_of
+from ffgym.logs.formats.read import read_contents
+from ffgym.logs.header import header_of
+from ffgym.recordings import Header, Recording, read_recording
+from ffgym.robot import RobotDescription
+
+
+def read_log(
+    path: str | os.PathLike[str],
+    columns: ColumnMap | str | Path | None = None,
+    *,
+    robot: RobotDescription | str | None = None,
+    header: Header | None = None,
+) -> Recording:
+    """Read the one motion in a file: a recording, or with `columns` a file of another tool.
+
+    Args:
+        path: CSV or other text, NPZ, MAT, HDF5, Parquet, MCAP or rosbag file, or a folder of a rosbag or LeRobot set.
+        columns: what the file holds: a built-in name, a TOML file (docs/column_maps.md), or a map; None for recordings.
+        robot: whose log it is, where the column map leaves this open.
+        header: for a recording without header, as `read_recording`.
+
+    Raises:
+        FFGymError: if the file cannot be read, does not fit the map, or holds several motions.
+    """
+    recordings = read_logs(path, columns, robot=robot, header=header)
+    if len(recordings) > 1:
+        names = ", ".join(recording.header.segment for recording in recordings[:5])
+        raise FFGymError(
+            f"{os.fspath(path)}: holds {len(recordings)} motions ({names}, ...); read_logs reads them all."
+        )
+    return recordings[0]
+
+
+def read_logs(
+    path: str | os.PathLike[str],
+    columns: ColumnMap | str | Path | None = None,
+    *,
+    robot: RobotDescription | str | None = None,
+    header: Header | None = None,
+) -> list[Recording]:
+    """Read all motions in a file; arguments as for `read_log`.
+
+    Raises:
+        FFGymError: if the file cannot be read, or does not fit the map.
+    """
+    if columns is None:
+        if robot is not None:
+            raise FFGymError("robot belongs to a column map; a recording says itself whose it is.")
+        return [read_recording(path, header)]
+    if header is not None:
+        raise FFGymError("header belongs to a recording without one; with a column map, [log] says what it says.")
+    columns = load_columns(columns)
+    made = header_of(columns, robot)
+    contents = read_contents(path, columns.layout)
+    provenance = {"file": Path(path).name, "sha256": digest(Path(path)), "columns": Path(columns.where).name}
+    made = replace(made, segment=made.segment or Path(path).stem, provenance=provenance)
+    try:
+        return recordings_of(contents, columns, made)
+    except FFGymError as error:
+        raise FFGymError(f"{os.fspath(path)} with {columns.where}: {error}") from error
+
+
+def digest(path: Path) -> str:
+    """SHA-256 of a file, or of all files in a folder in the order of their names."""
+    files = sorted(file for file in path.rglob("*") if file.is_file()) if path.is_dir() else [path]
+    total = hashlib.sha256()
+    for file in files:
+        with file.open("rb") as stream:
+            while block := stream.read(1 << 20):
+                total.update(block)
+    return total.hexdigest()

@@ -1,0 +1,96 @@
+"""Numbers of a file in SI units, on the side of the gearbox on which a recording keeps them."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ffgym.errors import FFGymError
+from ffgym.logs.column_map import Column
+from ffgym.logs.column_map.units import Conversion, conversion, si_of
+from ffgym.logs.contents import Contents
+from ffgym.logs.target import Target
+from ffgym.recordings import Header
+from ffgym.types import Array
+
+
+def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...] | None, contents: Contents) -> Array:
+    """Return sign * (unit (scale * values + offset)) as float64, shape (T, P) like `values`.
+
+    Args:
+        values: numbers of the file.
+        column: the entry that they come from.
+        units: SI unit of each part; None takes that of the entry's unit.
+        contents: where arrays for scale and offset are.
+
+    Raises:
+        FFGymError: if a unit does not fit, or a list does not have one number per part.
+    """
+    n_parts = values.shape[-1]
+    given = (column.unit,) * n_parts if isinstance(column.unit, str) else column.unit
+    if len(given) != n_parts:
+        raise FFGymError(f"unit lists {len(given)} units, must be one, or {n_parts}.")
+    wanted = units or tuple(si_of(unit, column.counts_per_turn) for unit in given)
+    steps = [conversion(have, want, column.counts_per_turn) for have, want in zip(given, wanted, strict=True)]
+    numbers = values.astype(np.float64)
+    for name, neutral in (("scale", 1.0), ("offset", 0.0)):
+        constants = _constants(name, getattr(column, name), n_parts, contents)
+        if np.any(constants != neutral):
+            numbers = numbers * constants if name == "scale" else numbers + constants
+    return _signed(_converted(numbers, steps), column, n_parts)
+
+
+def user_units(target: Target, column: Column) -> dict[str, str]:
+    """Units of columns of the user's own, by column."""
+    units = (column.unit,) * len(target.columns) if isinstance(column.unit, str) else column.unit
+    kept = [si_of(unit, column.counts_per_turn) for unit in units]
+    return dict(zip(target.columns, kept, strict=True))
+
+
+def to_kept_side(values: Array, target: Target, column: Column, header: Header) -> Array:
+    """Numbers (T, P) on the side of the gearbox on which the recording keeps them.
+
+    Raises:
+        FFGymError: if couplings between the axes call for all joints, and these are not all.
+    """
+    kept, side = target.kept_side(header), target.file_side(header, column)
+    if kept == side or target.joints is None or target.family is None:
+        return values
+    matrix = np.diag(header.gear_ratio) + (0.0 if header.coupling is None else np.array(header.coupling))
+    if target.family.decided_by == "torque_semantics":  # torque in front = G^-T torque behind
+        matrix = np.linalg.inv(matrix).T
+    if kept == "link":
+        matrix = np.linalg.inv(matrix)
+    joints = list(target.joints)
+    if header.coupling is None:
+        factors: Array = values * np.diag(matrix)[joints]
+        return factors
+    if len(joints) < len(header.joints):
+        raise FFGymError(f"{target.key}: the axes are coupled; give all joints in one entry to change the side.")
+    turned: Array = values @ matrix.T
+    return turned
+
+
+def _constants(name: str, given: float | tuple[float, ...] | str, n_parts: int, contents: Contents) -> Array:
+    numbers = contents.numbers(given) if isinstance(given, str) else given
+    constants = np.asarray(numbers, dtype=np.float64).reshape(-1)
+    if constants.size not in (1, n_parts):
+        what = f"array {given!r}" if isinstance(given, str) else "list"
+        raise FFGymError(f"{name}: the {what} has {constants.size} numbers, must be one, or {n_parts}.")
+    if not np.all(np.isfinite(constants)):
+        raise FFGymError(f"{name} = {constants.tolist()} must be finite.")
+    return constants
+
+
+def _converted(numbers: Array, steps: list[Conversion]) -> Array:
+    factors, shifts = np.array([s.factor for s in steps]), np.array([s.shift for s in steps])
+    numbers = numbers * factors
+    return numbers + shifts if np.any(shifts) else numbers
+
+
+def _signed(numbers: Array, column: Column, n_parts: int) -> Array:
+    signs = np.atleast_1d(column.sign)
+    if signs.size not in (1, n_parts):
+        raise FFGymError(f"sign lists {signs.size} signs, must be one, or {n_parts}.")
+    signed: Array = numbers * signs
+    return signed
