@@ -70,10 +70,15 @@ class Place:
 
     @property
     def rest(self) -> Array:
-        """Joint positions (N,) at which a robot begins that has not moved before: home, or the nearest to zero."""
-        if self.robot.work_area is not None:
-            return self.robot.work_area.home
-        return np.clip(np.zeros(self.robot.n_joints), *self.robot.kinematics.range.T)
+        """Joint positions (N,) at which a robot begins that has not moved before."""
+        return resting_position(self.robot)
+
+
+def resting_position(robot: RobotDescription) -> Array:
+    """Home of a robot's work area, or joint positions as near to zero as they can be, shape (N,)."""
+    if robot.work_area is not None:
+        return robot.work_area.home
+    return np.clip(np.zeros(robot.n_joints), *robot.kinematics.range.T)
 
 
 def named_point(robot: RobotDescription, name: str) -> Array:
