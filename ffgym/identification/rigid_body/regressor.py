@@ -13,6 +13,7 @@ Reference:
     Atkeson, An, Hollerbach (1986), Int. J. Robotics Research 5(3), 101-119.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,7 +45,7 @@ class _Frame:
         return self.origin + arm, pull
 
 
-def body_torque_columns(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> Array:
+def body_torque_columns(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> Iterator[Array]:
     """Joint torque of each inertial parameter at 1, gravity included, link side [N m, or N of a slide].
 
     Args:
@@ -53,21 +54,27 @@ def body_torque_columns(robot: RobotDescription, q: Array, dq: Array, ddq: Array
         dq: joint speeds, shape (T, N).
         ddq: joint accelerations, shape (T, N).
 
-    Returns:
-        Array (T, 10 B, N): for body b of `bodies_of` the rows 10 b to 10 b + 9, in the order of `PARAMETERS`.
+    Yields:
+        For each body of `bodies_of` an array (T, 10, N), in the order of `PARAMETERS`; one at a time, since those of a
+        long motion do not fit into memory together.
     """
     frames, axes = _frames(robot, q, dq, ddq)
-    bodies = bodies_of(robot)
-    columns = np.zeros((len(q), 10 * len(bodies), robot.n_joints))
-    for b, body in enumerate(bodies):
+    for body in bodies_of(robot):
         origin, force, moment = _wrench(body, frames[body.link])
+        columns = np.zeros((len(q), 10, robot.n_joints))
         for j in range(body.link + 1):
             along = np.einsum("ti,tik->tk", axes[j], force)
             if not robot.kinematics.is_sliding[j]:
                 lever = np.cross(axes[j], origin - frames[j].origin)
                 along = np.einsum("ti,tik->tk", axes[j], moment) + np.einsum("ti,tik->tk", lever, force)
-            columns[:, 10 * b : 10 * (b + 1), j] = along
-    return columns
+            columns[:, :, j] = along
+        yield columns
+
+
+def body_torque(robot: RobotDescription, values: Array, q: Array, dq: Array, ddq: Array) -> Array:
+    """Joint torque (T, N) of bodies with inertial parameters `values` (B, 10); the rest as `body_torque_columns`."""
+    columns = body_torque_columns(robot, q, dq, ddq)
+    return np.sum([np.einsum("tkn,k->tn", c, own) for c, own in zip(columns, values, strict=True)], axis=0)
 
 
 def _frames(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> tuple[list[_Frame], list[Array]]:

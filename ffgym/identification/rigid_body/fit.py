@@ -1,0 +1,146 @@
+"""What an identification found: parameters, how sure they are, who says so, and what they predict."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.identification.bootstrap import Intervals, intervals
+from ffgym.identification.parameter_file import entry_of, fitted_quantity
+from ffgym.identification.rigid_body.arm_terms import Bodies
+from ffgym.identification.rigid_body.base import BaseParameters
+from ffgym.identification.rigid_body.observation import Equations, Filtering, equations_of
+from ffgym.identification.rigid_body.term import Term
+from ffgym.identification.rigid_body.trade_off import TradeOff
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.robot.reading.quantity import Quantity
+from ffgym.types import Array, BoolArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TorqueErrors:
+    """RMS motor torque and what predictions leave of it, motor side [N m], shape (N,) each, over rows that move."""
+
+    measured: Array
+    described: Array
+    """The description, its friction at steady speed."""
+    identified: Array
+    """All terms that were fitted."""
+    in_file: Array
+    """What a parameter file can hold of them: without offsets, asymmetry and springs."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RigidBodyFit:
+    """Parameters of a rigid arm, K of them, from recordings."""
+
+    robot: RobotDescription
+    """The description that the fit is near."""
+    terms: tuple[Term, ...]
+    filtering: Filtering
+    segments: tuple[str, ...]
+    """Names of the recordings."""
+    described: Array
+    """Shape (K,)."""
+    estimate: Array
+    """Shape (K,)."""
+    resampled: Array
+    """Estimates from resampled recordings and descriptions drawn within the spread, shape (B, K)."""
+    level: float
+    """Probability of intervals."""
+    shares: Array
+    """How much of each parameter the data say, from 0, all the description, to 1, all the data, shape (K,)."""
+    fitted: BoolArray
+    """False for friction terms and offsets that the motion does not tell from others: they stay as described, (K,)."""
+    trade_off: TradeOff
+    """How far masses and rotors may be from the description, and why."""
+    base: BaseParameters
+    """Combinations that torque can tell at all."""
+    base_shares: Array
+    """How much of each combination the data say, shape (B,)."""
+    condition: float
+    """Condition number of the motion's equations for base parameters, columns at unit size."""
+    errors: TorqueErrors
+    """On the recordings that were fitted."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return self.base.labels
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the parameters, motor side for rotors and friction."""
+        return tuple(unit for term in self.terms for unit in term.units(self.robot))
+
+    @property
+    def not_excited(self) -> tuple[str, ...]:
+        """Names of the parameters that were dropped."""
+        return tuple(label for label, fitted in zip(self.labels, self.fitted, strict=True) if not fitted)
+
+    @property
+    def intervals(self) -> Intervals:
+        """Of the parameters."""
+        return intervals(self.estimate, self.resampled, self.level)
+
+    @property
+    def base_intervals(self) -> Intervals:
+        """Of the base parameters."""
+        return intervals(self.base.values(self.estimate), self.base.values(self.resampled), self.level)
+
+    def of(self, label: str) -> float:
+        """One parameter by name."""
+        return float(self.estimate[self.labels.index(label)])
+
+    @property
+    def identified(self) -> RobotDescription:
+        """The robot with what was found in place of its own numbers, as far as a description holds it."""
+        robot = self.robot
+        for term, values in self._by_term():
+            robot = term.applied(robot, values)
+        return robot
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """What a parameter file holds of it, by entry."""
+        found, segments = self.identified, ", ".join(map(repr, self.segments))
+        source = (
+            f"rigid-body fit to {segments}; masses and rotors held near the prior, relative standard deviation "
+            f"{self.trade_off.chosen:g}"
+        )
+        paths = [path for term in self.terms for path in term.entries(self.robot)]
+        return {path: fitted_quantity(self.robot, path, entry_of(found, path), source) for path in paths}
+
+    def validate(self, recordings: Sequence[Recording]) -> TorqueErrors:
+        """Errors on recordings that were not fitted.
+
+        Raises:
+            FFGymError: if one does not fit the robot or the filters.
+        """
+        bodies = next((values for term, values in self._by_term() if isinstance(term, Bodies)), None)
+        return torque_errors(equations_of(self.robot, recordings, self.terms, self.filtering, bodies), self.estimate)
+
+    def _by_term(self) -> list[tuple[Term, Array]]:
+        """Terms with their parameters."""
+        counts = [len(term.labels(self.robot)) for term in self.terms]
+        return list(zip(self.terms, np.split(self.estimate, np.cumsum(counts)[:-1]), strict=True))
+
+
+def torque_errors(equations: Equations, parameters: Array) -> TorqueErrors:
+    """Errors of the equations with `parameters` (K,)."""
+    counts, robot = equations.counts, equations.robot
+    described = np.concatenate([term.described(robot) for term in equations.terms])
+    in_file = np.concatenate([np.full(len(term.labels(robot)), bool(term.entries(robot))) for term in equations.terms])
+    return TorqueErrors(
+        measured=_rms(equations.measured, counts),
+        described=_rms(equations.residual(described), counts),
+        identified=_rms(equations.residual(parameters), counts),
+        in_file=_rms(equations.residual(np.where(in_file, parameters, described)), counts),
+    )
+
+
+def _rms(values: Array, counts: BoolArray) -> Array:
+    """Root mean square over the rows that count for each motor, (N,); NaN where none does."""
+    with np.errstate(invalid="ignore"):
+        return np.sqrt((np.where(counts, values, 0.0) ** 2).sum(axis=0) / counts.sum(axis=0))
