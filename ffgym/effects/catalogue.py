@@ -23,6 +23,7 @@ _EFFECTS: tuple[type[Effect], ...] = (
     drive.TorqueRipple,
     drive.TorqueConstant,
     drive.TorqueOffset,
+    drive.TorqueDelay,
     measurement.ResolverRipple,
 )
 

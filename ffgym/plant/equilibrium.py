@@ -1,6 +1,6 @@
 """Static equilibrium of flexible robots, found in the engine."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
@@ -8,6 +8,7 @@ from mujoco import batch
 
 from ffgym.errors import FFGymError
 from ffgym.plant.addresses import Addresses
+from ffgym.plant.settling import Settling
 from ffgym.robot import RobotDescription
 from ffgym.types import Array, IntArray
 
@@ -17,12 +18,19 @@ _MAX_ITERATIONS = 100
 
 
 def bent_by_load(
-    engine: batch.Batch, at: Addresses, rows: IntArray, robots: Sequence[RobotDescription], has_springs: bool
+    engine: batch.Batch,
+    at: Addresses,
+    rows: IntArray,
+    robots: Sequence[RobotDescription],
+    *,
+    has_springs: bool,
+    effects: Callable[[IntArray], Settling] | None = None,
 ) -> Array:
     """Bend the joints of resting robots until they carry the load; returns its torque, link side [N m], (B, N).
 
     Solves K delta = -g(q + delta) by fixed-point iteration in the engine, where each robot has its own masses; each row
-    stops on its own, whatever the others do. The load is gravity, and springs between links if there are.
+    stops on its own, whatever the others do. The load is gravity, and springs between links if there are. Effects in
+    springs or on links bend them further.
 
     Args:
         engine: simulations, at rest.
@@ -30,6 +38,7 @@ def bent_by_load(
         rows: which simulations, shape (B,).
         robots: what they are, B of them.
         has_springs: whether there are springs between links.
+        effects: for simulations that are given to it, what acts on springs and links beside; None for nothing.
 
     Raises:
         FFGymError: if a robot is so soft that the iteration does not converge.
@@ -45,7 +54,12 @@ def bent_by_load(
         load = gravity[here]
         if has_springs:  # what is passive but not the joint's own spring
             load = load - (passive[here] + stiffness[moving] * qpos[here])
-        update = -load / stiffness[moving]
+        if effects is None:
+            update = -load / stiffness[moving]
+        else:
+            full = np.zeros((len(moving), len(at.is_elastic)))
+            full[:, at.is_elastic] = load
+            update = effects(rows[moving]).deflection(full)[:, at.is_elastic]
         change = np.abs(update - qpos[here]).max(axis=1)
         qpos[here] = update
         moving = moving[change >= _TOLERANCE]

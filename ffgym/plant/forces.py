@@ -4,7 +4,6 @@ Nothing here runs while no machine of the batch has such an effect.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -12,11 +11,10 @@ from mujoco import batch
 
 from ffgym.effects import ResolverEffect, ResolverError, State, Torques
 from ffgym.effects.stack import by_kind, stacked
-from ffgym.friction import LuGreParameters
 from ffgym.plant.addresses import Addresses
-from ffgym.plant.climate import Climate
 from ffgym.plant.machine import Machine
-from ffgym.types import Array, IntArray
+from ffgym.plant.numbers import Numbers
+from ffgym.types import Array, BoolArray, IntArray
 
 
 class Forces:
@@ -25,10 +23,11 @@ class Forces:
     def __init__(self, engine: batch.Batch, at: Addresses, machines: Sequence[Machine]) -> None:
         self._engine, self._at = engine, at
         self._drive = machines[0].robot.drive
+        self._dt = float(engine.get_model(0).opt.timestep)
         self._n = n = machines[0].robot.n_joints
         self._qpos, self._qvel, self._act = (engine.bind(name) for name in ("qpos", "qvel", "act"))
         self._time, self._controls, self._applied = (engine.bind(name) for name in ("time", "ctrl", "qfrc_applied"))
-        self._numbers = _Numbers.of(machines, n)
+        self._numbers = Numbers.of(machines, n)
         self._torque = [
             (stacked(kind, members, n), np.array([m is not None for m in members]))
             for kind, members in by_kind([machine.torque_effects for machine in machines])
@@ -44,11 +43,24 @@ class Forces:
         """Whether any machine has an effect that acts here."""
         return any(machine.torque_effects or machine.resolver_effects for machine in machines)
 
-    def begin(self, rows: IntArray) -> None:
-        """Forget what was, for simulations that have been put to rest; `rows` is which, shape (B',)."""
-        state = self.state(rows)
+    def begin(self, rows: IntArray, state: State) -> None:
+        """Forget what was: simulations `rows` (B',) are at rest in `state`."""
         for (effect, _), memory in zip(self._torque, self._memory, strict=True):
             memory[rows] = _rows_of(effect, rows).initial_memory(state)
+
+    def resting(self, state: State, rows: IntArray) -> Torques:
+        """What is added to robots `rows` that rest in `state`, with memories that are relaxed there."""
+        members = [_rows_of(effect, rows) for effect, _ in self._torque]
+        return self._sum(state, rows, [effect.initial_memory(state) for effect in members], self._dt)
+
+    @property
+    def bends(self) -> BoolArray:
+        """Which simulations have something that acts on springs or links, shape (B,)."""
+        bends = np.zeros(self._engine.nsim, dtype=np.bool_)
+        for effect, present in self._torque:
+            if effect.side == "link":
+                bends |= present
+        return bends
 
     def resolver_error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
         """What resolvers read beyond the true angle [rad] and speed [rad/s], motor side, (B, N) each."""
@@ -66,11 +78,18 @@ class Forces:
             self._apply_torques(rows, dt)
 
     def _apply_torques(self, rows: IntArray | slice, dt: float) -> None:
-        state = self.state(rows)
+        memories = [memory[rows] for memory in self._memory]
+        total = self._sum(self.state(rows), rows, memories, dt)
+        for mine, later in zip(self._memory, memories, strict=True):
+            mine[rows] = later
+        self._write(rows, total)
+
+    def _sum(self, state: State, rows: IntArray | slice, memories: list[Array], dt: float) -> Torques:
+        """All torques together; `memories` are replaced by those after `dt` [s]."""
         motor, link, spring = np.zeros_like(state.load), np.zeros_like(state.load), np.zeros_like(state.load)
+        alone = state.load, state.load_at_motor
         for k, (effect, present) in enumerate(self._torque):
-            added, memory = _rows_of(effect, rows).torques(state, self._memory[k][rows], dt)
-            self._memory[k][rows] = memory
+            added, memories[k] = _rows_of(effect, rows).torques(state, memories[k], dt)
             here = present[rows, None]  # a machine without the effect is not touched, whatever rounding does
             if added.spring is not None:
                 spring += np.where(here, added.spring, 0.0)
@@ -80,7 +99,8 @@ class Forces:
                 motor += np.where(here, added.motor, 0.0)
             if added.link is not None:
                 link += np.where(here, added.link, 0.0)
-        self._write(rows, Torques(motor=motor, spring=spring, link=link))
+        state.load, state.load_at_motor = alone
+        return Torques(motor=motor, spring=spring, link=link)
 
     def _write(self, rows: IntArray | slice, total: Torques) -> None:
         """Generalised forces: motor hinges turn rotor and link, deflection hinges the link alone."""
@@ -136,7 +156,7 @@ class Forces:
             drive.motor_angle(self._qvel[rows][:, at.motor_qpos]),
         )
 
-    def _servo(self, rows: IntArray | slice, angle: Array, speed: Array, own: "_Numbers") -> tuple[Array, Array]:
+    def _servo(self, rows: IntArray | slice, angle: Array, speed: Array, own: Numbers) -> tuple[Array, Array]:
         """What MuJoCo's `pid` computes in the coming step: feedback and limited total, motor side [N m]."""
         controls = self._controls[rows]
         n = self._n
@@ -151,74 +171,12 @@ class Forces:
         total = feedback + controls[:, 2 : 3 * n : 3]
         return feedback, np.minimum(np.maximum(total, -own.peak_torque), own.peak_torque)
 
-    def _friction_sign(self, rows: IntArray | slice, speed: Array, own: "_Numbers") -> Array:
+    def _friction_sign(self, rows: IntArray | slice, speed: Array, own: Numbers) -> Array:
         at = self._at
         bristle = np.zeros_like(speed)
         bristle[:, at.has_bristle] = self._act[rows][:, at.bristle[at.has_bristle]]
         level = own.coulomb + (own.static - own.coulomb) * np.exp(-((speed / own.stribeck_velocity) ** 2))
         return own.bristle_stiffness * bristle / level
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Numbers:
-    """Numbers of B machines that states are made of, (B, N) each, or (B, 1)."""
-
-    stiffness: Array
-    damping: Array
-    position_gain: Array
-    velocity_gain: Array
-    integral_gain: Array
-    peak_torque: Array
-    coulomb: Array
-    static: Array
-    viscous: Array
-    stribeck_velocity: Array
-    bristle_stiffness: Array
-    ambient: Array
-    rise: Array
-    time_constant: Array
-    running_since: Array
-
-    @classmethod
-    def of(cls, machines: Sequence[Machine], n: int) -> "_Numbers":
-        robots, climates = [m.physical for m in machines], [m.climate or Climate() for m in machines]
-
-        def per_joint(part: str, name: str) -> Array:
-            return np.stack([getattr(getattr(robot, part), name) for robot in robots])
-
-        def of_climate(name: str) -> Array:
-            return np.array([[getattr(climate, name)] for climate in climates], dtype=np.float64)
-
-        stiffness = per_joint("drive", "joint_stiffness")
-        friction: dict[str, Any] = {
-            f.name: per_joint("friction", f.name)
-            for f in fields(LuGreParameters)
-            if f.name in {g.name for g in fields(cls)}
-        }
-        return cls(
-            stiffness=np.where(np.isinf(stiffness), 0.0, stiffness),  # a rigid joint has no deflection either
-            damping=np.where(np.isinf(stiffness), 0.0, per_joint("drive", "joint_damping")),
-            position_gain=per_joint("servo", "position_gain"),
-            velocity_gain=per_joint("servo", "velocity_gain"),
-            integral_gain=per_joint("servo", "integral_gain"),
-            peak_torque=per_joint("drive", "peak_torque"),
-            **friction,
-            ambient=of_climate("ambient"),
-            rise=np.stack([np.broadcast_to(climate.rise, (n,)) for climate in climates]),
-            time_constant=of_climate("time_constant"),
-            running_since=of_climate("running_since"),
-        )
-
-    def rows(self, rows: IntArray | slice) -> "_Numbers":
-        """Numbers of some of the machines."""
-        if isinstance(rows, slice):
-            return self
-        return type(self)(**{f.name: getattr(self, f.name)[rows] for f in fields(self)})
-
-    def temperature(self, time: Array) -> Array:
-        """[degC], (B, N), at times [s] (B, 1) since the motion began; see `Climate`."""
-        warm = -np.expm1(-(self.running_since + time) / self.time_constant)
-        return self.ambient + self.rise * warm
 
 
 def _resolver_error(effects: Sequence[ResolverEffect], motor_angle: Array, motor_speed: Array) -> ResolverError:

@@ -13,6 +13,7 @@ from ffgym.plant.equilibrium import bent_by_load
 from ffgym.plant.forces import Forces
 from ffgym.plant.machine import Machine
 from ffgym.plant.sameness import check_same_controller
+from ffgym.plant.settling import Settling
 from ffgym.plant.stability import check_stable, unprinted_warnings
 from ffgym.robot import ModelOptions, RobotDescription, model_field, physics_fingerprint
 from ffgym.types import Array, IntArray
@@ -169,15 +170,27 @@ class Plant:
         engine.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
-        loaded = np.any(self.model.opt.gravity) or self._has_springs
         robots = [self.machines[i].physical for i in rows]
-        load = bent_by_load(engine, at, rows, robots, self._has_springs) if loaded else np.zeros_like(motor_q)
+        effects = self._settling if self._forces is not None and self._forces.bends.any() else None
+        has_springs = self._has_springs
+        loaded = np.any(self.model.opt.gravity) or has_springs or effects is not None
+        load = np.zeros_like(motor_q)
+        if loaded:
+            load = bent_by_load(engine, at, rows, robots, has_springs=has_springs, effects=effects)
+        held = self.robot.drive.motor_torque(load)
+        if self._forces is not None:
+            settling = self._settling(rows)
+            held = settling.servo_torque(load)
         self._qvel[np.ix_(rows, at.motor_qpos)] = speed
-        gain = self.robot.servo.integral_gain
-        integral = np.divide(self.robot.drive.motor_torque(load), gain, out=np.zeros_like(load), where=gain > 0)
+        gain = np.stack([robot.servo.integral_gain for robot in robots])
+        integral = np.divide(held, gain, out=np.zeros_like(held), where=gain > 0)
         self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
         if self._forces is not None:
-            self._forces.begin(rows)
+            self._forces.begin(rows, settling.state)
+
+    def _settling(self, rows: IntArray) -> Settling:
+        assert self._forces is not None
+        return Settling(self._forces, rows, self.robot.drive)
 
     def state(self) -> PlantState:
         """State of all robots now, arrays of shape (B, N), copies."""
