@@ -21,6 +21,7 @@ from ffgym.robot.parts import Servo as Servo
 from ffgym.robot.reading.capabilities import CAPABILITIES as CAPABILITIES
 from ffgym.robot.reading.capabilities import Capability as Capability
 from ffgym.robot.reading.draft import RobotDraft as RobotDraft
+from ffgym.robot.reading.load import builtin_parameters as builtin_parameters
 from ffgym.robot.reading.load import builtin_robots as builtin_robots
 from ffgym.robot.reading.load import load_draft as load_draft
 from ffgym.robot.reading.load import load_robot as load_robot

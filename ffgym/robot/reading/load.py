@@ -7,22 +7,47 @@ from ffgym.errors import FFGymError, check_choice
 from ffgym.files import read_text
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
+from ffgym.robot.reading.parameters import parse_parameters, robot_of_parameters
 from ffgym.robot.reading.parse import parse_draft
 
 
 def builtin_robots() -> tuple[str, ...]:
     """Names of the robots that ship with the package."""
-    folder = resources.files("ffgym.robot") / "data"
-    return tuple(sorted(Path(f.name).stem for f in folder.iterdir() if f.name.endswith(".toml")))
+    return _names("data")
+
+
+def builtin_parameters() -> tuple[str, ...]:
+    """Names of the parameter files that ship with the package; each is for one of its robots."""
+    return _names("parameters")
+
+
+def _names(folder: str) -> tuple[str, ...]:
+    files = (resources.files("ffgym.robot") / folder).iterdir()
+    return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".toml")))
 
 
 def load_robot(robot: str | Path) -> RobotDescription:
     """Read a built-in robot by name, or a description file by path (anything that ends in .toml).
 
+    A parameter file that names its robot, or the name of a built-in one, is that robot with its numbers.
+
     Raises:
         FFGymError: if there is no such robot or file, or the file does not describe a whole robot.
     """
+    if str(robot) in builtin_parameters():
+        text = (resources.files("ffgym.robot") / "parameters" / f"{robot}.toml").read_text(encoding="utf-8")
+        return _with_parameters(text, f"{robot}.toml")
+    if str(robot).endswith(".toml"):
+        text = _read_text(Path(robot))
+        if robot_of_parameters(text) is not None:
+            return _with_parameters(text, str(robot))
     return load_draft(robot).complete()
+
+
+def _with_parameters(text: str, where: str) -> RobotDescription:
+    """The built-in robot that a parameter file names, with its numbers."""
+    name = check_choice(f"robot of parameter file {where}", str(robot_of_parameters(text)), builtin_robots())
+    return parse_parameters(load_draft(name).complete(), text, where)
 
 
 def load_draft(robot: str | Path) -> RobotDraft:

@@ -29,16 +29,37 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
         FFGymError: if the file cannot be read, is for another robot, or an entry is unknown or invalid.
     """
     try:
-        tree = tomllib.loads(read_text(path))
+        text = read_text(path)
     except FFGymError as error:
         raise FFGymError(f"Cannot read parameter file {error}") from error
+    return parse_parameters(robot, text, str(path))
+
+
+def parse_parameters(robot: RobotDescription, text: str, where: str) -> RobotDescription:
+    """Return the robot with the numbers of the text of a parameter file; `where` names it in messages.
+
+    Raises:
+        FFGymError: if the text is no parameter file, is for another robot, or an entry is unknown or invalid.
+    """
+    try:
+        tree = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"Cannot read parameter file {path}: it is not valid TOML: {error}.") from error
+        raise FFGymError(f"Cannot read parameter file {where}: it is not valid TOML: {error}.") from error
     try:
         _check_head(tree.pop("parameters", {}), robot)
         return with_numbers(robot, tree)
     except FFGymError as error:
-        raise FFGymError(f"{path}: {error}") from error
+        raise FFGymError(f"{where}: {error}") from error
+
+
+def robot_of_parameters(text: str) -> str | None:
+    """Name of the robot that a parameter file is for; None if the text is no parameter file, or does not say."""
+    try:
+        head = tomllib.loads(text).get("parameters")
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return None
+    name = head.get("robot") if isinstance(head, dict) else None
+    return name if isinstance(name, str) else None
 
 
 def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescription:

@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.errors import FFGymError
 from ffgym.robot import compile_model, physics_fingerprint, with_parameters
-from ffgym.robot.reading.load import builtin_robots, load_robot
+from ffgym.robot.reading.load import builtin_parameters, builtin_robots, load_robot
 
 FRICTION = """
 [parameters]
@@ -103,3 +103,26 @@ def test_an_empty_or_missing_file_and_a_tool_without_tool_are_refused(one_axis, 
     tool = "[tool.mass]\nvalue = 3.0\nunit = 'kg'\norigin = 'chosen'\nsource = 'test'\n"
     with pytest.raises(FFGymError, match="has no tool"):
         with_parameters(one_axis, written(tmp_path, tool))
+
+
+def test_a_parameter_file_that_names_its_robot_stands_for_it(one_axis, tmp_path):
+    path = written(tmp_path, FRICTION)
+    whole = load_robot(path)
+    expected = with_parameters(one_axis, path)
+    assert whole.name == "one_axis"
+    assert physics_fingerprint(compile_model(whole)) == physics_fingerprint(compile_model(expected))
+    with pytest.raises(FFGymError, match="robot of parameter file"):
+        load_robot(written(tmp_path, FRICTION.replace("one_axis", "other")))
+    with pytest.raises(FFGymError, match=r"\[robot\]|robot"):
+        load_robot(written(tmp_path, FRICTION.replace('robot = "one_axis"\n', "")))
+
+
+@pytest.mark.parametrize("name", builtin_parameters())
+def test_built_in_parameters_are_a_robot_by_their_name(name):
+    robot = load_robot(name)
+    assert robot.name in builtin_robots()
+    nominal = load_robot(robot.name)
+    assert physics_fingerprint(compile_model(robot)) != physics_fingerprint(compile_model(nominal))
+    assert robot.servo is not None
+    for field in fields(robot.servo):
+        np.testing.assert_array_equal(getattr(robot.servo, field.name), getattr(nominal.servo, field.name))

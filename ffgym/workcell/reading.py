@@ -1,0 +1,119 @@
+"""Workcell files: TOML with the numbers in which a machine differs from the description that its controller has.
+
+    [workcell]                     title, robot, and maybe `like`, another file that this one changes
+    [friction.*], [drive.*], ...   as in a parameter file: numbers of the robot
+    [payload.mass]                 a point mass at the TCP that nobody told the controller of
+    [effects.<name>.<parameter>]   see ffgym.effects and ffgym.workcell.equations
+    [climate.*], [sensors.*]       how warm the machine is, and how well it is measured
+
+Every number has its value, unit and source; the source begins with sourced, derived, chosen or calibrated.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from ffgym.effects import EFFECTS, read_effects
+from ffgym.errors import FFGymError, check_choice
+from ffgym.plant import Climate, with_payload
+from ffgym.robot import RigidArm, load_robot
+from ffgym.robot.reading.parameters import GROUPS, with_numbers
+from ffgym.simulation import LaserTracker, Resolver, Sensor, Thermometer, TorqueSensor
+from ffgym.types import Array
+from ffgym.workcell.cell import SealedMachine, Workcell
+from ffgym.workcell.equations import EQUATIONS
+
+_UNITS = {
+    "payload.mass": "kg",
+    "climate.ambient": "degC",
+    "climate.rise": "K",
+    "climate.time_constant": "s",
+    "climate.running_since": "s",
+    "sensors.resolver_bits": "bit/turn",
+    "sensors.resolver_noise": "rad",
+    "sensors.torque_noise": "N m",
+    "sensors.tracker_noise": "m",
+    "sensors.tracker_period": "s",
+    "sensors.thermometer_noise": "K",
+    "sensors.thermometer_resolution": "K",
+}
+"""Numbers that are neither of the robot nor of an effect."""
+
+Tree = dict[str, Any]
+
+
+def file_text(name: str) -> str:
+    """Text of a workcell file of the package."""
+    return (resources.files("ffgym.workcell") / "data" / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def read_tree(name: str) -> Tree:
+    """Tables of a workcell file of the package, with those of the file that it is like."""
+    tree = tomllib.loads(file_text(name))
+    like = tree["workcell"].pop("like", None)
+    return tree if like is None else merged(read_tree(like), tree)
+
+
+def merged(base: Tree, change: Tree) -> Tree:
+    """Tables of `base` with those of `change` in their place; a number with its unit and source is one thing."""
+    out = dict(base)
+    for key, value in change.items():
+        both = isinstance(value, dict) and isinstance(out.get(key), dict) and "value" not in value
+        out[key] = merged(out[key], value) if both else value
+    return out
+
+
+def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Workcell:
+    """Workcell of parsed tables.
+
+    Args:
+        name: what to call it.
+        tree: the tables.
+        arm: what its controller knows of it; None is the robot that the tables name.
+
+    Raises:
+        FFGymError: if an entry is unknown, missing or invalid.
+    """
+    try:
+        return _build(name, dict(tree), arm or RigidArm(load_robot(tree["workcell"]["robot"])))
+    except FFGymError as error:
+        raise FFGymError(f"Workcell {name}: {error}") from error
+
+
+def _build(name: str, tree: Tree, arm: RigidArm) -> Workcell:
+    for key in tree:
+        check_choice("table", key, ["workcell", *GROUPS, "payload", "effects", "climate", "sensors"])
+    robot = with_numbers(arm.robot, {group: tree[group] for group in GROUPS if group in tree})
+    robot = with_payload(robot, float(_number("payload.mass", tree["payload"]["mass"])))
+    climate = {key: _number(f"climate.{key}", table) for key, table in tree["climate"].items()}
+    machine = SealedMachine(
+        label=name,
+        robot=robot,
+        effects=read_effects(tree["effects"], robot, dict(EFFECTS) | dict(EQUATIONS)),
+        climate=Climate(**climate),
+    )
+    sensors = _sensors(tree["sensors"])
+    return Workcell(name=name, title=tree["workcell"]["title"], arm=arm, machine=machine, sensors=sensors)
+
+
+def _sensors(tables: Mapping[str, Any]) -> tuple[Sensor, ...]:
+    """Resolvers, torque sensors, the laser tracker and thermometers."""
+    values = {key: _number(f"sensors.{key}", table) for key, table in tables.items()}
+    return (
+        Resolver(bits=int(values["resolver_bits"]), noise=values["resolver_noise"]),
+        TorqueSensor(noise=values["torque_noise"]),
+        LaserTracker(noise=values["tracker_noise"], period=values["tracker_period"]),
+        Thermometer(noise=values["thermometer_noise"], resolution=values["thermometer_resolution"]),
+    )
+
+
+def _number(where: str, table: Any) -> Any:
+    """Value of an entry, a number or an array."""
+    check_choice("entry", where, list(_UNITS))
+    if not isinstance(table, dict) or set(table) != {"value", "unit", "source"} or table["unit"] != _UNITS[where]:
+        raise FFGymError(f"{where} = {table!r} must be a table of value, unit ({_UNITS[where]}) and source.")
+    value: Array = np.asarray(table["value"], dtype=np.float64)
+    return value if value.ndim else float(value)

@@ -1,0 +1,81 @@
+"""Fit the workcell `thesis`, and the older friction that its controller knows, to the published path errors.
+
+    python -m scripts.calibrate_workcell                 # hours on 2 cores; can be stopped, goes on where it was
+    python -m scripts.calibrate_workcell --steps 0       # writes the files of the state as it is
+    python -m scripts.calibrate_workcell --table         # simulated beside all 240 published numbers; minutes
+
+Objective: a maximum-a-posteriori estimate. The sum over 72 cells (10 and 40 mm/s x 3 radii x 4 positions x no, static
+and dynamic LuGre compensation) of the squared logarithm of simulated over published RMS path error in units of
+RMS_SPREAD, the same for the largest error in units of MAX_SPREAD, and the squared distance of each free number from its
+prior in units of its spread (`scripts.workcell.free`). The published results of B-spline networks play no part: they
+are the check that `--table` prints.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import tyro
+
+from ffgym.files import write_json
+from ffgym.robot import load_robot
+from ffgym.workcell import workcell
+from scripts.workcell.free import FREE, SPREAD
+from scripts.workcell.objective import LAWS, SPEEDS, Objective
+from scripts.workcell.prior import prior_trees
+from scripts.workcell.search import Point, search
+from scripts.workcell.table import measured_cells, summary, table_lines
+from scripts.workcell.writing import write_result
+
+
+@dataclass(frozen=True)
+class Config:
+    """Calibration of the workcell."""
+
+    steps: int = 10
+    """Largest number of Gauss-Newton steps."""
+    state: Path = Path("workcell_state.json")
+    """Where the free numbers are kept between steps; an existing file is where the search goes on."""
+    table: bool = False
+    """Print simulated beside published numbers of the workcell that ships, and calibrate nothing."""
+    json: Path | None = None
+    """Write the table's cells to this file."""
+    threads: int = 0
+    """Threads of the engine, 0 for all cores."""
+
+
+def main(config: Config) -> dict[str, float]:
+    """Calibrate, or print the table; returns what was reached."""
+    return _print_table(config) if config.table else _calibrate(config)
+
+
+def _calibrate(config: Config) -> dict[str, float]:
+    nominal = load_robot("irb4600_60_205")
+    objective = Objective(nominal, prior_trees(nominal), config.threads)
+
+    def tell(step: int, point: Point) -> None:
+        off = np.abs(np.log(point.sizes / objective.published))
+        by_law = np.median(off[0].reshape(len(LAWS) * len(SPEEDS), -1), axis=1).round(2)
+        prior = float(((point.x / SPREAD) ** 2).sum())
+        print(f"step {step}: cost {point.cost:.1f}, prior {prior:.1f}, median of rms {np.median(off[0]):.3f} {by_law}")
+
+    found = search(objective, config.steps, config.state, tell)
+    for free, x in zip(FREE, found.x, strict=True):
+        print(f"  {free.name:40s} {x:7.3f}  ({x / free.spread:5.2f} spreads)")
+    write_result(objective.prior, found.x)
+    return {"cost": found.cost, "median": float(np.median(np.abs(np.log(found.sizes[0] / objective.published[0]))))}
+
+
+def _print_table(config: Config) -> dict[str, float]:
+    cells = measured_cells(workcell("thesis"), config.threads, print)
+    print("\n".join(table_lines(cells)))
+    reached = summary(cells)
+    for name, value in reached.items():
+        print(f"median of |ln(simulated / published)|, {name}: {value:.3f}")
+    if config.json is not None:
+        write_json(config.json, {"summary": reached, "cells": [vars(cell) for cell in cells]})
+    return reached
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))

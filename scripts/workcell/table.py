@@ -1,0 +1,87 @@
+"""Simulated beside published path errors: the 240 numbers of Tables 4.1, 4.2, 5.1 and 5.2 of the thesis."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from agents.bspline import ExtendedBSN, StaticBSN
+from agents.common.lessons import training_motions
+from agents.common.trials import RigTrial
+from agents.splines.recipes import thesis_training
+from ffgym.control import FeedForwardLaw
+from ffgym.paths import RADII
+from ffgym.published import METHODS, published_mm
+from ffgym.studies import Cell, circle_study, thesis_laws
+from ffgym.workcell import Workcell
+
+SPEEDS = (0.010, 0.040)
+FITTED = METHODS[:3]
+"""Laws whose published errors the calibration saw; B-spline networks are the check."""
+
+Say = Callable[[str], None]
+
+
+def measured_cells(cell: Workcell, n_threads: int, say: Say) -> list[Cell]:
+    """Circles with all laws of the thesis on a workcell, as its tracker measures them.
+
+    Networks are trained on the workcell as in thesis 5.4: at p1, at the speed at which they are judged.
+    """
+    say("circles with no, static LuGre and dynamic LuGre compensation")
+    cells = _study(cell, thesis_laws(cell.robot), SPEEDS, n_threads)
+    for speed in SPEEDS:
+        say(f"training both networks at p1, {speed * 1e3:g} mm/s")
+        cells += _study(cell, networks(cell, speed, n_threads), [speed], n_threads)
+    return cells
+
+
+def networks(cell: Workcell, speed: float, n_threads: int) -> list[FeedForwardLaw]:
+    """Both B-spline networks, learned on the workcell at p1 at a TCP speed [m/s]."""
+    trial = RigTrial(rig=cell, n_threads=n_threads)
+    n, motions = cell.robot.n_joints, training_motions(cell.arm, speeds=[speed])
+    return [thesis_training(n).learn(kind.zero(n), motions, trial).best for kind in (StaticBSN, ExtendedBSN)]
+
+
+def _study(cell: Workcell, laws: Sequence[FeedForwardLaw], speeds: Sequence[float], n_threads: int) -> list[Cell]:
+    return circle_study(cell, laws=laws, speeds=speeds, n_threads=n_threads).cells
+
+
+def ratio(cell: Cell, statistic: str) -> float:
+    """Simulated over published path error [1]."""
+    simulated = cell.rms_mm if statistic == "rms" else cell.max_mm
+    published = published_mm(cell.agent, statistic, cell.speed_mm_s * 1e-3, cell.radius_mm * 1e-3, cell.position)
+    assert published is not None
+    return simulated / published
+
+
+def table_lines(cells: Sequence[Cell]) -> list[str]:
+    """Markdown table of simulated / published [mm], one line per law, speed, statistic and radius."""
+    positions = list(dict.fromkeys(cell.position for cell in cells))
+    lines = ["| law | mm/s | | r [mm] | " + " | ".join(positions) + " |", "|---|---|---|---|" + "---|" * len(positions)]
+    for law in METHODS:
+        for speed in SPEEDS:
+            for statistic in ("rms", "max"):
+                for radius in RADII:
+                    row = [_found(cells, law, speed, radius, position) for position in positions]
+                    text = " | ".join(_pair(cell, statistic) for cell in row)
+                    lines.append(f"| {law} | {speed * 1e3:g} | {statistic} | {radius * 1e3:g} | {text} |")
+    return lines
+
+
+def summary(cells: Sequence[Cell]) -> dict[str, float]:
+    """Median of |ln(simulated / published)| of the RMS errors that were fitted and of those kept out, and of maxima."""
+    groups: Mapping[str, list[float]] = {
+        f"{statistic}, {name}": [ratio(cell, statistic) for cell in cells if (cell.agent in FITTED) == fitted]
+        for statistic in ("rms", "max")
+        for name, fitted in (("fitted", True), ("kept out", False))
+    }
+    return {name: float(np.median(np.abs(np.log(values)))) for name, values in groups.items() if values}
+
+
+def _found(cells: Sequence[Cell], law: str, speed: float, radius: float, position: str) -> Cell:
+    key = (law, round(speed * 1e3, 6), round(radius * 1e3, 6), position)
+    return next(cell for cell in cells if (cell.agent, cell.speed_mm_s, cell.radius_mm, cell.position) == key)
+
+
+def _pair(cell: Cell, statistic: str) -> str:
+    simulated = cell.rms_mm if statistic == "rms" else cell.max_mm
+    return f"{simulated:.3f} / {simulated / ratio(cell, statistic):.3g}"

@@ -1,0 +1,104 @@
+"""The truth of a workcell is shut away: nothing that an agent, a reader of logs or of messages sees holds it."""
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import ffgym
+from ffgym.control import joint_reference
+from ffgym.paths import multisine
+from ffgym.recordings import write_recording
+from ffgym.simulation import Run, simulate
+from ffgym.workcell import INSTANCES, workcell
+
+ROOT = Path(ffgym.__file__).parents[1]
+MAY_IMPORT = ("ffgym/workcell", "ffgym/envs", "scripts", "tests")
+
+
+def modules():
+    for folder in ("ffgym", "agents", "scripts", "docs"):
+        yield from (path for path in (ROOT / folder).rglob("*.py") if path.is_file())
+
+
+def imported(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+@pytest.fixture(scope="module")
+def recording():
+    cell = workcell("thesis")
+    motion = joint_reference(
+        cell.robot,
+        multisine(cell.robot.work_area.home, np.full((1, 6), 0.005), [2.0], np.zeros((1, 6)), 0.3, ramp=0.1, dwell=0.1),
+    )
+    return cell.run([Run(reference=motion)], n_threads=1)[0]
+
+
+def numbers_of(cell):
+    """Every number of the machine that its controller does not know, as text would show it."""
+    robot, known = cell.machine.physical, cell.robot
+    parts = [
+        (robot.friction, known.friction),
+        (robot.drive, known.drive),
+        (robot.bodies, known.bodies),
+        (robot.tool, known.tool),
+    ]
+    hidden = [
+        np.setdiff1d(np.ravel(getattr(own, name)), np.ravel(getattr(other, name)))
+        for own, other in parts
+        for name in ("coulomb", "viscous", "joint_stiffness", "mass")
+        if hasattr(own, name)
+    ]
+    effects = [np.unique(value) for effect in cell.machine.effects for value in effect.values().values()]
+    values = np.concatenate(hidden + effects)
+    return {repr(float(x)) for x in values if len(repr(float(x))) > 5}  # short ones are in any text
+
+
+def test_nothing_but_environments_scripts_and_tests_imports_it():
+    for path in modules():
+        place = path.relative_to(ROOT).as_posix()
+        if not place.startswith(MAY_IMPORT):
+            assert not any(name.startswith("ffgym.workcell") for name in imported(path)), place
+
+
+@pytest.mark.parametrize("name", INSTANCES)
+def test_it_prints_nothing_but_its_name(name):
+    cell = workcell(name)
+    for text in (repr(cell), str(cell), repr(cell.machine), f"{cell.machine}"):
+        assert name in text
+        assert not any(number in text for number in numbers_of(cell))
+
+
+def test_there_are_numbers_to_hide():
+    assert len(numbers_of(workcell("thesis"))) > 30
+
+
+def test_its_recordings_hold_what_sensors_measure_and_no_more(recording, tmp_path):
+    for family in ("friction.effort", "link.position", "link.velocity"):
+        assert not recording.has(family)
+    for family in ("motor.position", "motor.effort", "tcp.position", "temperature", "reference.position"):
+        assert recording.has(family)
+    path = tmp_path / "log.csv"
+    write_recording(recording, path)
+    header = "".join(
+        line for line in path.read_text(encoding="utf-8").splitlines(keepends=True) if line.startswith("#")
+    )
+    assert not any(number in header for number in numbers_of(workcell("thesis")))
+
+
+def test_a_recording_without_sensors_lacks_the_truth_too():
+    cell = workcell("thesis")
+    motion = joint_reference(
+        cell.robot,
+        multisine(cell.robot.work_area.home, np.full((1, 6), 0.002), [2.0], np.zeros((1, 6)), 0.1, ramp=0.04),
+    )
+    exact = simulate([Run(reference=motion)], machine=cell.machine, n_threads=1)[0]
+    assert not exact.has("friction.effort")
+    assert not exact.has("link.position")
