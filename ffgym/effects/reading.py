@@ -1,5 +1,6 @@
 """Effects in TOML: [effects.<name>] tables, every parameter with its unit and where its value comes from."""
 
+import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -70,6 +71,6 @@ def effects_toml(effects: Sequence[Effect], source: str) -> str:
         lines.append(f'[effects."{effect.name}:{again + 1}"]' if again else f"[effects.{effect.name}]")
         for known in effect.parameters().values():
             value = np.asarray(getattr(effect, known.name)).tolist()
-            lines.append(f'{known.name} = {{ value = {value}, unit = "{known.unit}", source = "{source}" }}')
+            lines.append(f'{known.name} = {{ value = {value}, unit = "{known.unit}", source = {json.dumps(source)} }}')
         lines.append("")
     return "\n".join(lines)

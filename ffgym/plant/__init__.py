@@ -7,5 +7,7 @@ from ffgym.plant.draws import PlantDistribution as PlantDistribution
 from ffgym.plant.draws import Uniform as Uniform
 from ffgym.plant.draws import with_payload as with_payload
 from ffgym.plant.machine import Machine as Machine
+from ffgym.plant.machine_file import load_machine as load_machine
+from ffgym.plant.machine_text import save_machine as save_machine
 from ffgym.plant.plant import Plant as Plant
 from ffgym.plant.plant import PlantState as PlantState

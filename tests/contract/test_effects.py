@@ -7,32 +7,16 @@ import numpy as np
 import pytest
 
 from ffgym.control import joint_reference
-from ffgym.effects import EFFECTS, Effect, ModelEffect, effects_toml, read_effects
+from ffgym.effects import EFFECTS, ModelEffect, effects_toml, read_effects
 from ffgym.errors import FFGymError
 from ffgym.paths import multisine
 from ffgym.plant import Climate, Machine
 from ffgym.simulation import Run, simulate
+from tests.effects.effect_samples import as_strong_as_plausible, without_effect
 
 BY_NAME = pytest.mark.parametrize("effect", list(EFFECTS.values()), ids=list(EFFECTS))
 WARM = Climate(ambient=20.0, rise=np.array([25.0]), time_constant=1200.0, running_since=3600.0)
 STARTED = Climate(ambient=20.0, rise=np.array([25.0]), time_constant=1200.0)
-
-
-def as_strong_as_plausible(effect: type[Effect], robot):
-    """The effect with every parameter at that end of its range which is farther from nothing."""
-    values = {}
-    for name, known in effect.parameters().items():
-        far = max((known.low, known.high), key=lambda x: abs(x - known.neutral))
-        values[name] = far if known.null is not None else known.high
-        if known.per == "pair":
-            values[name] = far * (1 - np.eye(robot.n_joints))
-    return effect.on(robot, **values)
-
-
-def without_effect(effect: type[Effect], robot):
-    """The effect with every parameter at its null value."""
-    values = {name: known.neutral for name, known in effect.parameters().items()}
-    return effect.on(robot, **values)
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,144 @@
+"""Machine files: a robot as it is, in TOML: its robot, other numbers than the description's, effects, climate.
+
+.. code:: toml
+
+    [machine]                      # title, and robot: a built-in name, or a description file beside this one
+    [friction.*], [drive.*], ...   # as in a parameter file: numbers in place of the description's
+    [effects.<name>]               # see docs/effects; every parameter has value, unit and maybe source
+    [climate]                      # ambient, rise, time_constant and running_since, in the same way
+
+docs/machine_files.md has an example.
+"""
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ffgym.effects import EFFECTS, Effect, read_effects
+from ffgym.errors import FFGymError, check_choice, check_shape
+from ffgym.files import read_text
+from ffgym.plant.climate import Climate
+from ffgym.plant.machine import Machine
+from ffgym.robot import RobotDescription, builtin_robots, load_robot
+from ffgym.robot.reading.parameters import GROUPS, with_numbers
+
+CLIMATE_UNITS: Mapping[str, str] = MappingProxyType(
+    {"ambient": "degC", "rise": "K", "time_constant": "s", "running_since": "s"}
+)
+"""What [climate] may have."""
+
+
+def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS) -> Machine:
+    """Read a machine file; `known` has the effects that it may name.
+
+    Raises:
+        FFGymError: if the file cannot be read, or an entry is unknown, missing or invalid.
+    """
+    tree = _tree(path)
+    if "machine" not in tree:
+        raise FFGymError(f"{path} is no machine file: it has no table [machine] with title and robot.")
+    return parse_machine(tree, where=str(path), folder=Path(path).parent, known=known)
+
+
+def is_machine_file(path: str | Path) -> bool:
+    """Whether this is a TOML file with a table [machine].
+
+    Raises:
+        FFGymError: if a file of that name cannot be read.
+    """
+    return str(path).endswith(".toml") and "machine" in _tree(path)
+
+
+def _tree(path: str | Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(read_text(path))
+    except FFGymError as error:
+        raise FFGymError(f"Cannot read machine file {error}") from error
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise FFGymError(f"Cannot read machine file {path}: it is not valid TOML: {error}.") from error
+
+
+def parse_machine(
+    tree: Mapping[str, Any],
+    where: str = "machine",
+    folder: Path = Path(),
+    known: Mapping[str, type[Effect]] = EFFECTS,
+) -> Machine:
+    """Machine of parsed tables.
+
+    Args:
+        tree: the tables.
+        where: their name, for messages.
+        folder: where the path of a description file starts.
+        known: effects that the tables may name.
+
+    Raises:
+        FFGymError: if an entry is unknown, missing or invalid.
+    """
+    try:
+        for table in tree:
+            check_choice("table", table, ["machine", *GROUPS, "effects", "climate"])
+        robot = _robot(tree.get("machine"), folder)
+        numbers = {group: tree[group] for group in GROUPS if group in tree}
+        if numbers:
+            robot = with_numbers(robot, numbers)
+        effects = read_effects(_table(tree, "effects"), robot, known)
+        climate = parse_climate(_table(tree, "climate")) if "climate" in tree else None
+        return Machine(robot=robot, effects=effects, climate=climate)
+    except FFGymError as error:
+        raise FFGymError(f"{where}: {error}") from error
+
+
+def parse_climate(tables: Mapping[str, Any]) -> Climate:
+    """Climate of the table [climate] of a file.
+
+    Raises:
+        FFGymError: if an entry is unknown, or has a wrong unit or value.
+    """
+    values: dict[str, Any] = {}
+    for name, table in tables.items():
+        unit = CLIMATE_UNITS[check_choice("entry of climate", name, list(CLIMATE_UNITS))]
+        if not isinstance(table, dict) or not {"value", "unit"} <= set(table) <= {"value", "unit", "source"}:
+            raise FFGymError(f"climate.{name} = {table!r} must be a table of value, unit and maybe source.")
+        if table["unit"] != unit:
+            raise FFGymError(f"climate.{name} has unit {table['unit']!r}, must be {unit!r}.")
+        value = table["value"]
+        values[name] = check_shape("climate.rise", np.atleast_1d(value), (None,)) if name == "rise" else value
+    return Climate(**values)
+
+
+def climate_toml(climate: Climate, source: str) -> str:
+    """Text of the table [climate] that `parse_climate` reads back to the bit."""
+    lines = ["[climate]"]
+    for f in fields(climate):
+        value = np.asarray(getattr(climate, f.name)).tolist()
+        lines.append(
+            f'{f.name} = {{ value = {value}, unit = "{CLIMATE_UNITS[f.name]}", source = {json.dumps(source)} }}'
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _table(tree: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    table = tree.get(name, {})
+    if not isinstance(table, dict):
+        raise FFGymError(f"[{name}] must be a table, got {table!r}.")
+    return table
+
+
+def _robot(head: Any, folder: Path) -> RobotDescription:
+    if (
+        not isinstance(head, dict)
+        or set(head) != {"title", "robot"}
+        or not all(isinstance(x, str) for x in head.values())
+    ):
+        raise FFGymError(f"[machine] must have exactly title and robot, both text, got {head!r}.")
+    robot = head["robot"]
+    if robot.endswith(".toml"):
+        return load_robot(folder / robot)
+    return load_robot(check_choice("robot of [machine]", robot, builtin_robots()))

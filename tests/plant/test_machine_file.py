@@ -1,0 +1,109 @@
+"""Machines in files."""
+
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ffgym.effects import EFFECTS
+from ffgym.errors import FFGymError
+from ffgym.plant import Climate, Machine, load_machine, save_machine, with_payload
+from ffgym.plant.machine_file import is_machine_file
+from ffgym.robot import ModelOptions
+
+HEAD = '[machine]\ntitle = "cell 3"\nrobot = "irb4600_60_205"\n'
+
+
+def written(tmp_path, text):
+    path = tmp_path / "machine.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def worn(irb4600):
+    """Another stiffness and friction, a payload, two effects of one kind, and a climate."""
+    robot = replace(
+        irb4600,
+        friction=irb4600.friction.scaled(coulomb=0.9),
+        drive=replace(irb4600.drive, joint_stiffness=irb4600.drive.joint_stiffness * 1.1),
+    )
+    effects = (
+        EFFECTS["load_friction"].on(robot, share=0.06),
+        EFFECTS["cogging"].on(robot, "j2", amplitude=0.1),
+        EFFECTS["cogging"].on(robot, amplitude=0.02, cycles=6.0),
+    )
+    climate = Climate(rise=np.linspace(10.0, 20.0, 6), running_since=600.0)
+    return Machine(robot=with_payload(robot, 3.0), effects=effects, climate=climate)
+
+
+def test_a_machine_is_written_and_read_back_to_the_bit(worn, tmp_path):
+    path = save_machine(worn, tmp_path / "worn.toml", title='the "worn" one', source="a test")
+    assert is_machine_file(path)
+    options = ModelOptions(looks=False)
+    assert load_machine(path).physics(options) == worn.physics(options)
+
+
+def test_a_file_of_a_head_alone_is_the_robot_itself(irb4600, tmp_path):
+    machine = load_machine(written(tmp_path, HEAD))
+    options = ModelOptions(looks=False)
+    assert machine.effects == ()
+    assert machine.climate is None
+    assert machine.physics(options) == Machine(robot=irb4600).physics(options)
+
+
+def test_the_robot_may_be_a_description_beside_the_file(one_axis_text, tmp_path):
+    (tmp_path / "cell.toml").write_text(one_axis_text, encoding="utf-8")
+    machine = load_machine(written(tmp_path, '[machine]\ntitle = "cell"\nrobot = "cell.toml"\n'))
+    assert machine.robot.name == "one_axis"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "no table"),
+        ("[machine]\n", "title and robot"),
+        ('[machine]\ntitle = "x"\nrobot = 3\n', "both text"),
+        (HEAD.replace("irb4600_60_205", "r2d2"), "Unknown robot"),
+        (HEAD.replace("irb4600_60_205", "nowhere.toml"), "nowhere.toml"),
+        (HEAD + "[servo]\n", "Unknown table 'servo'"),
+        (HEAD + "[effects.magic]\n", "Unknown effect"),
+        (HEAD + "[effects.cogging]\n", "lacks"),
+        (HEAD + '[effects.cogging]\namplitude = { value = 1, unit = "N" }\n', "must be 'N m'"),
+        (HEAD + '[effects.cogging]\namplitude = { value = -1, unit = "N m" }\n', "at least 0"),
+        (HEAD + "effects = 3\n", "must have exactly"),
+        (HEAD + "[climate]\nwind = 3\n", "Unknown entry of climate"),
+        (HEAD + "[climate]\nambient = 3\n", "table of value, unit"),
+        (HEAD + '[climate]\nambient = { value = 3, unit = "K" }\n', "must be 'degC'"),
+        (HEAD + '[climate]\nrise = { value = [1, 2], unit = "K" }\n', "has 2 joints"),
+        (HEAD + '[climate]\nambient = { value = "warm", unit = "degC" }\n', "must be a number"),
+        (HEAD + "[friction.coulomb]\nvalue = 1\n", "friction.coulomb"),
+        ("[machine", "not valid TOML"),
+    ],
+)
+def test_what_a_file_gets_wrong_is_said_with_its_name(text, says, tmp_path):
+    path = written(tmp_path, text)
+    with pytest.raises(FFGymError, match=r"machine\.toml") as error:
+        load_machine(path)
+    assert says in str(error.value)
+
+
+def test_only_what_a_file_can_say_is_written(worn, tmp_path):
+    with pytest.raises(FFGymError, match="not built in"):
+        save_machine(
+            replace(worn, robot=replace(worn.robot, name="mine")), tmp_path / "m.toml", title="mine", source="a test"
+        )
+    with pytest.raises(FFGymError, match=r"ends in \.toml"):
+        save_machine(worn, tmp_path / "m.json", title="mine", source="a test")
+    assert list(tmp_path.iterdir()) == []
+
+
+@given(text=st.text(max_size=60), place=st.integers(0, len(HEAD)))
+def test_a_damaged_file_is_refused_or_is_a_machine(text, place, tmp_path_factory):
+    path = tmp_path_factory.getbasetemp() / "damaged.toml"
+    path.write_text(HEAD[:place] + text + HEAD[place:], encoding="utf-8", newline="")
+    with suppress(FFGymError):
+        load_machine(path)
