@@ -1,5 +1,6 @@
 """Recordings of one motion, simulated or measured: one schema, one reader, one writer."""
 
+from ffgym.recordings.folder import read_folder as read_folder
 from ffgym.recordings.header import SCHEMA_VERSION as SCHEMA_VERSION
 from ffgym.recordings.header import Header as Header
 from ffgym.recordings.io import read_recording as read_recording
