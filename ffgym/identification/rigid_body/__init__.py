@@ -9,3 +9,4 @@ from ffgym.identification.rigid_body.identify import identify_rigid_body as iden
 from ffgym.identification.rigid_body.observation import Filtering as Filtering
 from ffgym.identification.rigid_body.terms import TERMS as TERMS
 from ffgym.identification.rigid_body.trade_off import TradeOff as TradeOff
+from ffgym.identification.rigid_body.unknown import starting_robot as starting_robot

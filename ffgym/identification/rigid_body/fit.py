@@ -28,7 +28,7 @@ class TorqueErrors:
     identified: Array
     """All terms that were fitted."""
     in_file: Array
-    """What a parameter file can hold of them: without offsets, asymmetry and springs."""
+    """What a parameter file holds: fitted again without offsets, asymmetry and springs."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,6 +45,8 @@ class RigidBodyFit:
     """Shape (K,)."""
     estimate: Array
     """Shape (K,)."""
+    in_file: Array
+    """The best parameters without the terms that no description holds, which stay as described, shape (K,)."""
     resampled: Array
     """Estimates from resampled recordings and descriptions drawn within the spread, shape (B, K)."""
     level: float
@@ -95,9 +97,9 @@ class RigidBodyFit:
 
     @property
     def identified(self) -> RobotDescription:
-        """The robot with what was found in place of its own numbers, as far as a description holds it."""
+        """The robot with `in_file` in place of its own numbers."""
         robot = self.robot
-        for term, values in self._by_term():
+        for term, values in self._by_term(self.in_file):
             robot = term.applied(robot, values)
         return robot
 
@@ -118,25 +120,25 @@ class RigidBodyFit:
         Raises:
             FFGymError: if one does not fit the robot or the filters.
         """
-        bodies = next((values for term, values in self._by_term() if isinstance(term, Bodies)), None)
-        return torque_errors(equations_of(self.robot, recordings, self.terms, self.filtering, bodies), self.estimate)
+        bodies = next((values for term, values in self._by_term(self.estimate) if isinstance(term, Bodies)), None)
+        equations = equations_of(self.robot, recordings, self.terms, self.filtering, bodies)
+        return torque_errors(equations, self.estimate, self.in_file)
 
-    def _by_term(self) -> list[tuple[Term, Array]]:
-        """Terms with their parameters."""
+    def _by_term(self, parameters: Array) -> list[tuple[Term, Array]]:
+        """Terms with those of `parameters` (K,) that are theirs."""
         counts = [len(term.labels(self.robot)) for term in self.terms]
-        return list(zip(self.terms, np.split(self.estimate, np.cumsum(counts)[:-1]), strict=True))
+        return list(zip(self.terms, np.split(parameters, np.cumsum(counts)[:-1]), strict=True))
 
 
-def torque_errors(equations: Equations, parameters: Array) -> TorqueErrors:
-    """Errors of the equations with `parameters` (K,)."""
+def torque_errors(equations: Equations, estimate: Array, in_file: Array) -> TorqueErrors:
+    """Errors of the equations with all that was found, and with what a parameter file holds of it, (K,) each."""
     counts, robot = equations.counts, equations.robot
     described = np.concatenate([term.described(robot) for term in equations.terms])
-    in_file = np.concatenate([np.full(len(term.labels(robot)), bool(term.entries(robot))) for term in equations.terms])
     return TorqueErrors(
         measured=_rms(equations.measured, counts),
         described=_rms(equations.residual(described), counts),
-        identified=_rms(equations.residual(parameters), counts),
-        in_file=_rms(equations.residual(np.where(in_file, parameters, described)), counts),
+        identified=_rms(equations.residual(estimate), counts),
+        in_file=_rms(equations.residual(in_file), counts),
     )
 
 

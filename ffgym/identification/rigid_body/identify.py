@@ -11,7 +11,7 @@ from ffgym.identification.rigid_body.arm_terms import Bodies
 from ffgym.identification.rigid_body.base import base_parameters, condition_number
 from ffgym.identification.rigid_body.fit import RigidBodyFit, torque_errors
 from ffgym.identification.rigid_body.observation import Equations, Filtering, equations_of
-from ffgym.identification.rigid_body.problem import Problem, problem_of
+from ffgym.identification.rigid_body.problem import LOOSE, Problem, problem_of
 from ffgym.identification.rigid_body.terms import DEFAULT_TERMS, terms_named
 from ffgym.identification.rigid_body.trade_off import TradeOff, choose_spread
 from ffgym.recordings import Recording
@@ -96,14 +96,10 @@ def identify_rigid_body(
     every = np.ones(equations.blocks.n_blocks)
     described = np.concatenate([term.described(robot) for term in equations.terms])
 
-    def completed(y: Array) -> Array:
-        """All parameters, of the coordinates that are fitted; the others stay as described."""
-        values = np.broadcast_to(described, (*y.shape[:-1], len(described))).copy()
-        values[..., kept] = problem.coordinates.parameters(y)
-        return values
-
-    estimate = completed(problem.solve(every, trade_off.chosen))
-    resampled = completed(_resampled(problem, equations, trade_off.chosen, options, progress))
+    estimate = _completed(problem.solve(every, trade_off.chosen), problem, kept, described)
+    held = kept & np.concatenate([np.full(len(t.labels(robot)), bool(t.entries(robot))) for t in equations.terms])
+    in_file = _completed(whole.only(held).solve(every, trade_off.chosen), whole.only(held), held, described)
+    resampled = _resampled(problem, equations, trade_off.chosen, options, progress)
     shares = np.zeros(len(kept))
     shares[kept] = problem.shares(trade_off.chosen)
     base = base_parameters(robot, equations.terms)
@@ -114,7 +110,8 @@ def identify_rigid_body(
         segments=tuple(recording.header.segment for recording in recordings),
         described=described,
         estimate=estimate,
-        resampled=resampled,
+        in_file=in_file,
+        resampled=_completed(resampled, problem, kept, described),
         level=options.level,
         shares=shares,
         fitted=kept,
@@ -122,8 +119,15 @@ def identify_rigid_body(
         base=base,
         base_shares=whole.shares_of(base.combination, trade_off.chosen),
         condition=condition_number(equations.columns, equations.counts, base),
-        errors=torque_errors(equations, estimate),
+        errors=torque_errors(equations, estimate, in_file),
     )
+
+
+def _completed(y: Array, problem: Problem, kept: BoolArray, described: Array) -> Array:
+    """All parameters (..., K), of the coordinates `y` that are kept in a problem; the others stay as described."""
+    values = np.broadcast_to(described, (*y.shape[:-1], len(described))).copy()
+    values[..., kept] = problem.coordinates.parameters(y)
+    return values
 
 
 def _bent(robot: RobotDescription, recordings: Sequence[Recording], options: RigidBodyOptions) -> Equations:
@@ -133,7 +137,7 @@ def _bent(robot: RobotDescription, recordings: Sequence[Recording], options: Rig
     if robot.drive.is_rigid.all() or not isinstance(terms[0], Bodies):
         return first
     problem = problem_of(first)
-    y = problem.solve(np.ones(first.blocks.n_blocks), options.spread or 1.0)
+    y = problem.solve(np.ones(first.blocks.n_blocks), options.spread or LOOSE)
     bodies = problem.coordinates.parameters(y)[: len(terms[0].labels(robot))]
     return equations_of(robot, recordings, terms, options.filtering, bodies)
 

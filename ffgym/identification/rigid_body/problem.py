@@ -14,6 +14,9 @@ from ffgym.types import Array, BoolArray
 _WEIGHTINGS = 3
 """Times that the weights are computed anew from what is left; the third changes them by less than a percent."""
 
+LOOSE = 10.0
+"""Spread with which the errors are found that the weights are of: the data alone, where they say anything."""
+
 _LEAST_NOISE = 1e-6
 """Smallest error of a motor's equations against its torque: noise-free data have none, which no weight could be of."""
 
@@ -104,7 +107,7 @@ def problem_of(equations: Equations) -> Problem:
     noise = np.maximum(torque, np.finfo(np.float64).tiny)
     for _ in range(_WEIGHTINGS):
         problem = _summed(equations, coordinates, noise)
-        y = problem.solve(np.ones(equations.blocks.n_blocks), spread=1.0)
+        y = problem.solve(np.ones(equations.blocks.n_blocks), LOOSE)
         left = _rms(equations.residual(coordinates.parameters(y)), equations.counts)
         noise = np.maximum(left, np.where(torque > 0, _LEAST_NOISE * torque, 1.0))
     return _summed(equations, coordinates, noise)

@@ -9,7 +9,7 @@ from ffgym.identification.rigid_body.problem import Problem
 from ffgym.types import Array, IntArray
 
 SPREADS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
-"""What is tried: from a description that is as good as a drawing to one that says next to nothing."""
+"""What is tried: from a description that is as good as a drawing to one that is a rule of thumb."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
