@@ -1,0 +1,136 @@
+"""The calibration of the workcell: what its numbers do to the files, and that its search goes down and can go on."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.robot import with_parameters
+from ffgym.workcell.reading import build
+from scripts.calibrate_workcell import Config, main
+from scripts.workcell import objective as objectives
+from scripts.workcell import writing
+from scripts.workcell.free import FREE, SPREAD, applied, changed_entries, table_at
+from scripts.workcell.objective import Objective
+from scripts.workcell.prior import prior_trees
+from scripts.workcell.search import search
+from scripts.workcell.writing import rounded, write_result
+
+
+@pytest.fixture(scope="module")
+def prior(irb4600):
+    return prior_trees(irb4600)
+
+
+def index_of(name):
+    return [free.name for free in FREE].index(name)
+
+
+def test_free_numbers_have_names_of_their_own_and_change_entries_that_exist(prior):
+    assert len({free.name for free in FREE}) == len(FREE)
+    for file, entry in changed_entries():
+        assert table_at(prior[file], entry)["unit"]
+
+
+def test_slip_elements_and_lugre_together_have_the_friction_of_the_thesis(prior, irb4600):
+    machine = prior["machine"]
+    both = np.array(machine["friction"]["coulomb"]["value"]) + machine["effects"]["slip_elements"]["level"]["value"]
+    np.testing.assert_allclose(both, irb4600.friction.coulomb, rtol=1e-12)
+
+
+def test_numbers_at_zero_are_the_prior(prior):
+    assert applied(prior, np.zeros(len(FREE))) == prior
+
+
+def test_a_factor_and_a_shift_change_their_entries_and_joints_alone(prior):
+    x = np.zeros(len(FREE))
+    x[index_of("stiffness, joint 2")], x[index_of("payload")] = np.log(2.0), 1.5
+    trees = applied(prior, x)
+    before, after = (np.array(table_at(t["machine"], "drive.joint_stiffness")["value"]) for t in (prior, trees))
+    np.testing.assert_allclose(after / before, [1, 2, 1, 1, 1, 1])
+    assert trees["machine"]["payload"]["mass"]["value"] == prior["machine"]["payload"]["mass"]["value"] + 1.5
+    assert trees["controller"] == prior["controller"]
+    assert trees["machine"]["links"] == prior["machine"]["links"]
+
+
+def test_files_that_are_written_are_read_as_what_was_simulated(prior, irb4600, tmp_path, monkeypatch):
+    machine, controller = tmp_path / "thesis.toml", tmp_path / "irb4600_60_205_commissioned.toml"
+    monkeypatch.setattr(writing, "MACHINE", machine)
+    monkeypatch.setattr(writing, "CONTROLLER", controller)
+    x = 0.5 * SPREAD * np.random.default_rng(0).uniform(-1, 1, len(FREE))
+    write_result(prior, x)
+    simulated, tree = rounded(applied(prior, x)), tree_of(machine)
+    cell, same = build("test", tree), build("test", simulated["machine"])
+    np.testing.assert_array_equal(cell.machine.robot.friction.coulomb, same.machine.robot.friction.coulomb)
+    np.testing.assert_array_equal(cell.machine.robot.bodies.inertia, same.machine.robot.bodies.inertia)
+    for one, other in zip(cell.machine.effects, same.machine.effects, strict=True):
+        assert {n: v.tolist() for n, v in one.values().items()} == {n: v.tolist() for n, v in other.values().items()}
+    known = with_parameters(irb4600, controller)
+    assert known.friction.static.tolist() == simulated["controller"]["friction"]["static"]["value"]
+    assert known.quantities["friction.viscous"].origin == ("fitted",) * 6
+    assert tree["friction"]["coulomb"]["origin"] == ["sourced", *["fitted"] * 5]
+
+
+def tree_of(path):
+    return tomllib.loads(path.read_text(encoding="utf-8"))
+
+
+class Valley(Objective):
+    """An objective whose sizes are known functions of the free numbers, and which simulates nothing."""
+
+    def __init__(self, published):
+        self.published = published
+
+    def candidate(self, x):
+        return x
+
+    def sizes(self, candidates):
+        n = self.published.size
+        return np.stack(
+            [
+                (self.published.ravel() * np.exp(0.3 + x[np.arange(n) % len(x)])).reshape(self.published.shape)
+                for x in candidates
+            ]
+        )
+
+    def forget(self):
+        pass
+
+
+def test_the_search_goes_down_and_goes_on_where_it_was(tmp_path):
+    valley, state = Valley(np.full((2, 3, 2, 4, 3), 0.1)), tmp_path / "state.json"
+    costs = []
+    first = search(valley, 2, state, lambda step, point: costs.append(point.cost))
+    assert np.all(np.diff(costs) < 0)
+    begun = []
+    search(valley, 0, state, lambda step, point: begun.append(point))
+    np.testing.assert_array_equal(begun[0].x, first.x)
+    assert begun[0].cost == first.cost
+
+
+def test_a_state_of_other_numbers_is_refused(tmp_path):
+    state = tmp_path / "state.json"
+    state.write_text(json.dumps({"x": {"other": 0.0}, "damping": 1.0}), encoding="utf-8")
+    with pytest.raises(FFGymError, match="other free numbers"):
+        search(Valley(np.full((2, 3, 2, 4, 3), 0.1)), 1, state, lambda step, point: None)
+
+
+def test_the_objective_pays_for_misfit_and_for_distance_from_the_prior():
+    valley = Valley(np.full((2, 3, 2, 4, 3), 0.1))
+    exact = valley.residuals(np.zeros(len(FREE)), valley.published)
+    assert not exact.any()
+    off = valley.residuals(SPREAD, valley.published * np.exp(objectives.RMS_SPREAD))
+    assert off[: valley.published.size // 2] == pytest.approx(1.0)
+    assert off[valley.published.size :] == pytest.approx(1.0)
+
+
+@pytest.mark.slow
+def test_the_command_line_evaluates_the_prior(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(writing, "MACHINE", tmp_path / "thesis.toml")
+    monkeypatch.setattr(writing, "CONTROLLER", tmp_path / "irb4600_60_205_commissioned.toml")
+    reached = main(Config(steps=0, state=tmp_path / "state.json", threads=1))
+    assert reached["median"] > 0.1
+    assert "step 0" in capsys.readouterr().out
+    assert (tmp_path / "thesis.toml").exists()
