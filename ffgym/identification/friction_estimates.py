@@ -1,0 +1,102 @@
+"""What both fits say about each parameter of a joint's friction, and which of it is to be believed."""
+
+import numpy as np
+
+from ffgym.identification.bootstrap import intervals
+from ffgym.identification.bristle_fit import NAMES, BristleFit
+from ffgym.identification.estimate import Estimate, Status, judged
+from ffgym.identification.stribeck_fit import StribeckFit
+from ffgym.types import Array
+
+UNITS = dict(zip(NAMES, ("N m", "N m", "N m s/rad", "rad/s", "N m/rad", "N m s/rad"), strict=True))
+"""Of the parameters, motor side."""
+
+_MATTERS = 0.1
+"""Share of the Coulomb torque below which a viscous torque at the fastest speed does not matter."""
+
+
+def friction_estimates(
+    joint: str,
+    prior: Array,
+    stribeck: StribeckFit | None,
+    bristles: BristleFit | None,
+    *,
+    given: float | None,
+    level: float,
+) -> tuple[Estimate, ...]:
+    """Estimates of all parameters of a joint, in the order of NAMES.
+
+    Args:
+        joint: its name.
+        prior: values of the description, shape (6,).
+        stribeck: fit to constant speeds; None if there are too few.
+        bristles: fit to reversals; None if there are none.
+        given: v_s if the caller fixed it.
+        level: probability of the intervals.
+    """
+    found = _static(prior, stribeck, given, level) + _dynamic(prior, bristles, level)
+    coulomb, static = found[0][0], found[1]
+    if (
+        static[0] < coulomb
+    ):  # the breakaway torque that stays from before does not fit the Coulomb torque that was found
+        found[1] = (coulomb, *static[1:4], f"{static[4]}; raised to the Coulomb torque")
+    return tuple(
+        Estimate(
+            name=f"friction.{name}",
+            joint=joint,
+            unit=UNITS[name],
+            side="motor",
+            value=value,
+            low=low,
+            high=high,
+            prior=float(before),
+            status=status,
+            reason=reason,
+        )
+        for name, before, (value, low, high, status, reason) in zip(NAMES, prior, found, strict=True)
+    )
+
+
+Row = tuple[float, float, float, Status, str]
+"""Value, interval, status and reason of one parameter."""
+
+
+def _unknown(before: float, reason: str) -> Row:
+    return float(before), 0.0, np.inf, "not excited", reason
+
+
+def _static(prior: Array, stribeck: StribeckFit | None, given: float | None, level: float) -> list[Row]:
+    """f_c, f_s, f_v, v_s."""
+    if stribeck is None:
+        return [_unknown(before, "too few constant speeds") for before in prior[:4]]
+    span = intervals(stribeck.values, stribeck.resampled[:, :4], level)
+    fastest = float(np.abs(stribeck.data.speed).max())
+    scales = dict(zip(NAMES[:4], (0.0, 0.0, _MATTERS * stribeck.values[0] / fastest, 0.0), strict=True))
+    rows: list[Row] = []
+    for i, name in enumerate(NAMES[:4]):
+        value, low, high = float(stribeck.values[i]), float(span.low[i]), float(span.high[i])
+        status, reason = judged(value, low, high, scale=scales[name], excited=stribeck.lacking[name])
+        if name == "stribeck_velocity" and given is not None:
+            status, reason, low, high = "given", "kept as given", 0.0, np.inf
+        rows.append(_row(value, low, high, status, reason, float(prior[i])))
+    return rows
+
+
+def _dynamic(prior: Array, bristles: BristleFit | None, level: float) -> list[Row]:
+    """sigma_0 and sigma_1."""
+    if bristles is None:
+        return [_unknown(before, "no record in which it reverses") for before in prior[4:]]
+    span = intervals(bristles.values, bristles.resampled, level)
+    rows: list[Row] = []
+    for i in range(2):
+        value, low, high = float(bristles.values[i]), float(span.low[i]), float(span.high[i])
+        status, reason = judged(value, low, high, scale=0.0, excited="", at_bound=bool(bristles.at_bound[i]))
+        rows.append(_row(value, low, high, status, reason, float(prior[4 + i])))
+    return rows
+
+
+def _row(value: float, low: float, high: float, status: Status, reason: str, before: float) -> Row:
+    """An identified value with its interval, or the one before with nothing known."""
+    if status in ("identified", "given"):
+        return value, low, high, status, reason
+    return (before, 0.0, np.inf, status, reason) if status != "wide" else (before, low, high, status, reason)
