@@ -38,13 +38,14 @@ class Setting:
     references: Sequence[Reference] = ()
     """Motions the law will be run on; per-task families learn on them, others must not look."""
     truth: RobotDescription | None = None
-    """The machine's true parameters, for the oracle alone; None if they are the nominal ones."""
+    """The machine's true parameters, for the oracle alone; None if nobody may know them."""
 
     @classmethod
     def of(cls, robot: RobotDescription, references: Sequence[Reference] = (), n_threads: int = 0) -> "Setting":
         """A simulated robot whose nominal model is its own description."""
         arm = RigidArm(robot)
-        return cls(arm=arm, trial=SimulatedTrial(arm=arm, n_threads=n_threads), references=references)
+        trial = SimulatedTrial(arm=arm, n_threads=n_threads)
+        return cls(arm=arm, trial=trial, references=references, truth=robot)
 
     @property
     def robot(self) -> RobotDescription:
@@ -168,7 +169,7 @@ _ENTRIES = (
         title="elastic feed-forward with the true parameters",
         track="oracle",
         page="oracle.md",
-        make=lambda setting: oracle_law(setting.truth or setting.robot, setting.controller or setting.arm),
+        make=lambda setting: oracle_law(setting.truth, setting.controller or setting.arm),
     ),
 )
 

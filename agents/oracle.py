@@ -25,8 +25,14 @@ from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array
 
 
-def oracle_law(truth: RobotDescription, controller: RigidArm) -> ElasticLaw:
-    """Elastic feed-forward for a machine that is `truth`, whose existing controller was made for `controller`."""
+def oracle_law(truth: RobotDescription | None, controller: RigidArm) -> ElasticLaw:
+    """Elastic feed-forward for a machine that is `truth`, whose existing controller was made for `controller`.
+
+    Raises:
+        FFGymError: if nobody may know the truth, as that of a workcell.
+    """
+    if truth is None:
+        raise FFGymError("The oracle needs the truth, which is shut away on this machine; leave it out.")
     return elastic_law(RigidArm(truth), controller, name="oracle")
 
 

@@ -6,9 +6,11 @@ from pathlib import Path
 from agents.catalogue import CATALOGUE
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
+from ffgym.envs.rigs import rig_of
 from ffgym.files import write_json
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription, load_robot
+from ffgym.simulation import Rig, SimulatedRig
 from ffgym.studies import (
     CircleStudy,
     OneAxisStudy,
@@ -28,7 +30,7 @@ class Demo:
     parameters: Path | None = None
     """Parameter file for the agents' model of the robot; the simulated machine keeps its own numbers."""
     robot: str = "irb4600_60_205"
-    """Built-in robot, or a path to a description that ends in .toml."""
+    """Built-in robot, a path to a description that ends in .toml, or workcell:<name or seed>."""
     report: Path = Path("report.html")
     """Report page to write."""
     json: Path | None = None
@@ -47,7 +49,7 @@ class Demo:
         check_laws(self.agents, "--agents")
         from ffgym.report import format_one_axis, format_text, write_report
 
-        circles = self._circles(load_robot(self.robot))
+        circles = self._circles(rig_of(self.robot))
         one_axis = self._one_axis(load_robot("one_axis"))
         info = self.provenance(circles)
         page = write_report(self.report, circles, one_axis, info)  # files first: nobody may read what is printed
@@ -60,22 +62,22 @@ class Demo:
         if self.json is not None:
             print(f"numbers: {self.json}")
 
-    def _circles(self, robot: RobotDescription) -> CircleStudy:
+    def _circles(self, rig: Rig) -> CircleStudy:
         from ffgym.cli.progress import progress_bar
 
         positions, speeds = self.positions or None, [speed / 1e3 for speed in self.speeds_mm_s]
-        arm = RigidArm(robot)
-        references = [*circle_references(arm, positions, speeds).values()]
-        laws = make_laws(self.agents, setting_for(arm, references, self.parameters, self.threads))
+        references = [*circle_references(rig.arm, positions, speeds).values()]
+        laws = make_laws(self.agents, setting_for(rig, references, self.parameters, self.threads))
         with progress_bar("simulating", "s") as progress:
             return circle_study(
-                robot, laws=laws, positions=positions, speeds=speeds, n_threads=self.threads, progress=progress
+                rig, laws=laws, positions=positions, speeds=speeds, n_threads=self.threads, progress=progress
             )
 
     def _one_axis(self, robot: RobotDescription) -> OneAxisStudy:
         """The sine test with those agents that work on one axis; files and parameters are of another robot."""
         names = [name for name in self.agents if name in CATALOGUE and not CATALOGUE[name].needs_arm]
-        setting = setting_for(RigidArm(robot), [*sine_references(robot).values()], None, self.threads)
+        rig = SimulatedRig(arm=RigidArm(robot))
+        setting = setting_for(rig, [*sine_references(robot).values()], None, self.threads)
         return one_axis_study(robot, laws=make_laws(names or ["none"], setting))
 
     def provenance(self, study: CircleStudy) -> dict[str, object]:

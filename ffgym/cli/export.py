@@ -16,7 +16,7 @@ from ffgym.export.reference_table import Angles, Sides
 from ffgym.files import check_vacant, write_json
 from ffgym.motions import load_motion
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot, physics_fingerprint
-from ffgym.simulation import RECORD_DT, Run
+from ffgym.simulation import RECORD_DT, Run, SimulatedRig
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Export:
         if motion.reference.robot is not arm.robot:  # the motion brings its own tool
             arm = RigidArm(motion.reference.robot)
         options = replace(self._options, looks=False)
-        setting = setting_for(arm, [motion.reference], self.parameters, self.threads, options)
+        setting = setting_for(SimulatedRig(arm=arm, options=options), [motion.reference], self.parameters, self.threads)
         (law,) = make_laws([self.feedforward], setting)
         with progress_bar("exporting", "s") as progress:
             recording = export_run(

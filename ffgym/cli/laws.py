@@ -5,11 +5,12 @@ from pathlib import Path
 
 from agents.catalogue import CATALOGUE, Setting, entry_of, law_named
 from agents.common.law_files import load_law
-from agents.common.trials import SimulatedTrial
+from agents.common.trials import RigTrial
 from ffgym.cli.progress import progress_bar
 from ffgym.control import FeedForwardLaw, Reference
 from ffgym.errors import FFGymError
-from ffgym.robot import ModelOptions, RigidArm, with_parameters
+from ffgym.robot import RigidArm, with_parameters
+from ffgym.simulation import Rig, SimulatedRig
 
 
 def check_laws(names: Sequence[str], option: str) -> list[str]:
@@ -28,27 +29,23 @@ def check_laws(names: Sequence[str], option: str) -> list[str]:
     return own
 
 
-def setting_for(
-    arm: RigidArm,
-    references: Sequence[Reference],
-    parameters: Path | None,
-    n_threads: int,
-    options: ModelOptions | None = None,
-) -> Setting:
-    """What families make laws from: a simulated robot, its motions, and the model that the agents have of it.
+def setting_for(rig: Rig, references: Sequence[Reference], parameters: Path | None, n_threads: int) -> Setting:
+    """What families make laws from: a machine on a rig, its motions, and the model that the agents have of it.
 
     Args:
-        arm: of the simulated robot, whose servo and rigid feed-forward stay what they are.
+        rig: where motions are run, under a controller that stays what it is.
         references: motions that will be run.
-        parameters: file of parameters in which the agents' model differs from the robot; None if it does not.
+        parameters: file of parameters in which the agents' model differs from the controller's; None if it does not.
         n_threads: threads of the simulation.
-        options: what to leave out of the simulated robot.
     """
-    trial = SimulatedTrial(arm=arm, options=options, n_threads=n_threads)
+    trial = RigTrial(rig=rig, n_threads=n_threads)
+    truth = None
+    if isinstance(rig, SimulatedRig):
+        truth = rig.robot if rig.machine is None else rig.machine.physical
     if parameters is None:
-        return Setting(arm=arm, trial=trial, references=references)
-    model = RigidArm(with_parameters(arm.robot, parameters))
-    return Setting(arm=model, controller=arm, trial=trial, references=references, truth=arm.robot)
+        return Setting(arm=rig.arm, trial=trial, references=references, truth=truth)
+    model = RigidArm(with_parameters(rig.robot, parameters))
+    return Setting(arm=model, controller=rig.arm, trial=trial, references=references, truth=truth)
 
 
 def make_laws(names: Sequence[str], setting: Setting) -> list[FeedForwardLaw]:

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from agents.bspline import BSplineNetwork, ExtendedBSN, StaticBSN
 from agents.common.law_files import save_law
 from agents.common.lessons import training_motions
-from agents.common.trials import SimulatedTrial
+from agents.common.trials import RigTrial
 from agents.learning.coulomb_prior import CoulombPrior
 from agents.learning.lffc import LFFC, robot_seconds
 from agents.learning.progress import Learning, relative
@@ -16,12 +16,13 @@ from agents.splines.basis import SplineBasis
 from agents.splines.recipes import thesis_training
 from agents.stability.limits import LearningStability
 from ffgym.cli.outputs import check_outputs
-from ffgym.cli.unused import refuse_unused
+from ffgym.cli.unused import given_options, refuse_unused
 from ffgym.control import Reference
+from ffgym.envs.rigs import is_workcell, rig_of
 from ffgym.errors import FFGymError
 from ffgym.files import write_json
 from ffgym.provenance import versions
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot, physics_fingerprint
+from ffgym.robot import RobotDescription
 from ffgym.simulation import RECORD_DT
 from ffgym.types import Array
 
@@ -38,7 +39,7 @@ class Lffc:
     order: int = 2
     """Order of the splines; 2 is hats."""
     robot: str = "irb4600_60_205"
-    """Built-in robot, or a path to a description that ends in .toml."""
+    """Built-in robot, a path to a description that ends in .toml, or workcell:<name or seed>."""
     positions: tuple[str, ...] = ("p1",)
     """Positions of the circles to learn on (robots with a work area)."""
     speeds_mm_s: tuple[float, ...] = (10.0,)
@@ -60,6 +61,8 @@ class Lffc:
     """Law to write; its name is that of the file without .npz."""
     resume: bool = False
     """Go on where an interrupted training with the same options stopped; begin if there is none."""
+    seed: int = 0
+    """Of the noise of a workcell's sensors."""
     json: Path | None = None
     """Also write every number to this file."""
     threads: int = 0
@@ -68,14 +71,14 @@ class Lffc:
     def run(self) -> None:
         """Learn, write, print."""
         self._check()
-        robot = load_robot(self.robot)
+        rig = rig_of(self.robot)
+        robot, arm = rig.robot, rig.arm
         refuse_unused(self, robot)
-        arm = RigidArm(robot)
         motions = training_motions(
             arm, self.positions, [speed / 1e3 for speed in self.speeds_mm_s], self.frequencies_hz
         )
-        trial = SimulatedTrial(arm=arm, record_dt=self.record_dt_ms / 1e3, n_threads=self.threads)
-        fingerprint = physics_fingerprint(compile_model(robot, ModelOptions(looks=False)))
+        trial = RigTrial(rig=rig, seed=self.seed, record_dt=self.record_dt_ms / 1e3, n_threads=self.threads)
+        fingerprint = rig.fingerprint
         first = self._first(robot, motions, trial)
         self._warn(first, motions, trial)
         learning = self._learn(first, motions, trial, fingerprint)
@@ -98,27 +101,27 @@ class Lffc:
     def _check(self) -> None:
         if self.out.suffix != ".npz":
             raise FFGymError(f"--out {self.out}: the name of a law's file must end in .npz.")
+        if not is_workcell(self.robot) and (given := given_options(self, ("seed",))):
+            raise FFGymError(f"{given[0]} has no effect on {self.robot}: only a workcell's sensors are random.")
         check_outputs({"--out": self.out, "--json": self.json})
         if self._state.exists() and not self.resume:
             raise FFGymError(
                 f"{self._state}: holds a training that was interrupted; go on with it by --resume, or delete it."
             )
 
-    def _first(self, robot: RobotDescription, motions: list[Reference], trial: SimulatedTrial) -> BSplineNetwork:
+    def _first(self, robot: RobotDescription, motions: list[Reference], trial: RigTrial) -> BSplineNetwork:
         """The network to begin with."""
         network = NETWORKS[self.network].zero(robot.n_joints, SplineBasis(order=self.order), name=self.out.stem)
         return network.filled(CoulombPrior.estimated(motions, trial).torque_at) if self.prior else network
 
-    def _warn(self, first: BSplineNetwork, motions: list[Reference], trial: SimulatedTrial) -> None:
+    def _warn(self, first: BSplineNetwork, motions: list[Reference], trial: RigTrial) -> None:
         """Say so where the rate is too high for these motions; training goes on, and keeps its best trial."""
-        study = LearningStability.of(first, trial.arm, motions, signal=self.signal, record_dt=trial.record_dt)
+        study = LearningStability.of(first, trial.rig.arm, motions, signal=self.signal, record_dt=trial.record_dt)
         warning = study.warning(self._procedure(first.n_joints).rate)
         if warning is not None:
             print(f"ffgym: warning: {warning}", file=sys.stderr)
 
-    def _learn(
-        self, first: BSplineNetwork, motions: list[Reference], trial: SimulatedTrial, fingerprint: str
-    ) -> Learning:
+    def _learn(self, first: BSplineNetwork, motions: list[Reference], trial: RigTrial, fingerprint: str) -> Learning:
         from ffgym.cli.progress import progress_bar
 
         with progress_bar("learning", "trials") as progress:
@@ -142,7 +145,7 @@ class Lffc:
     def _provenance(
         self, robot: RobotDescription, motions: list[Reference], learning: Learning, fingerprint: str
     ) -> dict[str, Any]:
-        """Every number, and its origin. Nothing is random, so that the seed is null."""
+        """Every number, and its origin. Nothing is random but the sensors of a workcell; the seed is null without."""
         trials = learning.trials + self.prior
         return {
             "command": "ffgym lffc",
@@ -156,7 +159,7 @@ class Lffc:
             "mean_square_signal": learning.signal.tolist(),
             "best_trial": learning.best_trial.tolist(),
             "locked": learning.locked.tolist(),
-            "seed": None,
+            "seed": self.seed if is_workcell(self.robot) else None,
             "versions": versions(),
             "physics_fingerprint": fingerprint,
         }

@@ -1,7 +1,7 @@
 """`ffgym simulate`: any motion on any robot with any feed-forward laws: recordings, errors, pictures."""
 
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +11,14 @@ from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.unused import given_options
+from ffgym.envs.rigs import is_workcell, rig_of
 from ffgym.errors import FFGymError, check_choice
 from ffgym.files import write_json, write_text
 from ffgym.motions import Motion, load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import FORMATS
-from ffgym.robot import ModelOptions, RigidArm, load_robot
-from ffgym.simulation import RECORD_DT, SimulatedRig, sensors_of
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, load_robot
+from ffgym.simulation import RECORD_DT, Rig, SimulatedRig, sensors_of
 from ffgym.studies import MotionStudy, motion_study
 
 
@@ -26,7 +27,7 @@ class Simulate:
     """Run a motion on a simulated robot with feed-forward laws; print errors and how much of the limits is used."""
 
     robot: tyro.conf.Positional[str]
-    """Built-in robot, or a path to a description that ends in .toml."""
+    """Built-in robot, a path to a description that ends in .toml, or workcell:<name or seed>."""
     path: tyro.conf.Positional[str]
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
     entry: str | None = None
@@ -36,7 +37,7 @@ class Simulate:
     parameters: Path | None = None
     """Parameter file for the laws' model of the robot; the simulated machine keeps its own numbers."""
     sensors: bool = False
-    """Record what resolvers and laser tracker measure, instead of the exact state."""
+    """Record what resolvers and laser tracker measure, instead of the exact state; a workcell is always measured."""
     seed: int = 0
     """Of the sensors' noise."""
     record_dt_ms: float = RECORD_DT * 1e3
@@ -61,11 +62,11 @@ class Simulate:
     def run(self) -> None:
         """Check, simulate, write, print."""
         recordings = self._check()
-        arm = RigidArm(load_robot(self.robot))
-        motion = load_motion(arm, self.path, entry=self.entry)
-        if motion.reference.robot is not arm.robot:  # the motion brings its own tool
-            arm = RigidArm(motion.reference.robot)
-        study = self._simulated(arm, motion)
+        rig = self._rig()
+        motion = load_motion(rig.arm, self.path, entry=self.entry)
+        if motion.reference.robot is not rig.robot:  # the motion brings its own tool
+            rig = self._with_tool_of(rig, motion.reference.robot)
+        study = self._simulated(rig, motion)
         info = provenance("ffgym simulate", self, study.robot.name, study.fingerprint, self._seed)
         notes = [*motion.notes, *study.overloads]
         info |= {"motion": motion.reference.name, "duration": motion.reference.duration, "notes": notes}
@@ -81,12 +82,16 @@ class Simulate:
     @property
     def _seed(self) -> int | None:
         """None where nothing is random."""
-        return self.seed if self.sensors else None
+        return self.seed if self._is_measured else None
+
+    @property
+    def _is_measured(self) -> bool:
+        return self.sensors or is_workcell(self.robot)
 
     def _check(self) -> dict[str, Path]:
         """Refuse what cannot be run or written; returns the recordings' places by law."""
         names = check_laws(self.feedforward, "--feedforward")
-        if not self.sensors and (given := given_options(self, ("seed",))):
+        if not self._is_measured and (given := given_options(self, ("seed",))):
             raise FFGymError(f"{given[0]} has no effect without --sensors: nothing else is random. Leave it out.")
         recordings = self._recordings(names)
         if self.report is not None:
@@ -105,12 +110,26 @@ class Simulate:
         names = {law: re.sub(r"[^\w.-]", "_", law) for law in laws}  # names of files may hold anything
         return {law: self.out.with_stem(f"{self.out.stem}_{name}") for law, name in names.items()}
 
-    def _simulated(self, arm: RigidArm, motion: Motion) -> MotionStudy:
+    def _rig(self) -> Rig:
+        """Where the motion is run."""
+        if is_workcell(self.robot):
+            if given := given_options(self, ("flexible", "friction", "gravity", "springs")):
+                raise FFGymError(f"{given[0]} has no effect on {self.robot}, which is what it is. Leave it out.")
+            return rig_of(self.robot)
         options = ModelOptions(
             flexible=self.flexible, friction=self.friction, gravity=self.gravity, springs=self.springs, looks=False
         )
-        rig = SimulatedRig(arm=arm, options=options, sensors=sensors_of(arm.robot) if self.sensors else ())
-        setting = setting_for(arm, [motion.reference], self.parameters, self.threads, options)
+        robot = load_robot(self.robot)
+        return SimulatedRig(arm=RigidArm(robot), options=options, sensors=sensors_of(robot) if self.sensors else ())
+
+    def _with_tool_of(self, rig: Rig, robot: RobotDescription) -> Rig:
+        """The rig with a robot that has another tool."""
+        if not isinstance(rig, SimulatedRig):
+            raise FFGymError(f"{self.path} brings a tool of its own, but that of {self.robot} cannot be changed.")
+        return replace(rig, arm=RigidArm(robot))
+
+    def _simulated(self, rig: Rig, motion: Motion) -> MotionStudy:
+        setting = setting_for(rig, [motion.reference], self.parameters, self.threads)
         laws = make_laws(self.feedforward, setting)
         with progress_bar("simulating", "s") as progress:
             return motion_study(

@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
-from ffgym.plant import Machine
+from ffgym.envs.rigs import is_workcell, workcell_named
+from ffgym.plant import Machine, load_machine
+from ffgym.plant.machine_file import is_machine_file
 from ffgym.robot import RobotDescription, robot_of
 
 
@@ -10,9 +12,16 @@ def machine_of(plant: Machine | RobotDescription | str | Path) -> Machine:
     """Return the machine that is simulated.
 
     Args:
-        plant: a machine, a description, a built-in name, or a path to a description that ends in .toml.
+        plant: a machine, a description, workcell:<name or seed>, a built-in robot, or a path that ends in .toml, to a
+            machine file or a description.
 
     Raises:
         FFGymError: if it is none of these.
     """
-    return plant if isinstance(plant, Machine) else Machine.of(robot_of(plant, "plant"))
+    if isinstance(plant, Machine):
+        return plant
+    if isinstance(plant, str) and is_workcell(plant):
+        return workcell_named(plant).machine
+    if isinstance(plant, str | Path) and is_machine_file(plant):
+        return load_machine(plant)
+    return Machine.of(robot_of(plant, "plant"))

@@ -11,7 +11,7 @@ from ffgym.effects import Effect, ModelEffect, NativeEffect, ResolverEffect, Tor
 from ffgym.errors import FFGymError
 from ffgym.plant.climate import Climate
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions, RobotDescription, build_spec
+from ffgym.robot import ModelOptions, RobotDescription, build_spec, physics_fingerprint
 from ffgym.types import Array
 
 
@@ -83,6 +83,10 @@ class Machine:
         """The machine when it has run for so long [s]; one without climate is always the same."""
         return self if self.climate is None else replace(self, climate=self.climate.at(running_since))
 
+    def later(self, seconds: float) -> Self:
+        """The machine when it has run for so much longer [s]."""
+        return self if self.climate is None else self.at(self.climate.running_since + seconds)
+
     def read_by_resolver(self, motor_angle: Array, motor_speed: Array) -> tuple[Array, Array]:
         """Angle [rad] and speed [rad/s] as the resolver reads the true ones, motor side, (..., N) each."""
         for effect in self.resolver_effects:
@@ -102,8 +106,12 @@ class Machine:
         """The machine with other numbers."""
         return replace(self, robot=robot)
 
+    def physics(self, options: ModelOptions) -> str:
+        """Fingerprint of the physics that a plant with these options has."""
+        return self.fingerprint(physics_fingerprint(self.spec(options).compile()))
+
     def fingerprint(self, model: str) -> str:
-        """Fingerprint of the physics: that of the engine's model alone, if there is nothing beside it."""
+        """Fingerprint of the physics: `model`, that of the engine's model, if there is nothing beside it."""
         beside = [effect for effect in self.effects if not isinstance(effect, NativeEffect | ModelEffect)]
         if not beside:
             return model

@@ -28,6 +28,11 @@ class Rig(ABC):
         """What the controller knows of the machine."""
         return self.arm.robot
 
+    @property
+    @abstractmethod
+    def fingerprint(self) -> str:
+        """Of the physics, which says no more than whether two are the same."""
+
     @abstractmethod
     def run(
         self,
@@ -44,7 +49,8 @@ class Rig(ABC):
         Args:
             runs: whatever model of the machine their references were made with, its controller runs them.
             seed: of the sensors' noise, or the randomness of each run.
-            started: how long the machine has run when each motion begins [s]; None is what it was set up for.
+            started: when each motion begins, since the time of the day that the machine is set up for [s]; None is
+                that time.
             record_dt: sample time of the recordings [s].
             n_threads: threads of the engine, 0 for all cores.
             progress: called now and then with the simulated seconds done and their total.
@@ -67,6 +73,11 @@ class SimulatedRig(Rig):
     sensors: Sequence[Sensor] = ()
     """What measures; none gives the exact state."""
     name: str = "nominal"
+
+    @property
+    def fingerprint(self) -> str:
+        """See base class."""
+        return Machine.of(self.machine or self.robot).physics(self.options or ModelOptions(looks=False))
 
     def run(
         self,
@@ -102,4 +113,4 @@ def _on(robot: RobotDescription, run: Run) -> Run:
 def _at(machine: Machine, started: Sequence[float], n_runs: int) -> list[Machine]:
     if len(started) != n_runs:
         raise FFGymError(f"There are {len(started)} times at which motions begin, for {n_runs} runs.")
-    return [machine.at(since) for since in started]
+    return [machine.later(since) for since in started]

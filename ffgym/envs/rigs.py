@@ -1,0 +1,50 @@
+"""Where motions can be run, by name: the door to the workcell, through which no truth comes out."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ffgym.errors import FFGymError
+from ffgym.robot import ModelOptions, RigidArm, load_robot
+from ffgym.simulation import Rig, Sensor, SimulatedRig
+from ffgym.workcell import INSTANCES, Workcell, draw, workcell
+
+WORKCELL = "workcell:"
+"""What names of workcells begin with."""
+
+
+def is_workcell(name: str | Path) -> bool:
+    """Whether a name is that of a workcell."""
+    return str(name).startswith(WORKCELL)
+
+
+def workcell_named(name: str) -> Workcell:
+    """The workcell called workcell:<name>, or workcell:<seed> for one that is drawn.
+
+    Raises:
+        FFGymError: if there is none of that name.
+    """
+    short = name.removeprefix(WORKCELL)
+    if short.isdecimal():
+        return draw(int(short))
+    if short not in INSTANCES:
+        names = ", ".join(f"{WORKCELL}{instance}" for instance in INSTANCES)
+        raise FFGymError(f"Unknown workcell {name!r}. Available: {names}, or {WORKCELL}<seed> for one drawn by a seed.")
+    return workcell(short)
+
+
+def rig_of(name: str | Path, *, options: ModelOptions | None = None, sensors: Sequence[Sensor] | None = None) -> Rig:
+    """Where to run motions.
+
+    Args:
+        name: workcell:<name or seed>; or a built-in robot, or a path to a description: that robot, as its own plant.
+        options: what to leave out of a simulated robot.
+        sensors: what measures on a simulated robot; none gives the exact state.
+
+    Raises:
+        FFGymError: if there is none of that name, or something is to be changed about a workcell.
+    """
+    if not is_workcell(name):
+        return SimulatedRig(arm=RigidArm(load_robot(name)), options=options, sensors=sensors or ())
+    if options is not None or sensors is not None:
+        raise FFGymError(f"{name} is what it is: nothing can be left out of it, and its sensors are its own.")
+    return workcell_named(str(name))
