@@ -27,3 +27,5 @@ from ffgym.envs.sensing import Sensing as Sensing
 from ffgym.envs.settings import Settings as Settings
 from ffgym.envs.stage import Stage as Stage
 from ffgym.envs.stage import Transition as Transition
+from ffgym.envs.workcell_circles import WorkcellCirclesEnv as WorkcellCirclesEnv
+from ffgym.envs.workcell_circles import WorkcellCirclesVectorEnv as WorkcellCirclesVectorEnv

@@ -105,4 +105,4 @@ class EpisodeRecorder:
             index=i,
             meta={"task": motion.task, "plant": plant.robots[i].name},
         )
-        return measure(exact, self._sensors, self._rng)
+        return measure(plant.machines[i].seen(exact), self._sensors, self._rng)

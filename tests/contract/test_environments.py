@@ -16,6 +16,8 @@ import ffgym
 from ffgym.registration import ENVIRONMENTS
 
 IDS = sorted(name for name in gym.registry if name.startswith("ffgym/"))
+PATIENT = [pytest.param(name, marks=pytest.mark.slow) if "Workcell" in name else name for name in IDS]
+"""For questions that take many steps: a workcell's physics take twenty times longer than the engine's alone."""
 SHORT = 40
 """Steps: enough to leave standstill where there is one, short enough to end many episodes."""
 
@@ -34,7 +36,7 @@ def test_gymnasium_finds_nothing_to_complain_about(name):
     shutil.which("xvfb-run") is None and os.environ.get("FFGYM_REQUIRE_GL") != "1",
     reason="needs xvfb-run, a screen in memory, to open windows",
 )
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", PATIENT)
 def test_gymnasium_finds_nothing_to_complain_about_in_any_render_mode(name):
     program = (
         "import gymnasium as gym, ffgym; from gymnasium.utils.env_checker import check_env;"
@@ -45,7 +47,7 @@ def test_gymnasium_finds_nothing_to_complain_about_in_any_render_mode(name):
     assert (done.stdout.strip(), done.stderr) == ("no complaint", "")
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", PATIENT)
 def test_stable_baselines_finds_nothing_to_complain_about(name):
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
     checker.check_env(gym.make(name), warn=True, skip_render_check=True)
@@ -78,7 +80,7 @@ def digest(arrays):
     return hashlib.sha256(b"".join(np.ascontiguousarray(a).tobytes() for a in arrays)).hexdigest()
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", PATIENT)
 def test_bits_do_not_depend_on_threads_or_on_the_process(name):
     env = gym.make_vec(name, num_envs=3)
     actions = actions_for(env, SHORT, 3)
@@ -94,7 +96,7 @@ def test_bits_do_not_depend_on_threads_or_on_the_process(name):
     assert len(digests) == 1
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", PATIENT)
 def test_a_sub_environment_equals_the_single_environment_bit_for_bit(name):
     n, horizon = 3, 17
     vector = gym.make_vec(name, num_envs=n)
@@ -124,7 +126,7 @@ def test_a_sub_environment_equals_the_single_environment_bit_for_bit(name):
         assert 2 * horizon < SHORT  # episodes ended on the way
 
 
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize("name", PATIENT)
 def test_next_step_autoreset_spends_one_step_on_the_reset(name):
     n, horizon = 2, 7
     env = gym.make_vec(name, num_envs=n, horizon=horizon)

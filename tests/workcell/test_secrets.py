@@ -1,13 +1,17 @@
 """The truth of a workcell is shut away: nothing that an agent, a reader of logs or of messages sees holds it."""
 
 import ast
+import pickle
 from pathlib import Path
 
+import gymnasium as gym
 import numpy as np
 import pytest
 
 import ffgym
 from ffgym.control import joint_reference
+from ffgym.envs import EpisodeRecorder
+from ffgym.errors import FFGymError
 from ffgym.paths import multisine
 from ffgym.recordings import write_recording
 from ffgym.simulation import Run, simulate
@@ -102,3 +106,45 @@ def test_a_recording_without_sensors_lacks_the_truth_too():
     exact = simulate([Run(reference=motion)], machine=cell.machine, n_threads=1)[0]
     assert not exact.has("friction.effort")
     assert not exact.has("link.position")
+
+
+def test_an_environment_shows_an_agent_nothing_of_it():
+    env = gym.make("ffgym/WorkcellCircles-v0", speeds=[0.04], radii=[0.001], positions=["p1"], horizon=20)
+    known = gym.make("ffgym/CirclePath-v0", robot="irb4600_60_205_commissioned")
+    assert list(env.unwrapped.observation_layout) == list(known.unwrapped.observation_layout)
+    for name, entry in env.unwrapped.observation_layout.items():  # scales are of what the controller knows
+        np.testing.assert_array_equal(entry.scale, known.unwrapped.observation_layout[name].scale)
+    _, info = env.reset(seed=0)
+    _, known_info = known.reset(seed=0)
+    assert set(info) == set(known_info)
+    shown = repr(env) + str(env.spec) + repr(info) + env.spec.to_json() + repr(pickle.dumps(env.spec))
+    assert "thesis" in repr(env.unwrapped.core.plant.machines) + shown
+    assert not any(number in shown for number in numbers_of(workcell("thesis")))
+
+
+def test_a_recorder_of_an_environment_gets_no_truth():
+    recorder = EpisodeRecorder()
+    env = gym.make(
+        "ffgym/WorkcellCircles-v0", speeds=[0.1], radii=[0.001], positions=["p1"], horizon=5, recorder=recorder
+    )
+    env.reset(seed=0)
+    for _ in range(5):
+        env.step(env.action_space.sample() * 0)
+    (recording,) = recorder.recordings
+    assert not any(recording.has(family) for family in ("friction.effort", "link.position", "link.velocity"))
+
+
+@pytest.mark.parametrize(
+    "arguments", [{"plant": "irb4600_60_205"}, {"robot": "irb4600_60_205"}, {"randomization": None}, {"workcell": "x"}]
+)
+def test_a_workcell_cannot_be_made_another(arguments):
+    with pytest.raises(FFGymError, match="workcell"):
+        gym.make("ffgym/WorkcellCircles-v0", **arguments)
+
+
+def test_another_workcell_can_be_chosen_for_an_episode():
+    env = gym.make("ffgym/WorkcellCircles-v0", workcell=7, speeds=[0.04], radii=[0.001], positions=["p1"])
+    env.reset(seed=0)
+    first = env.unwrapped.core.plant.fingerprint()
+    env.reset(seed=0, options={"plant": "workcell:cold"})
+    assert env.unwrapped.core.plant.fingerprint() != first
