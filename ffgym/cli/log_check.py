@@ -1,0 +1,81 @@
+"""`ffgym log check`: what logs are good for, before anything is concluded from them."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tyro
+
+from ffgym.cli.outputs import check_outputs, need_extra, provenance
+from ffgym.cli.progress import progress_bar
+from ffgym.errors import FFGymError
+from ffgym.files import write_json, write_text
+from ffgym.logs import read_logs
+from ffgym.quality import QualityReport, check_quality
+from ffgym.robot import load_robot
+
+
+@dataclass(frozen=True)
+class Check:
+    """Judge clock, columns, units, torque, tracker and coverage of logs; fails if one is insufficient."""
+
+    logs: tyro.conf.Positional[tuple[str, ...]]
+    """Recordings (.npz, .csv); files of other tools with --columns."""
+    robot: str | None = None
+    """Built-in robot, or a description (.toml); without it nothing is judged that hangs on masses, ranges or limits."""
+    columns: str | None = None
+    """Column map for files of other tools: a built-in name, or a file that ends in .toml."""
+    needs: tuple[str, ...] = ()
+    """Uses that the logs must serve, e.g. friction tracker temperature; see docs/quality.md."""
+    figures: bool = False
+    """Also print every figure beside its limit."""
+    report: Path | None = None
+    """Page with a picture to write, .html, in one file that can be sent."""
+    json: Path | None = None
+    """Also write every finding to this file."""
+
+    def run(self) -> None:
+        """Check, read, judge, write, print.
+
+        Raises:
+            FFGymError: at the end, if a log is insufficient.
+        """
+        if not self.logs:
+            raise FFGymError("There is nothing to check: name at least one log.")
+        if self.report is not None:
+            need_extra("The report", "matplotlib", "jinja2")
+        inputs = (*self.logs, self.robot, self.columns)
+        check_outputs({"--report": self.report, "--json": self.json}, inputs=inputs)
+        reports = self._judged()
+        info = provenance("ffgym log check", self, self.robot or "", None, None)
+        self._write(reports, info)
+        from ffgym.report.quality.text import format_quality
+
+        texts = [f"{name}\n{format_quality(report, figures=self.figures)}" for name, report in reports]
+        print("\n\n".join(texts))
+        for what, place in (("report", self.report), ("numbers", self.json)):
+            if place is not None:
+                print(f"{what}: {place}")
+        bad = [name for name, report in reports if report.verdict == "insufficient"]
+        if bad:
+            raise FFGymError(f"Insufficient: {', '.join(bad)}; see above what is refused, and the way out.")
+
+    def _judged(self) -> list[tuple[str, QualityReport]]:
+        """File names, each with the report of a motion in it."""
+        robot = None if self.robot is None else load_robot(self.robot)
+        reports = []
+        with progress_bar("checking", "logs") as progress:
+            for done, path in enumerate(self.logs):
+                progress(done, len(self.logs))
+                recordings = read_logs(path, self.columns, robot=robot if self.columns else None)
+                reports += [(path, check_quality(recording, robot, self.needs)) for recording in recordings]
+        return reports
+
+    def _write(self, reports: list[tuple[str, QualityReport]], info: dict[str, Any]) -> None:
+        """Files first: nobody may read what is printed."""
+        if self.report is not None:
+            from ffgym.report.quality.page import render_quality_page
+
+            write_text(self.report, render_quality_page(reports, info))
+        if self.json is not None:
+            write_json(self.json, info | {"logs": [{"file": name} | report.numbers() for name, report in reports]})

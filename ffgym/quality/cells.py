@@ -1,0 +1,161 @@
+"""Checks of single rows: values that stick out, jumps, bursts of noise."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from ffgym.quality.check import Check, Seen
+from ffgym.quality.log import Log
+from ffgym.quality.runs import smallest_step
+from ffgym.recordings import FAMILIES
+from ffgym.types import Array, IntArray
+
+_REACH = 10
+"""Rows to either side that say what is usual: enough to know the noise, few enough to stay in one phase of a motion."""
+
+_FLOOR = 1e-3
+"""Share of the range of a column that never counts as more than noise: what this check overlooks (docs/quality.md)."""
+
+_CONTINUOUS = (
+    *("motor.position", "link.position", "reference.position", "tcp.position", "tcp_reference.position"),
+    *("motor.velocity", "link.velocity", "reference.velocity", "temperature"),
+)
+"""Families whose quantity cannot jump; torques may, with the sign of a speed."""
+
+_BURST = 64
+"""Rows over which noise is measured."""
+
+_WHITE = 5.0
+"""Energy of third over first differences from which on a window holds noise, not motion: it is 10 for white noise."""
+
+
+def _usual(x: Array) -> Array:
+    """Largest difference between neighbours within `_REACH`, the two at the row itself left out; shape (T,)."""
+    steps = np.concatenate([np.zeros(_REACH), np.abs(np.diff(x)), np.zeros(_REACH)])
+    windows = sliding_window_view(steps, _REACH - 1).max(axis=1)
+    rows = np.arange(len(x))
+    before, after = windows[rows], windows[rows + _REACH + 1]
+    floor = max(smallest_step(x), _FLOOR * float(np.ptp(x)), np.finfo(np.float64).tiny)
+    return np.maximum(np.maximum(before, after), floor)
+
+
+def outlier_ratio(x: Array) -> Array:
+    """How far each row of `x` (T,) sticks out of both neighbours, over what is usual there; shape (T,)."""
+    steps = np.diff(x)
+    out = np.zeros(len(x))
+    into, away = steps[:-1], -steps[1:]
+    out[1:-1] = np.where(into * away > 0, np.minimum(np.abs(into), np.abs(away)), 0.0)
+    out[:2] = 0.0  # a run may begin with a step of its servo
+    out[-1] = abs(x[-1] - 2 * x[-2] + x[-3])
+    return np.asarray(out / _usual(x))
+
+
+def jump_ratio(x: Array) -> Array:
+    """How much larger each difference of `x` (T,) is than those around it; shape (T - 1,)."""
+    steps = np.concatenate([np.zeros(_REACH), np.abs(np.diff(x)), np.zeros(_REACH)])
+    windows = sliding_window_view(steps, _REACH).max(axis=1)
+    rows = np.arange(len(x) - 1)
+    floor = max(smallest_step(x), _FLOOR * float(np.ptp(x)), np.finfo(np.float64).tiny)
+    usual = np.maximum(np.maximum(windows[rows], windows[rows + _REACH + 1]), floor)
+    return np.asarray(np.abs(np.diff(x)) / usual)
+
+
+def _numbers(log: Log, families: tuple[str, ...] | None = None) -> Iterator[tuple[str, IntArray, Array]]:
+    """Name, rows that are not missing, and values of the columns that have at least 2 `_REACH` of them."""
+    owners = {name: family for family in log.families for name in FAMILIES[family].columns(log.joints)}
+    for name, values in log.recording.columns.items():
+        if name == "timestamp" or (families is not None and owners.get(name) not in families):
+            continue
+        rows = np.flatnonzero(np.isfinite(values))
+        if len(rows) > 2 * _REACH and name != "tcp.timestamp":
+            yield name, rows, values[rows]
+
+
+def _joint_of(log: Log, name: str) -> str:
+    part = name.rpartition(".")[2]
+    return part if part in log.joints and not name.startswith("user.") else ""
+
+
+def _spikes(log: Log) -> Iterator[Seen]:
+    for name, rows, x in _numbers(log):
+        ratio = outlier_ratio(x)
+        worst = int(np.argmax(ratio))
+        message = (
+            f"{name}: {x[worst]:.6g} at {log.t[rows[worst]]:.4g} s sticks out of the rows around it by "
+            f"{ratio[worst]:.3g} of their largest steps, must be below 5; {np.sum(ratio > _SPIKE)} rows do. Repair or "
+            "cut them."
+        )
+        yield Seen(value=float(ratio[worst]), message=message, columns=(name,), joint=_joint_of(log, name))
+
+
+_SPIKE = 5.0
+
+
+def _jumps(log: Log) -> Iterator[Seen]:
+    for name, rows, x in _numbers(log, _CONTINUOUS):
+        ratio = jump_ratio(x)
+        ratio[0] = 0.0  # a run may begin with a step of its servo
+        ratio[np.diff(rows) > np.median(np.diff(rows))] = 0.0  # a longer way between samples that are not missing
+        worst = int(np.argmax(ratio))
+        message = (
+            f"{name}: jumps by {x[worst + 1] - x[worst]:.4g} {log.recording.unit(name)} after "
+            f"{log.t[rows[worst]]:.4g} s, {ratio[worst]:.3g} of the largest steps around it, must be below 10. Look "
+            "for a lost count, a new zero, or rows that do not belong together."
+        )
+        yield Seen(value=float(ratio[worst]), message=message, columns=(name,), joint=_joint_of(log, name))
+
+
+def _bursts(log: Log) -> Iterator[Seen]:
+    for name, rows, x in _numbers(log):
+        if len(x) < 8 * _BURST:
+            continue
+        levels = noise_levels(x)
+        usual = max(float(np.median(levels)), smallest_step(x), _FLOOR * float(np.ptp(x)))
+        worst = int(np.argmax(levels))
+        ratio = float(levels[worst] / usual) if usual else 0.0
+        message = (
+            f"{name}: noise around {log.t[rows[worst * _BURST]]:.4g} s is {ratio:.3g} of the usual {usual:.3g} "
+            f"{log.recording.unit(name)}, must be below 15. Look for a bad contact or a disturbance; cut it out."
+        )
+        yield Seen(value=ratio, message=message, columns=(name,), joint=_joint_of(log, name))
+
+
+def noise_levels(x: Array) -> Array:
+    """Standard deviation of white noise in windows of `_BURST` rows of `x` (T,); 0 where motion hides it."""
+    count = (len(x) - 3) // _BURST
+    first = np.diff(x)[: count * _BURST].reshape(count, _BURST)
+    third = np.diff(x, 3)[: count * _BURST].reshape(count, _BURST)
+    energy, motion = np.mean(third**2, axis=1), np.var(first, axis=1)
+    return np.where(energy > _WHITE * motion, np.sqrt(energy / 20), 0.0)
+
+
+CELLS = (
+    Check(
+        name="spike",
+        figure="Largest excursion of a single row over the largest steps around it",
+        unit="1",
+        flag=_SPIKE,
+        refuse=8.0,
+        why="Gaussian noise reaches 3, recorded torque 3.9; a row beyond 8 is no sample of a machine",
+        judge=_spikes,
+    ),
+    Check(
+        name="jump",
+        figure="Largest step over the steps around it, in columns that cannot jump",
+        unit="1",
+        flag=10.0,
+        refuse=10.0,
+        why="positions, speeds and temperatures are continuous; 10 is beyond any corner that a sample time can show",
+        judge=_jumps,
+    ),
+    Check(
+        name="noise_burst",
+        figure="Noise of 64 rows over the usual noise",
+        unit="1",
+        flag=15.0,
+        why="the torque noise of recorded robots changes with speed and load by a factor of up to 10",
+        judge=_bursts,
+    ),
+)
+"""Checks of single rows."""

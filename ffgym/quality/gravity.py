@@ -1,0 +1,71 @@
+"""Check of the direction in which gravity acts: how the robot is mounted, as its torques say."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ffgym.quality.check import Check, NotJudgedError, Seen
+from ffgym.quality.log import Log
+from ffgym.quality.model import Model, model_of, rms
+from ffgym.robot import RigidArm
+from ffgym.types import Array
+
+_SEEN = 0.2
+"""Share of the best seen component of gravity below which another one is not seen: small motions turn no link."""
+
+_ROWS = 300
+"""Rows that are compared."""
+
+
+def _direction(log: Log) -> Iterator[Seen]:
+    model = model_of(log)
+    heavy = [j for j in model.joints if rms(model.gravity[:, j]) > 0.3 * rms(model.measured[:, j])]
+    if not heavy or not np.any(model.robot.gravity):
+        raise NotJudgedError("gravity is no large part of any torque")
+    few = slice(0, None, max(1, len(log.t) // _ROWS))
+    weight = 1 / np.array([rms(model.measured[:, j]) for j in heavy])
+    q, rest = model.q[few], (model.measured - model.motion - model.friction)[few]
+    rest = rest - model.robot.drive.motor_torque(RigidArm(model.robot).spring_torque(q))
+    size = float(np.linalg.norm(model.robot.gravity))
+    columns = np.stack([(_torque(model, q, size * axis)[:, heavy] * weight).ravel() for axis in np.eye(3)], axis=1)
+    angle = _angle(columns, (rest[:, heavy] * weight).ravel(), model.robot.gravity / size)
+    message = (
+        f"motor.effort: gravity acts {angle:.0f} deg away from where the description of {model.robot.name} has it, "
+        "must be within 45 deg. Give simulation.gravity as the robot is mounted (upside down, at a wall), or look at "
+        "the signs."
+    )
+    yield Seen(value=angle, message=message, columns=tuple(f"motor.effort.{log.joints[j]}" for j in heavy))
+
+
+def _torque(model: Model, q: Array, gravity: Array) -> Array:
+    """Motor torque [N m] that holds the links in another gravity, (R, N)."""
+    robot = replace(model.robot, gravity=gravity)
+    return robot.drive.motor_torque(RigidArm(robot).gravity_torque(q))
+
+
+def _angle(columns: Array, torque: Array, expected: Array) -> float:
+    """Angle [deg] between the gravity that explains `torque` (R,) by `columns` (R, 3), and the expected one (3,).
+
+    Both are taken in the directions that the torques tell apart.
+    """
+    u, s, vt = np.linalg.svd(columns, full_matrices=False)
+    seen = s > _SEEN * s[0]
+    measured = (u[:, seen].T @ torque) / s[seen]
+    expected = vt[seen] @ expected
+    size = max(float(np.linalg.norm(measured) * np.linalg.norm(expected)), np.finfo(np.float64).tiny)
+    return float(np.degrees(np.arccos(np.clip(measured @ expected / size, -1, 1))))
+
+
+GRAVITY = (
+    Check(
+        name="gravity_direction",
+        figure="Angle between measured and described gravity",
+        unit="deg",
+        flag=45.0,
+        refuse=90.0,
+        why="friction and payloads that are not described turn it by up to 25 deg, a wall by 90, a ceiling by 180",
+        judge=_direction,
+    ),
+)
+"""Checks of the mounting."""

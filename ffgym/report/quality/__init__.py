@@ -1,0 +1,1 @@
+"""What the quality gate found, as text and as a page."""

@@ -1,0 +1,39 @@
+"""What the quality gate found in a recording, as text for a terminal."""
+
+from ffgym.quality import Finding, QualityReport
+from ffgym.report.circles.tables import filled
+
+_WORDS = {
+    "good": "good: nothing to object to",
+    "usable": "usable, with what is flagged in mind",
+    "insufficient": "insufficient: do not conclude from it what hangs on what is refused",
+}
+
+
+def headline(report: QualityReport) -> str:
+    """The verdict in one sentence."""
+    name = f"{report.robot}, {report.segment}" if report.segment else report.robot
+    return f"{name}: {report.n_rows} rows, {report.duration:.6g} s. {_WORDS[report.verdict].capitalize()}."
+
+
+def format_quality(report: QualityReport, *, figures: bool = False) -> str:
+    """The verdict, every problem, and in short what is in order or could not be judged.
+
+    Args:
+        report: what was found.
+        figures: also list every figure beside its limit.
+    """
+    lines = [headline(report)]
+    lines += [filled(f"{finding.verdict}: [{finding.check}] {finding.message}") for finding in report.problems]
+    if figures:
+        lines += [_figure(finding) for finding in report.findings if finding.value is not None]
+    for verdict, title in (("ok", "in order"), ("not judged", "not judged")):
+        names = dict.fromkeys(finding.check for finding in report.findings if finding.verdict == verdict)
+        if names:
+            lines.append(filled(f"{title}: {', '.join(names)}"))
+    return "\n".join(lines)
+
+
+def _figure(finding: Finding) -> str:
+    limit = "" if finding.limit is None else f"{finding.limit:.4g}"
+    return f"  {finding.check:20} {finding.place:26} {finding.value:12.4g} {limit:>10} {finding.unit}"
