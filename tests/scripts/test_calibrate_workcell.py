@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
+from ffgym.paths import RADII
+from ffgym.published import METHODS, published_mm
 from ffgym.robot import with_parameters
+from ffgym.studies import Cell
 from ffgym.workcell.reading import build
 from scripts.calibrate_workcell import Config, main
 from scripts.workcell import objective as objectives
@@ -16,6 +19,7 @@ from scripts.workcell.free import FREE, SPREAD, applied, changed_entries, table_
 from scripts.workcell.objective import Objective
 from scripts.workcell.prior import prior_trees
 from scripts.workcell.search import search
+from scripts.workcell.table import SPEEDS, summary, table_lines
 from scripts.workcell.writing import rounded, write_result
 
 
@@ -134,3 +138,34 @@ def test_the_command_line_evaluates_the_prior(tmp_path, monkeypatch, capsys):
     assert reached["median"] > 0.1
     assert "step 0" in capsys.readouterr().out
     assert (tmp_path / "thesis.toml").exists()
+
+
+def cells_off_by(factor):
+    """All cells of Tables 4.1 to 5.2, off by one factor."""
+    return [
+        Cell(
+            agent=law,
+            plant="thesis",
+            position=position,
+            radius_mm=round(radius * 1e3, 6),
+            speed_mm_s=round(speed * 1e3, 6),
+            rms_mm=factor * published_mm(law, "rms", speed, radius, position),
+            max_mm=factor * published_mm(law, "max", speed, radius, position),
+            rms_3d_mm=0.0,
+            max_3d_mm=0.0,
+            motor_rms_rad=[],
+        )
+        for law in METHODS
+        for speed in SPEEDS
+        for radius in RADII
+        for position in ("p1", "p2", "p3", "p4")
+    ]
+
+
+def test_the_table_has_all_published_numbers_and_the_networks_are_the_check():
+    cells = cells_off_by(1.2)
+    lines = table_lines(cells)
+    assert sum(line.count(" / ") for line in lines) == 240
+    assert sum("bsn" in line for line in lines) == 24
+    assert summary(cells) == pytest.approx(dict.fromkeys(summary(cells), np.log(1.2)))
+    assert list(summary(cells)) == ["rms, fitted", "rms, kept out", "max, fitted", "max, kept out"]
