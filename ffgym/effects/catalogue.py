@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ffgym.effects import drive, friction, measurement, transmission
+from ffgym.effects import controller, drive, friction, load, measurement, transmission
 from ffgym.effects.effect import Effect
 
 _EFFECTS: tuple[type[Effect], ...] = (
@@ -18,13 +18,27 @@ _EFFECTS: tuple[type[Effect], ...] = (
     friction.PositionFriction,
     friction.DwellStiction,
     friction.StribeckExponent,
+    transmission.JointStiffness,
+    transmission.Hardening,
+    transmission.TorsionalHysteresis,
+    transmission.Backlash,
     transmission.KinematicError,
+    transmission.WristCoupling,
     drive.Cogging,
     drive.TorqueRipple,
     drive.TorqueConstant,
     drive.TorqueOffset,
     drive.TorqueDelay,
     measurement.ResolverRipple,
+    load.Payload,
+    load.RotorInertia,
+    load.GravityTerm,
+    load.CablePull,
+    measurement.ToolFrame,
+    measurement.TrackerFrame,
+    measurement.TrackerClock,
+    measurement.JointZeros,
+    controller.ServoGains,
 )
 
 EFFECTS: Mapping[str, type[Effect]] = MappingProxyType({effect.name: effect for effect in _EFFECTS})

@@ -53,6 +53,16 @@ class State:
     temperature: Array
     """Of gearbox and motor [degC]."""
 
+    @property
+    def link_angle(self) -> Array:
+        """Where the link is [rad], link side."""
+        return self.joint_angle + self.deflection
+
+    @property
+    def link_speed(self) -> Array:
+        """How fast the link turns [rad/s], link side."""
+        return self.joint_speed + self.deflection_rate
+
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Torques:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.errors import FFGymError, check_number
 from ffgym.robot import RobotDescription
-from ffgym.robot.parts import point_mass_inertia
+from ffgym.robot.payload import with_payload as with_payload
 from ffgym.types import Array
 
 
@@ -118,32 +118,6 @@ class PlantDistribution:
             tool=tool,
             quantities=MappingProxyType({}),  # origins of the numbers that were just changed
         )
-
-
-def with_payload(robot: RobotDescription, mass: float) -> RobotDescription:
-    """Return the robot with a point mass [kg] at its TCP; a small ball, if the tool itself weighs nothing.
-
-    Raises:
-        FFGymError: if the robot has no tool, or the mass is negative.
-    """
-    mass = check_number("payload", mass, unit="kg", low=0.0)
-    if robot.tool is None:
-        raise FFGymError(f"Robot {robot.name!r} has no tool, so it can carry no payload.")
-    tool = robot.tool
-    total = tool.mass + mass
-    if total == 0:
-        return robot
-    if tool.mass == 0:
-        return replace(robot, tool=replace(tool, mass=mass, com=tool.tcp, inertia=point_mass_inertia(mass)))
-    com = (tool.mass * tool.com + mass * tool.tcp) / total
-    inertia = tool.inertia + tool.mass * _about(tool.com - com) + mass * _about(tool.tcp - com)
-    return replace(robot, tool=replace(tool, mass=total, com=com, inertia=inertia))
-
-
-def _about(arm: Array) -> Array:
-    """Inertia of a unit point mass at `arm` (3,) [m] about the origin, order xx, yy, zz, xy, xz, yz."""
-    x, y, z = arm
-    return np.array([y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z])
 
 
 def _factor(distribution: Distribution | None, rng: np.random.Generator, n: int) -> Array:

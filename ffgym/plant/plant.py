@@ -61,6 +61,7 @@ class Plant:
         n_threads = check_whole("n_threads", n_threads, low=0, high=MAX_THREADS)
         machine = Machine.of(robot)
         self.robot = robot = machine.robot
+        self._first = machine
         self.machines = [machine] * n_robots
         """What each simulation is: the first, or what it was made to `become`."""
         self._options = options
@@ -114,9 +115,8 @@ class Plant:
     def fingerprint(self, index: int = 0) -> str:
         """Fingerprint of the physics of one simulation."""
         machine = self.machines[index]
-        own = machine.robot is self.robot and not machine.effects
-        model = physics_fingerprint(self.model if own else self.batch.get_model(index))
-        return machine.fingerprint(model)
+        model = self.model if machine.is_as(self._first) else machine.spec(self._options).compile()
+        return machine.fingerprint(physics_fingerprint(model))
 
     def become(self, ids: Sequence[int] | IntArray, robots: Sequence[RobotDescription | Machine]) -> None:
         """Give simulations `ids` other physics: masses, stiffness, friction, ... of `robots`; then put them to `rest`.

@@ -1,0 +1,3 @@
+"""What the machine's controller does otherwise than documented."""
+
+from ffgym.effects.controller.servo_gains import ServoGains as ServoGains

@@ -1,0 +1,68 @@
+"""G4: a dress pack that is bent along."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.friction.slip_elements import advanced
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CablePull(TorqueEffect):
+    """Cables and hoses: a spring about the angle at which they were laid, and strands that slip on each other."""
+
+    name: ClassVar[str] = "cable_pull"
+    code: ClassVar[str] = "G4"
+    title: ClassVar[str] = "cables and dress pack"
+    equation: ClassVar[str] = (
+        r"\tau_{link} \mathrel{-}= k_c\, (q - q_0) + h\, s, \quad s \to \mathrm{clip}(s + \Delta q / w, \pm 1)"
+    )
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = (
+        "torque: a function of the joint angle, weakly of its direction; another after re-dressing"
+    )
+    way_in: ClassVar[str] = "torque at every physics step on the link, with memory"
+    confusable_with: ClassVar[tuple[str, ...]] = ("G3",)
+    separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
+
+    stiffness: Array = parameter(
+        "k_c, link side",
+        unit="N m/rad",
+        low=0.0,
+        high=30.0,
+        minimum=0.0,
+        source="chosen: some N m over the travel of a wrist",
+    )
+    hysteresis: Array = parameter(
+        "h, link side", unit="N m", low=0.0, high=10.0, minimum=0.0, source="chosen: some N m of rubbing strands"
+    )
+    width: Array = parameter(
+        "w, travel after a reversal at which all strands slip, link side",
+        unit="rad",
+        null=None,
+        low=0.02,
+        high=0.5,
+        minimum=1e-4,
+        default=0.1,
+        source="chosen: some degrees",
+    )
+    neutral: Array = parameter(
+        "q_0, angle at which they were laid", unit="rad", null=None, low=-1.5, high=1.5, default=0.0, source="any"
+    )
+
+    def initial_memory(self, state: State) -> Array:
+        """See base class; strands are relaxed."""
+        return np.zeros((*state.joint_angle.shape, 1))
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class; the last physics step moved the link by its present speed."""
+        speed = state.link_speed
+        slip = advanced(memory, speed, speed, dt, self.width[..., None])
+        pull = self.stiffness * (state.link_angle - self.neutral) + self.hysteresis * slip[..., 0]
+        return Torques(link=-pull), slip

@@ -1,0 +1,56 @@
+"""G3: gravity that masses do not explain, and springs that carry it."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GravityTerm(TorqueEffect):
+    """A function of one joint's own angle: hoses, a centre of mass off its place, a counterbalance."""
+
+    name: ClassVar[str] = "gravity_term"
+    code: ClassVar[str] = "G3"
+    title: ClassVar[str] = "gravity term and counterbalance"
+    equation: ClassVar[str] = r"\tau_{link} \mathrel{-}= c_1 \sin q + c_2 \cos q + k_s\, (q - q_0)"
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = "torque: even in the speed, a function of one joint's angle, no inertia with it"
+    way_in: ClassVar[str] = "torque at every physics step on the link"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F5", "G4", "M4")
+    separating_motions: ClassVar[tuple[str, ...]] = ("holds", "slow_triangles")
+
+    sine: Array = parameter(
+        "c_1, link side", unit="N m", low=-100.0, high=100.0, source="chosen: 10 kg at 1 m, as a description may miss"
+    )
+    cosine: Array = parameter("c_2, link side", unit="N m", low=-100.0, high=100.0, source="as c_1")
+    stiffness: Array = parameter(
+        "k_s, link side",
+        unit="N m/rad",
+        low=0.0,
+        high=100.0,
+        minimum=0.0,
+        source="chosen: a weak counterbalance; a strong one is a spring of the description",
+    )
+    neutral: Array = parameter(
+        "q_0, where the spring is relaxed",
+        unit="rad",
+        null=None,
+        low=-1.0,
+        high=1.0,
+        default=0.0,
+        source="chosen: about the upright arm",
+    )
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        q = state.link_angle
+        return Torques(
+            link=-(self.sine * np.sin(q) + self.cosine * np.cos(q) + self.stiffness * (q - self.neutral))
+        ), memory

@@ -1,0 +1,63 @@
+"""G1: a load that nobody told the controller of."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from ffgym.effects.effect import NativeEffect, Side
+from ffgym.effects.parameter import parameter
+from ffgym.errors import FFGymError
+from ffgym.robot import RobotDescription
+from ffgym.robot.payload import with_payload
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Payload(NativeEffect):
+    """A body at the tool, beside the tool itself."""
+
+    name: ClassVar[str] = "payload"
+    code: ClassVar[str] = "G1"
+    title: ClassVar[str] = "payload"
+    equation: ClassVar[str] = r"\tau \mathrel{+}= J^T m\, (\ddot r_c - g) + J_\omega^T m \rho^2 \dot\omega"
+    side: ClassVar[Side] = "tool"
+    signature: ClassVar[str] = (
+        "torque: on several joints at once, in the ratio of the columns of the Jacobian, at rest too"
+    )
+    way_in: ClassVar[str] = "native: mass, centre of mass and inertia of the tool"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F6", "G2", "T1", "T6")
+    separating_motions: ClassVar[tuple[str, ...]] = ("holds", "slow_triangles", "excitation")
+
+    mass: Array = parameter(
+        "m", unit="kg", low=0.0, high=60.0, minimum=0.0, per="machine", source="robots for 10 to 250 kg; here 60 kg"
+    )
+    offset: Array = parameter(
+        "centre of mass from the TCP, in the axes of tool0",
+        unit="m",
+        null=None,
+        low=-0.2,
+        high=0.2,
+        default=0.0,
+        per="vector",
+        source="chosen: dimensions of a gripper and what it holds",
+    )
+    radius: Array = parameter(
+        "rho, radius of gyration about the centre of mass",
+        unit="m",
+        null=None,
+        low=0.0,
+        high=0.3,
+        minimum=0.0,
+        default=0.0,
+        per="machine",
+        source="chosen: a body of half a metre",
+    )
+
+    def check_fits(self, robot: RobotDescription) -> None:
+        """See base class."""
+        if robot.tool is None:
+            raise FFGymError(f"Robot {robot.name!r} has no tool, so it cannot have effect payload.")
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        return with_payload(robot, float(self.mass), self.offset, float(self.radius))

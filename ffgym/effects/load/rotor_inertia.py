@@ -1,0 +1,39 @@
+"""G2: a motor that is heavier to turn than described."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+from ffgym.effects.effect import NativeEffect, Side
+from ffgym.effects.parameter import parameter
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RotorInertia(NativeEffect):
+    """More inertia of motor, brake and gear input."""
+
+    name: ClassVar[str] = "rotor_inertia"
+    code: ClassVar[str] = "G2"
+    title: ClassVar[str] = "rotor inertia"
+    equation: ClassVar[str] = r"J_m \to (1 + a)\, J_m"
+    side: ClassVar[Side] = "motor"
+    signature: ClassVar[str] = "torque: proportional to the motor's own acceleration, on one joint only"
+    way_in: ClassVar[str] = "native: armature of the motor joint"
+    confusable_with: ClassVar[tuple[str, ...]] = ("G1", "M5")
+    separating_motions: ClassVar[tuple[str, ...]] = ("excitation",)
+
+    change: Array = parameter(
+        "a, more rotor inertia as a share of it",
+        unit="1",
+        low=-0.2,
+        high=0.2,
+        minimum=-0.9,
+        source="chosen: brakes and gear inputs that data sheets leave out",
+    )
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        drive = robot.drive
+        return replace(robot, drive=replace(drive, rotor_inertia=drive.rotor_inertia * (1 + self.change)))

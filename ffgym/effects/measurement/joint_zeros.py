@@ -1,0 +1,51 @@
+"""X4: links that are not quite as long, and joints not quite at zero, as the kinematic model says."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+from ffgym.effects.effect import Side, TrackerEffect
+from ffgym.effects.measurement.tool_position import with_tool_at
+from ffgym.effects.parameter import parameter
+from ffgym.recordings import Recording
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointZeros(TrackerEffect):
+    """Geometry that shows in the tool position; forces are too little changed by it to be changed here."""
+
+    name: ClassVar[str] = "joint_zeros"
+    code: ClassVar[str] = "X4"
+    title: ClassVar[str] = "joint zeros and link lengths"
+    equation: ClassVar[str] = r"p_{meas} = p + p_{(1 + e) l}(q + q_0) - p_l(q)"
+    side: ClassVar[Side] = "tool"
+    signature: ClassVar[str] = "tool: a function of the pose, at rest too; nothing in torque"
+    way_in: ClassVar[str] = "recorded tool positions; environments see the true tool"
+    confusable_with: ClassVar[tuple[str, ...]] = ("X1", "X2")
+    separating_motions: ClassVar[tuple[str, ...]] = ("holds", "excitation")
+
+    zero: Array = parameter(
+        "q_0, link side", unit="rad", low=-5e-4, high=5e-4, source="chosen: half a millimetre in a metre, uncalibrated"
+    )
+    stretch: Array = parameter(
+        "e, of the vector from the joint before to this one",
+        unit="1",
+        low=-1e-3,
+        high=1e-3,
+        minimum=-0.5,
+        source="chosen: a millimetre in a metre, uncalibrated",
+    )
+
+    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """See base class."""
+
+        def seen(position: Array) -> Array:
+            geometry = robot.kinematics
+            longer = replace(geometry, position=geometry.position * (1 + self.stretch[:, None]))
+            q = recording.joint_array("link.position")
+            believed = RigidArm(robot).tcp_position(q)
+            return position + RigidArm(replace(robot, kinematics=longer)).tcp_position(q + self.zero) - believed
+
+        return with_tool_at(recording, seen)

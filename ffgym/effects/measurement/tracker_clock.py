@@ -1,0 +1,43 @@
+"""X3: a tracker whose samples come late, on a clock that runs otherwise."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ffgym.effects.effect import Side, TrackerEffect
+from ffgym.effects.measurement.tool_position import with_tool_at
+from ffgym.effects.parameter import parameter
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrackerClock(TrackerEffect):
+    """Tool positions of another time than their time stamp says; before the motion the tool rests at its start."""
+
+    name: ClassVar[str] = "tracker_clock"
+    code: ClassVar[str] = "X3"
+    title: ClassVar[str] = "tracker latency and clock drift"
+    equation: ClassVar[str] = r"p_{meas}(t) = p(t - d - r\, t)"
+    side: ClassVar[Side] = "tool"
+    signature: ClassVar[str] = "tool: proportional to its velocity; drift grows with time"
+    way_in: ClassVar[str] = "recorded tool positions; environments see the true tool"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F2",)
+    separating_motions: ClassVar[tuple[str, ...]] = ("circles",)
+
+    latency: Array = parameter(
+        "d", unit="s", low=0.0, high=5e-3, per="machine", source="chosen: some samples of a tracker, 1 ms each"
+    )
+    drift: Array = parameter(
+        "r", unit="1", low=-1e-4, high=1e-4, per="machine", source="tolerance of quartz clocks, up to 100 ppm"
+    )
+
+    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """See base class."""
+        t = recording.t
+        wanted = np.clip(t - self.latency - self.drift * t, t[0], t[-1])
+        return with_tool_at(recording, lambda position: CubicSpline(t, position)(wanted))

@@ -1,0 +1,44 @@
+"""X2: a tracker whose frame is not quite the robot's."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from scipy.spatial.transform import Rotation
+
+from ffgym.effects.effect import Side, TrackerEffect
+from ffgym.effects.measurement.tool_position import with_tool_at
+from ffgym.effects.parameter import parameter
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrackerFrame(TrackerEffect):
+    """Positions turned and shifted about the robot's base, and longer or shorter by a share."""
+
+    name: ClassVar[str] = "tracker_frame"
+    code: ClassVar[str] = "X2"
+    title: ClassVar[str] = "tracker frame and scale"
+    equation: ClassVar[str] = r"p_{meas} = (1 + s)\, R(\phi)\, p + t"
+    side: ClassVar[Side] = "tool"
+    signature: ClassVar[str] = "tool: an affine function of its position, at rest too"
+    way_in: ClassVar[str] = "recorded tool positions; environments see the true tool"
+    confusable_with: ClassVar[tuple[str, ...]] = ("T1", "X1", "X4")
+    separating_motions: ClassVar[tuple[str, ...]] = ("holds", "excitation")
+
+    shift: Array = parameter(
+        "t", unit="m", low=-2e-3, high=2e-3, per="vector", source="chosen: millimetres, as frames are fitted to points"
+    )
+    turn: Array = parameter(
+        "phi, rotation vector", unit="rad", low=-1e-3, high=1e-3, per="vector", source="chosen: a millimetre in a metre"
+    )
+    scale: Array = parameter(
+        "s", unit="1", low=-1e-4, high=1e-4, minimum=-0.5, per="machine", source="chosen: some K of thermal expansion"
+    )
+
+    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """See base class."""
+        turn = Rotation.from_rotvec(self.turn.copy()).as_matrix()
+        return with_tool_at(recording, lambda position: (1 + self.scale) * position @ turn.T + self.shift)

@@ -1,0 +1,47 @@
+"""T4: teeth that have room between them."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Backlash(TorqueEffect):
+    """A gap in the middle of the spring's travel, in which it neither pulls nor damps."""
+
+    name: ClassVar[str] = "backlash"
+    code: ClassVar[str] = "T4"
+    title: ClassVar[str] = "backlash"
+    equation: ClassVar[str] = (
+        r"\tau_l = -k\, (\delta - \mathrm{clip}(\delta, \pm b)) - d\, \dot\delta\; [\,|\delta| \ge b\,]"
+    )
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = "tool: a jump of 2 b where the load changes sign; torque: a dip, the motor runs free"
+    way_in: ClassVar[str] = "torque at every physics step on the spring"
+    confusable_with: ClassVar[tuple[str, ...]] = ("F1", "T3")
+    separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
+    needs_elasticity: ClassVar[bool] = True
+
+    half_gap: Array = parameter(
+        "b, link side",
+        unit="rad",
+        low=0.0,
+        high=3e-4,
+        minimum=0.0,
+        source="an arc minute or less in all when new, two when worn; from memory of data sheets",
+    )
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        bent = state.deflection
+        gap = np.minimum(np.maximum(bent, -self.half_gap), self.half_gap)
+        free = np.abs(bent) < self.half_gap
+        damping = np.where(free, state.joint_damping * state.deflection_rate, 0.0)
+        return Torques(spring=state.joint_stiffness * gap + damping), memory

@@ -1,0 +1,49 @@
+"""T1: a gearbox that is stiffer or softer than described."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import NativeEffect, Side
+from ffgym.effects.parameter import parameter
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointStiffness(NativeEffect):
+    """Another stiffness of the joints; their damping follows, so that the damping ratio stays."""
+
+    name: ClassVar[str] = "joint_stiffness"
+    code: ClassVar[str] = "T1"
+    title: ClassVar[str] = "joint stiffness"
+    equation: ClassVar[str] = r"k \to (1 + e)\, k, \quad d \to \sqrt{1 + e}\, d"
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = (
+        "tool: proportional to the load of each joint, over its stiffness; torque: near resonance"
+    )
+    way_in: ClassVar[str] = "native: stiffness and damping of the deflection joint"
+    confusable_with: ClassVar[tuple[str, ...]] = ("G1", "T2", "T7", "X1", "X2")
+    separating_motions: ClassVar[tuple[str, ...]] = ("holds", "excitation")
+    needs_elasticity: ClassVar[bool] = True
+
+    change: Array = parameter(
+        "e, more stiffness as a share of it",
+        unit="1",
+        low=-0.3,
+        high=0.3,
+        minimum=-0.9,
+        source="tolerance of gearboxes' torsional stiffness, 20 to 30 %; from memory of data sheets",
+    )
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        drive, factor = robot.drive, 1 + self.change
+        stiffer = replace(
+            drive,
+            joint_stiffness=drive.joint_stiffness * factor,
+            joint_damping=drive.joint_damping * np.sqrt(factor),
+        )
+        return replace(robot, drive=stiffer)
