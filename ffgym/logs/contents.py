@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ffgym.errors import FFGymError
-from ffgym.recordings.schema import alike
+from ffgym.recordings.schema import alike, short
 
 NUMBERS = "biuf"
 """NumPy kinds that are real numbers."""
@@ -49,7 +49,9 @@ class Contents:
             return self.arrays[name]
         if name in self.skipped:
             raise FFGymError(f"{name!r} cannot be read: {self.skipped[name]}.")
-        raise FFGymError(f"There is no {name!r} in the file. {alike(name, self.arrays)} It holds {self.summary()}.")
+        raise FFGymError(
+            f"There is no {name!r} in the file. {alike(name, map(readable, self.arrays))} It holds {self.summary()}."
+        )
 
     def numbers(self, name: str) -> NDArray[Any]:
         """Array of that name, of real numbers.
@@ -66,17 +68,24 @@ class Contents:
 
     def summary(self) -> str:
         """Names and shapes of the first arrays, on one line."""
-        shown = [f"{name} {array.shape}" for name, array in list(self.arrays.items())[:_LISTED]]
+        shown = [f"{readable(name)} {array.shape}" for name, array in list(self.arrays.items())[:_LISTED]]
         rest = len(self.arrays) - len(shown)
         return (", ".join(shown) or "nothing") + (f" and {rest} more; `ffgym log columns` lists all" if rest else "")
+
+
+def readable(name: str) -> str:
+    """Name of an array for a line of text: those of damaged files may be long, or hold line ends."""
+    return short(name if name.isprintable() else repr(name))
 
 
 def _first_text(array: NDArray[Any]) -> str:
     """Where the first entry is that is no number, and what it is."""
     for index, cell in np.ndenumerate(array):
         try:
-            float(cell)
+            number = float(cell) if "_" not in str(cell) else None  # which float skips
         except ValueError:
+            number = None
+        if number is None:
             place = index[0] if len(index) == 1 else index
             return f"row {place} is {str(cell)[:40]!r}" if index else f"it is {str(cell)[:40]!r}"
     return "it is text"

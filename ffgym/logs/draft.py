@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ffgym.logs.column_map.load import TO_FILL_IN
-from ffgym.logs.contents import NUMBERS, Contents
+from ffgym.logs.contents import NUMBERS, Contents, readable
 from ffgym.logs.formats.text_layout import TextLayout
 
 _WANTED = ("motor.position", "motor.effort", "reference.position")
@@ -20,9 +20,10 @@ _CLOCK = re.compile(r"time|stamp|clock|\bt\b|^t_|_t$", re.IGNORECASE)
 
 def listing(contents: Contents) -> list[str]:
     """One line for each array: name, shape, type, range; and for what cannot be read."""
-    width = max((len(name) for name in (*contents.arrays, *contents.skipped)), default=0)
-    lines = [f"{name:{width}}  {_described(array)}" for name, array in contents.arrays.items()]
-    return lines + [f"{name:{width}}  cannot be read: {why}" for name, why in contents.skipped.items()]
+    described = {name: _described(array) for name, array in contents.arrays.items()}
+    described |= {name: f"cannot be read: {why}" for name, why in contents.skipped.items()}
+    width = max((len(readable(name)) for name in described), default=0)
+    return [f"{readable(name):{width}}  {text}" for name, text in described.items()]
 
 
 def draft(contents: Contents, layout: TextLayout | None = None) -> str:

@@ -108,7 +108,7 @@ def family_named(name: str) -> Family:
         FFGymError: if there is none; the message lists the closest names.
     """
     if name not in FAMILIES:
-        raise FFGymError(f"Unknown column family {_short(name)!r}. {closest(name, FAMILIES)}")
+        raise FFGymError(f"Unknown column family {short(name)!r}. {closest(name, FAMILIES)}")
     return FAMILIES[name]
 
 
@@ -155,7 +155,7 @@ def _check_user_column(name: str, joints: Sequence[str], units: Mapping[str, str
         raise FFGymError(f"Column names must be text, got {name!r}.")
     if name.startswith(USER_PREFIX):
         if not _USER_NAME.fullmatch(name):
-            raise FFGymError(f"Column {_short(name)!r} must be user. followed by letters, digits or any of _ . / -")
+            raise FFGymError(f"Column {short(name)!r} must be user. followed by letters, digits or any of _ . / -")
         if name not in units:
             raise FFGymError(f"Column {name!r} has no unit. Give one in the header: units={{{name!r}: 'N m'}}.")
         return
@@ -163,9 +163,9 @@ def _check_user_column(name: str, joints: Sequence[str], units: Mapping[str, str
         raise FFGymError(f"Column {name!r} lacks its last part, must be {', '.join(FAMILIES[name].columns(joints))}.")
     family, _, part = name.rpartition(".")
     if family in FAMILIES and FAMILIES[family].parts == "joint" and part not in joints:
-        raise FFGymError(f"Column {_short(name)!r} names joint {_short(part)!r}, but header.joints is {tuple(joints)}.")
+        raise FFGymError(f"Column {short(name)!r} names joint {short(part)!r}, but header.joints is {tuple(joints)}.")
     way_out = f"{closest(name, owner)} Name columns of your own user.<name> and give their unit in header.units."
-    raise FFGymError(f"Unknown column {_short(name)!r}. {way_out}")
+    raise FFGymError(f"Unknown column {short(name)!r}. {way_out}")
 
 
 def closest(name: str, known: Iterable[str]) -> str:
@@ -176,10 +176,10 @@ def closest(name: str, known: Iterable[str]) -> str:
 
 def alike(name: str, known: Iterable[str]) -> str:
     """For messages about an unknown name: the known ones that look like it, or nothing."""
-    near = get_close_matches(_short(name), list(known), n=3, cutoff=0.5)
+    near = get_close_matches(short(name), list(known), n=3, cutoff=0.5)
     return f"Closest: {', '.join(near)}." if near else ""
 
 
-def _short(name: str) -> str:
+def short(name: str) -> str:
     """Cut a name so long that it can only be damage, for messages and for the search of close ones."""
     return name if len(name) <= 80 else name[:77] + "..."

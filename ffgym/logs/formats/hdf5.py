@@ -1,7 +1,9 @@
 """HDF5 files, and the MATLAB 7.3 files that are made of it."""
 
 import io
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any, final
 
 import h5py
 import numpy as np
@@ -10,21 +12,35 @@ from ffgym.logs.contents import NUMBERS, Contents
 from ffgym.logs.formats.damage import one_error
 from ffgym.logs.formats.matlab import OBJECT
 
-_DEEPEST = 32
-"""Levels of groups that are followed; links may lead back to where they come from."""
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Found:
+    """What was found on the way through a file."""
+
+    arrays: dict[str, Any] = field(default_factory=dict)
+    skipped: dict[str, str] = field(default_factory=dict)
+    seen: set[int] = field(default_factory=set)
+    """Addresses of groups, since links may lead back to where they come from."""
+
+    def entries(self, group: Any) -> Iterator[tuple[str, Any]]:
+        """Entries of a group that was not seen before."""
+        address = h5py.h5o.get_info(group.id).addr
+        if address not in self.seen:
+            self.seen.add(address)
+            yield from group.items()
 
 
 def read_hdf5(data: bytes, where: str) -> Contents:
-    """Data sets of an HDF5 file by their paths, e.g. `arm/position`.
+    """Data sets of numbers in an HDF5 file by their paths, e.g. `arm/position`.
 
     Raises:
         FFGymError: if it is damaged.
     """
-    arrays: dict[str, Any] = {}
-    skipped: dict[str, str] = {}
+    found = _Found()
     with one_error("an HDF5 file"), h5py.File(io.BytesIO(data), "r") as file:
-        _collect_hdf5(file, "", arrays, skipped, _DEEPEST)
-    return Contents(where=where, arrays=arrays, skipped=skipped)
+        _collect_hdf5(file, "", found)
+    return Contents(where=where, arrays=found.arrays, skipped=found.skipped)
 
 
 def read_mat73(data: bytes, where: str) -> Contents:
@@ -35,55 +51,56 @@ def read_mat73(data: bytes, where: str) -> Contents:
     Raises:
         FFGymError: if it is damaged.
     """
-    arrays: dict[str, Any] = {}
-    skipped: dict[str, str] = {}
+    found = _Found()
     with one_error("a MATLAB file"), h5py.File(io.BytesIO(data), "r") as file:
-        for name, item in file.items():
+        for name, item in found.entries(file):
             if not name.startswith("#"):  # what references lead to, and objects
-                _collect_mat(file, name, item, arrays, skipped, _DEEPEST)
-    return Contents(where=where, arrays=arrays, skipped=skipped)
+                _collect_mat(file, name, item, found)
+    return Contents(where=where, arrays=found.arrays, skipped=found.skipped)
 
 
-def _collect_hdf5(group: Any, prefix: str, arrays: dict[str, Any], skipped: dict[str, str], depth: int) -> None:
-    for name, item in group.items():
+def _collect_hdf5(group: Any, prefix: str, found: _Found) -> None:
+    for name, item in found.entries(group):
         path = f"{prefix}{name}"
-        if isinstance(item, h5py.Group) and depth > 0:
-            _collect_hdf5(item, f"{path}/", arrays, skipped, depth - 1)
-        elif isinstance(item, h5py.Dataset):
-            if h5py.check_string_dtype(item.dtype) is not None:
-                arrays[path] = np.array(item.asstr()[()], dtype=np.str_)
-            elif item.dtype.kind in NUMBERS:
-                arrays[path] = np.asarray(item[()])
-            else:
-                skipped[path] = f"HDF5 data of type {item.dtype}"
+        if isinstance(item, h5py.Group):
+            _collect_hdf5(item, f"{path}/", found)
+        elif not isinstance(item, h5py.Dataset):
+            found.skipped[path] = "an HDF5 data type"
+        elif item.dtype.kind in NUMBERS:
+            found.arrays[path] = np.asarray(item[()])
+        elif item.dtype.kind == "S":
+            found.arrays[path] = np.char.decode(np.asarray(item[()]), "utf-8", "replace")
+        else:  # among others text of variable length, in which the library may get lost for ever where it is damaged
+            found.skipped[path] = f"HDF5 data of type {item.dtype}"
 
 
-def _collect_mat(file: Any, name: str, item: Any, arrays: dict[str, Any], skipped: dict[str, str], depth: int) -> None:
-    if "MATLAB_object_decode" in item.attrs or depth == 0:
-        skipped[name] = OBJECT
+def _collect_mat(file: Any, name: str, item: Any, found: _Found) -> None:
+    if "MATLAB_object_decode" in item.attrs:
+        found.skipped[name] = OBJECT
     elif isinstance(item, h5py.Group):
-        for field, entry in item.items():
-            _collect_mat(file, f"{name}.{field}", entry, arrays, skipped, depth - 1)
+        for field_name, entry in found.entries(item):
+            _collect_mat(file, f"{name}.{field_name}", entry, found)
     elif item.dtype == h5py.ref_dtype:
-        _collect_references(file, name, item, arrays, skipped, depth)
+        _collect_references(file, name, item, found)
     elif item.dtype.kind not in NUMBERS:
-        skipped[name] = f"MATLAB data of type {item.dtype}"
+        found.skipped[name] = f"MATLAB data of type {item.dtype}"
     elif item.attrs.get("MATLAB_empty", 0):
-        arrays[name] = np.zeros(0)
+        found.arrays[name] = np.zeros(0)
     else:
         values = np.squeeze(np.asarray(item[()]).T)
         text = item.attrs.get("MATLAB_class", b"") == b"char"
-        arrays[name] = np.array("".join(map(chr, values.reshape(-1)))) if text else values
+        found.arrays[name] = np.array("".join(map(chr, values.reshape(-1)))) if text else values
 
 
-def _collect_references(
-    file: Any, name: str, item: Any, arrays: dict[str, Any], skipped: dict[str, str], depth: int
-) -> None:
+def _collect_references(file: Any, name: str, item: Any, found: _Found) -> None:
     """Entries of a cell, or one field of all entries of an array of structures."""
-    entries = item[()].T.reshape(-1, order="F")
+    address = h5py.h5o.get_info(item.id).addr
+    if address in found.seen:
+        return
+    found.seen.add(address)
     cell = item.attrs.get("MATLAB_class", b"") == b"cell"
-    owner, _, field = name.rpartition(".")
-    for i, reference in enumerate(entries, start=1):
-        path = f"{name}{{{i}}}" if cell else f"{owner}({i}).{field}"
+    owner, _, field_name = name.rpartition(".")
+    for i, reference in enumerate(item[()].T.reshape(-1, order="F"), start=1):
+        path = f"{name}{{{i}}}" if cell else f"{owner}({i}).{field_name}"
         if reference:
-            _collect_mat(file, path, file[reference], arrays, skipped, depth - 1)
+            _collect_mat(file, path, file[reference], found)

@@ -5,10 +5,12 @@ from typing import Any, cast
 
 import numpy as np
 from scipy.io import loadmat
+from scipy.sparse import issparse
 
 from ffgym.errors import FFGymError
 from ffgym.logs.contents import NUMBERS, TEXT, Contents
 from ffgym.logs.formats.damage import one_error
+from ffgym.logs.formats.matlab_tags import check_mat5
 
 HDF5_MAGIC = b"\x89HDF\r\n\x1a\n"
 """First bytes of HDF5; a MATLAB file 7.3 has them after 512 bytes of its own."""
@@ -29,6 +31,7 @@ def read_mat(data: bytes, where: str) -> Contents:
         from ffgym.logs.formats.optional import read_mat73
 
         return read_mat73(data, where)
+    check_mat5(data)
     with one_error("a MATLAB file"):
         variables = loadmat(cast("Any", io.BytesIO(data)), squeeze_me=True, spmatrix=False)
     arrays: dict[str, Any] = {}
@@ -43,6 +46,9 @@ def read_mat(data: bytes, where: str) -> Contents:
 
 def _flatten(name: str, value: Any, arrays: dict[str, Any], skipped: dict[str, str]) -> None:
     """Put arrays under their paths: fields of structures, entries of cells and of arrays of structures."""
+    if issparse(value):
+        skipped[name] = f"a sparse matrix; in MATLAB, save full({name})"
+        return
     array = np.asarray(value)
     if array.dtype.names is not None and not type(value).__name__.startswith("Matlab"):
         if array.ndim == 0:

@@ -27,7 +27,9 @@ def read_text_table(data: bytes, where: str, layout: TextLayout) -> Contents:
     Raises:
         FFGymError: if it is not text of the given encoding, or rows differ in their number of cells.
     """
-    lines = _decoded(data, layout).splitlines()
+    *lines, rest = _decoded(data, layout).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if rest.strip():
+        raise FFGymError("The last line has no line end: the file may be cut short. Copy it again, or add a line end.")
     names_row = _names_row(lines, layout)
     first = layout.first_row or max(names_row or 0, layout.units_row or 0) + 1
     delimiter = layout.delimiter or _delimiter(lines, names_row or first, layout)
@@ -35,10 +37,13 @@ def read_text_table(data: bytes, where: str, layout: TextLayout) -> Contents:
     if not rows:
         raise FFGymError(f"There are no rows from line {first} on.")
     if names_row:
-        names = _names(_split(lines[names_row - 1], delimiter, names_row), names_row)
+        titles = _split(lines[names_row - 1], delimiter, names_row)
+        if not any(titles):
+            raise FFGymError(f"Line {names_row} holds no names of columns; names_row in [file] says where they are.")
     else:
-        names = [str(i + 1) for i in range(len(rows[0][1]))]
-    names, table = _rectangular(names, rows)
+        titles = [str(i + 1) for i in range(len(rows[0][1]))]
+    titles, table = _rectangular(titles, rows)
+    names = _names(titles)
     cells = zip(names, zip(*table, strict=True), strict=True)
     return Contents(where=where, arrays={name: _column(column, layout.decimal) for name, column in cells})
 
@@ -65,7 +70,8 @@ def _names_row(lines: list[str], layout: TextLayout) -> int | None:
     if start is None:
         raise FFGymError("The file has no lines but blank ones and comments.")
     cells = re.split(r"[\t;\s]+" if layout.decimal == "," else r"[\t;,\s]+", lines[start - 1].strip())
-    return None if all(_number(cell, layout.decimal) is not None for cell in cells if cell) else start
+    numbers = [_number(cell, layout.decimal) for cell in cells if cell]
+    return None if numbers and None not in numbers else start
 
 
 def _first_line(lines: list[str], start: int, layout: TextLayout) -> int | None:
@@ -98,15 +104,14 @@ def _rows(lines: list[str], first: int, delimiter: str, layout: TextLayout) -> l
     return [(number, _split(line, delimiter, number)) for number, line in kept]
 
 
-def _names(cells: list[str], line: int) -> list[str]:
-    """Names of columns; the second `q` is called `q#2`, so that each can be told."""
+def _names(titles: list[str]) -> list[str]:
+    """Names of columns; the second `q` is called `q#2`, and the third column `#3` if it has none."""
     seen: Counter[str] = Counter()
     names = []
-    for cell in cells:
-        seen[cell] += 1
-        names.append(cell if seen[cell] == 1 else f"{cell}#{seen[cell]}")
-    if not any(names):
-        raise FFGymError(f"Line {line} holds no names of columns; names_row in [file] says where they are.")
+    for number, title in enumerate(titles, start=1):
+        seen[title] += 1
+        again = f"#{seen[title]}" if seen[title] > 1 else ""
+        names.append(f"{title}{again}" if title else f"#{number}")
     return names
 
 
@@ -117,7 +122,7 @@ def _rectangular(names: list[str], rows: list[tuple[int, list[str]]]) -> tuple[l
         FFGymError: if a row has more or fewer cells than there are names.
     """
     if all(cells and cells[-1] == "" for _, cells in rows):
-        unnamed = names[-1] == "" or names[-1].startswith("#")
+        unnamed = names[-1] == ""
         if unnamed or len(names) == len(rows[0][1]) - 1:
             rows = [(line, cells[:-1]) for line, cells in rows]
             names = names[:-1] if unnamed else names
@@ -133,8 +138,9 @@ def _rectangular(names: list[str], rows: list[tuple[int, list[str]]]) -> tuple[l
 
 def _column(cells: tuple[str, ...], decimal: str) -> NDArray[Any]:
     numbers = [_number(cell, decimal) for cell in cells]
-    if any(number is None for number in numbers):
-        return np.array(cells)
+    if None in numbers:  # text; cells of it that are numbers get a decimal point, as a message says which are none
+        pairs = zip(cells, numbers, strict=True)
+        return np.array([cell if number is None else repr(number) for cell, number in pairs])
     return np.array(numbers, dtype=np.float64)
 
 
