@@ -61,15 +61,23 @@ def circle_figures(study: CircleStudy) -> list[ReportFigure]:
             caption=motor_error_caption(study),
             figure=motor_error_figure(study),
         ),
+    ]
+    return [*([ratios] if ratios else []), *others, *_joint_friction(study)]
+
+
+def _joint_friction(study: CircleStudy) -> list[ReportFigure]:
+    """Friction of each joint, on a robot that lets its true friction be seen."""
+    if not all(recording.has("friction.effort") for recording in study.recordings.values()):
+        return []
+    return [
         ReportFigure(
             name="joint-friction",
             title="Friction of each joint over speed",
             thesis="in the manner of Figure 5.11",
             caption=joint_loops_caption(study),
             figure=joint_loops_figure(study),
-        ),
+        )
     ]
-    return ([ratios] if ratios else []) + others
 
 
 def one_axis_figures(study: OneAxisStudy) -> list[ReportFigure]:
