@@ -37,6 +37,7 @@ def _run(arguments: Sequence[str] | None) -> int:
 
     from ffgym.cli.demo import Demo
     from ffgym.cli.export import Export
+    from ffgym.cli.identify import Identify
     from ffgym.cli.lffc import Lffc
     from ffgym.cli.log import Log
     from ffgym.cli.reproduce import Reproduce
@@ -48,6 +49,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     command = Annotated[
         Annotated[Demo, tyro.conf.subcommand("demo")]
         | Annotated[Export, tyro.conf.subcommand("export")]
+        | Annotated[Identify, tyro.conf.subcommand("identify")]
         | Annotated[Lffc, tyro.conf.subcommand("lffc")]
         | Annotated[Log, tyro.conf.subcommand("log")]
         | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
@@ -57,8 +59,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Lffc | Log | Reproduce | Robot | Simulate | Stability | Video = tyro.cli(
-        command, prog="ffgym", args=arguments, description=__doc__
-    )
+    chosen: Demo | Export | Identify | Lffc | Log | Reproduce | Robot | Simulate | Stability | Video
+    chosen = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
     chosen.run()
     return 0

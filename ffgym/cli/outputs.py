@@ -71,4 +71,6 @@ def provenance(command: str, config: Any, robot: str, fingerprint: str | None, s
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(entry) for entry in value]
     return str(value) if isinstance(value, Path) else value

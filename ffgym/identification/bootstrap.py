@@ -36,6 +36,12 @@ class Blocks:
         """Number of blocks."""
         return len(self.stratum)
 
+    @property
+    def n_resampled(self) -> int:
+        """Number of blocks that are not alone in their stratum, so that resamples differ in them."""
+        counts = np.bincount(self.stratum)
+        return int(counts[counts > 1].sum())
+
     @classmethod
     def cut(cls, strata: Sequence[BoolArray], dt: float, duration: float) -> "Blocks":
         """Cut runs of rows into blocks.

@@ -21,6 +21,9 @@ INERTIA_ERROR = 0.1
 BLOCK = 0.5
 """Duration of a block that is resampled [s]: long against the filter's memory of 25 ms, some of them in each record."""
 
+MIN_BLOCKS = 8
+"""Blocks that an interval takes at least; of fewer, resamples say little."""
+
 _STARTS, _REFINED = 48, 3
 """Random starts that are simulated, all at once, and the best of them that are refined."""
 
@@ -47,6 +50,8 @@ class BristleFit:
     """sigma_0, sigma_1 of resampled blocks, shape (B, 2)."""
     rms_error: float
     """Of the friction torque [N m]."""
+    n_blocks: int
+    """Blocks that could be resampled."""
     data: SlidingData
     """What was fitted to."""
 
@@ -86,6 +91,7 @@ def fit_bristles(
         at_bound=found.active_mask[:2] != 0,
         resampled=_resampled(problem, found.x, static_resampled, rng),
         rms_error=float(np.sqrt(np.mean(errors**2))),
+        n_blocks=data.blocks(BLOCK).n_resampled,
         data=data,
     )
 

@@ -10,7 +10,7 @@ from ffgym.friction import LuGreParameters
 from ffgym.identification.bootstrap import LEVEL, RESAMPLES
 from ffgym.identification.bristle_fit import INERTIA_ERROR, NAMES, BristleFit, fit_bristles
 from ffgym.identification.estimate import Estimate
-from ffgym.identification.friction_estimates import friction_estimates
+from ffgym.identification.friction_estimates import dynamic_estimates, static_estimates
 from ffgym.identification.friction_torque import FrictionTorque
 from ffgym.identification.reversals import reverses
 from ffgym.identification.sliding_data import sliding_data
@@ -138,20 +138,31 @@ def _joint(
     steady = steady_friction(torques, joint)
     stribeck = None
     if steady.n_runs >= MIN_RUNS:
-        stribeck = fit_stribeck(steady, rng, stribeck_velocity=given, n_resamples=n_resamples)
+        usual = float(prior[3])
+        stribeck = fit_stribeck(steady, rng, stribeck_velocity=given, usual_velocity=usual, n_resamples=n_resamples)
     reversing = [torque for torque in torques if reverses(torque, joint)]
-    static = prior[:4] if stribeck is None else stribeck.values
-    spread = np.tile(prior[:4], (n_resamples, 1)) if stribeck is None else stribeck.resampled[:, :4]
+    static = static_estimates(robot.joints[joint], prior, stribeck, given=given, level=level)
     bristles = None
     if reversing:
-        bristles = fit_bristles(sliding_data(reversing, joint, robot.friction), static, spread, rng)
+        data = sliding_data(reversing, joint, robot.friction)
+        bristles = fit_bristles(data, *_static_spread(static, stribeck, n_resamples), rng)
     return JointFriction(
         joint=robot.joints[joint],
-        estimates=friction_estimates(robot.joints[joint], prior, stribeck, bristles, given=given, level=level),
+        estimates=(*static, *dynamic_estimates(robot.joints[joint], prior, bristles, level=level)),
         stribeck=stribeck,
         bristles=bristles,
         notes=tuple(_notes(stribeck, bristles)),
     )
+
+
+def _static_spread(static: Sequence[Estimate], stribeck: StribeckFit | None, n_resamples: int) -> tuple[Array, Array]:
+    """Static parameters to go on with, shape (4,), and resamples of those that were identified, shape (B, 4)."""
+    values = np.array([estimate.value for estimate in static])
+    spread = np.tile(values, (n_resamples, 1))
+    for i, estimate in enumerate(static):
+        if stribeck is not None and estimate.is_identified:
+            spread[:, i] = stribeck.resampled[:, i]
+    return values, spread
 
 
 def _notes(stribeck: StribeckFit | None, bristles: BristleFit | None) -> Iterator[str]:

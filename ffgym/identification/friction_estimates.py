@@ -1,9 +1,11 @@
 """What both fits say about each parameter of a joint's friction, and which of it is to be believed."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ffgym.identification.bootstrap import intervals
-from ffgym.identification.bristle_fit import NAMES, BristleFit
+from ffgym.identification.bristle_fit import BLOCK, MIN_BLOCKS, NAMES, BristleFit
 from ffgym.identification.estimate import Estimate, Status, judged
 from ffgym.identification.stribeck_fit import StribeckFit
 from ffgym.types import Array
@@ -15,31 +17,37 @@ _MATTERS = 0.1
 """Share of the Coulomb torque below which a viscous torque at the fastest speed does not matter."""
 
 
-def friction_estimates(
-    joint: str,
-    prior: Array,
-    stribeck: StribeckFit | None,
-    bristles: BristleFit | None,
-    *,
-    given: float | None,
-    level: float,
+Row = tuple[float, float, float, Status, str]
+"""Value, interval, status and reason of one parameter."""
+
+
+def static_estimates(
+    joint: str, prior: Array, stribeck: StribeckFit | None, *, given: float | None, level: float
 ) -> tuple[Estimate, ...]:
-    """Estimates of all parameters of a joint, in the order of NAMES.
+    """Estimates of f_c, f_s, f_v, v_s of a joint.
 
     Args:
         joint: its name.
-        prior: values of the description, shape (6,).
+        prior: values of the description, in the order of NAMES, shape (6,).
         stribeck: fit to constant speeds; None if there are too few.
-        bristles: fit to reversals; None if there are none.
         given: v_s if the caller fixed it.
         level: probability of the intervals.
     """
-    found = _static(prior, stribeck, given, level) + _dynamic(prior, bristles, level)
-    coulomb, static = found[0][0], found[1]
+    rows = _static(prior, stribeck, given, level)
+    coulomb, static = rows[0][0], rows[1]
     if (
         static[0] < coulomb
     ):  # the breakaway torque that stays from before does not fit the Coulomb torque that was found
-        found[1] = (coulomb, *static[1:4], f"{static[4]}; raised to the Coulomb torque")
+        rows[1] = (coulomb, *static[1:4], f"{static[4]}; raised to the Coulomb torque")
+    return _estimates(joint, NAMES[:4], prior[:4], rows)
+
+
+def dynamic_estimates(joint: str, prior: Array, bristles: BristleFit | None, *, level: float) -> tuple[Estimate, ...]:
+    """Estimates of sigma_0, sigma_1 of a joint; arguments as `static_estimates`."""
+    return _estimates(joint, NAMES[4:], prior[4:], _dynamic(prior, bristles, level))
+
+
+def _estimates(joint: str, names: Sequence[str], prior: Array, rows: Sequence[Row]) -> tuple[Estimate, ...]:
     return tuple(
         Estimate(
             name=f"friction.{name}",
@@ -53,12 +61,8 @@ def friction_estimates(
             status=status,
             reason=reason,
         )
-        for name, before, (value, low, high, status, reason) in zip(NAMES, prior, found, strict=True)
+        for name, before, (value, low, high, status, reason) in zip(names, prior, rows, strict=True)
     )
-
-
-Row = tuple[float, float, float, Status, str]
-"""Value, interval, status and reason of one parameter."""
 
 
 def _unknown(before: float, reason: str) -> Row:
@@ -87,10 +91,13 @@ def _dynamic(prior: Array, bristles: BristleFit | None, level: float) -> list[Ro
     if bristles is None:
         return [_unknown(before, "no record in which it reverses") for before in prior[4:]]
     span = intervals(bristles.values, bristles.resampled, level)
+    short = ""
+    if bristles.n_blocks < MIN_BLOCKS:
+        short = f"its records last less than {MIN_BLOCKS * BLOCK:g} s, too little for an interval"
     rows: list[Row] = []
     for i in range(2):
         value, low, high = float(bristles.values[i]), float(span.low[i]), float(span.high[i])
-        status, reason = judged(value, low, high, scale=0.0, excited="", at_bound=bool(bristles.at_bound[i]))
+        status, reason = judged(value, low, high, scale=0.0, excited=short, at_bound=bool(bristles.at_bound[i]))
         rows.append(_row(value, low, high, status, reason, float(prior[4 + i])))
     return rows
 

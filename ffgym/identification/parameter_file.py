@@ -15,7 +15,12 @@ from ffgym.types import Array
 
 
 def fitted_quantity(
-    robot: RobotDescription, path: str, value: Array, source: str, origin: tuple[str, ...] = ("fitted",)
+    robot: RobotDescription,
+    path: str,
+    value: Array,
+    source: str,
+    origin: tuple[str, ...] = ("fitted",),
+    interval: Array | None = None,
 ) -> Quantity:
     """A number that replaces one of the description, which it keeps as its prior.
 
@@ -25,6 +30,7 @@ def fitted_quantity(
         value: SI units, on the side on which descriptions keep it.
         source: what it was fitted to, and how.
         origin: 'fitted', for the whole entry or per joint beside 'derived' ones.
+        interval: where each number is, shape (..., 2), 0 and inf where that is not known; None says nothing.
     """
     rule, joints = RULES[path], JointFrame(types=robot.kinematics.types, gear_ratio=robot.drive.gear_ratio)
     before = robot.quantities.get(path)
@@ -36,6 +42,7 @@ def fitted_quantity(
         source=source,
         prior=entry_of(robot, path),
         prior_source=before.source if before is not None else f"description of {robot.name}",
+        interval=interval,
     )
 
 
@@ -64,6 +71,8 @@ def _lines(quantity: Quantity) -> list[str]:
         lines.insert(2, f"side = {text(quantity.side)}")
     if quantity.prior is not None and quantity.prior_source is not None:
         lines += [f"prior = {_numbers(quantity.prior.tolist())}", f"prior_source = {text(quantity.prior_source)}"]
+    if quantity.interval is not None:
+        lines.append(f"interval = {_numbers(quantity.interval.tolist())}")
     return lines
 
 

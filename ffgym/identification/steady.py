@@ -116,7 +116,7 @@ def _is_constant(speed: Array) -> BoolArray:
     """Whether speed changes neither before nor after a window, shape (n_windows,)."""
     constant = np.zeros(len(speed), dtype=np.bool_)
     if len(speed) >= 3:
-        drift = np.abs(speed[2:] - speed[:-2]) / (2 * WINDOW)
-        here = np.abs(speed[1:-1])
+        change = np.abs(np.diff(speed)) / WINDOW
+        drift, here = np.maximum(change[1:], change[:-1]), np.abs(speed[1:-1])  # a sine of 2 windows looks the same
         constant[1:-1] = (here > _SLOWEST) & (drift < np.maximum(_SLOWEST_DRIFT, _DRIFT * here))
     return constant

@@ -67,6 +67,7 @@ def fit_stribeck(
     rng: np.random.Generator,
     *,
     stribeck_velocity: float | None = None,
+    usual_velocity: float,
     n_resamples: int = RESAMPLES,
 ) -> StribeckFit:
     r"""Fit the static LuGre model to steady friction.
@@ -79,6 +80,7 @@ def fit_stribeck(
         data: friction in windows of constant speed.
         rng: draws the resamples.
         stribeck_velocity: v_s [rad/s]; None estimates it.
+        usual_velocity: v_s [rad/s] that is taken where the speeds cannot tell it.
         n_resamples: how many resamples.
 
     Raises:
@@ -91,13 +93,18 @@ def fit_stribeck(
         )
     fit = _RunFit(data, stribeck_velocity)
     values, residual = fit.solve(np.ones(data.n_rows))
+    lacking = _lacking(data, float(values[3]))
+    if stribeck_velocity is None and lacking["stribeck_velocity"]:
+        fit = _RunFit(data, usual_velocity)
+        values, residual = fit.solve(np.ones(data.n_rows))
+        lacking = _lacking(data, usual_velocity) | {"stribeck_velocity": lacking["stribeck_velocity"]}
     return StribeckFit(
         values=values[:4],
         offset=float(values[4]),
         asymmetry=float(values[5]),
         resampled=bootstrap(lambda counts: fit.solve(counts)[0], data.blocks, rng, n_resamples),
         rms_error=residual,
-        lacking=_lacking(data, float(values[3])),
+        lacking=lacking,
         both_directions=fit.both_directions,
         data=data,
     )
@@ -155,6 +162,8 @@ def _lacking(data: SteadyFriction, velocity: float) -> dict[str, str]:
     """What the speeds lack to tell each parameter, for a Stribeck velocity."""
     speeds = np.abs(data.levels()[0])
     sliding = speeds[speeds >= FAST * velocity]
+    if np.count_nonzero(np.bincount(data.run) > 1) < MIN_RUNS:
+        return dict.fromkeys(("coulomb", "static", "viscous", "stribeck_velocity"), "runs too short for an interval")
     no_slow = "" if speeds.min() <= SLOW * velocity else f"no constant speed below {SLOW * velocity:.3g} rad/s"
     no_fast = "" if len(sliding) else f"no constant speed above {FAST * velocity:.3g} rad/s"
     no_spread = "" if len(sliding) and sliding.max() >= SPREAD * sliding.min() else "constant speeds too close together"

@@ -11,7 +11,8 @@ from ffgym.robot.reading.rule import JointFrame, Rule, gear_factors, si_units, u
 from ffgym.types import Array
 
 ORIGINS = ("sourced", "derived", "chosen", "fitted")
-"""How a number came to be; `fitted` is written by a script, which keeps the number it replaced in `prior`."""
+"""How a number came to be; `fitted` is written by a script or an identification, which keeps the number it
+replaced in `prior`, and may say in `interval` how sure it is."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,6 +33,9 @@ class Quantity:
     """The numbers that a fit replaced, None if nothing was fitted."""
     prior_source: str | None = None
     """Where those came from."""
+    interval: Array | None = None
+    """Lower and upper end of where a fit puts each number, shape (..., 2), 0 and inf where it says nothing; None if it
+    says nothing at all."""
 
 
 def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Quantity:
@@ -39,7 +43,7 @@ def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Qua
 
     Args:
         path: where the table stands, e.g. 'drive.gear_ratio', for messages.
-        table: the parsed TOML table with `value`, `unit`, `origin`, `source` and maybe `side`, `prior`.
+        table: the parsed TOML table with `value`, `unit`, `origin`, `source` and maybe `side`, `prior`, `interval`.
         rule: what is wanted.
         joints: their types, and gear ratios if they are known.
 
@@ -48,7 +52,7 @@ def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Qua
     """
     if not isinstance(table, Mapping):
         raise FFGymError(f"{path} must be a table with value, unit, origin and source, got {table!r}.")
-    unknown = sorted(set(table) - {"value", "unit", "side", "origin", "source", "prior", "prior_source"})
+    unknown = sorted(set(table) - {"value", "unit", "side", "origin", "source", "prior", "prior_source", "interval"})
     missing = sorted({"value", "unit", "origin", "source"} - set(table))
     if unknown or missing:
         raise FFGymError(
@@ -60,6 +64,8 @@ def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Qua
     fitted = "fitted" in origin
     if fitted != ("prior" in table) or fitted != ("prior_source" in table):
         raise FFGymError(f"{path}: prior and prior_source belong to origin 'fitted', and to no other, got {origin}.")
+    if "interval" in table and not fitted:
+        raise FFGymError(f"{path}: interval belongs to origin 'fitted', and to no other, got {origin}.")
     return Quantity(
         value=_checked_value(path, table["value"], rule, joints.n_joints, factors),
         unit=", ".join(si_units(rule, rule.side, joints)),
@@ -68,7 +74,21 @@ def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Qua
         source=_text(path, "source", table["source"]),
         prior=_checked_value(path + ".prior", table["prior"], rule, joints.n_joints, factors) if fitted else None,
         prior_source=_text(path, "prior_source", table["prior_source"]) if fitted else None,
+        interval=_interval(path, table["interval"], rule, joints.n_joints, factors) if "interval" in table else None,
     )
+
+
+def _interval(path: str, value: Any, rule: Rule, n_joints: int, factors: Array | float) -> Array:
+    """Intervals in SI units, read-only, shape (..., 2)."""
+    shape = (*(n_joints if s == "N" else int(s) for s in rule.shape), 2)
+    if not _only_numbers(value):
+        raise FFGymError(f"{path}.interval must be numbers, got {value!r}.")
+    check_shape(f"{path}.interval", _without_infinity(value), shape)
+    ends = np.array(value, dtype=np.float64) * np.asarray(factors)[..., None]
+    if np.any(ends[..., 0] > ends[..., 1]):
+        raise FFGymError(f"{path}.interval = {value} must have its lower ends first.")
+    ends.flags.writeable = False
+    return ends
 
 
 def _checked_value(path: str, value: Any, rule: Rule, n_joints: int, factors: Array | float) -> Array:

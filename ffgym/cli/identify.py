@@ -1,0 +1,95 @@
+"""`ffgym identify`: parameters of a robot from its logs, as a file that every agent and plant accepts."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import tyro
+
+from ffgym.cli.identify_friction import identified_friction
+from ffgym.cli.identify_logs import LogSet, read_logs
+from ffgym.cli.identify_outcome import Outcome
+from ffgym.cli.outputs import check_outputs, need_extra, provenance
+from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.files import write_json, write_text
+from ffgym.identification.bootstrap import LEVEL, RESAMPLES
+from ffgym.identification.parameter_file import parameter_text
+from ffgym.robot import load_robot, with_parameters
+
+What = Literal["friction"]
+
+
+@dataclass(frozen=True)
+class Identify:
+    """Identify parameters from logs; print them beside the old ones, with intervals, and how well they hold."""
+
+    logs: tyro.conf.Positional[tuple[Path, ...]]
+    """Recordings, .npz or .csv, or folders of them."""
+    robot: str
+    """Built-in robot, or a path to a description that ends in .toml, as it is known before."""
+    out: Path | None = None
+    """Parameter file to write, .toml."""
+    what: What = "friction"
+    """friction: LuGre parameters of all joints."""
+    validate: tuple[Path, ...] = ()
+    """Recordings or folders that are not used but tell how well old and new parameters hold. Those among the logs are
+    kept out."""
+    joints: tuple[str, ...] = ()
+    """Joints to identify; none given is all."""
+    stribeck_velocity: float | None = None
+    """Stribeck velocity to keep on all joints, motor side [rad/s]; none given estimates it."""
+    cutoff_hz: float = 100.0
+    """Cut-off of the low-pass filter of angles and torques, which must lie below half the sample rate."""
+    resamples: int = RESAMPLES
+    """Resamples behind the intervals."""
+    level: float = LEVEL
+    """Probability of the intervals."""
+    seed: int = 0
+    """Of random starts and resamples."""
+    unchecked: bool = False
+    """Use logs that the quality gate calls insufficient."""
+    json: Path | None = None
+    """Also write every number to this file."""
+    report: Path | None = None
+    """Page with pictures to write, .html, in one file that can be sent."""
+
+    def run(self) -> None:
+        """Check, identify, write, print."""
+        self._check()
+        robot = load_robot(self.robot)
+        logs = read_logs(robot, self.logs, self.validate, unchecked=self.unchecked)
+        outcome = identified_friction(self, robot, logs)
+        info = provenance("ffgym identify", self, robot.name, None, self.seed)
+        self._write(outcome, logs, info)
+        print(outcome.text)
+        for what, place in (("parameters", self.out), ("report", self.report), ("numbers", self.json)):
+            if place is not None:
+                print(f"{what}: {place}")
+
+    def _check(self) -> None:
+        """Refuse what cannot be run or written."""
+        if not self.logs:
+            raise FFGymError("There are no logs to identify from. Name recordings, or folders of them.")
+        check_whole("--resamples", self.resamples, low=2)
+        check_whole("--seed", self.seed, low=0)
+        check_number("--level", self.level, low=0.0, high=0.999, open_low=True)
+        if self.out is not None and self.out.suffix != ".toml":
+            raise FFGymError(f"--out {self.out}: the name must end in .toml.")
+        if self.report is not None:
+            need_extra("The report", "matplotlib", "jinja2")
+        inputs: tuple[str | Path, ...] = (self.robot, *self.logs, *self.validate)
+        check_outputs({"--out": self.out, "--report": self.report, "--json": self.json}, inputs=inputs)
+
+    def _write(self, outcome: Outcome, logs: LogSet, info: dict[str, object]) -> None:
+        """Files first: nobody may read what is printed."""
+        if self.out is not None:
+            if not outcome.quantities:
+                raise FFGymError(
+                    "The logs tell none of the parameters, so there is nothing to write. Use other motions."
+                )
+            write_text(self.out, parameter_text(logs.robot, outcome.quantities, outcome.title))
+            with_parameters(logs.robot, self.out)
+        if self.report is not None:
+            write_text(self.report, outcome.page(info))
+        if self.json is not None:
+            write_json(self.json, info | dict(outcome.numbers))

@@ -1,0 +1,65 @@
+"""Logs that a command is to identify from: read, checked, and those for validation kept apart."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ffgym.errors import FFGymError
+from ffgym.quality import check_quality
+from ffgym.recordings import Recording, read_recording
+from ffgym.recordings.folder import read_folder
+from ffgym.robot import RobotDescription
+
+_NEEDS = ("position", "torque")
+"""What every identification takes of a log."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LogSet:
+    """Recordings of one robot."""
+
+    robot: RobotDescription
+    """As it is described before."""
+    used: tuple[Recording, ...]
+    """To identify from."""
+    held_out: tuple[Recording, ...]
+    """To validate with."""
+    doubts: tuple[str, ...]
+    """What the quality gate has against logs that are used all the same."""
+
+
+def read_logs(
+    robot: RobotDescription, logs: Sequence[Path], validate: Sequence[Path], *, unchecked: bool = False
+) -> LogSet:
+    """Read recordings and folders of them.
+
+    Args:
+        robot: the robot that they are of.
+        logs: to identify from; those that are also in `validate` are kept out.
+        validate: to validate with.
+        unchecked: whether to use what the quality gate calls insufficient.
+
+    Raises:
+        FFGymError: if one cannot be read, is of another robot or not good enough, or none is left to identify from.
+    """
+    held_out = [recording for path in validate for recording in _read(path)]
+    used = [r for path in logs for r in _read(path) if not any(r.equals(other) for other in held_out)]
+    if not used:
+        raise FFGymError("All logs are for validation, so none is left to identify from.")
+    doubts = [doubt for recording in (*used, *held_out) if (doubt := _doubt(recording, robot))]
+    if doubts and not unchecked:
+        more = f" {len(doubts) - 1} more logs have problems too." if len(doubts) > 1 else ""
+        raise FFGymError(f"{doubts[0]}{more} ffgym log check LOG says all; --unchecked uses such logs all the same.")
+    return LogSet(robot=robot, used=tuple(used), held_out=tuple(held_out), doubts=tuple(doubts))
+
+
+def _read(path: Path) -> list[Recording]:
+    return read_folder(path) if path.is_dir() else [read_recording(path)]
+
+
+def _doubt(recording: Recording, robot: RobotDescription) -> str:
+    """Why a recording is not good enough; empty if it is."""
+    report = check_quality(recording, robot, _NEEDS)
+    if report.verdict != "insufficient":
+        return ""
+    return f"Log {recording.header.segment!r} is insufficient: {report.problems[0].message}"
