@@ -1,5 +1,8 @@
 """Numbers that others published, as data."""
 
+from ffgym.published.emps import EMPS_ASYMMETRIC as EMPS_ASYMMETRIC
+from ffgym.published.emps import EMPS_SYMMETRIC as EMPS_SYMMETRIC
+from ffgym.published.emps import EmpsModel as EmpsModel
 from ffgym.published.friction_records import ESTIMATION_RECORDS as ESTIMATION_RECORDS
 from ffgym.published.friction_records import FRICTION_RECORDS as FRICTION_RECORDS
 from ffgym.published.friction_records import FrictionRecord as FrictionRecord

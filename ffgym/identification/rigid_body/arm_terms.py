@@ -51,7 +51,6 @@ class Springs(Term):
     """Springs between links, e.g. a counterbalance: a factor on the force of each, 1 as described."""
 
     name: ClassVar[str] = "springs"
-    is_held: ClassVar[bool] = True
 
     def labels(self, robot: RobotDescription) -> tuple[str, ...]:
         """See base class."""

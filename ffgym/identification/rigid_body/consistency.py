@@ -21,6 +21,9 @@ LEAST = 1e-3
 """Smallest eigenvalue of Z, that is how thin a body may become against its reference: above 0, so that the description
 that is written is one of bodies."""
 
+_TOLERANCE = 1e-7
+"""Of the solver, for the objective and relative to it, and for constraints: far below noise and LEAST."""
+
 
 class ConsistentLeastSquares:
     """Solver for one set of coordinates, which is used again and again with other data."""
@@ -46,12 +49,15 @@ class ConsistentLeastSquares:
     def _constrained(self, best: Array, normal: Array) -> Array:
         """The allowed coordinates nearest to the `best` ones, in the metric of the data.
 
-        The unknowns are whitened, w = R (y - best) with R^T R = A, so that the objective is |w|^2 whatever the data.
+        The unknowns are whitened, w = R (y - best) / s with R^T R = A, so that the objective is |w|^2 whatever the
+        data, and s such that it is 1 at the reference, which is allowed: at the optimum it is less.
         """
         problem, y, centre, whitened = self._problem
+        root = np.linalg.cholesky(normal).T
+        size = np.linalg.norm(root @ (self.coordinates.reference - best))
         centre.value = best
-        whitened.value = solve_triangular(np.linalg.cholesky(normal).T, np.eye(len(best)))
-        problem.solve(solver="CLARABEL")
+        whitened.value = size * solve_triangular(root, np.eye(len(best)))
+        problem.solve(solver="CLARABEL", tol_gap_rel=_TOLERANCE, tol_gap_abs=_TOLERANCE, tol_feas=_TOLERANCE)
         if problem.status not in ("optimal", "optimal_inaccurate"):
             raise FFGymError(
                 f"No parameters of a machine were found that fit ({problem.status}): is the recording of this robot?"

@@ -98,7 +98,8 @@ def identify_rigid_body(
 
     estimate = _completed(problem.solve(every, trade_off.chosen), problem, kept, described)
     held = kept & np.concatenate([np.full(len(t.labels(robot)), bool(t.entries(robot))) for t in equations.terms])
-    in_file = _completed(whole.only(held).solve(every, trade_off.chosen), whole.only(held), held, described)
+    without = whole.only(held)
+    in_file = _completed(without.solve(every, trade_off.chosen), without, held, described)
     resampled = _resampled(problem, equations, trade_off.chosen, options, progress)
     shares = np.zeros(len(kept))
     shares[kept] = problem.shares(trade_off.chosen)

@@ -1,7 +1,6 @@
 """The weighted least squares of all motors, as sums over blocks of rows, so that any blocks are solved fast."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -39,6 +38,8 @@ class Problem:
     """c_b, shape (n_blocks,)."""
     rows: int
     """Equations that count, of all motors and blocks."""
+    solver: ConsistentLeastSquares
+    """For the coordinates; one serves many problems, since it takes long to build."""
 
     def solve(self, counts: Array, spread: float, reference: Array | None = None) -> Array:
         """The best coordinates (K,) near a reference.
@@ -51,7 +52,7 @@ class Problem:
         reference = self.coordinates.reference if reference is None else reference
         prior = self.coordinates.spreads(spread) ** -2.0
         normal = np.tensordot(counts, self.normal, axes=1) + np.diag(prior)
-        return self._solver.solve(normal, counts @ self.right + prior * reference)
+        return self.solver.solve(normal, counts @ self.right + prior * reference)
 
     def losses(self, y: Array) -> Array:
         """Squared error of the rows of each block, in units of the noise, shape (n_blocks,)."""
@@ -76,20 +77,19 @@ class Problem:
 
     def only(self, kept: BoolArray) -> "Problem":
         """The problem for some coordinates, `kept` (K,); the others stay at the reference."""
-        out = ~kept
+        if kept.all():
+            return self
+        out, coordinates = ~kept, self.coordinates.only(kept)
         fixed = self.coordinates.reference[out]
         given = self.normal[:, :, out] @ fixed
         return replace(
             self,
-            coordinates=self.coordinates.only(kept),
+            coordinates=coordinates,
+            solver=ConsistentLeastSquares(coordinates),
             normal=self.normal[:, kept][:, :, kept],
             right=(self.right - given)[:, kept],
             square=self.square - 2 * self.right[:, out] @ fixed + given[:, out] @ fixed,
         )
-
-    @cached_property
-    def _solver(self) -> ConsistentLeastSquares:
-        return ConsistentLeastSquares(self.coordinates)
 
 
 def problem_of(equations: Equations) -> Problem:
@@ -103,19 +103,21 @@ def problem_of(equations: Equations) -> Problem:
             "No motor moves fast enough for long enough to tell anything: record a motion, or lower `moving`."
         )
     coordinates = coordinates_of(equations.robot, equations.terms, _sizes(equations))
+    solver = ConsistentLeastSquares(coordinates)
     torque = _rms(equations.torque, equations.counts)
     noise = np.maximum(torque, np.finfo(np.float64).tiny)
     for _ in range(_WEIGHTINGS):
-        problem = _summed(equations, coordinates, noise)
+        problem = _summed(equations, solver, noise)
         y = problem.solve(np.ones(equations.blocks.n_blocks), LOOSE)
         left = _rms(equations.residual(coordinates.parameters(y)), equations.counts)
         noise = np.maximum(left, np.where(torque > 0, _LEAST_NOISE * torque, 1.0))
-    return _summed(equations, coordinates, noise)
+    return _summed(equations, solver, noise)
 
 
-def _summed(equations: Equations, coordinates: Coordinates, noise: Array) -> Problem:
+def _summed(equations: Equations, solver: ConsistentLeastSquares, noise: Array) -> Problem:
     """Sums over the rows of each block with these weights."""
-    blocks, k = equations.blocks, coordinates.n
+    blocks, coordinates = equations.blocks, solver.coordinates
+    k = coordinates.n
     normal, right = np.zeros((blocks.n_blocks, k, k)), np.zeros((blocks.n_blocks, k))
     square = np.zeros(blocks.n_blocks)
     for motor, sigma in enumerate(noise):
@@ -134,6 +136,7 @@ def _summed(equations: Equations, coordinates: Coordinates, noise: Array) -> Pro
         right=right,
         square=square,
         rows=int(equations.counts.sum()),
+        solver=solver,
     )
 
 
