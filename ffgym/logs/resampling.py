@@ -33,8 +33,8 @@ def resample(samples: Array, clock: Array, t: Array, how: Resample) -> Resampled
     """
     if clock.shape != samples.shape[:1]:
         raise FFGymError(f"its clock has {clock.size} times for {len(samples)} samples.")
-    if len(clock) < 2:
-        raise FFGymError(f"has {len(clock)} samples; to resample takes at least 2.")
+    if len(clock) < 2 or len(t) < 2:
+        raise FFGymError(f"has {len(clock)} samples for {len(t)} rows; to resample takes at least 2 of each.")
     stalled = np.flatnonzero(~(np.diff(clock) > 0))
     if stalled.size:
         row = int(stalled[0]) + 1
@@ -44,13 +44,15 @@ def resample(samples: Array, clock: Array, t: Array, how: Resample) -> Resampled
 
 
 def _nearest(samples: Array, clock: Array, t: Array) -> Resampled:
-    """A row is given the sample nearest to it, if that is within half a period; a sample goes into one row at most."""
-    half = float(np.median(np.diff(t))) / 2 if len(t) > 1 else 0.0
-    later = np.searchsorted(clock, t + half, side="right") - 1
-    sooner = np.clip(later - 1, 0, None)
-    near = np.where(np.abs(clock[sooner] - t) < np.abs(clock[later] - t), sooner, later)
-    found = (later >= 0) & (clock[near] > t - half)
-    return Resampled(np.where(found[:, None], samples[near], np.nan), np.ones(len(t), dtype=np.bool_))
+    """Each sample goes into the row nearest to it, if that is within half a period; of several the nearest stays."""
+    after = np.clip(np.searchsorted(t, clock), 1, len(t) - 1)
+    row = np.where(clock - t[after - 1] <= t[after] - clock, after - 1, after)
+    distance = np.abs(clock - t[row])
+    farthest_first = np.argsort(-distance, kind="stable")
+    placed = farthest_first[distance[farthest_first] <= float(np.median(np.diff(t))) / 2]
+    at_rows = np.full((len(t), samples.shape[1]), np.nan)
+    at_rows[row[placed]] = samples[placed]  # the last of several, which is the nearest
+    return Resampled(at_rows, np.ones(len(t), dtype=np.bool_))
 
 
 def _linear(samples: Array, clock: Array, t: Array) -> Resampled:
