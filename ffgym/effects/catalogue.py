@@ -24,6 +24,7 @@ _EFFECTS: tuple[type[Effect], ...] = (
     transmission.Backlash,
     transmission.KinematicError,
     transmission.WristCoupling,
+    transmission.BaseFlexibility,
     drive.Cogging,
     drive.TorqueRipple,
     drive.TorqueConstant,

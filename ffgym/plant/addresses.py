@@ -18,6 +18,10 @@ class Addresses:
     deflection_qpos: IntArray
     """One per elastic joint."""
     is_elastic: BoolArray
+    extra_qpos: IntArray
+    """Joints that neither turn with a motor nor are its elasticity: those of effects."""
+    extra_joint: IntArray
+    """The same as numbers of joints."""
     integral: IntArray
     has_integral: BoolArray
     bristle: IntArray
@@ -30,7 +34,11 @@ class Addresses:
         elastic = np.array([deflection_joint(j) in names for j in robot.joints])
         integral = np.array([_activation(model, servo_actuator(j)) for j in robot.joints])
         bristle = np.array([_activation(model, friction_actuator(j)) for j in robot.joints])
+        own = {motor_joint(j) for j in robot.joints} | {deflection_joint(j) for j in robot.joints}
+        extra = [i for i in range(model.njnt) if model.joint(i).name not in own]
         return cls(
+            extra_qpos=model.jnt_qposadr[extra].astype(int),
+            extra_joint=np.array(extra, dtype=int),
             motor_qpos=np.array([int(model.joint(motor_joint(j)).qposadr[0]) for j in robot.joints]),
             deflection_qpos=np.array(
                 [

@@ -9,7 +9,7 @@ from mujoco import batch
 from ffgym.errors import FFGymError
 from ffgym.plant.addresses import Addresses
 from ffgym.plant.settling import Settling
-from ffgym.robot import RobotDescription
+from ffgym.robot import RobotDescription, model_field
 from ffgym.types import Array, IntArray
 
 _TOLERANCE = 1e-14
@@ -44,22 +44,23 @@ def bent_by_load(
         FFGymError: if a robot is so soft that the iteration does not converge.
     """
     gravity, passive, qpos = engine.bind("qfrc_bias"), engine.bind("qfrc_passive"), engine.bind("qpos")
-    stiffness = np.stack([robot.drive.joint_stiffness for robot in robots])[:, at.is_elastic]
+    joints = np.stack([robot.drive.joint_stiffness for robot in robots])[:, at.is_elastic]
+    stiffness = np.concatenate([joints, _stiffness_of_extra_joints(engine, at, rows)], axis=1)
+    soft, n_own = np.append(at.deflection_qpos, at.extra_qpos), len(at.deflection_qpos)
     moving = np.arange(len(rows))
     for _ in range(_MAX_ITERATIONS):
         engine.forward(rows[moving], stage=mujoco.mjtStage.mjSTAGE_VEL.value)
-        if not at.is_elastic.any():
+        if not soft.size:
             break
-        here = np.ix_(rows[moving], at.deflection_qpos)
+        here = np.ix_(rows[moving], soft)
         load = gravity[here]
         if has_springs:  # what is passive but not the joint's own spring
             load = load - (passive[here] + stiffness[moving] * qpos[here])
-        if effects is None:
-            update = -load / stiffness[moving]
-        else:
+        update = -load / stiffness[moving]
+        if effects is not None:
             full = np.zeros((len(moving), len(at.is_elastic)))
-            full[:, at.is_elastic] = load
-            update = effects(rows[moving]).deflection(full)[:, at.is_elastic]
+            full[:, at.is_elastic] = load[:, :n_own]
+            update[:, :n_own] = effects(rows[moving]).deflection(full)[:, at.is_elastic]
         change = np.abs(update - qpos[here]).max(axis=1)
         qpos[here] = update
         moving = moving[change >= _TOLERANCE]
@@ -73,3 +74,14 @@ def bent_by_load(
         )
     motors = np.ix_(rows, at.motor_qpos)
     return gravity[motors] - passive[motors] if has_springs else gravity[motors]
+
+
+def _stiffness_of_extra_joints(engine: batch.Batch, at: Addresses, rows: IntArray) -> Array:
+    """Linear stiffness [N m/rad] of joints that effects have added, shape (B, E)."""
+    if not at.extra_joint.size:
+        return np.zeros((len(rows), 0))
+    own = engine.expanded("jnt_stiffness")
+    if own is None:
+        own = np.tile(model_field(engine.get_model(0), "jnt_stiffness"), (engine.nsim, 1))
+    stiffness: Array = np.reshape(own, (engine.nsim, -1))[rows][:, at.extra_joint]
+    return stiffness

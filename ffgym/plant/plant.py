@@ -232,6 +232,22 @@ class Plant:
             integral=integral,
         )
 
+    def tcp_position(self, index: int, qpos: Array) -> Array | None:
+        """TCP [m] (T, 3) of a simulation at MuJoCo's joint positions (T, nq), if that takes more than link positions.
+
+        None for a machine of which the links know all.
+        """
+        if not self.addresses.extra_qpos.size or self.robot.tool is None:
+            return None
+        model = self.machines[index].spec(self._options).compile()
+        data, site = mujoco.MjData(model), model.site("tcp").id
+        points = np.empty((len(qpos), 3))
+        for point, position in zip(points, qpos, strict=True):
+            data.qpos[:] = position
+            mujoco.mj_kinematics(model, data)
+            point[:] = data.site_xpos[site]
+        return points
+
     def split_controls(self, controls: Array) -> tuple[Array, Array, Array]:
         """Set-points for position, velocity, torque (..., N) as views of MuJoCo's controls (..., 3 N), motor side."""
         position, velocity, torque = (controls[..., k::3] for k in range(3))

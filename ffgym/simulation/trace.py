@@ -126,7 +126,9 @@ def to_recording(
         columns |= {f"{family}.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
     columns |= _temperatures(plant, index, columns["timestamp"])
     if rows.tcp is not None:
-        tcp = {"tcp.position": arm.tcp_position(state.link_position), "tcp_reference.position": rows.tcp}
+        moved = plant.tcp_position(index, trace.qpos)
+        position = arm.tcp_position(state.link_position) if moved is None else moved
+        tcp = {"tcp.position": position, "tcp_reference.position": rows.tcp}
         columns |= {f"{family}.{axis}": xyz[:, k] for family, xyz in tcp.items() for k, axis in enumerate("xyz")}
     header = _header(rows.reference, {"feedforward_law": law, **meta}, plant, index, seed)
     if rows.cut_short:

@@ -25,7 +25,7 @@ class TrackerFrame(TrackerEffect):
     side: ClassVar[Side] = "tool"
     signature: ClassVar[str] = "tool: an affine function of its position, at rest too"
     way_in: ClassVar[str] = "recorded tool positions; environments see the true tool"
-    confusable_with: ClassVar[tuple[str, ...]] = ("T1", "X1", "X4")
+    confusable_with: ClassVar[tuple[str, ...]] = ("T1", "T7", "X1", "X4")
     separating_motions: ClassVar[tuple[str, ...]] = ("holds", "excitation")
 
     shift: Array = parameter(
