@@ -1,10 +1,9 @@
-"""Workcell files: TOML with the numbers in which a machine differs from the description that its controller has.
+"""Workcell files: a machine file with a payload, sensors, and the model that the controller has of the machine.
 
-    [workcell]                     title, robot, and maybe `like`, another file that this one changes
-    [friction.*], [drive.*], ...   as in a parameter file: numbers of the robot
-    [payload.mass]                 a point mass at the TCP that nobody told the controller of
-    [effects.<name>.<parameter>]   see ffgym.effects and ffgym.workcell.equations
-    [climate.*], [sensors.*]       how warm the machine is, and how well it is measured
+    [workcell]                       controller, and maybe `like`, another workcell that this one changes
+    [machine], [friction.*], ...     see ffgym.plant.machine_file; equations of the workcell count as effects
+    [payload.mass]                   a point mass at the TCP that nobody told the controller of
+    [sensors.*]                      how well it is measured
 
 Every number has its value, unit and source; the source begins with sourced, derived, chosen or calibrated.
 """
@@ -16,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.effects import EFFECTS, read_effects
+from ffgym.effects import EFFECTS
 from ffgym.errors import FFGymError, check_choice
-from ffgym.plant import Climate, with_payload
+from ffgym.plant import with_payload
+from ffgym.plant.machine_file import parse_machine
 from ffgym.robot import RigidArm, load_robot
-from ffgym.robot.reading.parameters import GROUPS, with_numbers
 from ffgym.simulation import LaserTracker, Resolver, Sensor, Thermometer, TorqueSensor
 from ffgym.types import Array
 from ffgym.workcell.cell import SealedMachine, Workcell
@@ -28,10 +27,6 @@ from ffgym.workcell.equations import EQUATIONS
 
 _UNITS = {
     "payload.mass": "kg",
-    "climate.ambient": "degC",
-    "climate.rise": "K",
-    "climate.time_constant": "s",
-    "climate.running_since": "s",
     "sensors.resolver_bits": "bit/turn",
     "sensors.resolver_noise": "rad",
     "sensors.torque_noise": "N m",
@@ -40,7 +35,7 @@ _UNITS = {
     "sensors.thermometer_noise": "K",
     "sensors.thermometer_resolution": "K",
 }
-"""Numbers that are neither of the robot nor of an effect."""
+"""Numbers that are not of the machine alone."""
 
 Tree = dict[str, Any]
 
@@ -77,26 +72,23 @@ def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Wo
     Raises:
         FFGymError: if an entry is unknown, missing or invalid.
     """
-    try:
-        return _build(name, dict(tree), arm or RigidArm(load_robot(tree["workcell"]["robot"])))
-    except FFGymError as error:
-        raise FFGymError(f"Workcell {name}: {error}") from error
-
-
-def _build(name: str, tree: Tree, arm: RigidArm) -> Workcell:
-    for key in tree:
-        check_choice("table", key, ["workcell", *GROUPS, "payload", "effects", "climate", "sensors"])
-    robot = with_numbers(arm.robot, {group: tree[group] for group in GROUPS if group in tree})
-    robot = with_payload(robot, float(_number("payload.mass", tree["payload"]["mass"])))
-    climate = {key: _number(f"climate.{key}", table) for key, table in tree["climate"].items()}
-    machine = SealedMachine(
+    own = ("workcell", "payload", "sensors")
+    tables = {key: value for key, value in tree.items() if key not in own}
+    machine = parse_machine(tables, where=f"Workcell {name}", known=dict(EFFECTS) | dict(EQUATIONS))
+    payload = _number("payload.mass", tree["payload"]["mass"])
+    sealed = SealedMachine(
         label=name,
-        robot=robot,
-        effects=read_effects(tree["effects"], robot, dict(EFFECTS) | dict(EQUATIONS)),
-        climate=Climate(**climate),
+        robot=with_payload(machine.robot, payload),
+        effects=machine.effects,
+        climate=machine.climate,
     )
-    sensors = _sensors(tree["sensors"])
-    return Workcell(name=name, title=tree["workcell"]["title"], arm=arm, machine=machine, sensors=sensors)
+    return Workcell(
+        name=name,
+        title=tree["machine"]["title"],
+        arm=arm or RigidArm(load_robot(tree["workcell"]["controller"])),
+        machine=sealed,
+        sensors=_sensors(tree["sensors"]),
+    )
 
 
 def _sensors(tables: Mapping[str, Any]) -> tuple[Sensor, ...]:

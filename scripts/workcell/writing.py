@@ -31,7 +31,7 @@ _HEADS: dict[File, str] = {
 def write_result(prior: Trees, x: Array) -> None:
     """Write the machine's file and its controller's parameters with the free numbers `x` (K,) in them."""
     trees = rounded(applied(prior, x))
-    _write(MACHINE, "machine", {**trees["machine"], "workcell": _head(prior)}, prior)
+    _write(MACHINE, "machine", trees["machine"], prior)
     parameters = {
         "robot": "irb4600_60_205",
         "title": "friction as identified when the robot was commissioned, years ago",
@@ -46,10 +46,6 @@ def rounded(trees: Trees) -> dict[File, dict[str, Any]]:
         table = table_at(out[file], entry)
         table["value"] = _to_digits(table["value"])
     return out
-
-
-def _head(prior: Trees) -> dict[str, Any]:
-    return dict(prior["machine"]["workcell"]) | {"robot": CONTROLLER.stem}
 
 
 def _to_digits(value: Any) -> Any:
@@ -86,5 +82,5 @@ def _first_axis(value: Any) -> Any:
 
 def _by_kind(tree: Mapping[str, Any]) -> dict[str, Any]:
     """Head first, then tables by name."""
-    heads = ("parameters", "workcell")
-    return {key: tree[key] for key in sorted(tree, key=lambda key: (key not in heads, key))}
+    heads = ("parameters", "workcell", "machine")
+    return {key: tree[key] for key in [*(key for key in heads if key in tree), *sorted(set(tree) - set(heads))]}

@@ -126,5 +126,5 @@ def test_refusals_name_what_is_there():
     with pytest.raises(FFGymError, match="seed"):
         draw(-1)
     tree = read_tree("thesis")
-    with pytest.raises(FFGymError, match=r"Workcell broken: .*climate.ambient"):
+    with pytest.raises(FFGymError, match=r"Workcell broken: climate.ambient"):
         build("broken", tree | {"climate": {"ambient": {"value": 22.0, "unit": "K", "source": "?"}}})
