@@ -44,7 +44,7 @@ def limits_table() -> str:
     """Markdown table of the limits with their defaults."""
     meanings = re.findall(r'^    (\w+): [^\n]*\n    """(.*?)"""', inspect.getsource(MotionLimits), flags=re.M | re.S)
     rows = [
-        f"| `{name}` | {_default(f)} | {meaning} |"
+        f"| `{name}` | {default_text(f)} | {meaning} |"
         for (name, meaning), f in zip(meanings, fields(MotionLimits), strict=True)
     ]
     return "\n".join(["| limit | default | meaning |", "|---|---|---|", *rows])
@@ -66,12 +66,12 @@ def _part(kind: str, part: type[Part]) -> str:
     assert part.__doc__ is not None
     lines = [f"### {kind}", "", part.__doc__, "", "| entry | unit | default | meaning |", "|---|---|---|---|"]
     for f in entries(part):
-        default = "required" if is_required(f) else _default(f)
+        default = "required" if is_required(f) else default_text(f)
         lines.append(f"| `{f.name}` | {f.metadata['unit']} | {default} | {f.metadata['meaning']} |")
     return "\n".join(lines)
 
 
-def _default(f: Field[Any]) -> str:
+def default_text(f: Field[Any]) -> str:
     """Default of a field as a file would write it."""
     if f.default is MISSING or f.default is None or f.default == "":
         return ""

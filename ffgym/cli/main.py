@@ -40,6 +40,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     from ffgym.cli.identify import Identify
     from ffgym.cli.lffc import Lffc
     from ffgym.cli.log import Log
+    from ffgym.cli.record import Record
     from ffgym.cli.reproduce import Reproduce
     from ffgym.cli.robot import Robot
     from ffgym.cli.simulate import Simulate
@@ -52,6 +53,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Identify, tyro.conf.subcommand("identify")]
         | Annotated[Lffc, tyro.conf.subcommand("lffc")]
         | Annotated[Log, tyro.conf.subcommand("log")]
+        | Annotated[Record, tyro.conf.subcommand("record")]
         | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
         | Annotated[Robot, tyro.conf.subcommand("robot")]
         | Annotated[Simulate, tyro.conf.subcommand("simulate")]
@@ -59,7 +61,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Identify | Lffc | Log | Reproduce | Robot | Simulate | Stability | Video
+    chosen: Demo | Export | Identify | Lffc | Log | Record | Reproduce | Robot | Simulate | Stability | Video
     chosen = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
     chosen.run()
     return 0

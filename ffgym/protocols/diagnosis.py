@@ -49,7 +49,7 @@ class Diagnosis(JointProtocol):
         robot, joints = stage.robot, stage.moved(self.joints)
         timed = [
             own_triangles(stage, joints, SLOW, 13.0, name="slow_triangle"),
-            own_triangles(stage, joints, MID, 11.0, name="mid_triangle"),
+            own_triangles(stage, joints, MID, 10.0, name="mid_triangle"),
             own_sines(stage, joints, FAST, 0.7, 10.0, name="sine"),
             dwell_path(stage, joints, RESTS, speed=2 * SLOW, run=0.6, name="dwell_restart"),
         ]
@@ -59,7 +59,7 @@ class Diagnosis(JointProtocol):
                 *(joint_reference(robot, path) for path in timed),
                 large_multisine(stage, joints, HARMONICS, phases, 0.03, 10.0, name="multisine"),
                 *_small_motions(stage, joints),
-                large_multisine(stage, joints, SWEEP, phases[: len(SWEEP)], 0.15, 12.0, name="sweep"),
+                large_multisine(stage, joints, SWEEP, phases[: len(SWEEP)], 0.15, 15.0, name="sweep"),
             ]
         )
 

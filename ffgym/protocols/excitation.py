@@ -9,7 +9,7 @@ from ffgym.errors import check_number, check_whole
 from ffgym.motions.parts.part import entry
 from ffgym.protocols.protocol import JointProtocol, Scheduled
 from ffgym.protocols.stage import Stage
-from ffgym.protocols.together import FADE, large_multisine
+from ffgym.protocols.together import fade_of, large_multisine
 
 MOST = 100
 """Most motions, sines and periods; more are surely a slip."""
@@ -43,7 +43,7 @@ class Excitation(JointProtocol):
         base = check_number("base", self.base, unit="Hz", low=0.0, open_low=True)
         reach = check_number("reach", self.reach, low=0.0, high=0.5, open_low=True)
         frequencies = base * np.arange(1, harmonics + 1, dtype=np.float64)
-        joints, duration = stage.moved(self.joints), periods / base + 2 * FADE
+        joints, duration = stage.moved(self.joints), periods / base + 2 * fade_of(frequencies)
         shape = (harmonics, stage.robot.n_joints)
         generators = np.random.default_rng(check_whole("seed", self.seed, low=0)).spawn(count)
         return self.paused(

@@ -7,6 +7,7 @@ import numpy as np
 from ffgym.control import Reference, joint_reference
 from ffgym.errors import FFGymError
 from ffgym.paths import JointPath
+from ffgym.protocols.stage import Stage
 from ffgym.robot import RigidArm, motor_torque
 from ffgym.types import Array
 
@@ -18,7 +19,7 @@ LARGE_TORQUE = 0.5
 """Share of peak torque up to which motions are enlarged that want to be large; chosen: half is left for a payload."""
 
 _COARSE = 0.01
-"""Time between the instants at which torques of a large motion are examined [s]; chosen: they change within 0.1 s."""
+"""Time between the instants at which torques are examined [s]; chosen: those of planned motions change within 0.1 s."""
 
 _CLOSE = 0.004
 """How closely the size of a motion is found."""
@@ -26,7 +27,13 @@ _CLOSE = 0.004
 
 def torque_use(arm: RigidArm, reference: Reference) -> float:
     """Largest share of peak torque that a rigid arm takes on a motion, friction included."""
-    return _use(arm, reference.q, reference.dq, reference.ddq)
+    every = _stride(reference)
+    return _use(arm, reference.q[::every], reference.dq[::every], reference.ddq[::every])
+
+
+def _stride(motion: Reference | JointPath) -> int:
+    """Samples from one instant that is examined to the next."""
+    return max(1, round(_COARSE / float(motion.t[1])))
 
 
 def _use(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> float:
@@ -48,17 +55,19 @@ def check_torque(arm: RigidArm, reference: Reference) -> None:
         )
 
 
-def shrunk(arm: RigidArm, path: JointPath) -> Reference:
-    """A motion, made smaller about where it starts until it takes at most LARGE_TORQUE of the drives' torque.
+def shrunk(stage: Stage, path: JointPath) -> Reference:
+    """A motion, made smaller about where it starts until it keeps the tool near and takes at most LARGE_TORQUE.
 
     Raises:
         FFGymError: if even the smallest takes more.
     """
-    every = max(1, round(_COARSE / path.t[1]))
+    arm = stage.arm
+    every = _stride(path)
     way, dq, ddq = path.q[::every] - path.q[0], path.dq[::every], path.ddq[::every]
 
     def fits(size: float) -> bool:
-        return _use(arm, path.q[0] + size * way, size * dq, size * ddq) <= LARGE_TORQUE
+        q = path.q[0] + size * way
+        return bool(stage.keeps_tool_near(q).all()) and _use(arm, q, size * dq, size * ddq) <= LARGE_TORQUE
 
     low, high = 0.0, 1.0
     if fits(high):

@@ -12,7 +12,7 @@ NEARBY = 0.15
 """How far poses are from the rest position, as a share of each joint's range to either side; chosen: the arm stays in
 the part of its space where its home is. Nothing here knows what stands around the robot."""
 
-_CANDIDATES = 256
+_CANDIDATES = 512
 """Poses examined; chosen: in six dimensions more of them widen the spread of loads by a few percent only."""
 
 LEAST_SPREAD = 0.01
@@ -22,7 +22,8 @@ LEAST_SPREAD = 0.01
 def nearby_poses(stage: Stage, way: Array) -> Array:
     """Poses spread evenly around the rest position, which comes first, shape (P, N).
 
-    Every joint can go `way` (N,) to either side, and the drives hold the arm with at most half of their torque.
+    Every joint can go `way` (N,) to either side, the tool is near where it rests, and the drives hold the arm with at
+    most half of their torque.
 
     Raises:
         FFGymError: if the drives cannot do so even in the rest position.
@@ -38,7 +39,7 @@ def nearby_poses(stage: Stage, way: Array) -> Array:
         raise FFGymError(
             f"holding the arm in its rest position takes more than {LARGE_TORQUE:.0%} of a drive's torque."
         )
-    return poses[light]
+    return poses[light & stage.keeps_tool_near(poses)]
 
 
 def load_ladder(stage: Stage, joint: int, count: int, way: Array) -> Array:

@@ -101,4 +101,5 @@ def check_names(what: str, names: Any) -> None:
 
 def settings(protocol: type[Protocol]) -> tuple[Field[Any], ...]:
     """Settings of a protocol, its own first."""
-    return tuple(reversed(fields(protocol)))
+    shared = {f.name for f in fields(JointProtocol)}
+    return tuple(sorted(fields(protocol), key=lambda f: f.name in shared))

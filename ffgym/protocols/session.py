@@ -24,7 +24,7 @@ class SessionMotion:
     protocol: str
     """Name of its protocol."""
     start: float
-    """When it begins, since the machine was switched on [s]."""
+    """When it begins, on the clock of the session [s]."""
 
     @property
     def end(self) -> float:
@@ -43,7 +43,8 @@ def plan_session(arm: RigidArm, protocols: Sequence[Protocol], *, start: float =
     Args:
         arm: the robot.
         protocols: one or more; motions of one that comes twice get numbers.
-        start: when the session begins, since the machine was switched on [s].
+        start: when the first one begins, on the clock of the session [s], which is 0 at the time of the day that the
+            machine is set up for.
 
     Raises:
         FFGymError: if there is no protocol, or the robot cannot make one of the motions.

@@ -8,10 +8,18 @@ import numpy as np
 from ffgym.errors import FFGymError, check_choice
 from ffgym.motions.parts.place import resting_position
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.types import Array
+from ffgym.types import Array, BoolArray
 
 FASTEST = 0.8
 """Largest share of a joint's speed limit that a protocol uses; chosen: some is left for the feedback."""
+
+
+TOOL_NEARBY = 0.6
+"""How far large motions take the tool from where it rests, as a share of its distance from the base there; chosen: the
+loads of a shoulder then differ by a quarter of its torque, and the arm does not fold."""
+
+TOOL_DROP = 0.3
+"""How far they lower it, in the same unit; chosen: the tools of the built-in robots stay above the floor."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,6 +80,16 @@ class Stage:
         """Speed of each motor at the largest speed that a protocol uses [rad/s], shape (N,)."""
         speed: Array = FASTEST * self.robot.kinematics.max_speed * np.abs(self.robot.drive.gear_ratio)
         return speed
+
+    def keeps_tool_near(self, q: Array) -> BoolArray:
+        """Whether the tool, if there is one, is near where it is at rest, for joint positions (T, N); shape (T,)."""
+        if self.robot.tool is None:
+            return np.ones(len(q), dtype=np.bool_)
+        tip, rest = self.arm.tcp_position(q), self.arm.tcp_position(self.rest[None])
+        unit, pull = np.linalg.norm(rest), np.linalg.norm(self.robot.gravity)
+        down = np.divide(self.robot.gravity, pull, out=np.zeros(3), where=pull > 0)
+        near: BoolArray = np.linalg.norm(tip - rest, axis=1) <= TOOL_NEARBY * unit
+        return near & ((tip - rest) @ down <= TOOL_DROP * unit)
 
     def about(self, pose: Array, way: Array) -> Array:
         """Joint positions nearest to `pose` (N,) from which every joint can go `way` (N,) to either side.

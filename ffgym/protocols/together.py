@@ -26,7 +26,7 @@ APART = 0.15
 seconds at 1 Hz two neighbours have had every phase to each other."""
 
 FADE = 0.8
-"""Time in which sines fade in and out [s]."""
+"""Time in which small sines fade in and out [s]."""
 
 
 def own_triangles(stage: Stage, joints: Sequence[int], motor_speed: float, duration: float, *, name: str) -> JointPath:
@@ -86,12 +86,18 @@ def large_multisine(
     """
     way = stage.only(joints, reach * stage.span)
     centre = stage.about(stage.rest, way)
+    ramp = fade_of(frequencies)
     unit = stage.only(joints, 1.0) / frequencies[:, None]
-    one = multisine(centre, unit, frequencies, phases, duration, ramp=FADE, dwell=DWELL, dt=stage.dt, name=name)
+    one = multisine(centre, unit, frequencies, phases, duration, ramp=ramp, dwell=DWELL, dt=stage.dt, name=name)
     off = one.q - centre
     farthest, fastest = np.abs(off).max(axis=0), np.abs(one.dq).max(axis=0)
     size = np.minimum(_ratio(way, farthest), _ratio(stage.joint_side(stage.motor_speed), fastest))
-    return shrunk(stage.arm, replace(one, q=centre + size * off, dq=size * one.dq, ddq=size * one.ddq))
+    return shrunk(stage, replace(one, q=centre + size * off, dq=size * one.dq, ddq=size * one.ddq))
+
+
+def fade_of(frequencies: Array) -> float:
+    """Time in which large sines of these frequencies [Hz] fade in and out [s]: slow, so that it takes little torque."""
+    return float(0.25 / np.min(frequencies))
 
 
 def _ratio(most: Array, has: Array) -> Array:

@@ -6,9 +6,9 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.control import joint_reference
 from ffgym.errors import FFGymError, check_number, check_shape
 from ffgym.motions.parts.part import entry
+from ffgym.protocols.limits import shrunk
 from ffgym.protocols.protocol import JointProtocol, Scheduled
 from ffgym.protocols.stage import Stage
 from ffgym.protocols.together import own_sines
@@ -36,7 +36,7 @@ class WarmUp(JointProtocol):
         speed = check_number("speed", self.speed, unit="rad/s", low=0.0, open_low=True)
         frequency = check_number("frequency", self.frequency, unit="Hz", low=0.0, open_low=True)
         path = own_sines(stage, joints, speed, frequency, self.duration, name="0")
-        reference = joint_reference(stage.robot, path)
+        reference = shrunk(stage, path)
         if not len(times) or times[0] != 0 or (np.diff(times) < reference.duration).any():
             raise FFGymError(
                 f"times = {times.tolist()} s must begin with 0 and lie at least {reference.duration:g} s apart, as the "
