@@ -34,7 +34,7 @@ LOG_KEYS: Mapping[str, str] = MappingProxyType(
 
 MOTION_KEYS: Mapping[str, str] = MappingProxyType(
     {
-        "split": "array with one number per row that is the same throughout a motion, e.g. `episode_index`",
+        "split": "array with one number or word per row that is the same throughout a motion, e.g. `episode_index`",
         "names": "array with the name of each motion; absent are numbers from 0",
     }
 )

@@ -82,15 +82,6 @@ def si_of(unit: str, counts_per_turn: float | None = None) -> str:
     return next((si for si, others in UNITS.items() if unit in others), unit)
 
 
-def units_table() -> str:
-    """Markdown table of the units, as printed in docs/column_maps.md."""
-    lines = ["| kept in | may come in |", "|---|---|"]
-    for si, others in UNITS.items():
-        also = [unit for unit, angle in COUNTS.items() if angle == si] + ([KELVIN] if si == "degC" else [])
-        lines.append(f"| `{si}` | {', '.join(f'`{unit}`' for unit in (si, *others, *also))} |")
-    return "\n".join(lines)
-
-
 def _way_out(unit: str, wanted: str) -> str:
     if unit in _ELECTRIC and wanted in ("N m", "N"):
         return f"give scale = <{_ELECTRIC[unit].replace('N m', wanted)}> and unit = {wanted!r}."

@@ -1,0 +1,40 @@
+"""The page about logs of other tools: its tables are the code's, its example runs from file to recording."""
+
+import re
+from pathlib import Path
+
+from ffgym.cli.main import main
+from ffgym.logs import builtin_columns
+from ffgym.logs.formats.read import BAGS, FILES, FOLDERS, TEXT_FILES
+from scripts.column_map_tables import filled
+
+PAGE = (Path(__file__).parents[2] / "docs" / "column_maps.md").read_text(encoding="utf-8")
+
+
+def test_the_tables_are_current():
+    assert filled(PAGE) == PAGE, "run: python -m scripts.column_map_tables"
+
+
+def test_the_example_runs_with_its_commands(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    first, second, third = re.findall(r"^```python\n(.*?)^```", PAGE, flags=re.M | re.S)
+    (command,) = re.findall(r"^```sh\n(.*?)^```", PAGE, flags=re.M | re.S)
+    names: dict[str, object] = {}
+    exec(first, names)
+    assert main(command.split()[1:]) == 0
+    assert "pos1" in capsys.readouterr().out
+    assert 'source = "time"' in Path("trace_map.toml").read_text(encoding="utf-8")
+    exec(second, names)
+    exec(third, names)
+    assert capsys.readouterr().out.startswith("Recording('press', 'trace', 500 rows, ")
+    convert = "log convert trace.csv --columns trace_map.toml --out trace.npz"
+    assert convert in PAGE
+    assert main(convert.split()) == 0
+
+
+def test_every_format_and_built_in_map_is_on_the_page():
+    formats = PAGE.split("## Formats")[1].split("## Column maps that ship")[0]
+    for name in (*TEXT_FILES, *FILES, *BAGS, *FOLDERS):
+        assert f"`{name}`" in formats
+    shipped = re.findall(r"^\| `(\w+)` \|", PAGE.split("## Column maps that ship")[1], flags=re.M)
+    assert tuple(shipped) == builtin_columns()
