@@ -1,4 +1,4 @@
-"""`ffgym reproduce`: chapters 4 and 5 of the thesis, simulated, beside what was published."""
+"""`ffgym reproduce`: chapters 4 to 6 of the thesis, simulated, beside what was published."""
 
 import time
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ PICTURES = ("svg", "png")
 
 @dataclass(frozen=True)
 class Reproduce:
-    """Simulate every figure and table of chapters 4 and 5 of the thesis; say of each claim whether it holds."""
+    """Simulate every figure and table of chapters 4 to 6 of the thesis; say of each claim whether it holds."""
 
     only: tuple[str, ...] = ()
     """Parts to reproduce, e.g. chapter-4, figure-5.11, table-5.2; none given is all."""
@@ -38,7 +38,7 @@ class Reproduce:
         """Simulate, write, print."""
         need_extra("The reproduction", "matplotlib", "jinja2", "rich")
         from ffgym.cli.progress import progress_bar
-        from ffgym.reproduction import ITEMS, Laboratory, as_json, chosen, fingerprints, render_page, reproduce
+        from ffgym.reproduction import ITEMS, SEED, Laboratory, as_json, chosen, fingerprints, render_page, reproduce
 
         items = chosen(ITEMS, self.only)
         self._check_places()
@@ -48,7 +48,7 @@ class Reproduce:
         info = {
             "command": "ffgym reproduce",
             "config": {name: str(value) if isinstance(value, Path) else value for name, value in asdict(self).items()},
-            "seed": None,  # nothing is random
+            "seed": SEED,
             "versions": versions(),
             "physics_fingerprints": fingerprints(laboratory),
             "seconds_to_simulate_and_draw": round(time.monotonic() - begin, 1),

@@ -11,6 +11,8 @@ from ffgym.reproduction import (
     lugre_one_axis,
     lugre_real,
     lugre_robot,
+    narx,
+    narx_extended,
 )
 from ffgym.reproduction.items import Item
 
@@ -23,6 +25,7 @@ CHAPTER_5 = (
     *bsn_real.ITEMS,
     *bsn_fast.ITEMS,
 )
-ITEMS: tuple[Item, ...] = (*CHAPTER_4, *CHAPTER_5, *beyond.ITEMS)
-"""Every figure and table of chapters 4 and 5 that has numbers or curves. Figures 4.1, 5.1 and 5.4 are diagrams.
-Two more items go beyond it."""
+CHAPTER_6 = narx.ITEMS
+ITEMS: tuple[Item, ...] = (*CHAPTER_4, *CHAPTER_5, *CHAPTER_6, *beyond.ITEMS, *narx_extended.ITEMS)
+"""Every figure and table of chapters 4 to 6 that has numbers or curves; 4.1, 5.1, 5.4, 6.8 and 6.9 are diagrams. More
+items go beyond it."""

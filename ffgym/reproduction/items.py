@@ -26,7 +26,7 @@ class Item:
     name: str
     """Unique, e.g. 'figure-4.6'; also the name of its picture files."""
     chapter: str
-    """'chapter-4', 'chapter-5' or 'beyond'."""
+    """'chapter-4', 'chapter-5', 'chapter-6' or 'beyond'."""
     title: str
     """What it shows; the heading names figure or table beside it."""
     claims: tuple[Claim, ...] = ()

@@ -11,14 +11,19 @@ from agents.common.lessons import thesis_motions, training_motions
 from agents.learning.progress import Learning
 from agents.splines.recipes import thesis_training
 from ffgym.control import NoCompensation, Reference
+from ffgym.identification.narx import Samples
 from ffgym.paths import SPEEDS
 from ffgym.reproduction.contenders import Contender, contender
 from ffgym.robot import RobotDescription, load_robot
 from ffgym.simulation.simulate import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
+from ffgym.studies.narx_study import EXTENDED, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Called with a title and a unit when a piece of work begins; yields what is told of its progress."""
+
+SEED = 0
+"""Of the first weights of NARX networks and of sensor noise; nothing else is random."""
 
 FAST = SPEEDS[1]
 """TCP speed [m/s] of the second training, thesis 5.4.2."""
@@ -30,7 +35,7 @@ def silent(title: str, unit: str) -> AbstractContextManager[Progress]:
 
 
 class Laboratory:
-    """The nominal robot and the one-axis model of the thesis, with its tests. Nothing in it is random."""
+    """The nominal robot and the one-axis model of the thesis, with its tests; what is random has a fixed seed."""
 
     def __init__(self, *, n_threads: int = 0, stage: Stage = silent) -> None:
         """Make a laboratory in which nothing has been simulated.
@@ -101,6 +106,26 @@ class Laboratory:
         return self._with_networks(self.fast_learning, [FAST], "40 mm/s")
 
     @cached_property
+    def narx_records(self) -> dict[str, Samples]:
+        """Sines of thesis 6.2.2 and Table 6.1 with the friction of the LuGre model, by name."""
+        return narx_records(self.axis.friction)
+
+    @cached_property
+    def narx_reach(self) -> dict[str, Samples]:
+        """Motions unlike them, by name."""
+        return reach_records(self.axis.friction)
+
+    @cached_property
+    def narx_published(self) -> dict[str, NarxFit]:
+        """The two NARX networks of thesis 6.2, by name."""
+        return self._networks(PUBLISHED)
+
+    @cached_property
+    def narx_extended(self) -> dict[str, NarxFit]:
+        """NARX networks with more data and with another regressor, by name."""
+        return self._networks(EXTENDED)
+
+    @cached_property
     def contenders(self) -> list[Contender]:
         """Members of the agents' catalogue, made for the 36 circles."""
         setting = replace(self.setting, references=[*circle_references(self.setting.arm).values()])
@@ -144,3 +169,12 @@ class Laboratory:
                 progress=progress,
             )
         return self.lugre_circles.only(laws=["none", "lugre_dynamic"], speeds=speeds).joined(networks)
+
+    def _networks(self, candidates: Sequence[Candidate]) -> dict[str, NarxFit]:
+        found = {}
+        with self.stage("NARX networks", "networks") as progress:
+            for i, candidate in enumerate(candidates):
+                progress(i, len(candidates))
+                found[candidate.name] = fit_narx(candidate, self.narx_records | self.narx_reach, seed=SEED)
+            progress(len(candidates), len(candidates))
+        return found

@@ -11,6 +11,7 @@ from ffgym.reproduction.reproduce import Reproduced, count
 TITLES = {
     "chapter-4": "Chapter 4: feed-forward with the LuGre model",
     "chapter-5": "Chapter 5: feed-forward learned with B-spline networks",
+    "chapter-6": "Chapter 6: extended friction identification",
     "beyond": "Beyond the thesis",
 }
 """Headings of the parts."""

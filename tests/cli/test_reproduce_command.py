@@ -28,7 +28,7 @@ def test_the_command_writes_what_it_is_asked_for(folder):
 def test_the_numbers_say_where_they_come_from(folder):
     numbers = json.loads((folder / "numbers.json").read_text())
     assert numbers["command"] == "ffgym reproduce"
-    assert numbers["seed"] is None
+    assert numbers["seed"] == 0
     assert numbers["versions"]["ffgym"] == __version__
     assert numbers["physics_fingerprints"].keys() == {"irb4600_60_205", "one_axis"}
     assert [item["name"] for item in numbers["items"]] == ["figure-4.4"]

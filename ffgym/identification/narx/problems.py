@@ -6,6 +6,8 @@ Parameters of a motor are one vector, K = H R + 2 H + 1: w row by row, then b, c
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import tanh
+from operator import mul
 from typing import final
 
 import numpy as np
@@ -140,12 +142,15 @@ class Simulation(Problem):
     def _simulated(self, parameters: Array, inputs: Array) -> Array:
         """Output (T,) in units of its scale; none at first, as in `NarxModel.simulated`."""
         w, b, c, d = split(parameters, self.n_neurons)
-        n_inputs, before = inputs.shape[1], int(self.lags.max())
-        driven, fed_back = inputs @ w[:, :n_inputs].T + b, w[:, n_inputs:]
-        outputs = np.zeros(before + len(inputs))
-        for k in range(1, len(inputs)):
-            outputs[before + k] = c @ sigmoid(driven[k] + fed_back @ outputs[before + k - self.lags]) + d
-        return outputs[before:]
+        n_inputs, lags = inputs.shape[1], self.lags.tolist()
+        driven, fed_back, gains = (inputs @ w[:, :n_inputs].T + b).tolist(), w[:, n_inputs:].tolist(), c.tolist()
+        outputs = [0.0] * (max(lags) + 1)
+        for row in driven[1:]:  # plain floats: a call of NumPy costs more than a neuron
+            past, total = [outputs[-lag] for lag in lags], float(d)
+            for gain, inside, weights in zip(gains, row, fed_back, strict=True):
+                total += gain * (0.5 + 0.5 * tanh(0.5 * (inside + sum(map(mul, weights, past)))))
+            outputs.append(total)
+        return np.array(outputs[max(lags) :])
 
     def _through_time(self, parameters: Array, phi: Array) -> Array:
         """Derivative s (T, K) of the output in free run, along which regressors are phi (T, R)."""

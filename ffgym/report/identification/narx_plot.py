@@ -19,6 +19,9 @@ SHOWN = 2.0
 """Length that is drawn [s], the last of each record, where the start is forgotten; a period at 0.5 Hz."""
 _MARGIN = 1.3
 """Torque axis over the largest friction: networks that run away leave the picture."""
+_APART = 0.15
+"""Between marks of one record, which is 1 wide."""
+_MARKERS = "osD^v<>p"
 _TRUE: dict[str, Any] = {"color": "black", "linewidth": 1.8, "label": "LuGre model"}
 
 
@@ -56,10 +59,11 @@ def _draw_row(row: "Sequence[Axes]", fit: NarxFit, samples: Samples) -> None:
 
 
 def fits_figure(fits: Mapping[str, Array], floor: Array, records: Sequence[str]) -> "Figure":
-    """Fit in free run on each record, one line per network, with the static curve as floor.
+    """Fit in free run on each record, one mark per network, with the static curve as floor.
 
     Args:
-        fits: by label, fit [%] of each start, shape (S, records); lines are medians, bands all starts.
+        fits: by label, fit [%] of each start, shape (S, records); marks are medians, bars reach from the worst
+            start to the best.
         floor: fit of the static curve [%], shape (records,).
         records: their names.
     """
@@ -67,10 +71,12 @@ def fits_figure(fits: Mapping[str, Array], floor: Array, records: Sequence[str])
         figure = new_figure(9.6, 4.2)
         axes = figure.subplots()
         x = np.arange(len(records))
-        axes.plot(x, floor, color="black", linestyle=":", marker="_", label="static curve")
-        for label, values in fits.items():
-            [line] = axes.plot(x, np.median(values, axis=0), marker="o", markersize=4, label=label)
-            axes.fill_between(x, values.min(axis=0), values.max(axis=0), color=line.get_color(), alpha=0.15, lw=0)
+        axes.plot(x, floor, color="black", linestyle="none", marker="_", markersize=22, label="static curve")
+        for i, (label, values) in enumerate(fits.items()):
+            middle = np.median(values, axis=0)
+            reach = np.abs(np.quantile(values, [0, 1], axis=0) - middle)
+            places = x + _APART * (i - (len(fits) - 1) / 2)
+            axes.errorbar(places, middle, reach, fmt=_MARKERS[i], markersize=4, elinewidth=0.8, label=label)
         axes.set(ylim=(0, 102), ylabel="fit in free run [%]")
         axes.set_xticks(x, records, rotation=35, ha="right")
         legend_above(figure, *axes.get_legend_handles_labels())

@@ -1,0 +1,89 @@
+"""NARX networks on data of a LuGre model: the data are those of the thesis, and the study shows what it found."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.studies.narx_study import (
+    ESTIMATION,
+    EXTENDED,
+    PUBLISHED,
+    SAMPLE_TIME,
+    VALIDATION,
+    fit_narx,
+    lugre_samples,
+    narx_records,
+    reach_records,
+    record_name,
+    sine,
+    static_misfit,
+)
+
+
+@pytest.fixture(scope="module")
+def records(one_axis):
+    return narx_records(one_axis.friction)
+
+
+def test_the_data_are_the_discretised_lugre_model_of_the_thesis(one_axis):
+    f_c, f_s, f_v, v_s, sigma_0, sigma_1 = 0.5367, 0.5634, 0.0437, 0.15, 69.9787, 0.6753  # (6.9) and (6.18)
+    speed, z, torque = sine(1.0, 1.0, 0.2), 0.0, []
+    for v in speed:  # (6.14)
+        rate = v - sigma_0 * abs(v) / (f_c + (f_s - f_c) * np.exp(-((v / v_s) ** 2))) * z
+        torque.append(sigma_0 * z + sigma_1 * rate + f_v * v)
+        z += SAMPLE_TIME * rate
+    np.testing.assert_allclose(lugre_samples(one_axis.friction, speed).torque[:, 0], torque, rtol=0, atol=1e-12)
+
+
+def test_there_are_the_two_sines_of_the_thesis_and_its_fifteen_records(records):
+    assert list(records) == [ESTIMATION, VALIDATION, *map(record_name, range(1, 16))]
+    assert len(records[ESTIMATION].motor_dq) == 12001  # 6 s every 0.5 ms
+    assert np.abs(records[record_name(11)].motor_dq).max() == pytest.approx(10.0, rel=1e-3)
+    assert all(2000 <= samples.scored.sum() <= 2100 for samples in records.values())
+
+
+def test_a_network_of_speeds_fits_one_sine_and_fails_on_another(records):
+    """Thesis 6.2.3, Figure 6.10."""
+    chosen = {name: records[name] for name in (ESTIMATION, VALIDATION)}
+    fit = fit_narx(replace(PUBLISHED[0], n_evaluations=300), chosen, n_starts=2)
+    assert np.all(fit.errors[ESTIMATION].simulation.fit > 90)
+    assert np.all(fit.rms(VALIDATION) > 1.5 * fit.rms(ESTIMATION))
+
+
+def test_a_network_of_its_own_output_predicts_far_better_than_it_runs(records):
+    """Thesis 6.2.3, Figure 6.11."""
+    chosen = {name: records[name] for name in (ESTIMATION, VALIDATION)}
+    fit = fit_narx(replace(PUBLISHED[1], n_evaluations=200), chosen, n_starts=1)
+    errors = fit.errors[VALIDATION]
+    assert errors.prediction.fit[0] > 99
+    assert errors.simulation.fit[0] < 90
+
+
+def test_slip_elements_hold_on_records_that_were_not_fitted_to(one_axis, records):
+    """Acceptance: an extension of the regressors that holds in free run."""
+    [slip] = [candidate for candidate in EXTENDED if candidate.name == "slip_set_d"]
+    fit = fit_narx(replace(slip, n_evaluations=150), records, n_starts=1)
+    for name in (ESTIMATION, VALIDATION, *map(record_name, (1, 3, 5, 6, 8, 10, 11, 13, 15))):
+        assert fit.rms(name) < 0.75 * static_misfit(one_axis.friction, records[name]).rms
+        assert fit.errors[name].simulation.fit > 80
+
+
+def test_the_start_that_is_drawn_is_the_median_one(records):
+    chosen = {name: records[name] for name in (ESTIMATION, VALIDATION)}
+    fit = fit_narx(replace(PUBLISHED[0], n_evaluations=20), chosen, n_starts=3)
+    assert fit.rms(VALIDATION)[fit.typical] == np.median(fit.rms(VALIDATION))
+
+
+def test_fits_are_the_same_for_the_same_seed_only(records):
+    chosen = {name: records[name] for name in (ESTIMATION, VALIDATION)}
+    candidate = replace(PUBLISHED[0], n_evaluations=20)
+    one, again, other = (fit_narx(candidate, chosen, n_starts=1, seed=seed).model.biases for seed in (0, 0, 1))
+    np.testing.assert_array_equal(one, again)
+    assert np.any(one != other)
+
+
+def test_motions_beyond_table_6_1_are_faster_slower_and_mixed(one_axis):
+    peaks = [np.abs(samples.motor_dq).max() for samples in reach_records(one_axis.friction).values()]
+    assert max(peaks) > 10
+    assert min(peaks) < 0.1
