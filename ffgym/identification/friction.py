@@ -1,6 +1,6 @@
 """Identification of LuGre friction: all joints of a robot from one set of recordings, thesis 6.1."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,41 +8,11 @@ import numpy as np
 from ffgym.errors import FFGymError, check_choice
 from ffgym.friction import LuGreParameters
 from ffgym.identification.bootstrap import LEVEL, RESAMPLES
-from ffgym.identification.bristle_fit import INERTIA_ERROR, NAMES, BristleFit, fit_bristles
-from ffgym.identification.estimate import Estimate
-from ffgym.identification.friction_estimates import dynamic_estimates, static_estimates
+from ffgym.identification.bristle_fit import NAMES
 from ffgym.identification.friction_torque import FrictionTorque
-from ffgym.identification.reversals import reverses
-from ffgym.identification.sliding_data import sliding_data
-from ffgym.identification.steady import steady_friction
-from ffgym.identification.stribeck_fit import MIN_RUNS, StribeckFit, fit_stribeck
+from ffgym.identification.joint_friction import FitOptions, JointFriction, identify_joint
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class JointFriction:
-    """What was found about one joint."""
-
-    joint: str
-    estimates: tuple[Estimate, ...]
-    """In the order of NAMES."""
-    stribeck: StribeckFit | None
-    """Fit to constant speeds; None if there were too few."""
-    bristles: BristleFit | None
-    """Fit to reversals; None if there were none."""
-    notes: tuple[str, ...] = ()
-    """What the user should know."""
-
-    @property
-    def inertia_error(self) -> float:
-        """Share of the model's inertial torque that was missing, 0 if that is not known."""
-        return 0.0 if self.bristles is None else self.bristles.inertia_error
-
-    @property
-    def offset(self) -> float:
-        """Mean torque in reversals that nothing explains [N m], 0 if that is not known."""
-        return 0.0 if self.bristles is None else self.bristles.offset
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -119,61 +89,7 @@ def identify_friction(
         if progress is not None:
             progress(j, robot.n_joints)
         own = torques if name in wanted else []
-        found.append(_joint(own, robot, j, given.get(name), rng, n_resamples, level))
+        options = FitOptions(stribeck_velocity=given.get(name), n_resamples=n_resamples, level=level)
+        found.append(identify_joint(own, robot, j, options, rng))
     segments = tuple(torque.signals.segment for torque in torques)
     return FrictionIdentification(prior=robot, joints=tuple(found), segments=segments, level=level)
-
-
-def _joint(
-    torques: Sequence[FrictionTorque],
-    robot: RobotDescription,
-    joint: int,
-    given: float | None,
-    rng: np.random.Generator,
-    n_resamples: int,
-    level: float,
-) -> JointFriction:
-    """Both fits of one joint, and what is to be said about each parameter."""
-    prior = np.array([getattr(robot.friction, name)[joint] for name in NAMES])
-    steady = steady_friction(torques, joint)
-    stribeck = None
-    if steady.n_runs >= MIN_RUNS:
-        usual = float(prior[3])
-        stribeck = fit_stribeck(steady, rng, stribeck_velocity=given, usual_velocity=usual, n_resamples=n_resamples)
-    reversing = [torque for torque in torques if reverses(torque, joint)]
-    static = static_estimates(robot.joints[joint], prior, stribeck, given=given, level=level)
-    bristles = None
-    if reversing:
-        data = sliding_data(reversing, joint, robot.friction)
-        bristles = fit_bristles(data, *_static_spread(static, stribeck, n_resamples), rng)
-    return JointFriction(
-        joint=robot.joints[joint],
-        estimates=(*static, *dynamic_estimates(robot.joints[joint], prior, bristles, level=level)),
-        stribeck=stribeck,
-        bristles=bristles,
-        notes=tuple(_notes(stribeck, bristles)),
-    )
-
-
-def _static_spread(static: Sequence[Estimate], stribeck: StribeckFit | None, n_resamples: int) -> tuple[Array, Array]:
-    """Static parameters to go on with, shape (4,), and resamples of those that were identified, shape (B, 4)."""
-    values = np.array([estimate.value for estimate in static])
-    spread = np.tile(values, (n_resamples, 1))
-    for i, estimate in enumerate(static):
-        if stribeck is not None and estimate.is_identified:
-            spread[:, i] = stribeck.resampled[:, i]
-    return values, spread
-
-
-def _notes(stribeck: StribeckFit | None, bristles: BristleFit | None) -> Iterator[str]:
-    """What the fits found that the LuGre model does not have, or could not tell."""
-    if stribeck is not None:
-        if not stribeck.both_directions:
-            yield "it ran in one direction only: an error of gravity or an offset counts as friction"
-        low, high = np.quantile(stribeck.resampled[:, 4:], [0.05, 0.95], axis=0)
-        if low[0] > 0 or high[0] < 0:
-            yield f"both directions differ by an offset of {stribeck.offset:.3g} N m, which is not in the model"
-        if low[1] > 0 or high[1] < 0:
-            yield f"viscous friction differs between directions by +-{abs(stribeck.asymmetry):.3g} N m s/rad"
-    if bristles is not None and abs(bristles.inertia_error) >= INERTIA_ERROR:
-        yield "the inertia of the model is wrong by more than 10 %, so sigma_0 and sigma_1 are not to be trusted"

@@ -19,9 +19,8 @@ _SAMPLES_PER_CUTOFF = 6.0
 _SAME_DT = 1e-3
 """Relative difference of sample periods that does not count: a thousandth of a row for each row."""
 
-_FORGOTTEN = 10.0
-"""Way after which bristles have forgotten how they began, in presliding lengths f_s / sigma_0 of the description; also
-where it is wrong by a factor of two."""
+FORGOTTEN = 10.0
+"""Way after which bristles have forgotten how they began, in presliding lengths f_s / sigma_0."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,13 +61,13 @@ class SlidingData:
         return np.concatenate([values[..., rows, r] for r, rows in enumerate(self.scored.T)], axis=-1)
 
 
-def sliding_data(torques: Sequence[FrictionTorque], joint: int, friction: LuGreParameters) -> SlidingData:
+def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: float) -> SlidingData:
     """Put records side by side for one joint.
 
     Args:
         torques: friction along recordings; sample periods may differ by whole factors.
         joint: which joint, 0 is the first.
-        friction: of that joint as far as it is known, for how far bristles bend.
+        presliding: how far bristles bend, f_s / sigma_0 [rad], motor side.
 
     Raises:
         FFGymError: if there is no record, or sample periods or filters differ.
@@ -89,8 +88,7 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, friction: LuGreP
     for r, (torque, step) in enumerate(zip(torques, every, strict=True)):
         rows = torque.valid[::step]
         scored[: len(rows), r] = rows
-    settling = _FORGOTTEN * float(friction.static[joint] / friction.bristle_stiffness[joint])
-    scored &= np.cumsum(np.abs(speed), axis=0) * dt > settling
+    scored &= np.cumsum(np.abs(speed), axis=0) * dt > FORGOTTEN * presliding
     return SlidingData(
         segments=tuple(torque.signals.segment for torque in torques),
         dt=dt,

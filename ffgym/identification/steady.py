@@ -24,8 +24,7 @@ _SLOWEST = 4e-3
 """Motor speed below which a joint counts as at rest [rad/s]: four times what 16 bit resolve in a window."""
 
 SETTLING_TRAVEL = 6.0
-"""Way that bristles take to settle, in presliding lengths f_s / sigma_0 of the description: exp(-6) is 0.2 %; where
-the description is wrong by a factor of two, 5 % at first, and less with every window."""
+"""Way that bristles take to settle, in presliding lengths f_s / sigma_0: exp(-6) is 0.2 %."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,17 +64,18 @@ class SteadyFriction:
         return speed, friction, position
 
 
-def steady_friction(torques: Sequence[FrictionTorque], joint: int) -> SteadyFriction:
+def steady_friction(torques: Sequence[FrictionTorque], joint: int, presliding: float) -> SteadyFriction:
     """Windows in which one joint moves at constant speed, with acceleration and bristles settled.
 
     Args:
         torques: friction along recordings.
         joint: which joint, 0 is the first.
+        presliding: how far bristles bend, f_s / sigma_0 [rad], motor side.
     """
     tables: list[Array] = []
     for torque in torques:
         means = _means(torque, joint)
-        for rows in _settled(torque, means[:, 0], joint):
+        for rows in _settled(means[:, 0], SETTLING_TRAVEL * presliding):
             tables.append(np.column_stack([means[rows], np.full(len(rows), len(tables))]))
     table = np.concatenate(tables) if tables else np.zeros((0, 4))
     speed, friction, position, run = table.T
@@ -99,10 +99,8 @@ def _means(torque: FrictionTorque, joint: int) -> Array:
     return means
 
 
-def _settled(torque: FrictionTorque, speed: Array, joint: int) -> list[IntArray]:
-    """Windows of each run at constant `speed` (n_windows,), from where bristles have settled."""
-    robot = torque.signals.robot
-    settling = SETTLING_TRAVEL * robot.friction.static[joint] / robot.friction.bristle_stiffness[joint]
+def _settled(speed: Array, settling: float) -> list[IntArray]:
+    """Windows of each run at constant `speed` (n_windows,), from where the joint has gone `settling` [rad]."""
     found = []
     for start, stop in runs(_is_constant(speed)):
         travel = WINDOW * np.cumsum(np.abs(speed[start : stop - 1]))

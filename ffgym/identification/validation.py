@@ -8,6 +8,7 @@ import numpy as np
 from ffgym.control import DynamicLuGreExact
 from ffgym.friction import LuGreParameters
 from ffgym.identification.friction_torque import FrictionTorque
+from ffgym.identification.sliding_data import FORGOTTEN
 from ffgym.types import Array, BoolArray
 
 MOVING = 0.05
@@ -79,4 +80,4 @@ def _forgotten(friction: LuGreParameters, torque: FrictionTorque) -> BoolArray:
     way = np.cumsum(speed, axis=0) * torque.signals.dt
     moving = speed.max(axis=0) > MOVING
     lengths = way / (friction.static / friction.bristle_stiffness)
-    return np.all(lengths[:, moving] > 10.0, axis=1)
+    return np.all(lengths[:, moving] > FORGOTTEN, axis=1)

@@ -14,13 +14,13 @@ FINE_DT = 6.25e-5
 """Physics step of sines [s]: at the usual 0.25 ms the plant's own bristles lag by a step, which is 1 to 2 % of sigma_0
 and sigma_1 at 10 rad/s, and no fault of the identification."""
 
-SPEEDS = (0.02, 0.05, 0.09, 0.13, 0.18, 0.25, 0.4, 1.5, 5.0, 9.0, 14.0)
+SPEEDS = (0.02, 0.05, 0.09, 0.13, 0.18, 0.25, 0.4, 3.0, 9.0, 14.0)
 """Motor speeds of a short ladder [rad/s]."""
 
 
 def ladder(arm, joints=(), speeds=SPEEDS) -> list[Recording]:
     """Exact recordings of constant speeds."""
-    plan = plan_session(arm, [SpeedLadder(joints=joints, speeds=speeds, longest=2.0)])
+    plan = plan_session(arm, [SpeedLadder(joints=joints, speeds=speeds, longest=4.0)])
     return list(record(plan, SimulatedRig(arm=arm, sensors=()), record_dt=1e-3))
 
 
