@@ -16,12 +16,15 @@ from ffgym.robot import RigidArm, RobotDescription
 if TYPE_CHECKING:
     from ffgym.cli.identify import Identify
 
+CUTOFF_HZ = 100.0
+"""Cut-off of the low-pass filter of angles and torques: it hardly rounds reversals, and takes most of the noise."""
+
 
 def identified_friction(config: "Identify", robot: RobotDescription, logs: LogSet) -> Outcome:
     """Identify friction from logs, and see how well it holds on those kept out."""
     from ffgym.report.identification import FrictionReport, format_friction, render_friction_page
 
-    low_pass, arm = LowPass(cutoff=config.cutoff_hz), RigidArm(robot)
+    low_pass, arm = LowPass(cutoff=CUTOFF_HZ if config.cutoff_hz is None else config.cutoff_hz), RigidArm(robot)
     recordings = (*logs.used, *logs.held_out)
     torques = []
     with progress_bar("reading logs", "logs") as progress:

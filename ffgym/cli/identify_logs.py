@@ -29,7 +29,12 @@ class LogSet:
 
 
 def read_logs(
-    robot: RobotDescription, logs: Sequence[Path], validate: Sequence[Path], *, unchecked: bool = False
+    robot: RobotDescription,
+    logs: Sequence[Path],
+    validate: Sequence[Path],
+    *,
+    unchecked: bool = False,
+    known: bool = True,
 ) -> LogSet:
     """Read recordings and folders of them.
 
@@ -38,6 +43,7 @@ def read_logs(
         logs: to identify from; those that are also in `validate` are kept out.
         validate: to validate with.
         unchecked: whether to use what the quality gate calls insufficient.
+        known: whether the description says enough for the quality gate to judge by it, masses and limits that is.
 
     Raises:
         FFGymError: if one cannot be read, is of another robot or not good enough, or none is left to identify from.
@@ -46,7 +52,7 @@ def read_logs(
     used = [r for path in logs for r in _read(path) if not any(r.equals(other) for other in held_out)]
     if not used:
         raise FFGymError("All logs are for validation, so none is left to identify from.")
-    doubts = [doubt for recording in (*used, *held_out) if (doubt := _doubt(recording, robot))]
+    doubts = [doubt for recording in (*used, *held_out) if (doubt := _doubt(recording, robot if known else None))]
     if doubts and not unchecked:
         more = f" {len(doubts) - 1} more logs have problems too." if len(doubts) > 1 else ""
         raise FFGymError(f"{doubts[0]}{more} ffgym log check LOG says all; --unchecked uses such logs all the same.")
@@ -57,7 +63,7 @@ def _read(path: Path) -> list[Recording]:
     return read_folder(path) if path.is_dir() else [read_recording(path)]
 
 
-def _doubt(recording: Recording, robot: RobotDescription) -> str:
+def _doubt(recording: Recording, robot: RobotDescription | None) -> str:
     """Why a recording is not good enough; empty if it is."""
     report = check_quality(recording, robot, _NEEDS)
     if report.verdict != "insufficient":

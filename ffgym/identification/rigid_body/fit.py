@@ -120,9 +120,16 @@ class RigidBodyFit:
         Raises:
             FFGymError: if one does not fit the robot or the filters.
         """
+        return torque_errors(self.equations(recordings), self.estimate, self.in_file)
+
+    def equations(self, recordings: Sequence[Recording]) -> Equations:
+        """Equations of recordings, filtered as those that were fitted; joints bend under the bodies that were found.
+
+        Raises:
+            FFGymError: if one does not fit the robot or the filters.
+        """
         bodies = next((values for term, values in self._by_term(self.estimate) if isinstance(term, Bodies)), None)
-        equations = equations_of(self.robot, recordings, self.terms, self.filtering, bodies)
-        return torque_errors(equations, self.estimate, self.in_file)
+        return equations_of(self.robot, recordings, self.terms, self.filtering, bodies)
 
     def _by_term(self, parameters: Array) -> list[tuple[Term, Array]]:
         """Terms with those of `parameters` (K,) that are theirs."""

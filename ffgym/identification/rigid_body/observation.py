@@ -56,6 +56,8 @@ class Equations:
     """What the terms explain: motor torque less that of terms that stay as described, motor side [N m], (R, N)."""
     measured: Array
     """Motor torque, motor side [N m], shape (R, N)."""
+    t: Array
+    """Time of each row on the clock of its recording [s], shape (R,)."""
     counts: BoolArray
     """Whether a row counts for a motor: it moves, and the filters know what is around, shape (R, N)."""
     blocks: Blocks
@@ -107,6 +109,7 @@ def equations_of(
         columns=np.concatenate([part.columns for part in parts]),
         torque=np.concatenate([part.torque for part in parts]),
         measured=np.concatenate([part.measured for part in parts]),
+        t=np.concatenate([part.t for part in parts]),
         counts=np.concatenate([part.counts for part in parts]),
         blocks=Blocks.joined([part.blocks for part in parts]),
     )
@@ -133,6 +136,7 @@ def _part(
         columns=np.concatenate(columns, axis=1),
         torque=parallel(torque, dt)[kept],
         measured=parallel(measured, dt)[kept],
+        t=recording.t[kept],
         counts=counts,
         blocks=Blocks.cut([rows], dt * filtering.stride(dt), filtering.block),
     )
