@@ -1,8 +1,10 @@
 """Effects as strong as they can be, and none."""
 
+from dataclasses import fields
+
 import numpy as np
 
-from ffgym.effects import Effect
+from ffgym.effects import Effect, State
 
 
 def as_strong_as_plausible(effect: type[Effect], robot, share=1.0):
@@ -21,3 +23,19 @@ def without_effect(effect: type[Effect], robot):
     """The effect with every parameter at its null value."""
     values = {name: known.neutral for name, known in effect.parameters().items()}
     return effect.on(robot, **values)
+
+
+def state_of(robot, **given):
+    """State of a robot at rest and without load but for what is given, (N,) or (..., N) each."""
+    shape = np.broadcast_shapes((robot.n_joints,), *(np.shape(value) for value in given.values()))
+    per_joint = {f.name: np.zeros(shape) for f in fields(State)}
+    friction, drive = robot.friction, robot.drive
+    numbers = {name: getattr(friction, name) for name in ("coulomb", "static", "viscous", "stribeck_velocity")}
+    numbers |= {name: getattr(drive, name) for name in ("joint_stiffness", "joint_damping", "peak_torque")}
+    numbers |= {"temperature": 20.0} | given
+    return State(**per_joint | {name: np.broadcast_to(value, shape) + 0.0 for name, value in numbers.items()})
+
+
+def torques_at(effect, state):
+    """Torques of an effect without memory, or with one that is relaxed."""
+    return effect.torques(state, effect.initial_memory(state), 0.00025)[0]

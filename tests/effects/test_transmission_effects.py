@@ -1,0 +1,148 @@
+"""Effects between motor and link: energy, loops, gaps, and what a base does."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from ffgym.control import joint_reference
+from ffgym.effects import EFFECTS
+from ffgym.errors import FFGymError
+from ffgym.paths import multisine
+from ffgym.plant import Machine, Plant
+from ffgym.robot import ModelOptions, RigidArm
+from ffgym.simulation import Run, simulate
+from tests.effects.effect_samples import as_strong_as_plausible, state_of, torques_at
+
+
+def resting(machine, q):
+    """Deflections [rad] of a machine at rest, (N,)."""
+    plant = Plant(machine, 1, n_threads=1)
+    plant.rest(q[None])
+    state = plant.state()
+    return (state.link_position - machine.robot.drive.joint_angle(state.motor_position))[0]
+
+
+@pytest.mark.parametrize("name", ["hardening", "backlash", "kinematic_error"])
+def test_a_loop_through_motor_angle_and_deflection_takes_no_energy(name, irb4600):
+    effect = as_strong_as_plausible(EFFECTS[name], irb4600)
+    phase = np.linspace(0, 2 * np.pi, 20001)[:, None]
+    deflection, angle = 1e-3 * np.sin(phase), 0.7 * np.sin(phase + 1.0)
+    stiffness = irb4600.drive.joint_stiffness
+    state = state_of(irb4600, deflection=deflection, motor_angle=angle, load=-stiffness * deflection)
+    added = torques_at(effect, state)
+    motor = np.zeros_like(state.load) if added.motor is None else added.motor
+    work = np.trapezoid(added.spring, state.deflection, axis=0) + np.trapezoid(motor, state.motor_angle, axis=0)
+    swing = np.ptp(added.spring, axis=0) * np.ptp(state.deflection, axis=0)
+    assert np.all(np.abs(work) < 1e-6 * swing)
+
+
+def test_the_loop_of_torsional_hysteresis_has_its_area_at_any_speed(irb4600):
+    effect = EFFECTS["torsional_hysteresis"].on(irb4600, lost_motion=1e-4, width=3e-4)
+    expected = 4 * irb4600.drive.joint_stiffness * 1e-4 * (1e-3 - 0.625 * 3e-4)
+    for steps in (2000, 500):
+        dt = 1.0 / steps
+        t = np.arange(2 * steps + 1) * dt
+        deflection = 1e-3 * np.sin(2 * np.pi * t)
+        rate = np.diff(deflection, prepend=0.0) / dt
+        memory, torque = np.zeros((6, 4)), []
+        for bent, speed in zip(deflection, rate, strict=True):
+            added, memory = effect.torques(state_of(irb4600, deflection=bent, deflection_rate=speed), memory, dt)
+            torque.append(added.spring)
+        loop = slice(steps, None)  # the second time around
+        area = -np.trapezoid(np.array(torque)[loop], deflection[loop], axis=0)
+        np.testing.assert_allclose(area, expected, rtol=0.01)
+        assert np.abs(torque).max() <= irb4600.drive.joint_stiffness.max() * 1e-4 * (1 + 1e-12)
+
+
+def test_a_loaded_joint_with_backlash_hangs_half_a_gap_lower(irb4600, corners):
+    q = corners["p1"]
+    tight = resting(irb4600_machine(irb4600), q)
+    loose = resting(irb4600_machine(irb4600, backlash={"half_gap": 3e-4}), q)
+    loaded = np.abs(tight) > 1e-6
+    assert loaded[1:5].all()
+    np.testing.assert_allclose((loose - tight)[loaded], 3e-4 * np.sign(tight[loaded]), rtol=2e-2)
+
+
+def test_backlash_carries_nothing_within_its_gap(irb4600):
+    effect = EFFECTS["backlash"].on(irb4600, half_gap=2e-4)
+    stiffness, damping = irb4600.drive.joint_stiffness, irb4600.drive.joint_damping
+    for bent, carried in ((1.9e-4, 0.0), (-1.9e-4, 0.0), (3e-4, 1e-4), (-3e-4, -1e-4)):
+        state = state_of(irb4600, deflection=bent, deflection_rate=0.01)
+        inner = -stiffness * bent - damping * 0.01 + torques_at(effect, state).spring
+        expected = -stiffness * carried - (damping * 0.01 if carried else 0.0)
+        np.testing.assert_allclose(inner, expected, atol=1e-9)
+
+
+def test_a_hardening_joint_sags_to_the_root_of_its_cubic(irb4600, corners):
+    linear = resting(irb4600_machine(irb4600), corners["p1"])
+    growth = 2e6
+    hard = resting(irb4600_machine(irb4600, hardening={"growth": growth}), corners["p1"])
+    # the load hardly depends on the sag of some tenths of a milliradian
+    np.testing.assert_allclose(hard * (1 + growth * hard**2), linear, rtol=5e-3, atol=1e-8)
+    assert abs(hard[1]) < 0.98 * abs(linear[1])
+
+
+def test_sag_is_inverse_to_stiffness(irb4600, corners):
+    nominal = resting(irb4600_machine(irb4600), corners["p1"])
+    soft = resting(irb4600_machine(irb4600, joint_stiffness={"change": -0.3}), corners["p1"])
+    np.testing.assert_allclose(soft[1:5], nominal[1:5] / 0.7, rtol=5e-3)
+
+
+def test_the_friction_of_one_motor_brakes_another(irb4600):
+    share = np.zeros((6, 6))
+    share[4, 3] = 0.2  # row: braked, column: turning
+    effect = EFFECTS["wrist_coupling"].on(irb4600, share=share)
+    speed = np.array([9.0, 9.0, 9.0, -2.0, 0.0, 9.0])
+    torque = torques_at(effect, state_of(irb4600, motor_speed=speed, friction_sign=np.sign(speed))).motor
+    friction = irb4600.friction
+    np.testing.assert_allclose(torque[4], 0.2 * (friction.coulomb[3] + 2.0 * friction.viscous[3]))
+    assert not np.delete(torque, 4).any()
+
+
+def test_a_motor_that_brakes_itself_through_another_is_refused(irb4600):
+    with pytest.raises(FFGymError, match="diagonal"):
+        EFFECTS["wrist_coupling"].on(irb4600, share=0.1)
+
+
+def test_a_soft_base_tilts_by_the_moment_of_the_arm(irb4600, corners):
+    machine = irb4600_machine(irb4600, base_flexibility={"compliance": np.array([3e-7, 3e-7, 0.0])})
+    plant = Plant(machine, 1, n_threads=1)
+    plant.rest(corners["p1"][None])
+    data = mujoco.MjData(plant.batch.get_model(0))
+    data.qpos[:] = plant.batch.qpos[0]
+    mujoco.mj_forward(plant.batch.get_model(0), data)
+    np.testing.assert_allclose(data.qpos[:2], -3e-7 * data.qfrc_bias[:2], rtol=1e-9)
+    assert data.qpos[1] > 1e-4  # forwards
+
+
+def test_the_recorded_tool_moves_with_the_base(irb4600, corners):
+    machine = irb4600_machine(irb4600, base_flexibility={"compliance": 3e-7})
+    swing = multisine(corners["p1"], np.full((1, 6), 2e-3), [2.0], np.zeros((1, 6)), 0.3, ramp=0.1, dwell=0.05)
+    reference = joint_reference(irb4600, swing)
+    soft = simulate([Run(reference=reference)], machine=machine, n_threads=1)[0]
+    on_rock = RigidArm(irb4600).tcp_position(soft.joint_array("link.position"))
+    tilt = soft.vector("tcp.position")[0] - on_rock[0]
+    assert 3e-4 < np.linalg.norm(tilt) < 3e-3
+    assert tilt[2] < 0
+
+
+def test_stiff_and_loose_transmissions_stay_stable_when_shaken(irb4600, corners):
+    effects = ("hardening", "torsional_hysteresis", "backlash", "kinematic_error", "cable_pull")
+    machine = Machine(robot=irb4600, effects=tuple(as_strong_as_plausible(EFFECTS[name], irb4600) for name in effects))
+    swing = multisine(corners["p1"], np.full((1, 6), 0.01), [4.0], np.zeros((1, 6)), 0.3, ramp=0.1, dwell=0.1)
+    recording = simulate([Run(reference=joint_reference(irb4600, swing))], machine=machine, n_threads=1)[0]
+    assert np.abs(recording.joint_array("motor.velocity")[-20:]).max() < 0.5
+    finer = simulate(
+        [Run(reference=joint_reference(irb4600, swing))],
+        machine=machine,
+        options=ModelOptions(physics_dt=0.000125, looks=False),
+        n_threads=1,
+    )[0]
+    moved = np.ptp(recording.joint_array("link.position"), axis=0)
+    difference = np.abs(finer.joint_array("link.position") - recording.joint_array("link.position")).max(axis=0)
+    assert np.all(difference < 0.02 * moved)
+
+
+def irb4600_machine(robot, **effects):
+    """The robot with effects by name."""
+    return Machine(robot=robot, effects=tuple(EFFECTS[name].on(robot, **values) for name, values in effects.items()))
