@@ -66,6 +66,7 @@ def fit_bristles(
     static: Array,
     static_resampled: Array,
     rng: np.random.Generator,
+    start: Array | None = None,
 ) -> BristleFit:
     r"""Fit sigma_0 and sigma_1 to friction along measured speeds, thesis (6.17).
 
@@ -80,9 +81,11 @@ def fit_bristles(
         static: f_c, f_s, f_v, v_s, shape (4,).
         static_resampled: the same of resampled windows, shape (B, 4).
         rng: draws starts and blocks.
+        start: sigma_0, sigma_1 of a fit before, to start from alone, shape (2,); None starts at random.
     """
     problem = _Problem(data, static)
-    found = min((problem.refined(start) for start in problem.starts(rng)), key=lambda fit: fit.cost)
+    starts = problem.starts(rng) if start is None else [np.array([*np.log(start), 0.0, 0.0])]
+    found = min((problem.refined(x) for x in starts), key=lambda fit: fit.cost)
     errors = problem.residual(found.x)
     return BristleFit(
         values=np.exp(found.x[:2]),
@@ -145,6 +148,7 @@ class _Problem:
 
     def refined(self, start: Array) -> OptimizeResult:
         """Least squares from one start."""
+        start = np.clip(start, self.low, self.high)
         return least_squares(
             self.residual, start, self.jacobian, bounds=(self.low, self.high), x_scale=[1.0, 1.0, 0.01, 0.01], xtol=1e-5
         )

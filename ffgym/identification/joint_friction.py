@@ -82,7 +82,8 @@ def identify_joint(
     first = _fitted(torques, robot, joint, replace(options, n_resamples=_FIRST), rng, described)
     values = {estimate.name: estimate.value for estimate in first.estimates}
     found = values["friction.static"] / values["friction.bristle_stiffness"]
-    return _fitted(torques, robot, joint, options, rng, max(described, found))
+    start = None if first.bristles is None else first.bristles.values
+    return _fitted(torques, robot, joint, options, rng, max(described, found), start)
 
 
 def _fitted(
@@ -92,6 +93,7 @@ def _fitted(
     options: FitOptions,
     rng: np.random.Generator,
     presliding: float,
+    start: Array | None = None,
 ) -> JointFriction:
     """Both fits, and what is to be said about each parameter."""
     name, level, given = robot.joints[joint], options.level, options.stribeck_velocity
@@ -107,7 +109,7 @@ def _fitted(
     bristles = None
     if reversing:
         spread = _static_spread(static, stribeck, options.n_resamples)
-        bristles = fit_bristles(sliding_data(reversing, joint, presliding), *spread, rng)
+        bristles = fit_bristles(sliding_data(reversing, joint, presliding), *spread, rng, start)
     return JointFriction(
         joint=name,
         estimates=(*static, *dynamic_estimates(name, prior, bristles, level=level)),

@@ -1,0 +1,33 @@
+"""Friction is found again, and its intervals are right as often as they say."""
+
+import json
+
+import numpy as np
+import pytest
+
+from scripts.friction_coverage import Config, main
+
+ALLOWED = np.array([0.02, 0.02, 0.02, np.inf, 0.1, 0.1])
+"""Largest relative error of f_c, f_s, f_v, v_s, sigma_0, sigma_1 that acceptance allows; it says nothing of v_s."""
+
+
+def check(numbers):
+    assert (np.array(numbers["largest_error"]) < ALLOWED).all(), numbers["largest_error"]
+    coverage = np.array(numbers["coverage"])
+    assert (coverage >= 0.8).all(), coverage
+    assert (coverage <= 0.98).all() or numbers["repetitions"] < 50, coverage
+
+
+def test_a_few_repetitions_on_the_thesis_joint(tmp_path, capsys):
+    path = tmp_path / "coverage.json"
+    numbers = main(Config(repetitions=3, resamples=50, physics_dt=1.25e-4, record_dt=1e-3, json=path))
+    assert (np.array(numbers["largest_error"]) < ALLOWED).all(), numbers
+    assert np.mean(numbers["coverage"]) > 0.7
+    assert json.loads(path.read_text())["repetitions"] == 3
+    assert "| j1 |" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ["one_axis", "irb4600_60_205"])
+def test_fifty_repetitions_of_every_joint(robot):
+    check(main(Config(robot=robot)))
