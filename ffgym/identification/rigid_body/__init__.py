@@ -2,6 +2,8 @@
 
 from ffgym.identification.rigid_body.base import BaseParameters as BaseParameters
 from ffgym.identification.rigid_body.base import base_parameters as base_parameters
+from ffgym.identification.rigid_body.excitation import best_excitation as best_excitation
+from ffgym.identification.rigid_body.excitation import excitation_condition as excitation_condition
 from ffgym.identification.rigid_body.fit import RigidBodyFit as RigidBodyFit
 from ffgym.identification.rigid_body.fit import TorqueErrors as TorqueErrors
 from ffgym.identification.rigid_body.identify import RigidBodyOptions as RigidBodyOptions

@@ -87,7 +87,7 @@ def condition_number(columns: Array, counts: BoolArray, base: BaseParameters) ->
     """Condition number of the equations of a motion for base parameters, columns at unit size; inf if one is silent.
 
     Args:
-        columns: of all parameters, (R, K, N), each motor's torque in units of its size.
+        columns: of all parameters, (R, K, N), each motor's torque in units of its noise or size.
         counts: rows that count for each motor, (R, N).
         base: the combinations.
     """

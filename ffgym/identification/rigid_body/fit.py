@@ -62,7 +62,7 @@ class RigidBodyFit:
     base_shares: Array
     """How much of each combination the data say, shape (B,)."""
     condition: float
-    """Condition number of the motion's equations for base parameters, columns at unit size."""
+    """Condition number of the weighted equations for base parameters, columns at unit size."""
     errors: TorqueErrors
     """On the recordings that were fitted."""
 

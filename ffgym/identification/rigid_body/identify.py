@@ -119,7 +119,7 @@ def identify_rigid_body(
         trade_off=trade_off,
         base=base,
         base_shares=whole.shares_of(base.combination, trade_off.chosen),
-        condition=condition_number(equations.columns, equations.counts, base),
+        condition=condition_number(equations.columns / whole.noise, equations.counts, base),
         errors=torque_errors(equations, estimate, in_file),
     )
 
