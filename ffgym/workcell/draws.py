@@ -6,6 +6,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ffgym.effects import Effect
+from ffgym.effects.measurement import TrackerFrame
 from ffgym.errors import check_whole
 from ffgym.plant import Climate, LogUniform, PlantDistribution, Uniform
 from ffgym.robot import RobotDescription
@@ -119,6 +120,11 @@ def _resolver(rng: np.random.Generator, robot: RobotDescription) -> Effect:
     )
 
 
+def _tracker(rng: np.random.Generator, robot: RobotDescription) -> Effect:
+    shift, turn = rng.uniform(-1e-3, 1e-3, size=3), rng.uniform(-5e-4, 5e-4, size=3)
+    return TrackerFrame.on(robot, shift=shift, turn=turn, scale=rng.uniform(-5e-5, 5e-5))
+
+
 EFFECT_DRAWS: Mapping[str, Draw] = MappingProxyType(
     {
         SlowStribeck.name: lambda rng, robot: SlowStribeck.on(
@@ -136,6 +142,7 @@ EFFECT_DRAWS: Mapping[str, Draw] = MappingProxyType(
         GearError.name: _gear_error,
         TorqueRipple.name: _ripple,
         ResolverEccentricity.name: _resolver,
+        TrackerFrame.name: _tracker,
     }
 )
 """How each effect is drawn; sizes are within the ranges of the literature that `ffgym.effects` gives."""
