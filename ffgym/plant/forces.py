@@ -4,29 +4,46 @@ Nothing here runs while no machine of the batch has such an effect.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from mujoco import batch
 
-from ffgym.effects import ResolverEffect, ResolverError, State, Torques
+from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
 from ffgym.effects.stack import by_kind, stacked
 from ffgym.plant.addresses import Addresses
+from ffgym.plant.engine_state import EngineState
 from ffgym.plant.machine import Machine
 from ffgym.plant.numbers import Numbers
 from ffgym.types import Array, BoolArray, IntArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Chosen:
+    """Some simulations of a batch with their effects, looked up once for many physics steps."""
+
+    rows: IntArray | slice
+    """Which; a slice is all of them."""
+    everyone: IntArray
+    """The same as numbers, shape (B', 1)."""
+    numbers: Numbers
+    torque: tuple[TorqueEffect, ...]
+    present: tuple[BoolArray | None, ...]
+    """Who has each of them, shape (B', 1); None is everyone."""
+    resolver: tuple[ResolverEffect, ...]
 
 
 class Forces:
     """Torque and resolver effects of B machines, one row each, with what they remember."""
 
     def __init__(self, engine: batch.Batch, at: Addresses, machines: Sequence[Machine]) -> None:
-        self._engine, self._at = engine, at
+        self._at, self._n_robots = at, len(machines)
         self._drive = machines[0].robot.drive
         self._dt = float(engine.get_model(0).opt.timestep)
         self._n = n = machines[0].robot.n_joints
-        self._qpos, self._qvel, self._act = (engine.bind(name) for name in ("qpos", "qvel", "act"))
-        self._time, self._controls, self._applied = (engine.bind(name) for name in ("time", "ctrl", "qfrc_applied"))
+        self._engine_state = EngineState(engine, at, self._drive)
+        self._controls, self._applied = engine.bind("ctrl"), engine.bind("qfrc_applied")
         self._numbers = Numbers.of(machines, n)
         self._torque = [
             (stacked(kind, members, n), np.array([m is not None for m in members]))
@@ -35,148 +52,98 @@ class Forces:
         self._resolver = [
             stacked(kind, members, n) for kind, members in by_kind([machine.resolver_effects for machine in machines])
         ]
-        self._memory: list[Array] = []
-        self._memory = [effect.initial_memory(self.state(slice(None))) for effect, _ in self._torque]
+        everyone = self.choose(slice(None))
+        state = self.state(everyone)
+        self._memory = [effect.initial_memory(state) for effect in everyone.torque]
 
     @staticmethod
     def needed(machines: Sequence[Machine]) -> bool:
         """Whether any machine has an effect that acts here."""
         return any(machine.torque_effects or machine.resolver_effects for machine in machines)
 
-    def begin(self, rows: IntArray, state: State) -> None:
-        """Forget what was: simulations `rows` (B',) are at rest in `state`."""
-        for (effect, _), memory in zip(self._torque, self._memory, strict=True):
-            memory[rows] = _rows_of(effect, rows).initial_memory(state)
-
-    def resting(self, state: State, rows: IntArray) -> Torques:
-        """What is added to robots `rows` that rest in `state`, with memories that are relaxed there."""
-        members = [_rows_of(effect, rows) for effect, _ in self._torque]
-        return self._sum(state, rows, [effect.initial_memory(state) for effect in members], self._dt)
+    def choose(self, rows: IntArray | slice) -> Chosen:
+        """Simulations `rows` with their effects."""
+        return Chosen(
+            rows=rows,
+            everyone=np.arange(self._n_robots)[rows][:, None],
+            numbers=self._numbers.rows(rows),
+            torque=tuple(_rows_of(effect, rows) for effect, _ in self._torque),
+            present=tuple(None if have.all() else have[rows, None] for _, have in self._torque),
+            resolver=tuple(_rows_of(effect, rows) for effect in self._resolver),
+        )
 
     @property
     def bends(self) -> BoolArray:
         """Which simulations have something that acts on springs or links, shape (B,)."""
-        bends = np.zeros(self._engine.nsim, dtype=np.bool_)
+        bends = np.zeros(self._n_robots, dtype=np.bool_)
         for effect, present in self._torque:
             if effect.side == "link":
                 bends |= present
         return bends
 
+    def begin(self, chosen: Chosen, state: State) -> None:
+        """Forget what was: simulations are at rest in `state`."""
+        for effect, memory in zip(chosen.torque, self._memory, strict=True):
+            memory[chosen.rows] = effect.initial_memory(state)
+
+    def resting(self, chosen: Chosen, state: State) -> Torques:
+        """What is added to robots that rest in `state`, with memories that are relaxed there."""
+        return self._sum(chosen, state, [effect.initial_memory(state) for effect in chosen.torque], self._dt)
+
     def resolver_error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
         """What resolvers read beyond the true angle [rad] and speed [rad/s], motor side, (B, N) each."""
         return _resolver_error(self._resolver, motor_angle, motor_speed)
 
-    def apply(self, rows: IntArray | slice, dt: float) -> None:
+    def state(self, chosen: Chosen) -> State:
+        """State of simulations now, (B', N) each."""
+        return self._engine_state.read(chosen.rows, chosen.numbers)
+
+    def apply(self, chosen: Chosen, dt: float) -> None:
         """Set the engine's applied torques and resolver readings for the physics step of `dt` [s] that comes next."""
-        n = self._n
-        if self._resolver:
-            motor_q, motor_dq = self._motor(rows)
-            error = _resolver_error([_rows_of(e, rows) for e in self._resolver], motor_q, motor_dq)
-            self._controls[rows, 0 : 3 * n : 3] -= error.angle
-            self._controls[rows, 1 : 3 * n : 3] -= error.speed
-        if self._torque:
-            self._apply_torques(rows, dt)
+        if chosen.resolver:
+            error = _resolver_error(chosen.resolver, *self._engine_state.motor(chosen.rows))
+            self._controls[chosen.rows, 0 : 3 * self._n : 3] -= error.angle
+            self._controls[chosen.rows, 1 : 3 * self._n : 3] -= error.speed
+        if chosen.torque:
+            memories = [memory[chosen.rows] for memory in self._memory]
+            total = self._sum(chosen, self.state(chosen), memories, dt)
+            for memory, later in zip(self._memory, memories, strict=True):
+                memory[chosen.rows] = later
+            self._write(chosen, total)
 
-    def _apply_torques(self, rows: IntArray | slice, dt: float) -> None:
-        memories = [memory[rows] for memory in self._memory]
-        total = self._sum(self.state(rows), rows, memories, dt)
-        for mine, later in zip(self._memory, memories, strict=True):
-            mine[rows] = later
-        self._write(rows, total)
-
-    def _sum(self, state: State, rows: IntArray | slice, memories: list[Array], dt: float) -> Torques:
+    def _sum(self, chosen: Chosen, state: State, memories: list[Array], dt: float) -> Torques:
         """All torques together; `memories` are replaced by those after `dt` [s]."""
-        motor, link, spring = np.zeros_like(state.load), np.zeros_like(state.load), np.zeros_like(state.load)
+        total = Torques()
         alone = state.load, state.load_at_motor
-        for k, (effect, present) in enumerate(self._torque):
-            added, memories[k] = _rows_of(effect, rows).torques(state, memories[k], dt)
-            here = present[rows, None]  # a machine without the effect is not touched, whatever rounding does
-            if added.spring is not None:
-                spring += np.where(here, added.spring, 0.0)
-                state.load = state.load + np.where(here, added.spring, 0.0)
+        for k, (effect, present) in enumerate(zip(chosen.torque, chosen.present, strict=True)):
+            added, memories[k] = effect.torques(state, memories[k], dt)
+            total.motor = _added(total.motor, added.motor, present)
+            total.link = _added(total.link, added.link, present)
+            total.spring = spring = _added(total.spring, added.spring, present)
+            if added.spring is not None and spring is not None:
+                state.load = alone[0] + spring
                 state.load_at_motor = self._drive.motor_torque(state.load)
-            if added.motor is not None:
-                motor += np.where(here, added.motor, 0.0)
-            if added.link is not None:
-                link += np.where(here, added.link, 0.0)
         state.load, state.load_at_motor = alone
-        return Torques(motor=motor, spring=spring, link=link)
+        return total
 
-    def _write(self, rows: IntArray | slice, total: Torques) -> None:
+    def _write(self, chosen: Chosen, total: Torques) -> None:
         """Generalised forces: motor hinges turn rotor and link, deflection hinges the link alone."""
         at = self._at
-        assert total.motor is not None
-        assert total.link is not None
-        assert total.spring is not None
-        everyone = np.arange(self._engine.nsim)[rows]
-        self._applied[np.ix_(everyone, at.motor_qpos)] = self._drive.joint_torque(total.motor) + total.link
-        behind = (total.spring + total.link)[:, at.is_elastic]
-        self._applied[np.ix_(everyone, at.deflection_qpos)] = behind
+        turning = _added(None if total.motor is None else self._drive.joint_torque(total.motor), total.link, None)
+        behind = _added(total.spring, total.link, None)
+        if turning is not None:
+            self._applied[chosen.everyone, at.motor_qpos] = turning
+        if behind is not None:
+            self._applied[chosen.everyone, at.deflection_qpos] = behind[:, at.is_elastic]
 
-    def state(self, rows: IntArray | slice) -> State:
-        """State of simulations `rows` now, (B', N) each."""
-        at, drive, own = self._at, self._drive, self._numbers.rows(rows)
-        qpos, qvel = self._qpos[rows], self._qvel[rows]
-        joint_q, joint_dq = qpos[:, at.motor_qpos], qvel[:, at.motor_qpos]
-        motor_q, motor_dq = drive.motor_angle(joint_q), drive.motor_angle(joint_dq)
-        deflection, rate = np.zeros_like(joint_q), np.zeros_like(joint_q)
-        deflection[:, at.is_elastic] = qpos[:, at.deflection_qpos]
-        rate[:, at.is_elastic] = qvel[:, at.deflection_qpos]
-        feedback, command = self._servo(rows, motor_q, motor_dq, own)
-        time = self._time[rows].reshape(-1, 1)
-        load = -(own.stiffness * deflection + own.damping * rate)
-        return State(
-            time=time,
-            motor_angle=motor_q,
-            motor_speed=motor_dq,
-            joint_angle=joint_q,
-            joint_speed=joint_dq,
-            deflection=deflection,
-            deflection_rate=rate,
-            load=load,
-            load_at_motor=drive.motor_torque(load),
-            joint_stiffness=own.stiffness,
-            joint_damping=own.damping,
-            friction_sign=self._friction_sign(rows, motor_dq, own),
-            coulomb=own.coulomb,
-            static=own.static,
-            viscous=own.viscous,
-            stribeck_velocity=own.stribeck_velocity,
-            feedback_torque=feedback,
-            motor_torque=command,
-            peak_torque=own.peak_torque,
-            temperature=own.temperature(time),
-        )
 
-    def _motor(self, rows: IntArray | slice) -> tuple[Array, Array]:
-        """Motor angles [rad] and speeds [rad/s], motor side."""
-        at, drive = self._at, self._drive
-        return (
-            drive.motor_angle(self._qpos[rows][:, at.motor_qpos]),
-            drive.motor_angle(self._qvel[rows][:, at.motor_qpos]),
-        )
-
-    def _servo(self, rows: IntArray | slice, angle: Array, speed: Array, own: Numbers) -> tuple[Array, Array]:
-        """What MuJoCo's `pid` computes in the coming step: feedback and limited total, motor side [N m]."""
-        controls = self._controls[rows]
-        n = self._n
-        integral = np.zeros_like(angle)
-        at = self._at
-        integral[:, at.has_integral] = self._act[rows][:, at.integral[at.has_integral]]
-        feedback = (
-            own.position_gain * (controls[:, 0 : 3 * n : 3] - angle)
-            + own.velocity_gain * (controls[:, 1 : 3 * n : 3] - speed)
-            + own.integral_gain * integral
-        )
-        total = feedback + controls[:, 2 : 3 * n : 3]
-        return feedback, np.minimum(np.maximum(total, -own.peak_torque), own.peak_torque)
-
-    def _friction_sign(self, rows: IntArray | slice, speed: Array, own: Numbers) -> Array:
-        at = self._at
-        bristle = np.zeros_like(speed)
-        bristle[:, at.has_bristle] = self._act[rows][:, at.bristle[at.has_bristle]]
-        level = own.coulomb + (own.static - own.coulomb) * np.exp(-((speed / own.stribeck_velocity) ** 2))
-        return own.bristle_stiffness * bristle / level
+def _added(total: Array | None, more: Array | None, present: BoolArray | None) -> Array | None:
+    """Sum of what there is; a machine without the effect is not touched, whatever rounding does."""
+    if more is None:
+        return total
+    if present is not None:
+        more = np.where(present, more, 0.0)
+    return more if total is None else total + more
 
 
 def _resolver_error(effects: Sequence[ResolverEffect], motor_angle: Array, motor_speed: Array) -> ResolverError:

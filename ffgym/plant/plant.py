@@ -186,7 +186,7 @@ class Plant:
         integral = np.divide(held, gain, out=np.zeros_like(held), where=gain > 0)
         self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
         if self._forces is not None:
-            self._forces.begin(rows, settling.state)
+            settling.begin()
 
     def _settling(self, rows: IntArray) -> Settling:
         assert self._forces is not None
@@ -287,10 +287,10 @@ class Plant:
         ids = None if isinstance(rows, slice) else ids
         bound = {name: self.batch.bind(name) for name in record}
         out = {name: np.empty((*controls.shape[:2], *field.shape[1:])) for name, field in bound.items()}
-        setpoints = self.batch.bind("ctrl")
+        setpoints, chosen = self.batch.bind("ctrl"), forces.choose(rows)
         for k in range(controls.shape[1]):
             setpoints[rows] = controls[:, k]
-            forces.apply(rows, self.physics_dt)
+            forces.apply(chosen, self.physics_dt)
             self.batch.step(ids)
             for name, field in bound.items():
                 out[name][:, k] = field[rows]

@@ -24,18 +24,14 @@ class Settling:
     """
 
     def __init__(self, forces: Forces, rows: IntArray, drive: Drive) -> None:
-        self._forces, self._rows, self._drive = forces, rows, drive
-        self._state = forces.state(rows)
+        self._forces, self._chosen, self._drive = forces, forces.choose(rows), drive
+        self._bent_rows = forces.bends[rows, None]
+        self._state = forces.state(self._chosen)
         self.set_servo(np.zeros_like(self._state.load))
 
     def set_servo(self, torque: Array) -> None:
         """Let servos hold `torque`, motor side [N m], (B, N)."""
         self._state.feedback_torque = self._state.motor_torque = torque
-
-    @property
-    def state(self) -> State:
-        """At rest, as far as it is known."""
-        return self._state
 
     def _bent(self, deflection: Array) -> State:
         """State with another deflection [rad], link side."""
@@ -65,27 +61,28 @@ class Settling:
             pull = self._pull(middle, load)
             low, high = np.where(pull < 0, middle, low), np.where(pull > 0, middle, high)
             low, high = np.where(pull == 0, middle, low), np.where(pull == 0, middle, high)
-        bent = elastic & self._forces.bends[self._rows, None]
+        bent = elastic & self._bent_rows
         return np.where(bent, 0.5 * (low + high), linear)
 
     def _pull(self, deflection: Array, load: Array) -> Array:
         """What is left of the torque balance of links, (B, N) [N m]; grows with the deflection."""
-        added = self._forces.resting(self._bent(deflection), self._rows)
-        assert added.spring is not None
-        assert added.link is not None
-        pull: Array = self._state.joint_stiffness * deflection - added.spring - added.link + load
+        added = self._forces.resting(self._chosen, self._bent(deflection))
+        pull: Array = self._state.joint_stiffness * deflection + load
+        for torque in (added.spring, added.link):
+            pull = pull if torque is None else pull - torque
         return pull
 
     def servo_torque(self, load: Array) -> Array:
         """Torque with which servos hold `load` behind the gearbox [N m] despite the effects, motor side, (B, N)."""
-        state = self._forces.state(self._rows)
-        self._state = state
-        added = self._forces.resting(state, self._rows)
-        assert added.link is not None
-        held = self._drive.motor_torque(load - added.link)
+        self._state = state = self._forces.state(self._chosen)
+        link = self._forces.resting(self._chosen, state).link
+        held = self._drive.motor_torque(load if link is None else load - link)
         self.set_servo(held)
         for _ in range(_ROUNDS):
-            motor = self._forces.resting(state, self._rows).motor
-            assert motor is not None
-            self.set_servo(held - motor)
+            motor = self._forces.resting(self._chosen, state).motor
+            self.set_servo(held if motor is None else held - motor)
         return state.motor_torque
+
+    def begin(self) -> None:
+        """Let effects remember that all is as it is."""
+        self._forces.begin(self._chosen, self._state)
