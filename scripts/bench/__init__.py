@@ -15,6 +15,7 @@ from ffgym.files import check_writable, write_json
 from ffgym.provenance import versions
 from ffgym.robot import compile_model, load_robot, physics_fingerprint
 from scripts.bench.agents import decision_ratios
+from scripts.bench.effects import effect_ratios
 from scripts.bench.environments import (
     CIRCLES,
     against_the_engine,
@@ -26,7 +27,7 @@ from scripts.bench.simulation import simulation_ratios
 from scripts.bench.training import training_ratios
 from scripts.bench.turns import Amount, Ratio
 
-Part = Literal["simulation", "environments", "vectors", "agents", "training", "memory"]
+Part = Literal["simulation", "effects", "environments", "vectors", "agents", "training", "memory"]
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,8 @@ def measurements(config: Config) -> Iterator[Ratio | Amount]:
     """All that is asked for, one after the other."""
     if "simulation" in config.parts:
         yield from simulation_ratios(config.robot, config.long_repeats, config.threads)
+    if "effects" in config.parts:
+        yield from effect_ratios(config.robot, config.repeats, config.threads)
     if "environments" in config.parts:
         yield from against_the_engine(config.repeats, config.threads)
         yield from beginnings(config.threads)

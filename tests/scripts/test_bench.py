@@ -12,6 +12,7 @@ from ffgym.simulation import Run
 from ffgym.studies import circle_references, thesis_laws
 from scripts.bench import Config, main
 from scripts.bench.agents import decision_ratios
+from scripts.bench.effects import effect_ratios
 from scripts.bench.environments import CIRCLES, Bare, Stepped
 from scripts.bench.memory import import_time, memory_of
 from scripts.bench.simulation import bare_rate, measure
@@ -60,6 +61,12 @@ def test_the_bare_engine_moves_robots_on_from_where_the_environment_has_them():
     assert np.isfinite(state).all()
     assert np.abs(own).max() > 1e-6  # random torques move them
     assert np.abs(state).max() > 0
+
+
+def test_effects_cost_something_but_not_everything():
+    ratios = effect_ratios("irb4600_60_205", 1, threads=1)
+    assert [ratio.title.split(" / ")[0] for ratio in ratios][-1] == "36 machines with 8 effects"
+    assert all(0 < ratio.quartiles()[1] < 1.2 for ratio in ratios)
 
 
 def test_the_bare_engine_steps_as_often_as_the_environment():
