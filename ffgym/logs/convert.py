@@ -30,10 +30,7 @@ def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> lis
     """
     entries = entries_of(contents, columns, header)
     header = _completed(header, entries)
-    gathered = [entry.values for entry in entries.others.values()]
-    if entries.times is not None:
-        gathered.append(entries.times)
-    motions = motions_of(contents, columns, header.segment, gathered)
+    motions = motions_of(contents, columns, header.segment, entries.arrays)
     return [_recording(contents, columns, entries, header, motion) for motion in motions]
 
 
@@ -43,7 +40,8 @@ def _completed(header: Header, entries: Entries) -> Header:
     filters = list(header.filters)
     for key, entry in entries.others.items():
         if entry.target.family is None:
-            units |= user_units(entry.target, entry.column)
+            with in_entry(key):
+                units |= user_units(entry.target, entry.column)
         if entry.column.resample:
             filters.append(f"{key}: {DONE[entry.column.resample]}")
     left_out = {"left_out": entries.left_out} if entries.left_out else {}

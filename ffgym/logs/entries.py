@@ -41,6 +41,12 @@ class Entries:
     left_out: list[str]
     """Optional entries that the file has nothing for."""
 
+    @property
+    def arrays(self) -> list[Gathered]:
+        """All arrays, clocks included."""
+        held = [self.times, *(array for entry in self.others.values() for array in (entry.values, entry.clock))]
+        return [array for array in held if array is not None]
+
 
 @contextmanager
 def in_entry(key: str) -> Iterator[None]:
@@ -100,6 +106,10 @@ def _entry(
         raise FFGymError("rate_hz belongs to timestamp.")
     if column.from_first and target.key != "tcp.timestamp":
         raise FFGymError("from_first belongs to timestamp and tcp.timestamp.")
+    if column.from_first and column.is_scaled:
+        raise FFGymError("from_first takes the clock in its unit, without scale, offset or sign.")
+    if column.resample and timestamp.is_scaled:
+        raise FFGymError("resample compares clocks in their units; timestamp then has no scale, offset or sign.")
     values = gather(contents, column, names, len(target.columns))
     return Entry(column=column, target=target, values=values, clock=_clock(contents, column, target, values, timestamp))
 

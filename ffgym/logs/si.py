@@ -27,9 +27,7 @@ def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...] | None, c
         FFGymError: if a unit does not fit, or a list does not have one number per part.
     """
     n_parts = values.shape[-1]
-    given = (column.unit,) * n_parts if isinstance(column.unit, str) else column.unit
-    if len(given) != n_parts:
-        raise FFGymError(f"unit lists {len(given)} units, must be one, or {n_parts}.")
+    given = _units(column, n_parts)
     wanted = units or tuple(si_of(unit, column.counts_per_turn) for unit in given)
     steps = [conversion(have, want, column.counts_per_turn) for have, want in zip(given, wanted, strict=True)]
     numbers = values.astype(np.float64)
@@ -41,9 +39,12 @@ def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...] | None, c
 
 
 def user_units(target: Target, column: Column) -> dict[str, str]:
-    """Units of columns of the user's own, by column."""
-    units = (column.unit,) * len(target.columns) if isinstance(column.unit, str) else column.unit
-    kept = [si_of(unit, column.counts_per_turn) for unit in units]
+    """Units of columns of the user's own, by column.
+
+    Raises:
+        FFGymError: if there is not one unit for all, or one for each.
+    """
+    kept = [si_of(unit, column.counts_per_turn) for unit in _units(column, len(target.columns))]
     return dict(zip(target.columns, kept, strict=True))
 
 
@@ -69,6 +70,14 @@ def to_kept_side(values: Array, target: Target, column: Column, header: Header) 
         raise FFGymError(f"{target.key}: the axes are coupled; give all joints in one entry to change the side.")
     turned: Array = values @ matrix.T
     return turned
+
+
+def _units(column: Column, n_parts: int) -> tuple[str, ...]:
+    """Unit of each part in the file."""
+    given = (column.unit,) * n_parts if isinstance(column.unit, str) else column.unit
+    if len(given) != n_parts:
+        raise FFGymError(f"unit lists {len(given)} units, must be one, or {n_parts}.")
+    return given
 
 
 def _constants(name: str, given: float | tuple[float, ...] | str, n_parts: int, contents: Contents) -> Array:

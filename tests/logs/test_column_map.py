@@ -1,16 +1,23 @@
 """Column maps: what they may say, and what is said of mistakes in them."""
 
 from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
-from log_samples import CLOCK, LOG, POSITION, arrays, column_map, refused, write_npz
+from hypothesis import given
+from hypothesis import strategies as st
+from log_samples import CLOCK, LOG, N_ROWS, POSITION, arrays, column_map, refused, write_npz
 
-from ffgym.logs import builtin_columns, load_columns, parse_columns, read_log
+from ffgym.errors import FFGymError
+from ffgym.logs import Contents, builtin_columns, load_columns, parse_columns, read_log
 from ffgym.logs.column_map.column import _READERS, COLUMN_KEYS, Column
 from ffgym.logs.column_map.column_map import LOG_KEYS
+from ffgym.logs.column_map.load import column_map_of
 from ffgym.logs.column_map.units import COUNTS, UNITS, conversion
+from ffgym.logs.convert import recordings_of
 from ffgym.logs.formats.text_layout import LAYOUT_KEYS, TextLayout
+from ffgym.logs.header import header_of
 from ffgym.recordings import Header
 
 
@@ -88,6 +95,61 @@ def test_names_of_columns_need_no_quotes(tmp_path):
     assert read_log(write_npz(tmp_path), column_map(CLOCK, plain)).equals(
         read_log(write_npz(tmp_path), column_map(CLOCK, POSITION))
     )
+
+
+NAMES = st.sampled_from(["t", "q", "xyz", "stack", "run", "word", "gain", "absent", "q{number}", "x{joint}"])
+JUNK = st.booleans() | st.integers(-2, 4) | st.floats() | st.just("") | st.lists(st.floats(-2, 2), max_size=3)
+TRUTH = st.booleans()
+VALUES = {
+    "source": NAMES | st.lists(NAMES, min_size=1, max_size=3),
+    "unit": st.sampled_from(["rad", "deg", "m", "mm", "s", "ns", "count", "K", ["rad", "deg"], ["m", "mm", "m"]]),
+    "axes": st.permutations(["motion", "time", "part"]) | st.sampled_from([["time"], ["part", "time"]]),
+    "pick": st.lists(st.integers(0, 3), min_size=1, max_size=3),
+    "scale": NAMES | st.floats(-2, 2),
+    "offset": NAMES | st.floats(-2, 2),
+    "sign": st.sampled_from([1, -1, [1, -1], [1, 1, -1]]),
+    "side": st.sampled_from(["motor", "link"]),
+    "counts_per_turn": st.sampled_from([4096, 0.0]),
+    "clock": NAMES,
+    "clock_unit": st.sampled_from(["s", "ms", "rad"]),
+    "resample": st.sampled_from(["gaps", "linear", "hold"]),
+    "rate_hz": NAMES | st.floats(-2, 300),
+    "from_first": TRUTH,
+    "parts": st.lists(st.sampled_from("ab"), min_size=1, max_size=2),
+    "optional": TRUTH,
+}
+FAMILIES = ("timestamp", "motor.position", "motor.effort.a", "tcp.position", "tcp.timestamp", "temperature", "user.x")
+changes = st.sampled_from(sorted(COLUMN_KEYS)).flatmap(lambda key: st.tuples(st.just(key), VALUES[key] | JUNK))
+
+
+@given(
+    family=st.sampled_from(FAMILIES),
+    source=NAMES,
+    unit=st.sampled_from(["rad", "m", "s", "N m", "degC"]),
+    changes=st.lists(changes, max_size=3),
+    log=st.fixed_dictionaries({}, optional={"trim": TRUTH, "coupling": st.just([[0, 1.0], [2.0, 0]])}),
+    motions=st.fixed_dictionaries({}, optional={"split": NAMES, "names": NAMES}),
+)
+def test_whatever_a_map_says_is_read_or_refused(family, source, unit, changes, log, motions):
+    head = {"robot": "press", "joints": ["a", "b"], "gear_ratio": [2.0, 3.0]}
+    columns = {"timestamp": {"source": "t", "unit": "s"}, "motor.position": {"source": "q", "unit": "rad"}}
+    columns[family] = columns.get(family, {"source": source, "unit": unit}) | dict(changes)
+    more = {"xyz": np.ones((N_ROWS, 3)), "stack": np.ones((3, N_ROWS, 2)), "run": [0, 0, 1, 1, 1, 2, 2]}
+    more |= {"word": ["a"] * N_ROWS, "gain": 2.0, "q1": arrays()["t"], "q2": arrays()["t"]}
+    contents = Contents(where="x", arrays={name: np.array(values) for name, values in arrays(**more).items()})
+    refusal = ""
+    try:
+        parsed = column_map_of({"log": head | log, "columns": columns, "motions": motions}, "map.toml", Path())
+        assert recordings_of(contents, parsed, header_of(parsed))
+    except FFGymError as error:
+        refusal = str(error)
+    assert len(refusal.splitlines()) < 2
+
+
+def test_units_of_ones_own_columns_are_one_for_all_or_one_each(tmp_path):
+    entry = '[columns."user.x"]\nsource = "t"\nunit = ["rad", "deg"]\n'
+    with refused("[columns.'user.x']: unit lists 2 units, must be one, or 1"):
+        read_log(write_npz(tmp_path), column_map(CLOCK, POSITION, entry))
 
 
 @pytest.mark.parametrize("name", builtin_columns())

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from ffgym.cli.main import main
-from ffgym.logs import builtin_columns
+from ffgym.logs import builtin_columns, parse_columns
 from ffgym.logs.formats.read import BAGS, FILES, FOLDERS, TEXT_FILES
 from scripts.column_map_tables import filled
 
@@ -30,6 +30,12 @@ def test_the_example_runs_with_its_commands(tmp_path, monkeypatch, capsys):
     convert = "log convert trace.csv --columns trace_map.toml --out trace.npz"
     assert convert in PAGE
     assert main(convert.split()) == 0
+
+
+def test_the_maps_on_the_page_are_valid():
+    part, whole = re.findall(r"^```toml\n(.*?)^```", PAGE, flags=re.M | re.S)
+    assert parse_columns(part + "[columns.timestamp]\nrate_hz = 5").columns["tcp.position"].resample == "gaps"
+    assert parse_columns(whole).robot == "my_robot.toml"
 
 
 def test_every_format_and_built_in_map_is_on_the_page():

@@ -14,7 +14,7 @@ from rosbags.typesys import Stores, get_typestore
 from ffgym.errors import FFGymError
 from ffgym.logs import read_contents
 
-N_FILES = 60
+N_FILES = 40
 """Damaged files of each format; some thousands were tried when the readers were written."""
 
 T = 0.004 * np.arange(40)
@@ -64,7 +64,7 @@ def bag(folder, plugin):
     state = store.types["sensor_msgs/msg/JointState"]
     with Writer(folder / "bag", version=9, storage_plugin=plugin) as writer:
         topic = writer.add_connection("/joint_states", state.__msgtype__, typestore=store)
-        for i, q in enumerate(Q):
+        for i, q in enumerate(Q[:8]):
             sent = state(header=header, name=["a", "b", "c"], position=q, velocity=q, effort=q)
             writer.write(topic, i, store.serialize_cdr(sent, state.__msgtype__))
 

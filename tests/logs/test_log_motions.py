@@ -141,6 +141,15 @@ def test_only_what_may_miss_samples_gets_gaps(tmp_path):
         )
 
 
+def test_scaled_clocks_are_not_compared(tmp_path):
+    path = write_npz(tmp_path, t_xyz=np.array([0.0, 8.0]), xyz=np.ones((2, 3)))
+    with refused("resample compares clocks in their units; timestamp then has no scale"):
+        read_log(path, column_map(CLOCK + "scale = 2\n", POSITION, TRACKER + 'resample = "gaps"\n'))
+    own = '[columns."tcp.timestamp"]\nsource = "t"\nunit = "s"\nfrom_first = true\noffset = 1\n'
+    with refused("from_first takes the clock in its unit"):
+        read_log(path, column_map(CLOCK, POSITION, own))
+
+
 @given(
     clock=st.lists(st.integers(0, 400), min_size=2, max_size=40, unique=True).map(sorted),
     how=st.sampled_from(["gaps", "linear", "hold"]),

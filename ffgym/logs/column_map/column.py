@@ -84,11 +84,10 @@ class Column:
         if (self.clock or self.clock_unit) and not self.resample:
             raise FFGymError("clock needs resample = 'gaps', 'linear' or 'hold': what becomes of samples between rows.")
 
-    def arrays(self) -> tuple[str, ...]:
-        """Names of all arrays that the entry reads, without `clock`; templates as they are."""
-        sources = (self.source,) if isinstance(self.source, str) else self.source
-        extra = (self.scale, self.offset, self.rate_hz)
-        return tuple(name for name in (*sources, *extra) if isinstance(name, str) and name)
+    @property
+    def is_scaled(self) -> bool:
+        """Whether numbers are more than converted from their unit."""
+        return (self.scale, self.offset, self.sign) != (1.0, 0.0, 1.0)
 
 
 def parse_column(table: Any) -> Column:

@@ -61,8 +61,7 @@ def parse_columns(text: str, where: str = "column map", folder: str | Path = "."
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise FFGymError(f"{where} is not valid TOML: {error}.") from error
     try:
-        _check_filled_in(tree)
-        return _column_map(tree, where, Path(folder))
+        return column_map_of(tree, where, Path(folder))
     except FFGymError as error:
         raise FFGymError(f"{where}: {error}") from error
 
@@ -77,7 +76,13 @@ def _check_filled_in(tree: Mapping[str, Any], path: str = "") -> None:
             raise FFGymError(f"{here} = '?' is still to be filled in, or to be taken away.")
 
 
-def _column_map(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMap:
+def column_map_of(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMap:
+    """Column map of a TOML tree; arguments as for `parse_columns`.
+
+    Raises:
+        FFGymError: if an entry is missing, unknown or invalid.
+    """
+    _check_filled_in(tree)
     for key in tree:
         if key not in TABLES:
             raise FFGymError(f"Unknown table [{key}]. {closest(key, TABLES)}")

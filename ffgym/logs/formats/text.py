@@ -2,6 +2,7 @@
 
 import csv
 import re
+from array import array
 from collections import Counter
 from typing import Any
 
@@ -91,6 +92,8 @@ def _delimiter(lines: list[str], line: int, layout: TextLayout) -> str:
 def _split(line: str, delimiter: str, number: int) -> list[str]:
     if delimiter == _BLANK:
         return line.split()
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(delimiter)]
     try:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, strict=True))]
     except (csv.Error, StopIteration) as error:
@@ -137,6 +140,12 @@ def _rectangular(names: list[str], rows: list[tuple[int, list[str]]]) -> tuple[l
 
 
 def _column(cells: tuple[str, ...], decimal: str) -> NDArray[Any]:
+    together = "".join(cells)
+    if decimal == "." and "_" not in together:
+        try:
+            return np.array(array("d", map(float, cells)))
+        except ValueError:  # cells that are empty, or words
+            pass
     numbers = [_number(cell, decimal) for cell in cells]
     if None in numbers:  # text; cells of it that are numbers get a decimal point, as a message says which are none
         pairs = zip(cells, numbers, strict=True)
