@@ -17,7 +17,7 @@ from ffgym.files import write_json, write_text
 from ffgym.motions import Motion, load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import FORMATS
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription, load_robot
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, SimulatedRig, sensors_of
 from ffgym.studies import MotionStudy, motion_study
 
@@ -27,7 +27,7 @@ class Simulate:
     """Run a motion on a simulated robot with feed-forward laws; print errors and how much of the limits is used."""
 
     robot: tyro.conf.Positional[str]
-    """Built-in robot, a path to a description that ends in .toml, or workcell:<name or seed>."""
+    """Built-in robot, a path that ends in .toml to a description or a machine file, or workcell:<name or seed>."""
     path: tyro.conf.Positional[str]
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
     entry: str | None = None
@@ -119,12 +119,13 @@ class Simulate:
         options = ModelOptions(
             flexible=self.flexible, friction=self.friction, gravity=self.gravity, springs=self.springs, looks=False
         )
-        robot = load_robot(self.robot)
-        return SimulatedRig(arm=RigidArm(robot), options=options, sensors=sensors_of(robot) if self.sensors else ())
+        rig = rig_of(self.robot, options=options)
+        assert isinstance(rig, SimulatedRig)
+        return replace(rig, sensors=sensors_of(rig.robot) if self.sensors else ())
 
     def _with_tool_of(self, rig: Rig, robot: RobotDescription) -> Rig:
         """The rig with a robot that has another tool."""
-        if not isinstance(rig, SimulatedRig):
+        if not isinstance(rig, SimulatedRig) or rig.machine is not None:
             raise FFGymError(f"{self.path} brings a tool of its own, but that of {self.robot} cannot be changed.")
         return replace(rig, arm=RigidArm(robot))
 

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ffgym.errors import FFGymError
+from ffgym.plant import load_machine
+from ffgym.plant.machine_file import is_machine_file, known_robot
 from ffgym.robot import ModelOptions, RigidArm, load_robot
 from ffgym.simulation import Rig, Sensor, SimulatedRig
 from ffgym.workcell import INSTANCES, Workcell, draw, workcell
@@ -36,13 +38,17 @@ def rig_of(name: str | Path, *, options: ModelOptions | None = None, sensors: Se
     """Where to run motions.
 
     Args:
-        name: workcell:<name or seed>; or a built-in robot, or a path to a description: that robot, as its own plant.
+        name: workcell:<name or seed>; a machine file; or a built-in robot, or a path to a description: that robot, as
+            its own plant.
         options: what to leave out of a simulated robot.
         sensors: what measures on a simulated robot; none gives the exact state.
 
     Raises:
         FFGymError: if there is none of that name, or something is to be changed about a workcell.
     """
+    if not is_workcell(name) and is_machine_file(name):
+        arm, machine = RigidArm(known_robot(name)), load_machine(name)
+        return SimulatedRig(arm=arm, machine=machine, options=options, sensors=sensors or (), name=Path(name).stem)
     if not is_workcell(name):
         return SimulatedRig(arm=RigidArm(load_robot(name)), options=options, sensors=sensors or ())
     if options is not None or sensors is not None:

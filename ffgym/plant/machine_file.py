@@ -46,13 +46,26 @@ def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS) 
     return parse_machine(tree, where=str(path), folder=Path(path).parent, known=known)
 
 
-def is_machine_file(path: str | Path) -> bool:
-    """Whether this is a TOML file with a table [machine].
+def known_robot(path: str | Path) -> RobotDescription:
+    """The robot that a machine file names, without its numbers: what the machine's controller was made for.
 
     Raises:
-        FFGymError: if a file of that name cannot be read.
+        FFGymError: if the file cannot be read, or names no robot.
     """
-    return str(path).endswith(".toml") and "machine" in _tree(path)
+    try:
+        return _robot(_tree(path).get("machine"), Path(path).parent)
+    except FFGymError as error:
+        raise FFGymError(f"{path}: {error}") from error
+
+
+def is_machine_file(path: str | Path) -> bool:
+    """Whether this is a TOML file with a table [machine]; what cannot be read is none."""
+    if not str(path).endswith(".toml"):
+        return False
+    try:
+        return "machine" in _tree(path)
+    except FFGymError:
+        return False
 
 
 def _tree(path: str | Path) -> dict[str, Any]:
