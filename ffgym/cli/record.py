@@ -73,7 +73,7 @@ class Record:
     def run(self) -> None:
         """Check, simulate, write, print."""
         if self.listing:
-            print(protocol_list(RigidArm(load_robot(self.robot or LISTED_ROBOT))))
+            print(protocol_list(rig_of(self.robot or LISTED_ROBOT).arm))
             return
         folder = self._check()
         rig = self._rig()

@@ -21,6 +21,7 @@ periods = 1
 [[step]]
 motion = "sine"
 """
+COULOMB = '[friction.coulomb]\nvalue = [{}]\nunit = "N m"\nside = "motor"\norigin = "chosen"\nsource = "test"\n'
 NAMES = ["slow_triangles.j1.bristles_x2", "slow_triangles.j1.sliding", "motion.sine"]
 
 
@@ -114,6 +115,15 @@ def test_a_folder_of_another_session_is_refused_unless_it_may_be_written_over(he
     assert read_folder("day")[0].header.provenance["seed"] == 1
 
 
+def test_a_law_whose_numbers_have_changed_makes_another_session(here, capsys):
+    law = ["--feedforward", "lugre_static", "--parameters", "small.toml"]
+    (here / "small.toml").write_text(COULOMB.format(0.1))
+    assert record(*law) == 0
+    (here / "small.toml").write_text(COULOMB.format(0.2))
+    assert record(*law) == 1
+    assert "holds a session of other motions" in only_error(capsys)
+
+
 def test_a_folder_with_recordings_of_ones_own_is_left_alone(here, capsys):
     (here / "day").mkdir()
     (here / "day" / "mine.csv").write_text("precious")
@@ -140,8 +150,7 @@ def test_exact_recordings_hold_the_truth_and_csv_is_a_choice(here):
 
 
 def test_the_law_and_its_model_are_those_that_are_named(here):
-    text = '[friction.coulomb]\nvalue = [0.1]\nunit = "N m"\nside = "motor"\norigin = "chosen"\nsource = "test"\n'
-    (here / "small.toml").write_text(text)
+    (here / "small.toml").write_text(COULOMB.format(0.1))
     assert record("--feedforward", "lugre_static", "--parameters", "small.toml") == 0
     recording = read_recording("day/motion.sine.npz")
     assert recording.header.meta["feedforward_law"] == "lugre_static"

@@ -9,10 +9,10 @@ from ffgym.errors import FFGymError
 from ffgym.protocols import PROTOCOLS
 from ffgym.protocols.stage import FASTEST
 from ffgym.robot import motor_torque
-from tests.protocols.protocol_samples import CASES, arm_of, protocol_for, schedule_of
+from tests.protocols.protocol_samples import CASES, ROBOTS, arm_of, described, protocol_for, schedule_of
 
-CANNOT = {("circles", robot) for robot in ("ball_screw", "one_axis", "unusual")}
-"""Protocols that a robot has no means for: circles need a work area for a tool."""
+CANNOT = {("circles", robot) for robot in ROBOTS if described(robot).work_area is None}
+"""Protocols that a robot has no means for: circles need a work area."""
 
 every_case = pytest.mark.parametrize(
     ("robot", "name"), [(robot, name) for robot, name in CASES if (name, robot) not in CANNOT]

@@ -5,7 +5,8 @@ import pytest
 
 from ffgym.errors import FFGymError
 from ffgym.protocols.slow_triangles import SlowTriangles
-from ffgym.protocols.speed_ladder import SHORTEST, SPEEDS, SpeedLadder
+from ffgym.protocols.speed_ladder import RAMP, SHORTEST, SPEEDS, TURNS, SpeedLadder
+from ffgym.protocols.stage import Stage
 from ffgym.protocols.table_6_1 import Table61
 from ffgym.published import FRICTION_RECORDS
 from tests.protocols.protocol_samples import ROBOTS, arm_of, schedule_of
@@ -40,6 +41,15 @@ def test_the_ladder_runs_each_joint_alone_at_the_speeds_of_the_thesis_in_both_di
         step = np.abs(reference.dq[rows(reference, one), last]).max() * reference.t[1] * (1 + 1e-6)
         assert abs(ways[0].min() - ways[1].min()) <= step
         assert abs(ways[0].max() - ways[1].max()) <= step
+
+
+@every_robot
+def test_the_ladder_runs_about_the_rest_position_where_the_range_allows(robot):
+    stage = Stage(arm=arm_of(robot))
+    (motion,) = schedule_of(robot, "speed_ladder")
+    way = (TURNS * 2 * np.pi + SPEEDS[-1] * RAMP) * stage.joint_side(1.0)[-1]
+    middle = stage.about(stage.rest, stage.only([stage.robot.n_joints - 1], way / 2))[-1]
+    assert np.abs(motion.reference.q[:, -1] - middle).max() <= way / 2 * (1 + 1e-9)
 
 
 def test_speeds_are_those_of_the_thesis_interval_and_dense_near_zero():
