@@ -1,5 +1,6 @@
 """Physical effects that a robot may have and its nominal model may lack."""
 
+from ffgym.effects.along import torques_along as torques_along
 from ffgym.effects.catalogue import EFFECTS as EFFECTS
 from ffgym.effects.effect import Effect as Effect
 from ffgym.effects.effect import ModelEffect as ModelEffect

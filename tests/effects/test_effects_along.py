@@ -1,0 +1,55 @@
+"""Effects along recordings: the same formulas, with and without memory."""
+
+import numpy as np
+import pytest
+
+from ffgym.control import joint_reference
+from ffgym.effects import EFFECTS, TorqueEffect, torques_along
+from ffgym.paths import multisine
+from ffgym.simulation import Run, simulate
+from tests.effects.effect_samples import as_strong_as_plausible, state_of
+
+TORQUES = [name for name, effect in EFFECTS.items() if issubclass(effect, TorqueEffect)]
+
+
+@pytest.fixture(scope="module")
+def measured(irb4600, corners):
+    """States along a recording of a swing."""
+    swing = multisine(corners["p1"], np.full((1, 6), 0.01), [3.0], np.zeros((1, 6)), 0.3, ramp=0.1, dwell=0.05)
+    recording = simulate([Run(reference=joint_reference(irb4600, swing))], n_threads=1)[0]
+    motor, speed = (recording.joint_array(f"motor.{of}") for of in ("position", "velocity"))
+    drive = irb4600.drive
+    bent = recording.joint_array("link.position") - drive.joint_angle(motor)
+    load = -drive.joint_stiffness * bent
+    return recording.dt, state_of(
+        irb4600,
+        motor_angle=motor,
+        motor_speed=speed,
+        joint_angle=drive.joint_angle(motor),
+        joint_speed=drive.joint_angle(speed),
+        deflection=bent,
+        deflection_rate=np.gradient(bent, recording.dt, axis=0),
+        load=load,
+        load_at_motor=drive.motor_torque(load),
+        friction_sign=np.tanh(speed / 0.1),
+        motor_torque=recording.joint_array("motor.effort"),
+    )
+
+
+@pytest.mark.parametrize("name", TORQUES)
+def test_torques_along_a_recording_have_its_shape(name, irb4600, measured):
+    dt, states = measured
+    found = torques_along(as_strong_as_plausible(EFFECTS[name], irb4600), states, dt)
+    given = [torque for torque in (found.motor, found.spring, found.link) if torque is not None]
+    assert given
+    for torque in given:
+        assert torque.shape == states.motor_angle.shape
+        assert np.isfinite(torque).all()
+    assert max(np.abs(torque).max() for torque in given) > 1e-3
+
+
+def test_a_memory_is_carried_from_sample_to_sample(irb4600, measured):
+    _, states = measured
+    delayed = torques_along(EFFECTS["torque_delay"].on(irb4600, delay=0.002, lag=0.0), states, 0.001)
+    u = states.motor_torque
+    np.testing.assert_allclose(delayed.motor[2:], u[:-2] - u[2:], atol=1e-12)
