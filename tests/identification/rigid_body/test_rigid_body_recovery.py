@@ -58,6 +58,8 @@ def test_without_noise_all_that_torque_tells_is_found(two_link, paths):
     found, wanted = fit.base.values(fit.estimate), truth(fit, two_link)
     np.testing.assert_allclose(found, wanted, atol=2e-3 * np.abs(wanted).max())
     assert fit.of("coulomb.elbow") == pytest.approx(two_link.friction.coulomb[1], rel=0.01)
+    found, before = fit.identified.friction, mistaken(two_link).friction
+    np.testing.assert_allclose(found.static / found.coulomb, before.static / before.coulomb)
     errors = fit.validate([recorded(two_link, paths[2])])
     assert np.all(errors.identified < 0.003 * errors.measured)
     assert np.all(errors.described > 0.1 * errors.measured)
@@ -117,6 +119,15 @@ def test_a_joint_that_stands_still_stays_as_described_and_is_named(two_link, pat
     assert fit.of("coulomb.elbow") == described.friction.coulomb[1]
     assert fit.shares[fit.labels.index("rotor_inertia.elbow")] < 0.1
     assert fit.of("coulomb.shoulder") == pytest.approx(two_link.friction.coulomb[0], rel=0.02)
+
+
+def test_where_the_data_are_silent_intervals_are_as_wide_as_the_spread(two_link, paths):
+    still = np.array([1.0, 0.0])
+    path = replace(paths[0], q=paths[0].q * still, dq=paths[0].dq * still, ddq=paths[0].ddq * still)
+    fit = identify_rigid_body(two_link, [recorded(two_link, path)], RigidBodyOptions(resamples=300, spread=0.1))
+    i = fit.labels.index("rotor_inertia.elbow")
+    half = (fit.intervals.high[i] - fit.intervals.low[i]) / (2 * fit.described[i])
+    assert half == pytest.approx(1.645 * 0.1, rel=0.15)
 
 
 def test_an_offset_is_not_told_from_friction_by_a_motion_in_one_direction():
