@@ -12,7 +12,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.cli.protocol_list import protocol_list
 from ffgym.cli.unused import given_options
 from ffgym.control import FeedForwardLaw
-from ffgym.envs.rigs import is_workcell, rig_of
+from ffgym.envs.rigs import rig_of
 from ffgym.errors import FFGymError, check_number
 from ffgym.files import check_writable, write_json
 from ffgym.protocols import (
@@ -26,7 +26,7 @@ from ffgym.protocols import (
 )
 from ffgym.protocols.protocol import JointProtocol
 from ffgym.recordings.folder import INDEX
-from ffgym.robot import RigidArm, RobotDescription, load_robot
+from ffgym.robot import RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, Sensor, SimulatedRig, TorqueSensor
 
 LISTED_ROBOT = "irb4600_60_205"
@@ -38,7 +38,7 @@ class Record:
     """Run measurement protocols on a machine; write one recording for each motion, and an index of them."""
 
     robot: tyro.conf.Positional[str | None] = None
-    """Built-in robot, a path to a description that ends in .toml, or workcell:<name or seed>."""
+    """Built-in robot, a path that ends in .toml to a description or a machine file, or workcell:<name or seed>."""
     protocols: tyro.conf.Positional[tuple[str, ...]] = ()
     """Names of protocols, motion files (.toml, .csv, .mod), or .toml files that list steps (docs/protocols.md)."""
     listing: Annotated[bool, tyro.conf.arg(name="list")] = False
@@ -114,14 +114,12 @@ class Record:
     def _rig(self) -> Rig:
         """Where the motions are run."""
         assert self.robot is not None
-        if not is_workcell(self.robot):
-            arm = RigidArm(load_robot(self.robot))
-            return SimulatedRig(arm=arm, sensors=() if self.exact else self._sensors(arm.robot))
+        rig = rig_of(self.robot)
+        if isinstance(rig, SimulatedRig):
+            return replace(rig, sensors=() if self.exact else self._sensors(rig.robot))
         if given := given_options(self, ("exact", "torque_noise_percent")):
-            raise FFGymError(
-                f"{given[0]} is not for {self.robot}: its sensors are its own, and its truth is shut away."
-            )
-        return rig_of(self.robot)
+            raise FFGymError(f"{given[0]} is not for {self.robot}: its sensors are its own, its truth is shut away.")
+        return rig
 
     def _sensors(self, robot: RobotDescription) -> tuple[Sensor, ...]:
         """What measures on a simulated robot."""

@@ -72,13 +72,13 @@ def shrunk(stage: Stage, path: JointPath) -> Reference:
     low, high = 0.0, 1.0
     if fits(high):
         low = high
-    elif not fits(low):
-        raise FFGymError(
-            f"gravity alone takes more than {LARGE_TORQUE:.0%} of a drive's peak torque where the robot starts. "
-            f"Choose another home, or check the description with ffgym robot check."
-        )
     while high - low > _CLOSE:
         middle = (low + high) / 2
         low, high = (middle, high) if fits(middle) else (low, middle)
+    if low == 0.0:
+        raise FFGymError(
+            f"no motion, however small, takes at most {LARGE_TORQUE:.0%} of the drives' peak torque and keeps the tool "
+            f"near where it rests. Choose another home, or check the description with ffgym robot check."
+        )
     q = path.q[0] + low * (path.q - path.q[0])
     return joint_reference(arm.robot, replace(path, q=q, dq=low * path.dq, ddq=low * path.ddq))

@@ -8,6 +8,8 @@ import pytest
 
 import ffgym.protocols.recording_folder as recording_folder
 from ffgym.cli.main import main
+from ffgym.effects import EFFECTS
+from ffgym.plant import Machine, save_machine
 from ffgym.protocols import PROTOCOLS
 from ffgym.recordings import read_folder, read_recording
 
@@ -216,6 +218,17 @@ def test_a_request_that_cannot_be_met_is_one_line(here, capsys, arguments, messa
     assert run(*arguments) == 1
     assert message in only_error(capsys)
     assert not list(here.glob("**/*.npz"))
+
+
+def test_a_machine_file_is_recorded_with_its_effects_under_the_controller_of_its_robot(here, one_axis):
+    machine = Machine(robot=one_axis, effects=(EFFECTS["torque_offset"].on(one_axis, offset=0.2),))
+    save_machine(machine, here / "worn.toml", title="worn", source="a test")
+    for robot, out in (("worn.toml", "worn"), ("one_axis", "new")):
+        assert run(robot, "day.toml", "--out", out, "--record-dt-ms", "4") == 0
+    worn, new = (read_recording(f"{out}/motion.sine.npz") for out in ("worn", "new"))
+    assert worn.header.robot == new.header.robot == "one_axis"
+    assert worn.header.provenance["physics_fingerprint"] != new.header.provenance["physics_fingerprint"]
+    assert abs(np.mean(worn["motor.effort.j1"] - new["motor.effort.j1"])) == pytest.approx(0.2, abs=0.05)
 
 
 def test_a_workcell_is_recorded_by_its_own_sensors_and_gives_no_truth_away(here, capsys):

@@ -1,5 +1,7 @@
 """Protocols of several joints: dwell and restart, holds, warm-up, excitation, diagnosis."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from ffgym.protocols.limits import LARGE_TORQUE, torque_use
 from ffgym.protocols.poses import spread_poses
 from ffgym.protocols.stage import TOOL_DROP, TOOL_NEARBY, Stage
 from ffgym.protocols.warm_up import WarmUp
+from ffgym.robot import RigidArm
 from tests.protocols.protocol_samples import ROBOTS, arm_of, schedule_of
 
 every_robot = pytest.mark.parametrize("robot", ROBOTS)
@@ -141,6 +144,15 @@ def test_circles_are_those_that_are_asked_for():
     motions = Circles(positions=("p2",), speeds=(0.02,), radii=(0.004,)).schedule(arm_of("irb4600_60_205"))
     assert [m.reference.name for m in motions] == ["circles.p2.20_mm_s"]
     assert [p.label for p in motions[0].reference.phases if p.kind == "circle"] == ["circle 4 mm"]
+
+
+def test_a_robot_that_can_hardly_hold_itself_makes_no_large_motion():
+    robot = arm_of("two_link").robot
+    weak = replace(robot, drive=replace(robot.drive, peak_torque=np.array([9.0, 3.0])))
+    with pytest.raises(FFGymError, match="no motion, however small, takes at most 50%"):
+        Excitation(count=1).schedule(RigidArm(weak))
+    with pytest.raises(FFGymError, match="holding the arm in its rest position takes more than 50%"):
+        Holds().schedule(RigidArm(weak))
 
 
 @pytest.mark.parametrize(
