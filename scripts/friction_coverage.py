@@ -16,7 +16,7 @@ import tyro
 
 from ffgym.files import check_writable, write_json, write_text
 from ffgym.friction import LuGreParameters
-from ffgym.identification import FrictionTorque, friction_torque, identify_friction
+from ffgym.identification import friction_torques, identify_friction
 from ffgym.identification.bristle_fit import NAMES
 from ffgym.protocols import Protocol, plan_session, record
 from ffgym.protocols.speed_ladder import SpeedLadder
@@ -25,7 +25,8 @@ from ffgym.provenance import versions
 from ffgym.published import ESTIMATION_RECORDS
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, load_robot
-from ffgym.simulation import Resolver, SimulatedRig
+from ffgym.simulation import Resolver, SimulatedRig, TorqueSensor
+from ffgym.simulation.sensors import measure
 from ffgym.types import Array
 from scripts.convergence_table import renewed
 
@@ -52,6 +53,9 @@ class Config:
     """Times that noise is drawn anew."""
     noise_percent: float = 0.5
     """White noise of the torque at each sample, in percent of the peak torque."""
+    angle_noise_steps: float = 1.0
+    """White noise of the angle at each sample before it is rounded, in steps of the encoder. Without it rounding errors
+    repeat from period to period, and sigma_0 is 0.5 % wrong on the one-axis model."""
     inertia_error: float = 0.05
     """Share of the inertia that the model lacks; the thesis estimates up to 5 %."""
     physics_dt: float = 6.25e-5
@@ -77,11 +81,10 @@ def main(config: Config) -> dict[str, Any]:
     arm = RigidArm(load_robot(config.robot))
     joints = config.joints or arm.robot.joints
     exact = exact_recordings(arm, joints, config)
-    torques = known_torques(arm, exact, config)
-    found, inside = zip(*(repetition(torques, joints, config, i) for i in range(config.repetitions)), strict=True)
-    numbers = counted(
-        arm.robot.friction, np.stack(found), np.stack(inside), [arm.robot.joints.index(j) for j in joints]
-    )
+    model = known_model(arm, config)
+    found, ends = zip(*(repetition(model, exact, joints, config, i) for i in range(config.repetitions)), strict=True)
+    places = [arm.robot.joints.index(joint) for joint in joints]
+    numbers = counted(arm.robot.friction, np.stack(found), np.stack(ends), places)
     text = table(numbers, joints)
     print(text)
     if config.json is not None:
@@ -97,7 +100,7 @@ def exact_recordings(arm: RigidArm, joints: Sequence[str], config: Config) -> li
 
     def run(protocol: Protocol, physics_dt: float | None) -> list[Recording]:
         options = ModelOptions(physics_dt=physics_dt, looks=False)
-        rig = SimulatedRig(arm=arm, sensors=(Resolver(bits=arm.robot.sensors.encoder_bits),), options=options)
+        rig = SimulatedRig(arm=arm, sensors=(), options=options)
         return list(record(plan_session(arm, [protocol]), rig, record_dt=config.record_dt))
 
     return run(SpeedLadder(joints=joints), None) + run(
@@ -105,35 +108,32 @@ def exact_recordings(arm: RigidArm, joints: Sequence[str], config: Config) -> li
     )
 
 
-def known_torques(arm: RigidArm, recordings: Sequence[Recording], config: Config) -> list[FrictionTorque]:
-    """Friction along the recordings, as a model with less inertia and other friction sees it."""
-    robot = arm.robot
-    share = 1 - config.inertia_error
+def known_model(arm: RigidArm, config: Config) -> RigidArm:
+    """What is known before: less inertia and other friction."""
+    robot, share = arm.robot, 1 - config.inertia_error
     bodies = replace(robot.bodies, inertia=share * robot.bodies.inertia)
     drive = replace(robot.drive, rotor_inertia=share * robot.drive.rotor_inertia)
-    model = replace(robot, bodies=bodies, drive=drive, friction=robot.friction.scaled(**BEFORE))
-    known = RigidArm(model)
-    return [friction_torque(known, recording) for recording in recordings]
+    return RigidArm(replace(robot, bodies=bodies, drive=drive, friction=robot.friction.scaled(**BEFORE)))
 
 
 def repetition(
-    torques: Sequence[FrictionTorque], joints: Sequence[str], config: Config, number: int
+    model: RigidArm, exact: Sequence[Recording], joints: Sequence[str], config: Config, number: int
 ) -> tuple[Array, Array]:
-    """Parameters found with other noise, and their intervals, (N, 6) and (N, 6, 2)."""
-    rng = np.random.default_rng([config.seed, number])
-    noisy = [_with_noise(torque, config.noise_percent / 100, rng) for torque in torques]
-    found = identify_friction(noisy, joints=joints, seed=number, n_resamples=config.resamples)
+    """Parameters found with other noise, (N, 6), and their intervals, (N, 6, 2)."""
+    robot = model.robot
+    bits = robot.sensors.encoder_bits
+    sensors = (
+        Resolver(bits=bits, noise=config.angle_noise_steps * 2 * np.pi / 2**bits),
+        TorqueSensor(noise=config.noise_percent / 100 * robot.drive.peak_torque),
+    )
+    generators = np.random.default_rng([config.seed, number]).spawn(len(exact))
+    recordings = [measure(recording, sensors, rng) for recording, rng in zip(exact, generators, strict=True)]
+    torques = friction_torques(model, recordings)
+    found = identify_friction(torques, joints=joints, seed=number, n_resamples=config.resamples)
     chosen = [joint for joint in found.joints if joint.joint in joints]
     values = [[estimate.value for estimate in joint.estimates] for joint in chosen]
     ends = [[(estimate.low, estimate.high) for estimate in joint.estimates] for joint in chosen]
     return np.array(values), np.array(ends)
-
-
-def _with_noise(torque: FrictionTorque, share: float, rng: np.random.Generator) -> FrictionTorque:
-    """Noise on the measured torque; it passes the filter as the torque does, which is linear."""
-    signals = torque.signals
-    noise = rng.normal(size=signals.torque.shape) * share * signals.robot.drive.peak_torque
-    return replace(torque, signals=replace(signals, torque=signals.torque + signals.low_pass(noise, signals.dt)))
 
 
 def counted(friction: LuGreParameters, found: Array, ends: Array, joints: Sequence[int]) -> dict[str, Any]:

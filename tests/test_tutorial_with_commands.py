@@ -8,7 +8,7 @@ import pytest
 
 from ffgym.cli.main import main
 
-PAGE = Path(__file__).parent.parent / "docs" / "tutorials" / "your_robot.md"
+TUTORIALS = Path(__file__).parent.parent / "docs" / "tutorials"
 BLOCK = re.compile(r"([^\n]*)\n\n```(\w+)\n(.*?)```", flags=re.DOTALL)
 """The line before a block, its language, and what is in it."""
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e[+-]\d+)?")
@@ -44,16 +44,15 @@ def same(wanted, line):
     return own_words[: len(words)] == words and len(own) >= len(numbers) and near
 
 
-def test_the_page_leads_from_an_arm_file_to_a_feed_forward_run(tmp_path, monkeypatch, capsys):
-    pytest.importorskip("matplotlib")
-    monkeypatch.chdir(tmp_path)
+def follow(page, folder, capsys):
+    """Do what a page says in a folder; returns the languages of its blocks."""
     names: dict[str, object] = {}
     printed = ""
     kinds = []
-    for announced, language, text in BLOCK.findall(PAGE.read_text(encoding="utf-8")):
+    for announced, language, text in BLOCK.findall((TUTORIALS / page).read_text(encoding="utf-8")):
         kinds.append(language)
         if language in ("xml", "toml"):
-            save(announced, text, tmp_path)
+            save(announced, text, folder)
         elif language == "bash":
             run(text)
             printed = capsys.readouterr().out
@@ -61,9 +60,24 @@ def test_the_page_leads_from_an_arm_file_to_a_feed_forward_run(tmp_path, monkeyp
             check_printed(text, printed)
         else:
             assert language == "python"
-            exec(compile(text, PAGE.name, "exec"), names)
-    assert kinds.count("bash") == 4
+            exec(compile(text, page, "exec"), names)
+    return kinds
+
+
+def test_the_page_leads_from_an_arm_file_to_a_feed_forward_run(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    assert follow("your_robot.md", tmp_path, capsys).count("bash") == 4
     assert {"cutter.toml", "cutter.html", "cutter.json", "cut.html", "cut_elastic.csv"} <= {
+        path.name for path in tmp_path.iterdir()
+    }
+
+
+def test_the_page_leads_from_a_machine_to_feed_forward_with_its_friction(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    assert follow("identify.md", tmp_path, capsys).count("bash") == 3
+    assert {"parameters.toml", "identified.html", "identified.json", "logs"} <= {
         path.name for path in tmp_path.iterdir()
     }
 
