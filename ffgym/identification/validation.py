@@ -60,8 +60,9 @@ def validate(
         missing = 0.0 if inertia_error is None else inertia_error * torque.inertia
         measured = torque.friction - missing - (0.0 if offset is None else offset)
         error = measured - predicted_friction(friction, torque)
-        scored = torque.valid & _forgotten(friction, torque)
+        forgotten = _forgotten(friction, torque)
         for j, joint in enumerate(torque.signals.robot.joints):
+            scored = torque.valid & forgotten[:, j]
             if scored.any() and np.abs(torque.signals.motor_dq[scored, j]).max() > MOVING:
                 found.append(
                     Validation(
@@ -75,9 +76,7 @@ def validate(
 
 
 def _forgotten(friction: LuGreParameters, torque: FrictionTorque) -> BoolArray:
-    """Rows from where bristles have forgotten how they began, shape (T,); those of joints at rest never do."""
-    speed = np.abs(torque.signals.motor_dq)
-    way = np.cumsum(speed, axis=0) * torque.signals.dt
-    moving = speed.max(axis=0) > MOVING
-    lengths = way / (friction.static / friction.bristle_stiffness)
-    return np.all(lengths[:, moving] > FORGOTTEN, axis=1)
+    """Rows from where bristles of each joint have forgotten how they began, shape (T, N); at rest they never do."""
+    way = np.cumsum(np.abs(torque.signals.motor_dq), axis=0) * torque.signals.dt
+    forgotten: BoolArray = way > FORGOTTEN * friction.static / friction.bristle_stiffness
+    return forgotten

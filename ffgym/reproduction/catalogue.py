@@ -8,6 +8,7 @@ from ffgym.reproduction import (
     bsn_real,
     bsn_robot,
     bsn_training,
+    lugre_identified,
     lugre_one_axis,
     lugre_real,
     lugre_robot,
@@ -25,7 +26,7 @@ CHAPTER_5 = (
     *bsn_real.ITEMS,
     *bsn_fast.ITEMS,
 )
-CHAPTER_6 = narx.ITEMS
+CHAPTER_6 = (*lugre_identified.ITEMS, *narx.ITEMS)
 ITEMS: tuple[Item, ...] = (*CHAPTER_4, *CHAPTER_5, *CHAPTER_6, *beyond.ITEMS, *narx_extended.ITEMS)
 """Every figure and table of chapters 4 to 6 that has numbers or curves; 4.1, 5.1, 5.4, 6.8 and 6.9 are diagrams. More
 items go beyond it."""

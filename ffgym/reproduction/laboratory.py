@@ -11,9 +11,11 @@ from agents.common.lessons import thesis_motions, training_motions
 from agents.learning.progress import Learning
 from agents.splines.recipes import thesis_training
 from ffgym.control import NoCompensation, Reference
+from ffgym.envs.rigs import rig_of
 from ffgym.identification.narx import Samples
 from ffgym.paths import SPEEDS
 from ffgym.reproduction.contenders import Contender, contender
+from ffgym.reproduction.measured_friction import MeasuredFriction, measure_friction
 from ffgym.robot import RobotDescription, load_robot
 from ffgym.simulation.simulate import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
@@ -24,6 +26,9 @@ Stage = Callable[[str, str], AbstractContextManager[Progress]]
 
 SEED = 0
 """Of the first weights of NARX networks and of sensor noise; nothing else is random."""
+
+WORKCELL = "workcell:thesis"
+"""The machine that stands for the thesis' real robot in chapter 6."""
 
 FAST = SPEEDS[1]
 """TCP speed [m/s] of the second training, thesis 5.4.2."""
@@ -104,6 +109,13 @@ class Laboratory:
     def fast_bsn_circles(self) -> CircleStudy:
         """The 12 circles at 40 mm/s with no compensation, dynamic LuGre, and both networks as trained at 40 mm/s."""
         return self._with_networks(self.fast_learning, [FAST], "40 mm/s")
+
+    @cached_property
+    def joint_1(self) -> MeasuredFriction:
+        """Friction of joint 1 of the workcell that stands for the thesis' robot, identified as in thesis 6.1."""
+        rig = rig_of(WORKCELL)
+        with self.stage("friction of joint 1", "s") as progress:
+            return measure_friction(rig, rig.robot.joints[:1], seed=SEED, n_threads=self.n_threads, progress=progress)
 
     @cached_property
     def narx_records(self) -> dict[str, Samples]:

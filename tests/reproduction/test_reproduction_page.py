@@ -11,8 +11,8 @@ from ffgym.errors import FFGymError
 from ffgym.reproduction import ITEMS, Laboratory, as_json, chosen, count, render_page, reproduce
 
 FIGURES = [f"figure-4.{n}" for n in range(2, 13)] + [f"figure-5.{n}" for n in (2, 3, *range(5, 21))]
-FIGURES += [f"figure-6.{n}" for n in (10, 11)]
-TABLES = ["table-4.1", "table-4.2", "table-5.1", "table-5.2"]
+FIGURES += [f"figure-6.{n}" for n in (*range(1, 8), 10, 11)]
+TABLES = ["table-4.1", "table-4.2", "table-5.1", "table-5.2", "table-6.1"]
 
 
 @pytest.fixture(scope="module")
