@@ -9,7 +9,7 @@ from rosbags.typesys import Stores, get_typestore
 from ffgym.logs import read_contents, read_log
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
-START = 1_790_000_000_123_456_789
+START = 1_789_999_999_963_456_789  # a second ends after ten rows
 PERIOD = 4_000_000
 N = 20
 

@@ -157,18 +157,19 @@ def test_scaled_clocks_are_not_compared(tmp_path):
 def test_a_sample_at_the_time_of_a_row_is_that_rows_sample(clock, how):
     t = np.arange(0, 401, 4) / 1000
     times = np.array(clock) / 1000
-    samples, _ = resample(np.sin(times)[:, None], times, t, how)
+    samples, reached = resample(np.sin(times)[:, None], times, t, how)
     shared = np.isin(np.arange(0, 401, 4), clock)
+    assert reached[shared].all()
     np.testing.assert_allclose(samples[shared, 0], np.sin(t[shared]))
     if how == "gaps":
         taken = samples[np.isfinite(samples)]
         assert len(np.unique(taken)) == len(taken)  # no sample is in two rows
 
 
-def test_a_source_that_falls_silent_is_not_held_for_ever(tmp_path):
-    t = 0.1 * np.arange(10)
-    samples, reached = resample(np.array([[1.0], [2.0]]), np.array([0.1, 0.3]), t, "hold")
-    np.testing.assert_array_equal(reached, (t >= 0.1) & (t <= 0.3 + 0.2))
+def test_a_source_that_falls_silent_is_held_no_longer_than_its_longest_wait():
+    t = 0.125 * np.arange(10)
+    samples, reached = resample(np.array([[1.0], [2.0], [3.0]]), np.array([0.125, 0.5, 0.625]), t, "hold")
+    np.testing.assert_array_equal(reached, (t >= 0.125) & (t <= 0.625 + 0.375))
     np.testing.assert_array_equal(np.isfinite(samples[:, 0]), reached)
 
 

@@ -1,6 +1,7 @@
 """A file of another tool becomes a recording as its column map says."""
 
 import hashlib
+import json
 
 import numpy as np
 import pytest
@@ -118,6 +119,27 @@ def test_columns_of_ones_own_keep_their_si_unit(tmp_path):
     recording = read_log(write_npz(tmp_path), column_map(CLOCK, POSITION, entry, pressure))
     assert recording.header.units == {"user.scales.a": "rad", "user.scales.b": "rad", "user.pressure": "bar"}
     np.testing.assert_array_equal(recording["user.scales.b"], np.radians(arrays()["q"][:, 1]))
+
+
+def test_a_time_series_of_mujocos_system_identification_is_split_by_signal(tmp_path):
+    data = np.column_stack([arrays()["u"], arrays()["q"]])
+    mapping = json.dumps({"torque": [0, [0, 1]], "upper_qpos": [2, [2]], "lower_qpos": [2, [3]]})
+    np.savez(tmp_path / "series.npz", times=arrays()["t"], data=data, signal_mapping=np.array(mapping))
+    clock = CLOCK.replace('"t"', '"times"')
+    position = POSITION.replace('"q"', '"{joint}_qpos"')
+    recording = read_log(tmp_path / "series.npz", column_map(clock, position, effort('unit = "N m"', '"torque"')))
+    np.testing.assert_array_equal(recording.joint_array("motor.position"), arrays()["q"])
+    np.testing.assert_array_equal(recording.joint_array("motor.effort"), arrays()["u"])
+    for wrong in ("[", '{"a": [0, [9]]}', "[1]"):
+        np.savez(tmp_path / "series.npz", times=arrays()["t"], data=data, signal_mapping=np.array(wrong))
+        with refused("series.npz: signal_mapping does not fit data (7, 4)"):
+            read_log(tmp_path / "series.npz", column_map(clock, position))
+
+
+def test_the_map_may_name_the_motion_and_its_payload(tmp_path):
+    log = LOG + 'segment = "sweep"\npayload = { mass = 2.5 }\nfilters = ["50 Hz"]\n'
+    header = read_log(write_npz(tmp_path), column_map(CLOCK, POSITION, log=log)).header
+    assert (header.segment, header.payload, header.filters) == ("sweep", {"mass": 2.5}, ("50 Hz",))
 
 
 def test_what_is_optional_and_absent_is_left_out_and_said(tmp_path):

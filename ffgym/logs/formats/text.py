@@ -149,8 +149,13 @@ def _column(cells: tuple[str, ...], decimal: str) -> NDArray[Any]:
     numbers = [_number(cell, decimal) for cell in cells]
     if None in numbers:  # text; cells of it that are numbers get a decimal point, as a message says which are none
         pairs = zip(cells, numbers, strict=True)
-        return np.array([cell if number is None else repr(number) for cell, number in pairs])
+        return np.array([_word(cell, decimal) if number is None else repr(number) for cell, number in pairs])
     return np.array(numbers, dtype=np.float64)
+
+
+def _word(cell: str, decimal: str) -> str:
+    """A cell that is no number; one that would be with a decimal point says so."""
+    return f"{cell} with a decimal point" if decimal == "," and _number(cell, ".") is not None else cell
 
 
 def _number(cell: str, decimal: str) -> float | None:
