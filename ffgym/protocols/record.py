@@ -13,9 +13,9 @@ from ffgym.robot import RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, Thermometer, sensors_of
 from ffgym.simulation.simulate import Progress
 
-BATCH = 300.0
-"""Motions run together up to this much time [s]; chosen: two of the longest built-in ones, which keep two cores
-busy, in some 0.3 GB at a sample time of 1 ms."""
+BATCH = 1000.0
+"""Motions are simulated together up to this much time [s]; chosen: a physics step of a machine with effects costs little
+more for many motions than for one, and this many take some 1 GB at a sample time of 1 ms."""
 
 THERMOMETER = Thermometer(noise=0.1, resolution=0.1)
 """Temperature sensor of a machine that warms up; chosen: a common resistance thermometer."""
