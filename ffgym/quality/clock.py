@@ -10,7 +10,7 @@ from ffgym.quality.log import Log
 _COLUMNS = ("timestamp",)
 
 _GAP = 1.5
-"""Periods from which on an interval is a gap: a missing row makes two."""
+"""Periods from which on an interval is a gap: a missing row makes two. A clock that scatters has longer ones."""
 
 
 def _unit(log: Log) -> Iterator[Seen]:
@@ -50,7 +50,7 @@ def _jumps(log: Log) -> Iterator[Seen]:
 
 def _long_intervals(log: Log) -> tuple[np.ndarray, np.ndarray]:
     """Rows before intervals that are too long, and whether the joints moved as far as their speed and the clock say."""
-    steps = np.flatnonzero(np.diff(log.t) > _GAP * log.dt)
+    steps = np.flatnonzero(np.diff(log.t) > _longest(log))
     moved = np.ones(len(steps), dtype=np.bool_)
     if log.q is None:
         return steps, moved
@@ -65,10 +65,17 @@ def _long_intervals(log: Log) -> tuple[np.ndarray, np.ndarray]:
     return steps, moved
 
 
+def _longest(log: Log) -> float:
+    """Longest interval [s] that is no gap: five deviations of the clock above its median, `_GAP` periods at least."""
+    intervals = np.diff(log.t)
+    scatter = 1.4826 * float(np.median(np.abs(intervals - log.dt)))
+    return max(_GAP * log.dt, log.dt + 5 * scatter)
+
+
 def _jitter(log: Log) -> Iterator[Seen]:
     intervals = np.diff(log.t)
-    regular = intervals[intervals < _GAP * log.dt]
-    value = float(np.std(regular) / log.dt)
+    regular = intervals[intervals < _longest(log)]
+    value = float(np.std(np.diff(regular)) / np.sqrt(2) / log.dt) if len(regular) > 1 else 0.0
     message = (
         f"timestamp: intervals scatter by {value:.1%} of {log.dt:.4g} s (rms), must be below 5 %. Use the clock of the "
         "controller, not the time at which a message arrived."

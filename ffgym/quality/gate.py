@@ -15,7 +15,7 @@ from ffgym.quality.identity import IDENTITY
 from ffgym.quality.levels import LEVELS
 from ffgym.quality.log import Log
 from ffgym.quality.needs import need_findings
-from ffgym.quality.plausible import PLAUSIBLE
+from ffgym.quality.plausible import PLAUSIBLE, SIZE
 from ffgym.quality.rows import ROWS
 from ffgym.quality.sampling import SAMPLING
 from ffgym.quality.timing import TIMING
@@ -27,7 +27,7 @@ from ffgym.robot import RobotDescription
 
 STAGES: Mapping[str, tuple[Check, ...]] = MappingProxyType(
     {
-        "clock and header": (*CLOCK, *IDENTITY),
+        "clock and header": (*SIZE, *CLOCK, *IDENTITY),
         "rows": ROWS,
         "values": (*LEVELS, *CELLS),
         "columns against each other": (*AGREEMENT, *TIMING),

@@ -29,6 +29,13 @@ CLOSE = 0.05
 _ALIKE = 0.9
 """Correlation of two signals of one quantity: a servo's error and the noise of recorded logs leave 0.97 and more."""
 
+_TWINS = 0.98
+"""Correlation of a signal with another joint's from which on it may be that joint's."""
+
+_NEAR = 0.2
+"""Difference from a factor that is still that factor, where other reasons change the size as well: the nearest two
+factors of one kind are 1.5 apart."""
+
 _SAME_MOTION = 0.8
 """Correlation from which on a signal is of the same motion, whatever its size."""
 
@@ -122,12 +129,13 @@ class Signals:
         seen = compare(a, b[:, j], self.lags)
         if seen.correlation > _SAME_MOTION and abs(seen.slope - 1) < CLOSE:
             return None  # out of step only
-        twin, value = _twin(a, b, j, self.judged), seen.slope
+        plain = abs(seen.correlation) > _TWINS and explain(seen.slope, float(self.ratio[j]), CLOSE)[0] != "scale"
+        twin, value = None if plain else _twin(a, b, j, self.judged, self.ratio), seen.slope
         kind: Kind = "permutation"
         if twin is not None:
             text = "it is the signal of that joint"
         elif abs(seen.correlation) > _SAME_MOTION:
-            kind, text = explain(seen.slope, float(self.ratio[j]), CLOSE)
+            kind, text = explain(seen.slope, float(self.ratio[j]), _NEAR)
         else:
             kind, value, text = "agreement", seen.correlation, "it is another motion, or another quantity"
         return Stranger(
@@ -151,10 +159,12 @@ def columns_of(family: str, joint: str) -> tuple[str, ...]:
     return tuple(f"{part}.{joint}" for part in family.split("+"))
 
 
-def _twin(values: Array, others: Array, j: int, judged: BoolArray) -> int | None:
-    """Another joint whose signal this is."""
+def _twin(values: Array, others: Array, j: int, judged: BoolArray, ratio: Array) -> int | None:
+    """Another joint whose signal this is, in the joint's own size or as its own gear makes it."""
     slope, correlation = correlations(values[:, None], others)
-    good = (correlation[0] > 0.98) & (np.abs(slope[0] - 1) < CLOSE) & judged
+    through_gear = slope[0] * ratio[j] / ratio
+    same_size = np.minimum(np.abs(slope[0] - 1), np.abs(through_gear - 1)) < CLOSE
+    good = (correlation[0] > _TWINS) & same_size & judged
     good[j] = False
     return int(np.argmax(np.where(good, correlation[0], 0.0))) if good.any() else None
 

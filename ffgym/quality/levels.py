@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ffgym.quality.check import Check, NotJudgedError, Seen
+from ffgym.quality.compare import compare
 from ffgym.quality.log import Log
 from ffgym.quality.runs import constant_stretches, grid_step, smallest_step
 from ffgym.types import Array
@@ -51,7 +52,7 @@ def _stuck(log: Log) -> Iterator[Seen]:
     for family, j, name, x in _joint_columns(log, _SENSED):
         if np.ptp(x) == 0.0:
             continue
-        longest = max((_stuck_time(log, family, j, x, rows), rows.start) for rows in [slice(0, 1), *_held(x)])
+        longest = max((_stuck_time(log, family, j, x, rows), rows.start) for rows in [slice(0, 1), *_held(family, x)])
         message = (
             f"{name} keeps one value for {longest[0]:.4g} s from {log.t[longest[1]]:.4g} s on while joint "
             f"{log.joints[j]} moves, must change. Look for a lost connection; cut the log there."
@@ -59,8 +60,10 @@ def _stuck(log: Log) -> Iterator[Seen]:
         yield Seen(value=longest[0] / log.dt, message=message, columns=(name,), joint=log.joints[j])
 
 
-def _held(x: Array) -> list[slice]:
-    return constant_stretches(x, _STUCK_ROWS)
+def _held(family: str, x: Array) -> list[slice]:
+    """Stretches of one value; not the extremes of a torque, at which it is cut rather than stuck."""
+    edges = (x.min(), x.max()) if family in _TORQUES else ()
+    return [rows for rows in constant_stretches(x, _STUCK_ROWS) if x[rows.start] not in edges]
 
 
 def _stuck_time(log: Log, family: str, j: int, x: Array, rows: slice) -> float:
@@ -71,20 +74,28 @@ def _stuck_time(log: Log, family: str, j: int, x: Array, rows: slice) -> float:
     before = np.abs(np.diff(x[max(0, rows.start - 3) : rows.start + 1]))
     after = np.abs(np.diff(x[rows.stop - 1 : rows.stop + 2]))
     abrupt = before.size > 0 and bool(np.median(before) > _ABRUPT * step)
-    sudden = after.size == 0 or bool(after.max() > _ABRUPT * step)
+    until_end = after.size == 0 and not family.endswith("position") and bool(log.moving[rows, j].mean() > 0.5)
+    sudden = until_end or (after.size > 0 and bool(after.max() > _ABRUPT * step))
     if not ((abrupt and sudden) or _others_move(log, family, j, x, rows)):
         return 0.0
     return float(log.t[rows.stop - 1] - log.t[rows.start])
 
 
 def _others_move(log: Log, family: str, j: int, x: Array, rows: slice) -> bool:
-    """Whether another column of the joint moves far during a stretch of one value, and farther than it rests by."""
+    """Whether another column that otherwise goes like this one moves during a stretch of one value."""
     if not family.endswith("position"):
         return False
-    own = (family, family.replace("position", "velocity"))
-    travels = [np.ptp(motion[rows, j]) for name, motion in log.motions.items() if name not in own]
-    scale = np.ptp(log.motions[family][:, j])
-    return bool(travels and max(travels) > 0.05 * scale)
+    own = log.motions[family][:, j]
+    beside = [name for name in log.motions if name not in (family, family.replace("position", "velocity"))]
+    others = [log.motions[name][:, j] for name in beside]
+    return any(np.ptp(other[rows]) > 0.05 * np.ptp(own) and _alike(own, other, rows) for other in others)
+
+
+def _alike(a: Array, b: Array, without: slice) -> bool:
+    """Whether two motions go alike, apart from a stretch of rows."""
+    kept = np.ones(len(a) - 1, dtype=np.bool_)
+    kept[max(0, without.start - 1) : without.stop] = False
+    return kept.sum() > 2 and compare(np.diff(a)[kept], np.diff(b)[kept]).correlation > 0.8
 
 
 def _clipped(log: Log) -> Iterator[Seen]:
@@ -128,11 +139,12 @@ def _encoder(log: Log) -> Iterator[Seen]:
     if header.encoder_bits is None or not log.recording.has("motor.position"):
         raise NotJudgedError("the header has no encoder_bits, or there is no motor.position")
     for _, j, name, x in _joint_columns(log, ("motor.position",)):
-        ratio = abs(header.gear_ratio[j]) if header.position_side == "link" else 1.0
-        expected = 2 * np.pi / 2**header.encoder_bits / ratio
-        value = grid_step(x) / expected
+        gear = abs(header.gear_ratio[j]) if header.position_side == "link" else 1.0
+        expected = 2 * np.pi / 2**header.encoder_bits / gear
+        ratio = grid_step(x) / expected
+        value = max(ratio, 1 / ratio) if ratio > 0 else 0.0
         message = (
-            f"{name} goes in steps of {value * expected:.3g} rad, {value:.3g} times those of the {header.encoder_bits} "
+            f"{name} goes in steps of {ratio * expected:.3g} rad, {ratio:.3g} times those of the {header.encoder_bits} "
             "bit of the header, must be the same. Log all bits, or correct encoder_bits."
         )
         yield Seen(value=value, message=message, columns=(name,), joint=log.joints[j])
@@ -180,8 +192,8 @@ LEVELS = (
         figure="Share of rows at the extremes of a torque",
         unit="1",
         flag=0.001,
-        refuse=0.2,
-        why="a cut torque is a wrong torque; a controller may saturate for a moment, not for a fifth of a log",
+        refuse=0.02,
+        why="a cut torque is a wrong torque; a controller may saturate for a moment, not for a fiftieth of a log",
         judge=_clipped,
     ),
     Check(
@@ -194,10 +206,9 @@ LEVELS = (
     ),
     Check(
         name="encoder_steps",
-        figure="Step of the position over that of the header's encoder",
+        figure="Step of the position over that of the header's encoder, or the other way round",
         unit="1",
         flag=1.5,
-        refuse=100.0,
         why="half a step is rounding; more is another encoder, or digits lost on the way",
         judge=_encoder,
     ),

@@ -14,6 +14,9 @@ _TURNS = 12.0
 _COLDEST, _HOTTEST = -40.0, 160.0
 """Temperatures [degC] of motors and gearboxes; 160 is where windings burn."""
 
+_LARGEST = 1e12
+"""Number beyond which nothing is measured; clocks that count from 1970 in microseconds come to 2e15 and are refused."""
+
 _REACH = 20.0
 """Distance [m] from its base that no arm reaches."""
 
@@ -117,6 +120,30 @@ def _ends(log: Log) -> Iterator[Seen]:
     )
     yield Seen(value=float(share[j]), message=message, columns=("timestamp",), joint=log.joints[j])
 
+
+def _size(log: Log) -> Iterator[Seen]:
+    for name, values in log.recording.columns.items():
+        largest = float(np.nanmax(np.abs(values), initial=0.0))
+        message = (
+            f"{name} reaches {largest:.4g} {log.recording.unit(name)}, must stay below {_LARGEST:g}. It is "
+            "damaged: read or record it again."
+        )
+        if name != "timestamp":
+            yield Seen(value=largest, message=message, columns=(name,))
+
+
+SIZE = (
+    Check(
+        name="size",
+        figure="Largest number of all columns",
+        unit="1",
+        flag=_LARGEST,
+        refuse=_LARGEST,
+        why="no quantity of a robot is as large in SI units; a bit that flipped in an exponent is",
+        judge=_size,
+    ),
+)
+"""Checks that come before all computing."""
 
 PLAUSIBLE = (
     Check(

@@ -12,7 +12,10 @@ from ffgym.recordings import FAMILIES
 from ffgym.types import Array, BoolArray
 
 _BLOCK = 5
-"""Rows that must repeat one after the other to be a copied block: fewer may be equal by chance where all is coarse."""
+"""Rows that must repeat one after the other to be a copied block."""
+
+_CELLS = 40
+"""Cells that such a block must have: a coarse position and its set-point alone repeat by chance for six rows."""
 
 _ALIVE = 5.0
 """Steps of its resolution by which a column must change from row to row to be in motion."""
@@ -61,6 +64,8 @@ def _repeated(log: Log) -> Iterator[Seen]:
 def _blocks(log: Log) -> Iterator[Seen]:
     table = _table(log)
     longest, first, second = _longest_copy(table)
+    if longest * table.shape[1] < _CELLS:
+        longest = 0
     message = (
         f"All columns: {longest} rows from {log.t[second]:.4g} s on repeat those from {log.t[first]:.4g} s on to the "
         f"last bit, must be fewer than {_BLOCK}. Drop the copy."

@@ -31,7 +31,7 @@ def _within(log: Log) -> Iterator[Seen]:
                 columns = (*columns_of(family, log.joints[j]), *columns_of(other, log.joints[j]))
                 message = (
                     f"{columns[0]} is {_late(lag)} than {columns[-1]} by {abs(lag) * log.dt:.4g} s ({abs(lag):.3g} "
-                    "rows), must be by less than 1.5 rows. Shift it; if it is filtered, say so in filters, or log the "
+                    "rows), must be by less than 0.75 rows. Shift it; if it is filtered, say so in filters, or log the "
                     "raw signal."
                 )
                 yield Seen(value=abs(lag), message=message, columns=columns, joint=log.joints[j])
@@ -78,7 +78,7 @@ TIMING = (
         name="lag",
         figure="Delay between columns of one quantity",
         unit="rows",
-        flag=1.5,
+        flag=0.75,
         why="a speed from backward differences is half a row late; more is a filter, or another clock",
         judge=_within,
     ),

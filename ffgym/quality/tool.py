@@ -20,6 +20,9 @@ _ROWS = 3000
 _TRAVEL = 1e-4
 """Travel [m] of the tool from which on it moves: five times the noise of a laser tracker."""
 
+_WINDOW = 0.02
+"""Time [s] over which the speed of the tool is taken: noise of the tracker averages out."""
+
 _LAG_SPAN = 0.3
 """Largest delay [s] that is looked for."""
 
@@ -43,25 +46,44 @@ class Fit:
 @lru_cache(maxsize=4)
 def _fit(log: Log) -> Fit:
     measured, planned, rows = _paths(log)
-    a, b = measured - measured.mean(axis=0), planned - planned.mean(axis=0)
-    if np.ptp(b, axis=0).max() < _TRAVEL:
+    if np.ptp(planned, axis=0).max() < _TRAVEL:
         raise NotJudgedError("the tool does not move")
-    u, s, vt = np.linalg.svd(a.T @ b)
-    handed = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt)) or 1.0])
-    turn = u @ handed @ vt
-    size = float(np.sum(b**2))
-    scale = float(np.sum(s * np.diag(handed)) / size)
-    turned = b @ turn.T
-    left = float(np.sqrt(np.sum((a - scale * turned) ** 2) / max(np.sum(a**2), np.finfo(np.float64).tiny)))
-    straight = np.linalg.svd(b, compute_uv=False)
-    angle = float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))))
+    dt = float(np.median(np.diff(log.t[rows])))
+    at_once, lag = _registered(measured, planned), _lag(measured, planned, dt)
+    late = _registered(*_shifted(measured, planned, lag))
+    scale, angle, left, straight = late if late[2] < 0.7 * at_once[2] else at_once
     return Fit(
         scale=scale,
-        angle=angle if straight[1] > 0.2 * straight[0] and left < 0.2 else np.nan,
+        angle=np.nan if straight or left > 0.2 else angle,
         offset=float(np.linalg.norm(measured.mean(axis=0) - planned.mean(axis=0))),
         left=left,
-        lag=_lag(a, turned, log.t[rows]),
+        lag=lag * dt if late[2] < at_once[2] else 0.0,
     )
+
+
+def _registered(measured: Array, planned: Array) -> tuple[float, float, float, bool]:
+    """Scale, angle [deg] and left share of the best copy of one path (R, 3) in another; whether it is straight.
+
+    Reference:
+        Umeyama (1991), IEEE TPAMI 13(4): least-squares estimation of transformation parameters.
+    """
+    a, b = measured - measured.mean(axis=0), planned - planned.mean(axis=0)
+    u, s, vt = np.linalg.svd(a.T @ b)
+    handed = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ vt)) or 1.0])
+    turn = (u * handed) @ vt
+    tiny = np.finfo(np.float64).tiny
+    scale = float(s @ handed / max(np.sum(b**2), tiny))
+    left = float(np.sqrt(np.sum((a - scale * b @ turn.T) ** 2) / max(np.sum(a**2), tiny)))
+    angle = float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1))))
+    extents = np.linalg.svd(b, compute_uv=False)
+    return scale, angle, left, bool(extents[1] < 0.2 * extents[0])
+
+
+def _shifted(a: Array, b: Array, lag: int) -> tuple[Array, Array]:
+    """Rows of two series that belong together if `a` is later by `lag` rows."""
+    if lag == 0:
+        return a, b
+    return (a[lag:], b[:-lag]) if lag > 0 else (a[:lag], b[-lag:])
 
 
 def _paths(log: Log) -> tuple[Array, Array, IntArray]:
@@ -85,15 +107,15 @@ def _same_joints(log: Log) -> bool:
     return log.robot is not None and log.robot.n_joints == len(log.joints)
 
 
-def _lag(a: Array, b: Array, t: Array) -> float:
-    """By how much path `a` is later than `b` [s], over even samples; the peak of their correlation."""
-    dt = float(np.median(np.diff(t)))
-    reach = min(round(_LAG_SPAN / dt), len(a) // 4)
-    da, db = np.diff(a, axis=0), np.diff(b, axis=0)
-    curve = sum(correlate(da[:, k], db[:, k], method="fft") for k in range(3))
-    middle = len(db) - 1
-    near = np.asarray(curve)[middle - reach : middle + reach + 1]
-    return float((int(np.argmax(near)) - reach) * dt)
+def _lag(a: Array, b: Array, dt: float) -> int:
+    """By how many rows path `a` (R, 3) is later than `b`: the peak of the correlation of their speeds, in any frame."""
+    window = max(1, round(_WINDOW / dt))
+    speeds = [np.linalg.norm(x[window:] - x[:-window], axis=1) for x in (a, b)]
+    fast, planned = (speed - speed.mean() for speed in speeds)
+    reach = min(round(_LAG_SPAN / dt), len(fast) // 4)
+    curve = correlate(fast, planned, method="fft")
+    middle = len(planned) - 1
+    return int(np.argmax(curve[middle - reach : middle + reach + 1])) - reach
 
 
 def _scale(log: Log) -> Iterator[Seen]:
@@ -146,7 +168,7 @@ def _clock(log: Log) -> Iterator[Seen]:
         raise NotJudgedError("the tracker has fewer than 50 samples")
     clock, t = log.recording["tcp.timestamp"][rows], log.t[rows]
     rate = float(np.polyfit(t - t[0], clock - clock[0], 1)[0])
-    backwards = bool(np.any(np.diff(clock) <= 0))
+    backwards = bool(np.any(np.diff(clock) < 0))
     message = (
         f"tcp.timestamp runs {rate:.6g} times as fast as timestamp{' and backwards' if backwards else ''}, must run "
         "forwards and within 0.1 % of it. Convert it to seconds, or synchronise the clocks."

@@ -1,0 +1,59 @@
+"""`ffgym log check`: what it prints, writes and returns."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ffgym.cli.main import main
+from ffgym.recordings import write_recording
+from tests.quality.quality_logs import clean_log
+
+
+@pytest.fixture
+def logs(tmp_path):
+    recording = clean_log("two_link", "multisine")
+    good, bad = tmp_path / "good.npz", tmp_path / "bad.npz"
+    write_recording(recording, good)
+    degrees = recording.with_columns({"motor.position.elbow": np.degrees(recording["motor.position.elbow"])})
+    write_recording(degrees, bad)
+    return good, bad
+
+
+def test_good_logs_succeed(logs, capsys):
+    assert main(["log", "check", str(logs[0]), "--robot", "two_link", "--figures"]) == 0
+    out = capsys.readouterr().out
+    assert "Good: nothing to object to." in out
+    assert "torque_model" in out
+
+
+def test_an_insufficient_log_fails_after_all_are_told_and_written(logs, tmp_path, capsys):
+    place = tmp_path / "quality.json"
+    assert main(["log", "check", *map(str, logs), "--json", str(place)]) == 1
+    printed = capsys.readouterr()
+    assert "refused: [units] motor.position.elbow is 57.29" in " ".join(printed.out.split())
+    assert printed.err.count("\n") == 1
+    assert "bad.npz" in printed.err
+    assert "good.npz" not in printed.err
+    written = json.loads(place.read_text())
+    assert [log["verdict"] for log in written["logs"]] == ["good", "insufficient"]
+    assert written["versions"]
+
+
+def test_needs_are_judged(logs, capsys):
+    assert main(["log", "check", str(logs[0]), "--needs", "temperature"]) == 1
+    assert "temperature is missing" in capsys.readouterr().out
+
+
+def test_the_page_holds_verdict_figures_and_picture(logs, tmp_path):
+    place = tmp_path / "quality.html"
+    assert main(["log", "check", *map(str, logs), "--report", str(place)]) == 1
+    page = place.read_text()
+    assert page.count("data:image/svg+xml") == 2
+    assert "degrees for radians" in page
+
+
+def test_bad_input_is_one_line(tmp_path, capsys):
+    for arguments in (["nothing.npz"], [str(tmp_path / "x.npz"), "--robot", "nobody"]):
+        assert main(["log", "check", *arguments]) == 1
+        assert capsys.readouterr().err.count("\n") == 1

@@ -1,0 +1,71 @@
+"""Checks that no listed defect is about: payload, rates, frames, phases, saturation, set-points ahead of motors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.quality import check_quality
+from ffgym.recordings import Phase, Recording
+from tests.quality.quality_logs import clean_log, described
+
+ROBOT, MOTION = "irb4600_60_205", "multisine"
+
+
+@pytest.fixture(scope="module")
+def clean() -> Recording:
+    return clean_log(ROBOT, MOTION)
+
+
+def flagged(recording: Recording, robot=None) -> set[str]:
+    return {finding.check for finding in check_quality(recording, robot).problems}
+
+
+def test_another_payload_in_the_header(clean):
+    payload = {"mass": 40.0}
+    assert flagged(Recording(clean.columns, replace(clean.header, payload=payload)), described(ROBOT, MOTION)) == {
+        "payload"
+    }
+
+
+def test_a_rate_too_low_for_the_arm(clean):
+    thin = {name: values[::40] for name, values in clean.columns.items()}
+    found = flagged(Recording(thin, replace(clean.header, phases=())), described(ROBOT, MOTION))
+    assert "rate_for_resonance" in found
+
+
+def test_a_tracker_in_its_own_frame(clean):
+    x, y = clean["tcp.position.x"], clean["tcp.position.y"]
+    turned = clean.with_columns({"tcp.position.x": -y, "tcp.position.y": x})
+    assert flagged(turned) == {"tracker_frame"}
+
+
+def test_a_tracker_whose_clock_counts_milliseconds(clean):
+    slow = clean.with_columns({"tcp.timestamp": 1000 * clean["tcp.timestamp"]})
+    assert flagged(slow) == {"tracker_clock"}
+
+
+def test_a_phase_of_rest_in_which_joints_move(clean):
+    phases = (Phase(label="wait", kind="standstill", start=2.0, end=4.0),)
+    assert flagged(Recording(clean.columns, replace(clean.header, phases=phases))) == {"phases"}
+
+
+def test_motors_that_give_all_they_have(clean):
+    robot = described(ROBOT, MOTION)
+    weak = replace(robot, drive=replace(robot.drive, peak_torque=robot.drive.peak_torque / 10))
+    assert "saturation" in flagged(clean, weak)
+
+
+def test_motors_ahead_of_their_set_points():
+    clean = clean_log("one_axis", "ladder")
+    rows = 40
+    late = {}
+    for name in ("reference.position.j1", "reference.velocity.j1"):
+        late[name] = np.concatenate([clean[name][:1].repeat(rows), clean[name][:-rows]])
+    assert "reference_lag" in flagged(clean.with_columns(late))
+
+
+def test_numbers_that_no_machine_gives(clean):
+    values = clean["motor.effort.j2"].copy()
+    values[0] = 1e40
+    assert flagged(clean.with_columns({"motor.effort.j2": values})) == {"size"}
