@@ -18,6 +18,9 @@ from ffgym.plant.machine import Machine
 from ffgym.plant.numbers import Numbers
 from ffgym.types import Array, BoolArray, IntArray
 
+_ROUNDS = 20
+"""Of the search for the angle that a resolver reads as a given one; errors change by less than 0.1 of the angle."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Chosen:
@@ -80,6 +83,13 @@ class Forces:
             if effect.side == "link":
                 bends |= present
         return bends
+
+    def read_as(self, chosen: Chosen, joint_q: Array) -> Array:
+        """Joint positions [rad] at which resolvers read `joint_q`, where a servo has come to rest; (B', N)."""
+        wanted, shift = self._drive.motor_angle(joint_q), np.zeros_like(joint_q)
+        for _ in range(_ROUNDS if chosen.resolver else 0):
+            shift = _resolver_error(chosen.resolver, wanted - shift, np.zeros_like(wanted)).angle
+        return joint_q - self._drive.joint_angle(shift)
 
     def begin(self, chosen: Chosen, state: State) -> None:
         """Forget what was: simulations are at rest in `state`."""

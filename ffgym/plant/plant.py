@@ -156,7 +156,7 @@ class Plant:
         """Put robots into static equilibrium: springs and servo integrals carry gravity, bristles are relaxed.
 
         Args:
-            motor_q: joint position at the gearbox output [rad], shape (B, N).
+            motor_q: joint position at the gearbox output as resolvers read it [rad], shape (B, N).
             motor_dq: joint speed at the gearbox output [rad/s], shape (B, N); None is at rest.
             ids: which robots, shape (B,); None is all.
 
@@ -167,6 +167,8 @@ class Plant:
         rows = np.arange(self.n_robots) if ids is None else np.asarray(ids)
         motor_q = check_shape("motor_q", motor_q, (len(rows), n))
         speed = np.zeros_like(motor_q) if motor_dq is None else check_shape("motor_dq", motor_dq, (len(rows), n))
+        if self._forces is not None:
+            motor_q = self._forces.read_as(self._forces.choose(rows), motor_q)
         engine.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
         self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q

@@ -10,7 +10,8 @@ from ffgym.control import joint_reference
 from ffgym.effects import EFFECTS, ModelEffect, effects_toml, read_effects
 from ffgym.errors import FFGymError
 from ffgym.paths import multisine
-from ffgym.plant import Climate, Machine
+from ffgym.plant import Climate, Machine, Plant
+from ffgym.robot import builtin_robots, load_robot
 from ffgym.simulation import Run, simulate
 from tests.effects.effect_samples import as_strong_as_plausible, without_effect
 
@@ -47,6 +48,7 @@ def test_an_effect_says_what_it_is(effect):
     for known in effect.parameters().values():
         assert known.low < known.high
         assert known.minimum <= known.low
+        assert known.high <= known.maximum
         assert known.source
         assert known.unit
     assert any(known.null is not None for known in effect.parameters().values())
@@ -113,6 +115,9 @@ def test_it_refuses_values_that_are_none(effect, irb4600):
             values = {n: k.high for n, k in effect.parameters().items()} | {name: bad}
             with pytest.raises(FFGymError, match=rf"{effect.name}|{name}"):
                 Machine(robot=irb4600, effects=(effect(**values),))
+        if np.isfinite(known.maximum):
+            with pytest.raises(FFGymError, match="at most"):
+                effect.on(irb4600, **{n: k.high for n, k in effect.parameters().items()} | {name: known.maximum + 1})
         if np.isfinite(known.minimum):
             with pytest.raises(FFGymError, match="at least"):
                 effect.on(irb4600, **{n: k.high for n, k in effect.parameters().items()} | {name: known.minimum - 1})
@@ -121,3 +126,19 @@ def test_it_refuses_values_that_are_none(effect, irb4600):
 def test_codes_and_names_are_used_once():
     assert len({effect.code for effect in EFFECTS.values()}) == len(EFFECTS)
     assert all(effect.name == name for name, effect in EFFECTS.items())
+
+
+@pytest.mark.parametrize("name", builtin_robots())
+@BY_NAME
+def test_any_robot_has_it_or_is_refused_with_a_reason(effect, name):
+    robot = load_robot(name)
+    home = np.zeros(robot.n_joints) if robot.work_area is None else robot.work_area.home
+    try:
+        machine = Machine(robot=robot, effects=(as_strong_as_plausible(effect, robot, share=0.3),), climate=WARM)
+    except FFGymError as error:
+        assert effect.name in str(error)  # noqa: PT017  # either is right
+        return
+    plant = Plant(machine, 1, n_threads=1)
+    plant.rest(np.clip(home, *robot.kinematics.range.T)[None])
+    plant.drive(np.zeros((1, 4, plant.model.nu)))
+    assert np.isfinite(plant.state().link_position).all()

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from ffgym.effects import EFFECTS, TorqueEffect
+from ffgym.effects import EFFECTS, ResolverEffect, TorqueEffect
 from ffgym.plant import Machine, Plant
 from ffgym.robot import ModelOptions
 from tests.effects.effect_samples import as_strong_as_plausible
 
-ACTING = [name for name, effect in EFFECTS.items() if issubclass(effect, TorqueEffect)]
+ACTING = [name for name, effect in EFFECTS.items() if issubclass(effect, TorqueEffect | ResolverEffect)]
 
 
 def stays(machine, q, steps=200):
