@@ -25,6 +25,7 @@ _KNOWN = {
     "none": LawStyle(label="no compensation", colour="#0072B2", marker="o"),
     "lugre_static": LawStyle(label="static LuGre", colour="#D55E00", marker="s"),
     "lugre_dynamic": LawStyle(label="dynamic LuGre", colour="#009E73", marker="^"),
+    "lugre_identified": LawStyle(label="dynamic LuGre, identified", colour="#56B4E9", marker="P"),
     "bsn_static": LawStyle(label="static B-spline network", colour="#CC79A7", marker="D"),
     "bsn_extended": LawStyle(label="extended B-spline network", colour="#E69F00", marker="v"),
     "bsn_extended_prior": LawStyle(label="B-spline network with prior", colour="#B8860B", marker="^", line="--"),

@@ -14,6 +14,7 @@ from ffgym.reproduction import (
     lugre_robot,
     narx,
     narx_extended,
+    reidentified,
 )
 from ffgym.reproduction.items import Item
 
@@ -27,6 +28,6 @@ CHAPTER_5 = (
     *bsn_fast.ITEMS,
 )
 CHAPTER_6 = (*lugre_identified.ITEMS, *narx.ITEMS)
-ITEMS: tuple[Item, ...] = (*CHAPTER_4, *CHAPTER_5, *CHAPTER_6, *beyond.ITEMS, *narx_extended.ITEMS)
+ITEMS: tuple[Item, ...] = (*CHAPTER_4, *CHAPTER_5, *CHAPTER_6, *beyond.ITEMS, *narx_extended.ITEMS, *reidentified.ITEMS)
 """Every figure and table of chapters 4 to 6 that has numbers or curves; 4.1, 5.1, 5.4, 6.8 and 6.9 are diagrams. More
 items go beyond it."""

@@ -10,10 +10,11 @@ from agents.catalogue import CATALOGUE, Setting
 from agents.common.lessons import thesis_motions, training_motions
 from agents.learning.progress import Learning
 from agents.splines.recipes import thesis_training
-from ffgym.control import NoCompensation, Reference
+from ffgym.control import DynamicLuGreExact, NoCompensation, Reference
 from ffgym.envs.rigs import rig_of
 from ffgym.identification.narx import Samples
 from ffgym.paths import SPEEDS
+from ffgym.published import ESTIMATION_RECORDS
 from ffgym.reproduction.contenders import Contender, contender
 from ffgym.reproduction.measured_friction import MeasuredFriction, measure_friction
 from ffgym.robot import RobotDescription, load_robot
@@ -26,6 +27,9 @@ Stage = Callable[[str, str], AbstractContextManager[Progress]]
 
 SEED = 0
 """Of the first weights of NARX networks and of sensor noise; nothing else is random."""
+
+IDENTIFIED = "lugre_identified"
+"""What dynamic LuGre with identified parameters is called beside the one with old ones."""
 
 WORKCELL = "workcell:thesis"
 """The machine that stands for the thesis' real robot in chapter 6."""
@@ -116,6 +120,32 @@ class Laboratory:
         rig = rig_of(WORKCELL)
         with self.stage("friction of joint 1", "s") as progress:
             return measure_friction(rig, rig.robot.joints[:1], seed=SEED, n_threads=self.n_threads, progress=progress)
+
+    @cached_property
+    def all_joints(self) -> MeasuredFriction:
+        """Friction of all joints of that workcell, from ladders and the records of set D."""
+        rig = rig_of(WORKCELL)
+        with self.stage("friction of all joints", "s") as progress:
+            return measure_friction(
+                rig,
+                rig.robot.joints,
+                seed=SEED,
+                n_threads=self.n_threads,
+                progress=progress,
+                numbers=ESTIMATION_RECORDS,
+            )
+
+    @cached_property
+    def reidentified_circles(self) -> CircleStudy:
+        """Circles at 10 and 40 mm/s on it: no compensation, dynamic LuGre with old and with identified parameters."""
+        rig, speeds = rig_of(WORKCELL), SPEEDS[:2]
+        laws = [NoCompensation(), DynamicLuGreExact(rig.robot.friction)]
+        with self.stage("circles on the workcell, old parameters", "s") as progress:
+            old = circle_study(rig, laws=laws, speeds=speeds, seed=SEED, n_threads=self.n_threads, progress=progress)
+        laws = [DynamicLuGreExact(self.all_joints.found.friction)]
+        with self.stage("circles on the workcell, identified", "s") as progress:
+            new = circle_study(rig, laws=laws, speeds=speeds, seed=SEED, n_threads=self.n_threads, progress=progress)
+        return old.joined(new.renamed(laws[0].name, IDENTIFIED))
 
     @cached_property
     def narx_records(self) -> dict[str, Samples]:

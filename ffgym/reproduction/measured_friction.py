@@ -29,6 +29,8 @@ LEAST, PERIODS = 2.0, 2
 the simulation short."""
 RECORD_DT = 1e-3
 """Sample time of the recordings [s]."""
+ALL_RECORDS = tuple(each.number for each in FRICTION_RECORDS)
+"""Numbers of the records of Table 6.1."""
 RESAMPLES = 200
 """Resamples behind the intervals; chosen: half of the usual, intervals are not judged here."""
 
@@ -40,7 +42,7 @@ class MeasuredFriction:
     joint: str
     """The joint that figures show."""
     records: dict[int, FrictionTorque]
-    """Its records of Table 6.1, by number."""
+    """Its records of Table 6.1 that were made, by number."""
     found: FrictionIdentification
     """From the ladders and set D."""
 
@@ -69,9 +71,15 @@ class MeasuredFriction:
 
 
 def measure_friction(
-    rig: Rig, joints: Sequence[str], *, seed: int, n_threads: int, progress: Progress
+    rig: Rig,
+    joints: Sequence[str],
+    *,
+    seed: int,
+    n_threads: int,
+    progress: Progress,
+    numbers: Sequence[int] = ALL_RECORDS,
 ) -> MeasuredFriction:
-    """Record ladders and the fifteen records of joints on a machine, and identify their friction.
+    """Record ladders and records of Table 6.1 of joints on a machine, and identify their friction.
 
     Args:
         rig: the machine under its controller.
@@ -79,16 +87,15 @@ def measure_friction(
         seed: of sensor noise, random starts and resamples.
         n_threads: threads of the simulation.
         progress: is told of seconds of motion.
+        numbers: records that are made; those of set D are used.
     """
     protocols: list[Protocol] = [SpeedLadder(joints=joints, speeds=speeds, longest=LONGEST) for speeds in LADDERS]
-    protocols.append(Table61(joints=joints, least=LEAST, periods=PERIODS))
+    protocols.append(Table61(joints=joints, records=numbers, least=LEAST, periods=PERIODS))
     plan = plan_session(rig.arm, protocols)
     recordings = list(record(plan, rig, seed=seed, record_dt=RECORD_DT, n_threads=n_threads, progress=progress))
     torques = friction_torques(rig.arm, recordings)
     n_ladders = len(LADDERS) * len(joints)
-    sines, numbers = torques[n_ladders:], [each.number for each in FRICTION_RECORDS] * len(joints)
-    used = [torque for torque, number in zip(sines, numbers, strict=True) if number in ESTIMATION_RECORDS]
+    sines, of_sine = torques[n_ladders:], [*numbers] * len(joints)
+    used = [torque for torque, number in zip(sines, of_sine, strict=True) if number in ESTIMATION_RECORDS]
     found = identify_friction([*torques[:n_ladders], *used], joints=joints, seed=seed, n_resamples=RESAMPLES)
-    return MeasuredFriction(
-        joint=joints[0], records=dict(zip(numbers[: len(FRICTION_RECORDS)], sines, strict=False)), found=found
-    )
+    return MeasuredFriction(joint=joints[0], records=dict(zip(numbers, sines, strict=False)), found=found)

@@ -87,6 +87,12 @@ class CircleStudy:
         recordings = self.recordings | other.recordings
         return replace(self, cells=self.cells + other.cells, recordings=recordings)
 
+    def renamed(self, law: str, name: str) -> "CircleStudy":
+        """Return the study with another name for a law, so that it can stand beside one of the same name."""
+        cells = [replace(cell, agent=name) if cell.agent == law else cell for cell in self.cells]
+        recordings = {(name if key[0] == law else key[0], *key[1:]): each for key, each in self.recordings.items()}
+        return replace(self, cells=cells, recordings=recordings)
+
 
 def thesis_laws(robot: RobotDescription) -> list[FeedForwardLaw]:
     """No compensation, static LuGre and dynamic LuGre with the robot's own friction parameters (chapter 4)."""

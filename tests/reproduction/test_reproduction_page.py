@@ -49,7 +49,7 @@ def test_the_whole_reproduction_shows_and_judges_everything():
     assert len(set(names)) == len(names)
     for result in results:
         assert page.count(f'<section id="{result.item.name}">') == 1
-        assert result.figures or result.tables or result.item.counterpart
+        assert result.figures or result.tables or result.numbers or result.item.counterpart
     for name in names:
         assert page.count(f'<figure id="{name}">') == 1
     verdicts = {j.claim.name: j.verdict for result in results for j in result.judgements}
