@@ -53,9 +53,9 @@ class Config:
     """Times that noise is drawn anew."""
     noise_percent: float = 0.5
     """White noise of the torque at each sample, in percent of the peak torque."""
-    angle_noise_steps: float = 1.0
-    """White noise of the angle at each sample before it is rounded, in steps of the encoder. Without it rounding errors
-    repeat from period to period, and sigma_0 is 0.5 % wrong on the one-axis model."""
+    angle_noise_steps: float = 0.3
+    """White noise of the angle at each sample before it is rounded, in steps of the encoder; as much as rounding adds,
+    so that rounding errors do not repeat from period to period."""
     inertia_error: float = 0.05
     """Share of the inertia that the model lacks; the thesis estimates up to 5 %."""
     physics_dt: float = 6.25e-5

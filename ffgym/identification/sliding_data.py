@@ -4,17 +4,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from ffgym.control import DynamicLuGreExact
 from ffgym.errors import FFGymError
 from ffgym.friction import LuGreParameters
-from ffgym.identification.bootstrap import Blocks
+from ffgym.identification.bootstrap import Blocks, runs
 from ffgym.identification.friction_torque import FrictionTorque
 from ffgym.identification.signals import LowPass
 from ffgym.types import Array, BoolArray
 
 _SAMPLES_PER_CUTOFF = 6.0
 """Samples in a period of the filter's cut-off that are kept: what the filter has left has no more in it."""
+
+AT_REST = 0.05
+"""Motor speed below which a joint rests [rad/s]: some times what an encoder of 16 bit shows at rest."""
+
+_REST = 0.1
+"""Time from which a joint that does not move rests [s]; reversals are shorter."""
 
 _SAME_DT = 1e-3
 """Relative difference of sample periods that does not count: a thousandth of a row for each row."""
@@ -88,7 +95,8 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
     for r, (torque, step) in enumerate(zip(torques, every, strict=True)):
         rows = torque.valid[::step]
         scored[: len(rows), r] = rows
-    scored &= np.cumsum(np.abs(speed), axis=0) * dt > FORGOTTEN * presliding
+    for r in range(len(torques)):
+        scored[:, r] &= _known(speed[:, r], dt, FORGOTTEN * presliding)
     return SlidingData(
         segments=tuple(torque.signals.segment for torque in torques),
         dt=dt,
@@ -98,6 +106,19 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
         scored=scored,
         low_pass=low_pass,
     )
+
+
+def _known(speed: Array, dt: float, way: float) -> BoolArray:
+    """Rows in which a joint moves and has gone `way` [rad] since it rested, shape (T,).
+
+    At rest the noise of the speed alone makes the bristles of a model creep, so that they are not known there, nor
+    until they have slipped.
+    """
+    around = maximum_filter1d(np.abs(speed), max(1, round(_REST / dt)))
+    known = np.zeros(len(speed), dtype=np.bool_)
+    for start, stop in runs(around > AT_REST):
+        known[start:stop] = np.cumsum(np.abs(speed[start:stop])) * dt > way
+    return known
 
 
 def _thinning(torque: FrictionTorque, dt: float, low_pass: LowPass) -> int:
