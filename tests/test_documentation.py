@@ -17,6 +17,7 @@ EXECUTED = [
     "README.md",
     "docs/identification.md",
     "docs/kinematics.md",
+    "docs/narx.md",
     "docs/recorder.md",
     "docs/robot_check.md",
     "docs/reproduction.md",
