@@ -30,7 +30,7 @@ _ALIKE = 0.9
 """Correlation of two signals of one quantity: a servo's error and the noise of recorded logs leave 0.97 and more."""
 
 _TWINS = 0.98
-"""Correlation of a signal with another joint's from which on it may be that joint's."""
+"""Correlation of a signal with another from which on it may be the same: of another joint, or of a noisy sensor."""
 
 _NEAR = 0.2
 """Difference from a factor that is still that factor, where other reasons change the size as well: the nearest two
@@ -75,6 +75,8 @@ class Signals:
     """Rows up to which delays are looked for."""
     slack: float
     """Largest difference that servo errors and elasticity leave between signals of different channels."""
+    noisy: bool
+    """Whether measured noise may be larger than the increments of a slow motion, so that values must agree instead."""
 
     @cached_property
     def increments(self) -> dict[str, Array]:
@@ -122,7 +124,10 @@ class Signals:
         if self._within_slack(one, other, j):
             return True
         seen = compare(self.increments[one][:, j], self.increments[other][:, j])
-        return seen.correlation > _ALIKE and abs(seen.slope - 1) < CLOSE
+        if seen.correlation > _ALIKE and abs(seen.slope - 1) < CLOSE:
+            return True
+        whole = compare(*(x[:, j] - x[:, j].mean() for x in (self.values[one], self.values[other])))
+        return self.noisy and whole.correlation > _TWINS and abs(whole.slope - 1) < CLOSE
 
     def _explained(self, family: str, other: str, j: int) -> Stranger | None:
         a, b = self.increments[family][:, j], self.increments[other]

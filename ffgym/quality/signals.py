@@ -24,7 +24,8 @@ def motion_signals(log: Log) -> Signals:
     """All that says how the joints move, as link-side positions."""
     values = log.motions
     moved = [np.ptp(x, axis=0) > EXCITED for x in values.values()]
-    return _signals(log, values, _SLACK, np.any(moved, axis=0) if moved else np.zeros(len(log.joints), dtype=np.bool_))
+    judged = np.any(moved, axis=0) if moved else np.zeros(len(log.joints), dtype=np.bool_)
+    return _signals(log, values, _SLACK, judged, noisy=False)
 
 
 @lru_cache(maxsize=4)
@@ -42,11 +43,11 @@ def torque_signals(log: Log) -> Signals:
     moves = np.array(
         [any(np.ptp(x[:, j]) > 0 for x in values.values()) for j in range(len(log.joints))], dtype=np.bool_
     )
-    return _signals(log, values, 0.0, moves & log.excited)
+    return _signals(log, values, 0.0, moves & log.excited, noisy=True)
 
 
-def _signals(log: Log, values: dict[str, Array], slack: float, judged: BoolArray) -> Signals:
+def _signals(log: Log, values: dict[str, Array], slack: float, judged: BoolArray, *, noisy: bool) -> Signals:
     window = min(log.rows(_WINDOW), len(log.t) - 1)
     lags = min(max(3, round(LAG_SPAN / log.dt)), len(log.t) // 4)
     ratio = np.asarray(log.recording.header.gear_ratio)
-    return Signals(values=values, ratio=ratio, judged=judged, window=window, lags=lags, slack=slack)
+    return Signals(values=values, ratio=ratio, judged=judged, window=window, lags=lags, slack=slack, noisy=noisy)
