@@ -38,6 +38,10 @@ _STYLE: dict[str, Any] = {
     "svg.hashsalt": "ffgym",  # equal figures give equal bytes
 }
 
+_DENSE = 100_000
+"""Points of a figure's lines from which on they are drawn as pixels: as vectors they take 20 bytes each, and a page of
+several such figures could not be sent."""
+
 _LEGEND_HANDLE, _LEGEND_LETTER = 0.55, 0.065
 """Width of an entry's line with its margins and of a letter [inch], at the font size above; measured, rounded up."""
 
@@ -81,12 +85,20 @@ def legend_above(figure: "Figure", handles: Sequence[Any], labels: Sequence[str]
 
 
 def encode_figure(figure: "Figure", kind: Literal["svg", "png", "pdf"] = "svg", dpi: float = 110) -> bytes:
-    """Bytes of a picture file; `dpi` [pixel/inch] counts for png only."""
+    """Bytes of a picture file; `dpi` [pixel/inch] counts for png, and for lines of very many points in the others."""
+    _draw_dense_lines_as_pixels(figure)
     date = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
     buffer = io.BytesIO()
     with house_style():
         figure.savefig(buffer, format=kind, dpi=dpi, metadata={date: None} if date else None)
     return buffer.getvalue()
+
+
+def _draw_dense_lines_as_pixels(figure: "Figure") -> None:
+    lines = [line for axes in figure.axes for line in axes.lines]
+    dense = sum(len(line.get_path()) for line in lines) > _DENSE
+    for line in lines:
+        line.set_rasterized(dense)
 
 
 def check_figure(path: str | os.PathLike[str]) -> Path:

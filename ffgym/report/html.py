@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 
+_DPI = 220
+"""Pixels per inch of dense lines in a page, so that they stay sharp on a fine screen."""
+
+
 def render(name: str, **context: Any) -> str:
     """HTML of the template of that name.
 
@@ -26,7 +30,7 @@ def render(name: str, **context: Any) -> str:
 
 def embedded(figure: ReportFigure) -> dict[str, Any]:
     """A figure as the template takes it: its picture inside the page."""
-    picture = base64.b64encode(encode_figure(figure.figure, "svg")).decode()
+    picture = base64.b64encode(encode_figure(figure.figure, "svg", _DPI)).decode()
     return {
         "name": figure.name,
         "title": figure.title,
