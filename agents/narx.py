@@ -48,7 +48,7 @@ class NARX(CausalLaw, StoredLaw):
         Raises:
             FFGymError: if the reference is sampled at another time step than the network was fitted at.
         """
-        if abs(window.dt - self.model.dt) > 1e-9:
+        if not self.model.is_sampled_at(window.dt):
             raise FFGymError(
                 f"Law {self.name!r} was fitted to samples every {self.model.dt:g} s; the reference has one every "
                 f"{window.dt:g} s. Fit it to trials of this controller."

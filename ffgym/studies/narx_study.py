@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from ffgym.control import DynamicLuGreEuler
-from ffgym.errors import check_number, check_whole
+from ffgym.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.friction import LuGreParameters
 from ffgym.friction.slip_elements import WIDTHS
 from ffgym.identification.narx import Errors, Focus, Misfit, NarxModel, Regressors, Samples, Structure, fitted, lags_of
@@ -128,6 +128,11 @@ class NarxFit:
 
 def lugre_samples(friction: LuGreParameters, motor_dq: Array) -> Samples:
     """Friction of the discretised LuGre model (6.14) of one joint along motor speeds (T,) every SAMPLE_TIME [rad/s]."""
+    motor_dq = check_shape("motor_dq", motor_dq, (None,))
+    if friction.n_joints != 1:
+        raise FFGymError(
+            f"friction has {friction.n_joints} joints, must be that of one motor, e.g. of the robot one_axis."
+        )
     torque = DynamicLuGreEuler(friction, n_substeps=1).along(motor_dq[:, None], SAMPLE_TIME)
     scored = np.arange(len(motor_dq)) % max(1, len(motor_dq) // N_SCORED) == 0
     return Samples(dt=SAMPLE_TIME, motor_dq=motor_dq[:, None], torque=torque, scored=scored, noise=np.ones(1))
@@ -135,7 +140,9 @@ def lugre_samples(friction: LuGreParameters, motor_dq: Array) -> Samples:
 
 def sine(amplitude: float, frequency: float, duration: float) -> Array:
     """Motor speeds A sin(2 pi f t) [rad/s] every SAMPLE_TIME, shape (T,), thesis (6.13) and (6.21)."""
+    check_number("amplitude", amplitude, unit="rad/s")
     check_number("frequency", frequency, unit="Hz", low=0.0, open_low=True)
+    check_number("duration", duration, unit="s", low=0.0, open_low=True)
     return amplitude * np.sin(2 * np.pi * frequency * SAMPLE_TIME * np.arange(round(duration / SAMPLE_TIME) + 1))
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.errors import FFGymError
 from ffgym.studies.narx_study import (
     ESTIMATION,
     EXTENDED,
@@ -81,6 +82,13 @@ def test_fits_are_the_same_for_the_same_seed_only(records):
     one, again, other = (fit_narx(candidate, chosen, n_starts=1, seed=seed).model.biases for seed in (0, 0, 1))
     np.testing.assert_array_equal(one, again)
     assert np.any(one != other)
+
+
+def test_friction_of_several_motors_and_times_that_are_none_are_refused(irb4600):
+    with pytest.raises(FFGymError, match="friction has 6 joints, must be that of one motor"):
+        lugre_samples(irb4600.friction, sine(1.0, 1.0, 0.1))
+    with pytest.raises(FFGymError, match=r"duration = -1.0 s is out of range"):
+        sine(1.0, 1.0, -1.0)
 
 
 def test_motions_beyond_table_6_1_are_faster_slower_and_mixed(one_axis):

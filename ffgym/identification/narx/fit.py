@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from scipy.optimize import least_squares
 
-from ffgym.errors import check_choice, check_whole
+from ffgym.errors import FFGymError, check_choice, check_whole
 from ffgym.identification.narx.model import NarxModel, joint_models
 from ffgym.identification.narx.problems import Prediction, Problem, Simulation, split
 from ffgym.identification.narx.regressors import Regressors
@@ -34,6 +34,11 @@ class Structure:
     def __post_init__(self) -> None:
         check_whole("n_neurons", self.n_neurons, low=1)
 
+    @property
+    def n_weights(self) -> int:
+        """Parameters K of one motor: w, b, c and d of `NarxModel`."""
+        return self.n_neurons * (self.regressors.count + 2) + 1
+
 
 def fitted(
     records: Sequence[Samples],
@@ -53,9 +58,11 @@ def fitted(
         n_evaluations: residual evaluations at most, of each focus.
 
     Raises:
-        FFGymError: if there is no record, records do not fit together, or a number is out of range.
+        FFGymError: if there is no record, records do not fit together, they have fewer scored samples than a motor has
+            weights, or a number is out of range.
     """
     check_alike(records)
+    _check_enough(records, structure)
     check_choice("focus", focus, FOCUSES)
     check_whole("n_evaluations", n_evaluations, low=1)
     model = _minimised(_random(records, rng, structure), records, Prediction.of, n_evaluations)
@@ -82,6 +89,15 @@ def best_simulating(
     fits = [fitted(records, structure, rng, focus=focus, n_evaluations=n_evaluations) for _ in range(n_starts)]
     costs = np.array([_simulation_cost(model, records) for model in fits])
     return joint_models(fits, costs.argmin(axis=0))
+
+
+def _check_enough(records: Sequence[Samples], structure: Structure) -> None:
+    n = sum(int(record.scored.sum()) for record in records)
+    if n < structure.n_weights:
+        raise FFGymError(
+            f"{n} scored samples are too few for a NARX network of {structure.n_weights} weights per motor. Score more "
+            "samples, or take fewer neurons or regressors."
+        )
 
 
 def _random(records: Sequence[Samples], rng: np.random.Generator, structure: Structure) -> NarxModel:

@@ -62,6 +62,10 @@ class NarxModel:
         """Number of motors N."""
         return len(self.input_weights)
 
+    def is_sampled_at(self, dt: float) -> bool:
+        """Whether samples every `dt` [s] are those that the network's lags count."""
+        return abs(dt - self.dt) <= 1e-9
+
     @property
     def bound(self) -> Array:
         """Torque that is never exceeded [N m], shape (N,)."""
@@ -101,7 +105,11 @@ class NarxModel:
         return self._summed(self._inside(self.biases, phi, 0))
 
     def simulated(self, motor_dq: Array) -> Array:
-        """Torque [N m] along motor speeds [rad/s], both (T, N): past outputs are the network's own; none at first."""
+        """Torque [N m] along motor speeds [rad/s], both (T, N): past outputs are the network's own; none at first.
+
+        Raises:
+            FFGymError: if `motor_dq` has no samples, is of other motors, or holds NaN.
+        """
         regressors = self.regressors
         driven = self._inside(self.biases, self.inputs(motor_dq), 0)
         if not regressors.output_lags:
@@ -116,18 +124,24 @@ class NarxModel:
         return self.torque_scale * outputs[before:]
 
     def predicted(self, motor_dq: Array, torque: Array) -> Array:
-        """Torque [N m] one step ahead along motor speeds [rad/s], all (T, N): past outputs are measured `torque`."""
+        """Torque [N m] one step ahead along motor speeds [rad/s], all (T, N): past outputs are measured `torque`.
+
+        Raises:
+            FFGymError: as `simulated`, or if there is not one torque per speed.
+        """
         return self.torque_scale * self.output(self.phi(motor_dq, torque))
 
     def phi(self, motor_dq: Array, torque: Array) -> Array:
         """Regressors with measured past outputs, shape (T, N, R); before the start, no torque and the first speed."""
-        y = torque / self.torque_scale
+        y = check_shape("torque", torque, np.shape(motor_dq)) / self.torque_scale
         outputs = [_delayed(y, lag, before=np.zeros_like(y[0])) for lag in self.regressors.output_lags]
         return np.concatenate([self.inputs(motor_dq), *(each[..., None] for each in outputs)], axis=-1)
 
     def inputs(self, motor_dq: Array) -> Array:
         """The regressors that follow from motor speeds (T, N) [rad/s], shape (T, N, n_inputs)."""
-        v = motor_dq / self.speed_scale
+        v = check_shape("motor_dq", motor_dq, (None, self.n_joints)) / self.speed_scale
+        if not len(v):
+            raise FFGymError("motor_dq of a NARX network has no samples; give it a motion.")
         speeds = [_delayed(v, lag, before=v[0]) for lag in self.regressors.speed_lags]
         columns = [each[..., None] for each in speeds]
         if self.regressors.slip_widths:

@@ -102,6 +102,18 @@ def test_a_misfit_is_given_as_rms_as_share_and_as_fit():
     assert Misfit.of(np.full((4, 1), 2.0), torque).fit == pytest.approx([0.0])
 
 
+def test_a_motor_whose_torque_does_not_change_has_an_rms_error_and_no_fit():
+    misfit = Misfit.of(np.full((4, 2), 0.5), np.array([[0.0, 1.0]] * 4))
+    assert misfit.rms.tolist() == [0.5, 0.5]
+    assert np.isnan(misfit.fit).all()
+    np.testing.assert_array_equal(misfit.share, [np.nan, 0.5])
+
+
+def test_errors_on_samples_of_another_clock_are_refused(network, sweep, samples_of):
+    with pytest.raises(FFGymError, match=r"fitted to samples every 0.004 s, these are 0.001 s apart"):
+        Errors.of(network(), samples_of(sweep(50), sweep(50), dt=0.001))
+
+
 def test_records_that_do_not_fit_together_are_refused(sweep, samples_of):
     one, rng = samples_of(sweep(50), sweep(50)), np.random.default_rng(0)
     with pytest.raises(FFGymError, match="no motion to fit"):
@@ -112,6 +124,10 @@ def test_records_that_do_not_fit_together_are_refused(sweep, samples_of):
         fitted([one, samples_of(sweep(50, 1), sweep(50, 1))], Structure(), rng)
     with pytest.raises(FFGymError, match="scored marks none"):
         replace(one, scored=np.zeros(50, dtype=np.bool_))
+    with pytest.raises(FFGymError, match="scored has type int64 and shape"):
+        replace(one, scored=np.ones(50, dtype=np.int64))  # as an index these would be rows 1, 1, 1, ...
+    with pytest.raises(FFGymError, match="12 scored samples are too few for a NARX network of 13 weights"):
+        fitted([replace(one, scored=np.arange(50) < 12)], Structure(), rng)
     with pytest.raises(FFGymError, match="n_neurons = 0"):
         Structure(n_neurons=0)
     with pytest.raises(FFGymError, match="Unknown focus 'both'"):

@@ -84,6 +84,17 @@ def test_motors_are_put_together_from_several_networks(network, sweep):
     np.testing.assert_array_equal(mixed[:, 1], models[0].simulated(v)[:, 1])
 
 
+@pytest.mark.parametrize("form", FORMS)
+def test_motions_of_other_motors_are_refused(form, network, sweep):
+    model, v = network(FORMS[form]), sweep()
+    with pytest.raises(FFGymError, match=r"motor_dq has shape \(600, 1\), must be \(any, 2\)"):
+        model.simulated(v[:, :1])
+    with pytest.raises(FFGymError, match="motor_dq of a NARX network has no samples"):
+        model.simulated(v[:0])
+    with pytest.raises(FFGymError, match=r"torque has shape \(10, 2\), must be \(600, 2\)"):
+        model.predicted(v, v[:10])
+
+
 def test_what_makes_no_network_is_refused(network):
     model = network()
     with pytest.raises(FFGymError, match="input_weights has shape"):
