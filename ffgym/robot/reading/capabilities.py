@@ -39,7 +39,7 @@ CAPABILITIES: tuple[Capability, ...] = (
     ),
     Capability(
         name="identification",
-        title="logs of the machine, as identification needs them",
+        title="masses from logs of the machine: ffgym identify --what rigid_body",
         needs=(*_GEOMETRY, "simulation.gravity", "drive.gear_ratio"),
     ),
     Capability(
