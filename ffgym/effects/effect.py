@@ -58,9 +58,10 @@ class Effect(ABC):
     """Whether it acts on the friction of the motor."""
 
     def __post_init__(self) -> None:
-        n = self._length()
+        given = {p.name: p.numbers(self.name, getattr(self, p.name)) for p in self.parameters().values()}
+        n = self._length(given)
         for known in self.parameters().values():
-            array = known.checked(self.name, getattr(self, known.name), n)
+            array = known.checked(self.name, given[known.name], n)
             array.setflags(write=False)
             object.__setattr__(self, known.name, array)
 
@@ -84,9 +85,9 @@ class Effect(ABC):
             chosen = np.array([name == joint for name in robot.joints])
         for name, value in values.items():
             check_choice(f"parameter of {cls.name}", name, list(known))
-            shape = known[name].shape(robot.n_joints)
-            where = chosen if shape == chosen.shape else np.ones(shape, dtype=np.bool_)
-            full[name] = np.where(where, value, known[name].neutral)
+            given = known[name].checked(cls.name, value, robot.n_joints)
+            per_joint = known[name].per == "joint"
+            full[name] = np.where(chosen, given, known[name].neutral) if per_joint else given
         return cls(**full)
 
     @property
@@ -129,12 +130,12 @@ class Effect(ABC):
                 acts |= getattr(self, known.name) != known.null
         return acts
 
-    def _length(self) -> int:
+    def _length(self, given: Mapping[str, Array]) -> int:
         """Number of joints, from the parameter that is given per joint; one number alone is one joint."""
         lengths = {
-            np.shape(getattr(self, p.name))[0]
+            given[p.name].shape[0]
             for p in self.parameters().values()
-            if p.per in ("joint", "pair") and np.ndim(getattr(self, p.name)) > 0
+            if p.per in ("joint", "pair") and given[p.name].ndim > 0
         }
         if len(lengths) > 1:
             raise FFGymError(

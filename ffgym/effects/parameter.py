@@ -52,6 +52,20 @@ class Parameter:
         }
         return shapes[self.per]
 
+    def numbers(self, owner: str, value: Any) -> Array:
+        """Return `value` as an array of any shape.
+
+        Raises:
+            FFGymError: if it is not made of numbers, or of rows of different length.
+        """
+        try:
+            array = np.asarray(value)
+        except ValueError as error:
+            raise FFGymError(f"{owner}.{self.name} has rows of different length: {value!r}.") from error
+        if array.dtype.kind not in "iuf":
+            raise FFGymError(f"{owner}.{self.name} must be numbers, got {value!r}.")
+        return array.astype(np.float64)
+
     def checked(self, owner: str, value: Any, n_joints: int) -> Array:
         """Return `value` as an array of the right shape; one number stands for all joints.
 
@@ -59,9 +73,8 @@ class Parameter:
             FFGymError: if it has another shape, is not finite, or is below or above what makes sense.
         """
         shape, name = self.shape(n_joints), f"{owner}.{self.name}"
-        if np.ndim(value) == 0 and shape:
-            value = np.full(shape, value)
-        array = check_shape(name, value, shape)
+        array = self.numbers(owner, value)
+        array = check_shape(name, array if array.ndim else np.full(shape, array), shape)
         if np.any(array < self.minimum):
             raise FFGymError(f"{name} = {array.tolist()} {self.unit} must be at least {self.minimum:g} {self.unit}.")
         if np.any(array > self.maximum):

@@ -111,10 +111,12 @@ def test_it_is_written_and_read_back_to_the_bit(effect, irb4600):
 @BY_NAME
 def test_it_refuses_values_that_are_none(effect, irb4600):
     for name, known in effect.parameters().items():
-        for bad in (np.nan, "much", np.ones(7)):
+        for bad in (np.nan, "much", np.ones(7), [], [[0.1], [0.1, 0.2]], True, 10**400, None):
             values = {n: k.high for n, k in effect.parameters().items()} | {name: bad}
             with pytest.raises(FFGymError, match=rf"{effect.name}|{name}"):
                 Machine(robot=irb4600, effects=(effect(**values),))
+            with pytest.raises(FFGymError, match=rf"{effect.name}\.{name}"):
+                effect.on(irb4600, **values)
         if np.isfinite(known.maximum):
             with pytest.raises(FFGymError, match="at most"):
                 effect.on(irb4600, **{n: k.high for n, k in effect.parameters().items()} | {name: known.maximum + 1})

@@ -34,6 +34,7 @@ class LoadFriction(TorqueEffect):
         low=0.0,
         high=0.15,
         minimum=0.0,
+        maximum=1.0,
         source="0.06 for a 50:1 and 0.15 for a 100:1 gear unit (parameter files of Rhoban BAM)",
     )
 
