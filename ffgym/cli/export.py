@@ -6,6 +6,7 @@ from typing import Any
 
 import tyro
 
+from ffgym.cli.descriptions import described_robot
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.cli.progress import progress_bar
@@ -15,7 +16,7 @@ from ffgym.export import ReferenceForm, export_model, export_run
 from ffgym.export.reference_table import Angles, Sides
 from ffgym.files import check_vacant, write_json
 from ffgym.motions import load_motion
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot, physics_fingerprint
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, physics_fingerprint
 from ffgym.simulation import RECORD_DT, Run, SimulatedRig
 
 
@@ -63,7 +64,7 @@ class Export:
         check_vacant(self.out)
         check_outputs({"--json": self.json})
         check_laws([self.feedforward], "--feedforward")
-        robot = load_robot(self.robot)
+        robot = described_robot(self.robot)
         self._refuse_unused()
         lines = self._model(robot) if self.path is None else self._motion(RigidArm(robot), self.path)
         print("\n".join([*lines, f"folder: {self.out}"]))

@@ -6,6 +6,7 @@ from typing import Literal
 
 import tyro
 
+from ffgym.cli.descriptions import described_robot
 from ffgym.cli.identify_friction import identified_friction
 from ffgym.cli.identify_logs import LogSet, read_logs
 from ffgym.cli.identify_outcome import Outcome
@@ -16,7 +17,7 @@ from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import write_json, write_text
 from ffgym.identification.bootstrap import LEVEL, RESAMPLES
 from ffgym.identification.parameter_file import parameter_text
-from ffgym.robot import load_draft, load_robot, with_parameters
+from ffgym.robot import load_draft, with_parameters
 
 What = Literal["friction", "rigid_body"]
 
@@ -70,7 +71,7 @@ class Identify:
         """Check, identify, write, print."""
         self._check()
         if self.what == "friction":
-            robot = load_robot(self.robot)
+            robot = described_robot(self.robot)
             logs = read_logs(robot, self.logs, self.validate, unchecked=self.unchecked)
             outcome = identified_friction(self, robot, logs)
         else:

@@ -6,13 +6,13 @@ from typing import Any
 
 import tyro
 
+from ffgym.cli.descriptions import described_robot
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.errors import FFGymError
 from ffgym.files import write_json, write_text
 from ffgym.logs import read_logs
 from ffgym.quality import QualityReport, check_quality
-from ffgym.robot import load_robot
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Check:
 
     def _judged(self) -> list[tuple[str, QualityReport]]:
         """File names, each with the report of a motion in it."""
-        robot = None if self.robot is None else load_robot(self.robot)
+        robot = None if self.robot is None else described_robot(self.robot)
         reports = []
         with progress_bar("checking", "logs") as progress:
             for done, path in enumerate(self.logs):

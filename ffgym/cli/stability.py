@@ -11,12 +11,13 @@ from agents.common.lessons import training_motions
 from agents.common.trials import SimulatedTrial
 from agents.splines.recipes import thesis_training
 from agents.stability.limits import LearningStability
+from ffgym.cli.descriptions import described_robot
 from ffgym.cli.lffc import NETWORKS
 from ffgym.cli.unused import refuse_unused
 from ffgym.control import Reference
 from ffgym.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.paths import SPEEDS
-from ffgym.robot import RigidArm, load_robot
+from ffgym.robot import RigidArm
 from ffgym.simulation import RECORD_DT
 
 
@@ -58,7 +59,7 @@ class Stability:
 
             check_figure(self.figure)
             self._check_rates()
-        arm = RigidArm(load_robot(self.robot))
+        arm = RigidArm(described_robot(self.robot))
         refuse_unused(self, arm.robot)
         for joint in self.figure_joints:
             check_choice("joint", joint, arm.robot.joints)

@@ -13,10 +13,15 @@ from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.files import write_json
 from ffgym.registration import ENVIRONMENTS
+from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
 ACTION_SCALE = 8.0
 """Torque of an action of 1, in breakaway torques: enough for every law, so that none is clipped."""
+CIRCLES = ("ffgym/CirclePath-v0", "ffgym/WorkcellCircles-v0")
+"""Environments of the circle test; the second is that of workcells."""
+USUAL = {"ffgym/OneAxis-v0": "one_axis", CIRCLES[1]: "workcell:thesis"}
+"""Robots of environments that are not for the built-in arm."""
 LAWS = {"none": "no compensation", "lugre_static": "static LuGre", "lugre_dynamic": "dynamic LuGre"}
 """Feed-forward laws, and what the picture calls them."""
 
@@ -30,9 +35,10 @@ class Video:
     env: str = "ffgym/CirclePath-v0"
     """Id of the environment."""
     robot: str | None = None
-    """Built-in robot, or a path to a description that ends in .toml; none given is the environment's own."""
+    """Built-in robot, a path that ends in .toml to a description or a machine file, or workcell:<name or seed>; none
+    given is the environment's own."""
     law: Literal["none", "lugre_static", "lugre_dynamic"] = "none"
-    """Feed-forward law, with the robot's own friction parameters."""
+    """Feed-forward law, with the friction parameters that the robot's controller knows."""
     path: str | None = None
     """Motion to follow, a name or a file as for `ffgym simulate` (ffgym/FollowPath-v0 only); none given is circles."""
     position: str | None = None
@@ -80,14 +86,16 @@ class Video:
 
     def _check(self) -> None:
         check_choice("environment", self.env, list(ENVIRONMENTS))
-        for kind, names in {
-            "ffgym/CirclePath-v0": ("position", "speed_mm_s", "radii_mm"),
-            "ffgym/OneAxis-v0": ("frequency_hz",),
-            "ffgym/FollowPath-v0": ("path",),
+        for kinds, names in {
+            CIRCLES: ("position", "speed_mm_s", "radii_mm"),
+            ("ffgym/OneAxis-v0",): ("frequency_hz",),
+            ("ffgym/FollowPath-v0",): ("path",),
         }.items():
             given = [f"--{name.replace('_', '-')}" for name in names if getattr(self, name) not in (None, ())]
-            if given and self.env != kind:
-                raise FFGymError(f"{' and '.join(given)} is for {kind}, not for {self.env}; leave it out.")
+            if given and self.env not in kinds:
+                raise FFGymError(
+                    f"{' and '.join(given)} is for {' or '.join(kinds)}, not for {self.env}; leave it out."
+                )
         check_number("playback", self.playback, low=0.0, high=1000.0, open_low=True)
         check_number("fps", self.fps, unit="1/s", low=1.0, high=100.0)
         check_whole("seed", self.seed, low=0)
@@ -100,28 +108,38 @@ class Video:
 
         from ffgym.envs import Residual
         from ffgym.envs.rendering import Rendering
-        from ffgym.robot import load_robot
         from ffgym.studies import thesis_laws
 
-        usual = "one_axis" if self.env == "ffgym/OneAxis-v0" else "irb4600_60_205"
-        robot = load_robot(usual if self.robot is None else self.robot)
+        robot, machine = self._machine(USUAL.get(self.env, "irb4600_60_205") if self.robot is None else self.robot)
         law = next(law for law in thesis_laws(robot) if law.name == self.law)
         return gym.make(
             self.env,
             render_mode="rgb_array",
-            robot=robot,
             layers=(Residual(law),),
             action_scale=ACTION_SCALE,
             rendering=Rendering(magnify=self.magnify, width=self.width, height=self.height, title=LAWS[self.law]),
+            **machine,
             **self._motion(),
         ).unwrapped
+
+    def _machine(self, name: str) -> tuple[RobotDescription, dict[str, Any]]:
+        """What the machine's controller knows of it, and the environment's arguments that say which machine it is."""
+        from ffgym.envs.rigs import WORKCELL, is_workcell, rig_of
+        from ffgym.plant.machine_file import is_machine_file
+
+        robot = rig_of(name).robot
+        if self.env == CIRCLES[1]:
+            if not is_workcell(name):
+                raise FFGymError(f"--robot {name} is no workcell; give workcell:<name or seed>, or --env {CIRCLES[0]}.")
+            return robot, {"workcell": name.removeprefix(WORKCELL)}
+        return robot, {"robot": robot} | ({"plant": name} if is_workcell(name) or is_machine_file(name) else {})
 
     def _motion(self) -> dict[str, Any]:
         if self.env == "ffgym/OneAxis-v0":
             return {"frequencies": [1.0 if self.frequency_hz is None else self.frequency_hz]}
         if self.env == "ffgym/FollowPath-v0":
             return {} if self.path is None else {"path": self.path}
-        if self.env != "ffgym/CirclePath-v0":
+        if self.env not in CIRCLES:
             return {}
         speed = 40.0 if self.speed_mm_s is None else self.speed_mm_s
         radii = {"radii": [radius / 1e3 for radius in self.radii_mm]} if self.radii_mm else {}
@@ -162,13 +180,7 @@ class Video:
 
     def _provenance(self, env: Any) -> dict[str, Any]:
         """Origin of the numbers."""
-        from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
-
         info = provenance(
-            "ffgym video",
-            self,
-            env.core.robot.name,
-            physics_fingerprint(compile_model(env.core.robot, ModelOptions(looks=False))),
-            seed=self.seed,
+            "ffgym video", self, self.robot or env.core.robot.name, env.core.plant.fingerprint(), seed=self.seed
         )
         return info | {"task": env.core.motions[0].task}

@@ -10,6 +10,7 @@ import tyro
 from ffgym.cli import _movie
 from ffgym.cli.main import main
 from ffgym.cli.video import Video
+from ffgym.envs.rigs import rig_of
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 
 iio = pytest.importorskip("imageio.v3")
@@ -71,6 +72,17 @@ def test_another_robot_on_a_motion_of_its_own(needs_gl, tmp_path, capsys):
     assert "path error" not in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("env", ["ffgym/CirclePath-v0", "ffgym/WorkcellCircles-v0"])
+def test_a_workcell_is_filmed_as_what_it_is(env, needs_gl, tmp_path):
+    out, numbers = tmp_path / "cell.gif", tmp_path / "cell.json"
+    circle = ("--speed-mm-s", "100", "--radii-mm", "1", "--playback", "10", "--fps", "5")
+    arguments = ("--env", env, "--robot", "workcell:thesis", "--json", str(numbers), *circle, *SMALL)
+    assert main(["video", "--out", str(out), *arguments]) == 0
+    values = json.loads(numbers.read_text())
+    assert values["robot"] == "workcell:thesis"
+    assert values["physics_fingerprint"] == rig_of("workcell:thesis").fingerprint
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -79,6 +91,8 @@ def test_another_robot_on_a_motion_of_its_own(needs_gl, tmp_path, capsys):
         (["--out", "a.mp4", "--json", "a.mp4"], "--out and --json are both"),
         (["--env", "ffgym/Triangle-v0"], "Unknown environment 'ffgym/Triangle-v0'. Available: "),
         (["--env", "ffgym/OneAxis-v0", "--position", "p2"], "--position is for ffgym/CirclePath-v0"),
+        (["--env", "ffgym/WorkcellCircles-v0", "--robot", "one_axis"], "--robot one_axis is no workcell"),
+        (["--robot", "workcell:nobody"], "Unknown workcell 'workcell:nobody'"),
         (["--frequency-hz", "1"], "--frequency-hz is for ffgym/OneAxis-v0"),
         (["--path", "circles"], "--path is for ffgym/FollowPath-v0"),
         (["--robot", "nobody"], "Unknown robot 'nobody'"),

@@ -41,6 +41,10 @@ def parse_draft(text: str, where: str = "description", folder: str | Path = ".")
 
 
 def _draft(tree: dict[str, Any], where: str, folder: Path) -> RobotDraft:
+    if "machine" in tree:
+        raise FFGymError(
+            "it is a machine file, and a description is needed here: give the robot that [machine] names in its place."
+        )
     head = parse_head(tree.pop("robot", None), folder)
     look, logs, springs = tree.pop("look", {}), tree.pop("logs", {}), tree.pop("springs", {})
     quantities, waiting = _quantities(tree, head.types)

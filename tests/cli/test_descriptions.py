@@ -1,0 +1,26 @@
+"""Commands that need a description say so of what has none."""
+
+import pytest
+
+from ffgym.cli.main import main
+
+MACHINE = '[machine]\ntitle = "a machine"\nrobot = "one_axis"\n'
+
+
+@pytest.mark.parametrize("command", [["export"], ["stability", "--robot"], ["log", "check", "log.csv", "--robot"]])
+@pytest.mark.parametrize(
+    ("robot", "message"),
+    [
+        ("workcell:thesis", "workcell:thesis has no description"),
+        ("machine.toml", "machine.toml: it is a machine file, and a description is needed here"),
+    ],
+)
+def test_a_machine_in_place_of_a_description_is_refused(command, robot, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "machine.toml").write_text(MACHINE)
+    (tmp_path / "log.csv").write_text("")
+    assert main([*command, robot]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("ffgym: error: ")
+    assert message in line
+    assert {path.name for path in tmp_path.iterdir()} == {"machine.toml", "log.csv"}
