@@ -133,9 +133,11 @@ class _Problem:
     def _slopes(self, x: Array, moved: list[int]) -> Array:
         """Difference quotients by parameters `moved`, with those of inertia error and offset in between."""
         base = self._all(x)
-        logs = np.stack([base, *(base + _STEP * np.eye(6)[i] for i in moved)])
-        models = self._model(logs)
-        by_logs = -(models[1:] - models[0]).T / _STEP
+        steps = np.where(np.array(moved) == 0, -_STEP, _STEP)  # f_c goes down: without a Stribeck peak it is f_s
+        models = self._model(
+            np.stack([base, *(base + step * np.eye(6)[i] for i, step in zip(moved, steps, strict=True))])
+        )
+        by_logs = -(models[1:] - models[0]).T / steps
         return np.column_stack([by_logs[:, :2], -self._inertia, -np.ones_like(self._inertia), by_logs[:, 2:]])
 
     def starts(self, rng: np.random.Generator) -> list[Array]:

@@ -8,7 +8,7 @@ from friction_samples import ladder, measured, sines
 
 from ffgym.errors import FFGymError
 from ffgym.identification import friction_torques, identify_friction, predicted_friction, validate
-from ffgym.identification.bristle_fit import NAMES
+from ffgym.identification.bristle_fit import NAMES, fit_bristles
 from ffgym.published import ESTIMATION_RECORDS
 from ffgym.robot import RigidArm
 
@@ -103,6 +103,16 @@ def test_what_the_motions_do_not_excite_keeps_its_value_and_says_so(axis, wrong,
         assert (estimate.low, estimate.high) == (0.0, np.inf)
     (joint,) = identify_friction(friction_torques(wrong, moving[:1]), n_resamples=50).joints
     assert [estimate.status for estimate in joint.estimates[:4]] == ["not excited"] * 4
+
+
+def test_bristles_of_a_joint_without_a_stribeck_peak_are_found_with_intervals(found):
+    static = np.array(
+        [0.55, 0.55, 0.0437, 0.15]
+    )  # f_c and f_s are the same, as a fit finds them where there is no peak
+    [joint] = found.joints
+    fit = fit_bristles(joint.bristles.data, static, np.tile(static, (20, 1)), np.random.default_rng(0))
+    np.testing.assert_allclose(fit.values, joint.bristles.values, rtol=0.1)
+    np.testing.assert_allclose(fit.resampled, np.tile(fit.values, (20, 1)), rtol=0.1)
 
 
 def test_a_given_stribeck_velocity_is_kept(wrong, exact):
