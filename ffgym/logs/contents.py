@@ -49,8 +49,9 @@ class Contents:
             return self.arrays[name]
         if name in self.skipped:
             raise FFGymError(f"{name!r} cannot be read: {self.skipped[name]}.")
+        similar = alike(name, map(readable, self.arrays))
         raise FFGymError(
-            f"There is no {name!r} in the file. {alike(name, map(readable, self.arrays))} It holds {self.summary()}."
+            f"There is no {name!r} in the file. {f'{similar} ' if similar else ''}It holds {self.summary()}."
         )
 
     def numbers(self, name: str) -> NDArray[Any]:
@@ -63,7 +64,10 @@ class Contents:
         if array.dtype.kind in NUMBERS:
             return array
         if array.dtype.kind in TEXT:
-            raise FFGymError(f"{name!r} is not numbers: {_first_text(array)}.")
+            raise FFGymError(
+                f"{name!r} is not numbers: {_first_text(array)}. For a text file, decimal, units_row and first_row in "
+                "[file] of the column map say how its cells are to be read."
+            )
         raise FFGymError(f"{name!r} is {array.dtype}, must be real numbers.")
 
     def summary(self) -> str:

@@ -31,11 +31,12 @@ def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...] | None, c
     wanted = units or tuple(si_of(unit, column.counts_per_turn) for unit in given)
     steps = [conversion(have, want, column.counts_per_turn) for have, want in zip(given, wanted, strict=True)]
     numbers = values.astype(np.float64)
-    for name, neutral in (("scale", 1.0), ("offset", 0.0)):
-        constants = _constants(name, getattr(column, name), n_parts, contents)
-        if np.any(constants != neutral):
-            numbers = numbers * constants if name == "scale" else numbers + constants
-    return _signed(_converted(numbers, steps), column, n_parts)
+    with np.errstate(over="ignore", invalid="ignore"):  # a recording names the row that is not finite
+        for name, neutral in (("scale", 1.0), ("offset", 0.0)):
+            constants = _constants(name, getattr(column, name), n_parts, contents)
+            if np.any(constants != neutral):
+                numbers = numbers * constants if name == "scale" else numbers + constants
+        return _signed(_converted(numbers, steps), column, n_parts)
 
 
 def user_units(target: Target, column: Column) -> dict[str, str]:
@@ -88,6 +89,8 @@ def _constants(name: str, given: float | tuple[float, ...] | str, n_parts: int, 
         raise FFGymError(f"{name}: the {what} has {constants.size} numbers, must be one, or {n_parts}.")
     if not np.all(np.isfinite(constants)):
         raise FFGymError(f"{name} = {constants.tolist()} must be finite.")
+    if name == "scale" and np.any(constants == 0.0):
+        raise FFGymError(f"scale = {constants.tolist()} must not be zero: nothing of the numbers would be left.")
     return constants
 
 

@@ -192,8 +192,8 @@ def test_a_unit_that_does_not_fit_is_one_error(unit, extra, message, tmp_path):
         read_log(write_npz(tmp_path), column_map(CLOCK, entry))
 
 
-@pytest.mark.parametrize(("unit", "gain"), [("A", "N m/A"), ("V", "N m/V")])
-def test_a_current_or_voltage_asks_for_its_gain(unit, gain, tmp_path):
+@pytest.mark.parametrize(("unit", "gain"), [("A", "N m/A"), ("V", "N m/V"), ("%", "N m/%")])
+def test_a_current_voltage_or_share_of_a_rated_torque_asks_for_its_gain(unit, gain, tmp_path):
     entry = f'[columns."motor.effort"]\nsource = "u"\nunit = "{unit}"\n'
     with refused(f"unit '{unit}' does not fit a quantity in N m, give scale = <{gain}> and unit = 'N m'"):
         read_log(write_npz(tmp_path), column_map(CLOCK, POSITION, entry))

@@ -119,8 +119,10 @@ def test_a_damaged_table_names_the_line(text, message):
     [
         ({"delimeter": ";"}, "Unknown key 'delimeter' in [file]. Closest: delimiter"),
         ({"delimiter": "::"}, "delimiter = '::' must be one character"),
-        ({"decimal": "'"}, "decimal"),
-        ({"encoding": "klingon"}, "encoding = 'klingon' is unknown"),
+        ({"decimal": ";"}, "decimal = ';' must be '.' or ','."),
+        ({"encoding": "klingon"}, "encoding = 'klingon' is no encoding of text"),
+        ({"encoding": "base64"}, "encoding = 'base64' is no encoding of text"),
+        ({"encoding": "utf\0"}, "is no encoding of text"),
         ({"names_row": -1}, "names_row = -1.0 is out of range"),
         ({"names_row": 1.5}, "names_row = 1.5 must be a whole number"),
         ({"comment": ""}, "comment = '' must be text"),
@@ -129,6 +131,17 @@ def test_a_damaged_table_names_the_line(text, message):
 def test_a_layout_that_cannot_be_is_refused(keys, message):
     with refused(message):
         TextLayout.of(keys)
+
+
+@pytest.mark.parametrize("row", [1, 2, 5, 99])
+def test_a_row_of_units_that_does_not_follow_the_names_is_refused_as_rows_would_be_lost(row):
+    with refused(f"units_row = {row} must be the line after the names, which are in line 2"):
+        read("Trace 7\nt;x\n\n0;1\n1;2\n2;3\n", TextLayout(names_row=2, units_row=row))
+
+
+def test_blank_lines_and_comments_may_come_between_names_and_units():
+    contents = read("t;x\n\n# of the motor\ns;rad\n0;1\n1;2\n", TextLayout(units_row=4))
+    assert contents.numbers("x").tolist() == [1.0, 2.0]
 
 
 def test_a_names_row_beyond_the_file_is_refused():

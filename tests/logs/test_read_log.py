@@ -52,6 +52,10 @@ def test_a_gain_may_come_from_another_array(tmp_path):
         np.testing.assert_array_equal(recording.joint_array("motor.effort"), arrays()["u"] * gain)
     with refused("motor.effort", "scale: the array 't' has 7 numbers, must be one, or 2"):
         read_log(path, column_map(CLOCK, POSITION, effort('unit = "N m"\nscale = "t"')))
+    with refused("motor.effort", "scale = [0.42, 0.0] must not be zero"):
+        read_log(path, column_map(CLOCK, POSITION, effort('unit = "N m"\nscale = [0.42, 0.0]')))
+    with refused("'motor.effort.", "is inf, must be finite"):
+        read_log(path, column_map(CLOCK, POSITION, effort('unit = "N m"\nscale = 1e308\noffset = 1e308')))
 
 
 @pytest.mark.parametrize(
@@ -167,7 +171,7 @@ def test_meta_holds_values_and_arrays_of_the_file(tmp_path):
         ),
         ({"q": np.zeros((3, N_ROWS, 2))}, ["'q' has shape (3, 7, 2); say which axis is what"]),
         ({"q": np.zeros(N_ROWS)}, ["'q' has shape (7,) and so 1 parts, must be 2"]),
-        ({"q": np.full((N_ROWS, 2), "left")}, ["'q' is not numbers", "is 'left'"]),
+        ({"q": np.full((N_ROWS, 2), "left")}, ["'q' is not numbers", "is 'left'", "decimal, units_row and first_row"]),
         ({"q": np.zeros((N_ROWS, 2), dtype=complex)}, ["'q' is complex128, must be real numbers"]),
         ({"q": np.where(np.arange(N_ROWS)[:, None] == 4, np.nan, np.zeros((1, 2)))}, ["row 4 is nan, must be finite"]),
         ({"q": np.full((N_ROWS, 2), np.inf)}, ["row 0 is inf"]),

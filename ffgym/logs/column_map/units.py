@@ -40,8 +40,8 @@ COUNTS = MappingProxyType({"count": "rad", "count/s": "rad/s", "count/s^2": "rad
 KELVIN, ZERO_CELSIUS = "K", 273.15
 """0 degC is 273.15 K, by definition."""
 
-_ELECTRIC = {"A": "N m/A", "mA": "N m/mA", "V": "N m/V", "mV": "N m/mV"}
-"""Units of what drives a motor, and of the factor that makes it a torque."""
+_TO_TORQUE = {unit: f"N m/{unit}" for unit in ("A", "mA", "V", "mV", "%")}
+"""Units of what drives a motor, or of its share of a rated torque, and of the factor that makes it a torque."""
 
 
 class Conversion(NamedTuple):
@@ -83,8 +83,8 @@ def si_of(unit: str, counts_per_turn: float | None = None) -> str:
 
 
 def _way_out(unit: str, wanted: str) -> str:
-    if unit in _ELECTRIC and wanted in ("N m", "N"):
-        return f"give scale = <{_ELECTRIC[unit].replace('N m', wanted)}> and unit = {wanted!r}."
+    if unit in _TO_TORQUE and wanted in ("N m", "N"):
+        return f"give scale = <{_TO_TORQUE[unit].replace('N m', wanted)}> and unit = {wanted!r}."
     counts = [count for count, angle in COUNTS.items() if angle == wanted]
     kelvin = [KELVIN] if wanted == "degC" else []
     return f"must be {', '.join(map(repr, [wanted, *UNITS.get(wanted, {}), *counts, *kelvin]))}."

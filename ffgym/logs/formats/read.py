@@ -58,7 +58,7 @@ def _read(place: Path, layout: TextLayout | None) -> Contents:
     suffix = place.suffix.lower()
     if place.is_dir():
         return _read_folder(place)
-    if suffix not in TEXT_FILES and layout is not None and layout != TextLayout():
+    if suffix in (*FILES, *BAGS) and layout is not None and layout != TextLayout():
         raise FFGymError(f"[file] is about text files ({', '.join(TEXT_FILES)}); leave it out.")
     if suffix in TEXT_FILES:
         return read_text_table(read_bytes(place), str(place), layout or TextLayout())

@@ -32,6 +32,7 @@ def read_text_table(data: bytes, where: str, layout: TextLayout) -> Contents:
     if rest.strip():
         raise FFGymError("The last line has no line end: the file may be cut short. Copy it again, or add a line end.")
     names_row = _names_row(lines, layout)
+    _check_units_row(lines, names_row or 0, layout)
     first = layout.first_row or max(names_row or 0, layout.units_row or 0) + 1
     delimiter = layout.delimiter or _delimiter(lines, names_row or first, layout)
     rows = _rows(lines, first, delimiter, layout)
@@ -73,6 +74,18 @@ def _names_row(lines: list[str], layout: TextLayout) -> int | None:
     cells = re.split(r"[\t;\s]+" if layout.decimal == "," else r"[\t;,\s]+", lines[start - 1].strip())
     numbers = [_number(cell, layout.decimal) for cell in cells if cell]
     return None if numbers and None not in numbers else start
+
+
+def _check_units_row(lines: list[str], names_row: int, layout: TextLayout) -> None:
+    """Refuse a line of units that is not the one after the names: rows before it would be lost."""
+    units_row = layout.units_row
+    if units_row is None:
+        return
+    if units_row <= names_row or _first_line(lines[: units_row - 1], names_row + 1, layout) is not None:
+        raise FFGymError(
+            f"[file] units_row = {units_row} must be the line after the names, which are in line {names_row}; "
+            "only blank lines and comments may come between. Leave it out if there are no units."
+        )
 
 
 def _first_line(lines: list[str], start: int, layout: TextLayout) -> int | None:

@@ -1,12 +1,11 @@
 """How a text file is laid out, as far as it cannot be seen."""
 
-import codecs
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Self, final
 
-from ffgym.errors import FFGymError, check_choice, check_whole
+from ffgym.errors import FFGymError, check_whole
 from ffgym.recordings.schema import closest
 
 LAYOUT_KEYS: Mapping[str, str] = MappingProxyType(
@@ -42,13 +41,16 @@ class TextLayout:
         for name in ("decimal", "comment", "encoding"):
             if not isinstance(getattr(self, name), str) or not getattr(self, name):
                 raise FFGymError(f"[file] {name} = {getattr(self, name)!r} must be text.")
-        check_choice("[file] decimal", self.decimal, (".", ","))
+        if self.decimal not in (".", ","):
+            raise FFGymError(f"[file] decimal = {self.decimal!r} must be '.' or ','.")
         if self.delimiter is not None and (not isinstance(self.delimiter, str) or len(self.delimiter) != 1):
             raise FFGymError(f"[file] delimiter = {self.delimiter!r} must be one character.")
         try:
-            codecs.lookup(self.encoding)
-        except LookupError as error:
-            raise FFGymError(f"[file] encoding = {self.encoding!r} is unknown; e.g. utf-8, latin-1, utf-16.") from error
+            "0".encode(self.encoding)  # names of codecs that are not for text, as base64, are refused here, too
+        except (LookupError, ValueError) as error:
+            raise FFGymError(
+                f"[file] encoding = {self.encoding!r} is no encoding of text; e.g. utf-8, latin-1, utf-16."
+            ) from error
         for name, low in (("names_row", 0), ("units_row", 1), ("first_row", 1)):
             value = getattr(self, name)
             if value is not None:
