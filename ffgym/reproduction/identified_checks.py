@@ -45,8 +45,8 @@ def has_a_loop(laboratory: Laboratory, number: int) -> list[Check]:
     rises, slow = np.gradient(speed) > 0, torque.valid & (np.abs(speed) < BEND)
     friction = torque.friction[:, joint]
     apart = float(abs(friction[slow & rises].mean() - friction[slow & ~rises].mean()))
-    size = float(friction[torque.valid].std())
-    where = f"friction below {BEND:g} rad/s, RMS of all against rising less falling [N m]"
+    size = float(np.sqrt(np.mean(friction[torque.valid] ** 2)))
+    where = f"{ZERO:.0%} of the RMS friction against mean while speed rises less falls, below {BEND:g} rad/s [N m]"
     return [Check(where=where, value=ZERO * size, limit=apart)]
 
 

@@ -18,6 +18,7 @@ from ffgym.published import ESTIMATION_RECORDS
 from ffgym.reproduction.contenders import Contender, contender
 from ffgym.reproduction.measured_friction import MeasuredFriction, measure_friction
 from ffgym.robot import RobotDescription, load_robot
+from ffgym.simulation import Rig
 from ffgym.simulation.simulate import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
 from ffgym.studies.narx_study import EXTENDED, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
@@ -26,13 +27,14 @@ Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Called with a title and a unit when a piece of work begins; yields what is told of its progress."""
 
 SEED = 0
-"""Of the first weights of NARX networks and of sensor noise; nothing else is random."""
+"""Of sensor noise, of the first weights of NARX networks, and of starts and resamples of identified friction; nothing
+else is random."""
 
 IDENTIFIED = "lugre_identified"
 """What dynamic LuGre with identified parameters is called beside the one with old ones."""
 
 WORKCELL = "workcell:thesis"
-"""The machine that stands for the thesis' real robot in chapter 6."""
+"""Name of the machine that stands for the thesis' real robot in chapter 6."""
 
 FAST = SPEEDS[1]
 """TCP speed [m/s] of the second training, thesis 5.4.2."""
@@ -44,7 +46,7 @@ def silent(title: str, unit: str) -> AbstractContextManager[Progress]:
 
 
 class Laboratory:
-    """The nominal robot and the one-axis model of the thesis, with its tests; what is random has a fixed seed."""
+    """The nominal robot, the one-axis model and a workcell, with the tests of the thesis; all randomness is seeded."""
 
     def __init__(self, *, n_threads: int = 0, stage: Stage = silent) -> None:
         """Make a laboratory in which nothing has been simulated.
@@ -65,6 +67,11 @@ class Laboratory:
     def axis(self) -> RobotDescription:
         """One rigid axis with LuGre friction."""
         return load_robot("one_axis")
+
+    @cached_property
+    def workcell(self) -> Rig:
+        """The machine that stands for the thesis' real robot in chapter 6, under its controller."""
+        return rig_of(WORKCELL)
 
     @cached_property
     def lugre_sines(self) -> OneAxisStudy:
@@ -116,15 +123,15 @@ class Laboratory:
 
     @cached_property
     def joint_1(self) -> MeasuredFriction:
-        """Friction of joint 1 of the workcell that stands for the thesis' robot, identified as in thesis 6.1."""
-        rig = rig_of(WORKCELL)
+        """Friction of joint 1 of the workcell, identified as in thesis 6.1."""
+        rig = self.workcell
         with self.stage("friction of joint 1", "s") as progress:
             return measure_friction(rig, rig.robot.joints[:1], seed=SEED, n_threads=self.n_threads, progress=progress)
 
     @cached_property
     def all_joints(self) -> MeasuredFriction:
-        """Friction of all joints of that workcell, from ladders and the records of set D."""
-        rig = rig_of(WORKCELL)
+        """Friction of all joints of the workcell, from ladders and the records of set D."""
+        rig = self.workcell
         with self.stage("friction of all joints", "s") as progress:
             return measure_friction(
                 rig,
@@ -138,7 +145,7 @@ class Laboratory:
     @cached_property
     def reidentified_circles(self) -> CircleStudy:
         """Circles at 10 and 40 mm/s on it: no compensation, dynamic LuGre with old and with identified parameters."""
-        rig, speeds = rig_of(WORKCELL), SPEEDS[:2]
+        rig, speeds = self.workcell, SPEEDS[:2]
         laws = [NoCompensation(), DynamicLuGreExact(rig.robot.friction)]
         with self.stage("circles on the workcell, old parameters", "s") as progress:
             old = circle_study(rig, laws=laws, speeds=speeds, seed=SEED, n_threads=self.n_threads, progress=progress)

@@ -8,7 +8,7 @@ from typing import Any
 from ffgym.report import ReportFigure, SpeedTable
 from ffgym.reproduction.claims import VERDICTS, Judgement, Verdict, judge
 from ffgym.reproduction.items import Item, PlainTable
-from ffgym.reproduction.laboratory import Laboratory
+from ffgym.reproduction.laboratory import WORKCELL, Laboratory
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 
 
@@ -42,9 +42,10 @@ def count(results: Sequence[Reproduced]) -> dict[Verdict, int]:
 
 
 def fingerprints(laboratory: Laboratory) -> dict[str, str]:
-    """Physics fingerprint of each robot by name."""
+    """Physics fingerprint of each robot and of the workcell, by name."""
     robots = (laboratory.robot, laboratory.axis)
-    return {robot.name: physics_fingerprint(compile_model(robot, ModelOptions(looks=False))) for robot in robots}
+    found = {robot.name: physics_fingerprint(compile_model(robot, ModelOptions(looks=False))) for robot in robots}
+    return found | {WORKCELL: laboratory.workcell.fingerprint}
 
 
 def as_json(results: Sequence[Reproduced], info: Mapping[str, Any]) -> dict[str, Any]:

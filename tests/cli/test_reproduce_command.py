@@ -30,7 +30,7 @@ def test_the_numbers_say_where_they_come_from(folder):
     assert numbers["command"] == "ffgym reproduce"
     assert numbers["seed"] == 0
     assert numbers["versions"]["ffgym"] == __version__
-    assert numbers["physics_fingerprints"].keys() == {"irb4600_60_205", "one_axis"}
+    assert numbers["physics_fingerprints"].keys() == {"irb4600_60_205", "one_axis", "workcell:thesis"}
     assert [item["name"] for item in numbers["items"]] == ["figure-4.4"]
 
 
