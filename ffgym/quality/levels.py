@@ -52,7 +52,10 @@ def _stuck(log: Log) -> Iterator[Seen]:
     for family, j, name, x in _joint_columns(log, _SENSED):
         if np.ptp(x) == 0.0:
             continue
-        longest = max((_stuck_time(log, family, j, x, rows), rows.start) for rows in [slice(0, 1), *_held(family, x)])
+        step = smallest_step(x)
+        longest = max(
+            (_stuck_time(log, family, j, x, step, rows), rows.start) for rows in [slice(0, 1), *_held(family, x)]
+        )
         message = (
             f"{name} keeps one value for {longest[0]:.4g} s from {log.t[longest[1]]:.4g} s on while joint "
             f"{log.joints[j]} moves, must change. Look for a lost connection; cut the log there."
@@ -66,29 +69,32 @@ def _held(family: str, x: Array) -> list[slice]:
     return [rows for rows in constant_stretches(x, _STUCK_ROWS) if x[rows.start] not in edges]
 
 
-def _stuck_time(log: Log, family: str, j: int, x: Array, rows: slice) -> float:
-    """How long a stretch of one value lasts [s]; 0 if it is a rest."""
+def _stuck_time(log: Log, family: str, j: int, x: Array, step: float, rows: slice) -> float:
+    """How long a stretch of one value lasts [s]; 0 if it is a rest. `step` is the smallest step of `x`."""
     if rows.stop - rows.start < _STUCK_ROWS:
         return 0.0
-    step = smallest_step(x)
-    before = np.abs(np.diff(x[max(0, rows.start - 3) : rows.start + 1]))
     after = np.abs(np.diff(x[rows.stop - 1 : rows.stop + 2]))
-    abrupt = before.size > 0 and bool(np.median(before) > _ABRUPT * step)
     until_end = after.size == 0 and not family.endswith("position") and bool(log.moving[rows, j].mean() > 0.5)
     sudden = until_end or (after.size > 0 and bool(after.max() > _ABRUPT * step))
-    if not ((abrupt and sudden) or _others_move(log, family, j, x, rows)):
+    if not ((sudden and _abrupt(x, step, rows.start)) or _others_move(log, family, j, rows)):
         return 0.0
     return float(log.t[rows.stop - 1] - log.t[rows.start])
 
 
-def _others_move(log: Log, family: str, j: int, x: Array, rows: slice) -> bool:
+def _abrupt(x: Array, step: float, row: int) -> bool:
+    """Whether `x` (T,) comes to a row faster than a joint that comes to rest."""
+    before = np.abs(np.diff(x[max(0, row - 3) : row + 1]))
+    return before.size > 0 and bool(np.median(before) > _ABRUPT * step)
+
+
+def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
     """Whether another column that otherwise goes like this one moves during a stretch of one value."""
     if not family.endswith("position"):
         return False
     own = log.motions[family][:, j]
     beside = [name for name in log.motions if name not in (family, family.replace("position", "velocity"))]
     others = [log.motions[name][:, j] for name in beside]
-    return any(np.ptp(other[rows]) > 0.05 * np.ptp(own) and _alike(own, other, rows) for other in others)
+    return any(np.ptp(other[rows]) > 0.05 * log.travel[family][j] and _alike(own, other, rows) for other in others)
 
 
 def _alike(a: Array, b: Array, without: slice) -> bool:

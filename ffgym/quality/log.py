@@ -92,6 +92,11 @@ class Log:
         return values - values[0]
 
     @cached_property
+    def travel(self) -> dict[str, Array]:
+        """Range of each of `motions`, (N,) each."""
+        return {family: np.ptp(values, axis=0) for family, values in self.motions.items()}
+
+    @cached_property
     def motion_families(self) -> tuple[str, ...]:
         """Those of `MOTION_FAMILIES` that are present."""
         return tuple(name for name in MOTION_FAMILIES if self.recording.has(name))

@@ -7,14 +7,15 @@ from scipy.signal import correlate
 
 from ffgym.quality.check import Check, NotJudgedError, Seen
 from ffgym.quality.log import RESTING, Log
+from ffgym.quality.runs import stretches
 from ffgym.quality.signals import LAG_SPAN
 from ffgym.types import Array
 
 _PERIOD = 0.004
 """Time [s] over which rows are averaged first: delays of less cannot be told from friction that builds up."""
 
-_PRESLIDING = 5e-4
-"""Travel [rad or m, link side] over which friction may turn round: 2e-4 in robots, some times that in its tail."""
+_PRESLIDING = 2e-4
+"""Travel [rad or m, link side] over which friction turns round: 2e-5 to 2e-4 in robots."""
 
 
 def _columns(log: Log) -> tuple[Array, Array, Array, Array, Array]:
@@ -56,14 +57,29 @@ def _lag(log: Log) -> Iterator[Seen]:
         before, top, after = cost[best - 1 : best + 2]
         bend = before - 2 * top + after
         lag += 0.5 * float((before - after) / bend) if bend > 0 else 0.0
-    speed = float(np.median([np.sqrt(np.mean(dq[:, j] ** 2)) for j in joints]))
-    limit = max(0.01 + _PRESLIDING / max(speed, 1e-9), 0.75 * log.dt)
+    limit = max(0.01 + float(np.median([_turning(log, int(j)) for j in joints])), 0.75 * log.dt)
     message = (
         f"motor.effort is {'later' if lag > 0 else 'earlier'} than the motion explains by {abs(lag) * dt:.3g} s, must "
-        f"be within {limit:.2g} s, the time in which friction turns round at these speeds. Shift it by that time."
+        f"be within {limit:.2g} s, the time in which friction turns round in this motion. Shift it by that time."
     )
     columns = tuple(f"motor.effort.{log.joints[j]}" for j in joints)
     yield Seen(value=abs(lag) * dt / limit, message=message, columns=columns)
+
+
+def _turning(log: Log, j: int) -> float:
+    """Time [s] in which joint `j` goes `_PRESLIDING` when it sets off or turns back, median; 0 if it never gets away."""
+    assert log.smooth_q is not None and log.dq is not None
+    q, dq = log.smooth_q[:, j], log.dq[:, j]
+    times = []
+    for sign in (1, -1):
+        still = np.flatnonzero(sign * dq <= 0)
+        for rows in stretches((sign * dq > 0) & log.moving[:, j]):
+            before = int(np.searchsorted(still, rows.start))
+            start = int(still[before - 1]) if before else 0
+            away = np.abs(q[start : rows.stop] - q[start]) > _PRESLIDING
+            if away.any():
+                times.append(int(np.argmax(away)) * log.dt)
+    return float(np.median(times)) if times else 0.0
 
 
 def _leftover(q: Array, dq: Array, ddq: Array, u: Array, j: int, reach: int) -> Array:
@@ -107,7 +123,7 @@ TORQUE_TIMING = (
         unit="1",
         flag=1.0,
         why="a torque out of step with the motion reads as inertia and friction of the wrong size; the limit is 10 ms "
-        "and the time for 0.5 mrad at the speeds of the log, in which friction turns round, or 0.75 rows",
+        "and the time of the first 0.2 mrad after a reversal, over which friction turns round, or 0.75 rows",
         judge=_lag,
     ),
     Check(
