@@ -110,8 +110,8 @@ ITEMS = (
             Claim(
                 name="reidentified-mean",
                 statement="Parts of the results of Chapter 4 could be improved with the identified model (6.1.3).",
-                criterion="Mean RMS path error of 12 circles at each speed. None of these motions was used: identification "
-                "moves one joint at a time about home, at motor speeds up to 14 rad/s, circles reach 8 rad/s.",
+                criterion="Mean RMS path error of 12 circles at each speed. None was used: to identify friction, "
+                "one joint moves at a time about home, at motor speeds up to 14 rad/s; on circles up to 8 rad/s.",
                 checks=_mean_path,
                 share=EVERY,
             ),
