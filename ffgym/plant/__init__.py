@@ -10,4 +10,4 @@ from ffgym.plant.machine import Machine as Machine
 from ffgym.plant.machine_file import load_machine as load_machine
 from ffgym.plant.machine_text import save_machine as save_machine
 from ffgym.plant.plant import Plant as Plant
-from ffgym.plant.plant import PlantState as PlantState
+from ffgym.plant.plant_state import PlantState as PlantState

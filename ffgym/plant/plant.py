@@ -1,7 +1,6 @@
 """Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -12,32 +11,18 @@ from ffgym.plant.addresses import Addresses
 from ffgym.plant.equilibrium import bent_by_load
 from ffgym.plant.forces import Forces
 from ffgym.plant.machine import Machine
+from ffgym.plant.own_models import check_same_make, give_model
+from ffgym.plant.plant_state import PlantState
 from ffgym.plant.sameness import check_same_controller
+from ffgym.plant.servo_reading import ServoReading
 from ffgym.plant.settling import Settling
 from ffgym.plant.stability import check_stable, unprinted_warnings
-from ffgym.robot import ModelOptions, RobotDescription, model_field, physics_fingerprint
+from ffgym.plant.stepping import stepped
+from ffgym.robot import ModelOptions, RobotDescription, physics_fingerprint
 from ffgym.types import Array, IntArray
 
 MAX_THREADS = 1024
 """More threads than any machine has cores; a larger number is a slip."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PlantState:
-    """State of B robots at one or T instants; every array ends in (N,)."""
-
-    motor_position: Array
-    """[rad], motor side."""
-    motor_velocity: Array
-    """[rad/s], motor side."""
-    link_position: Array
-    """[rad], link side."""
-    link_velocity: Array
-    """[rad/s], link side."""
-    bristle: Array
-    """LuGre bristle deflection z [rad], motor side; zero in a plant without friction."""
-    integral: Array
-    """Integral of the position error [rad s], motor side."""
 
 
 class Plant:
@@ -78,21 +63,8 @@ class Plant:
             )
         self.addresses = Addresses.of(self.model, robot)
         self._has_springs = bool(robot.springs) and options.springs
-        self._servo_columns = self._find_servo_columns()
+        self._servo = ServoReading.of(self.batch, self.addresses, robot.drive)
         self._forces = self._make_forces()
-
-    def _find_servo_columns(self) -> tuple[IntArray, Array]:
-        """Where the engine's state has what `servo_state` returns, and the factors on it."""
-        at, ratio = self.addresses, self.robot.drive.gear_ratio
-        starts = {
-            name: (view.ctypes.data - self.batch.state.ctypes.data) // view.itemsize
-            for name, view in (("qpos", self._qpos), ("qvel", self._qvel), ("act", self._act))
-            if view.size
-        }
-        integral = np.where(at.has_integral, starts.get("act", 0) + at.integral, 0)
-        columns = np.concatenate([starts["qpos"] + at.motor_qpos, starts["qvel"] + at.motor_qpos, integral])
-        both = ratio if self.robot.drive.coupling is None else np.ones_like(ratio)
-        return columns, np.concatenate([both, both, at.has_integral])
 
     @property
     def n_robots(self) -> int:
@@ -125,25 +97,23 @@ class Plant:
             FFGymError: if a robot differs in what its controller knows: joints, gear ratios, servo, sample times; or in
                 which joints are elastic, which bodies springs join, or whether there is a tool.
         """
-        before = self.machines.copy()
-        for i, robot in zip(ids, robots, strict=True):
-            machine = Machine.of(robot)
-            if machine.is_as(self.machines[i]):
-                continue
-            self.check_controller(machine.robot)
-            model = machine.spec(self._options).compile()
-            if (model.nq, model.nu, model.na) != (self.model.nq, self.model.nu, self.model.na):
-                raise FFGymError(
-                    f"Robot {machine.robot.name!r} has other elastic joints or actuators than {self.robot.name!r} in "
-                    f"the same batch; simulate it in a batch of its own."
-                )
-            for name in batch.MODEL_FIELDS:
-                own = model_field(model, name)
-                if self.batch.expanded(name) is not None or not np.array_equal(own, model_field(self.model, name)):
-                    self.batch.expand(name)[i] = own
+        machines = [Machine.of(robot) for robot in robots]
+        if len(machines) != len(ids):
+            raise FFGymError(f"There are {len(machines)} robots for {len(ids)} simulations; give one each.")
+        changed = [(i, m) for i, m in zip(ids, machines, strict=True) if not m.is_as(self.machines[i])]
+        models = [self._model_of(machine) for _, machine in changed]  # all of them before any is given
+        for (i, machine), model in zip(changed, models, strict=True):
+            give_model(self.batch, self.model, i, model)
             self.machines[i] = machine
-        if self.machines != before:
+        if changed:
             self._forces = self._make_forces()
+
+    def _model_of(self, machine: Machine) -> mujoco.MjModel:
+        """Model of a machine that has a place in this batch."""
+        self.check_controller(machine.robot)
+        model = machine.spec(self._options).compile()
+        check_same_make(model, self.model, machine.robot.name)
+        return model
 
     def _make_forces(self) -> Forces | None:
         """What acts beside the engine's own physics; None for nothing, which costs nothing."""
@@ -173,22 +143,23 @@ class Plant:
         self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
         robots = [self.machines[i].physical for i in rows]
-        effects = self._settling if self._forces is not None and self._forces.bends.any() else None
-        has_springs = self._has_springs
-        loaded = np.any(self.model.opt.gravity) or has_springs or effects is not None
-        load = np.zeros_like(motor_q)
-        if loaded:
-            load = bent_by_load(engine, at, rows, robots, has_springs=has_springs, effects=effects)
-        held = self.robot.drive.motor_torque(load)
-        if self._forces is not None:
-            settling = self._settling(rows)
-            held = settling.servo_torque(load)
+        load = self._bend(rows, robots)
+        settling = None if self._forces is None else self._settling(rows)
+        held = self.robot.drive.motor_torque(load) if settling is None else settling.servo_torque(load)
         self._qvel[np.ix_(rows, at.motor_qpos)] = speed
         gain = np.stack([robot.servo.integral_gain for robot in robots])
         integral = np.divide(held, gain, out=np.zeros_like(held), where=gain > 0)
         self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
-        if self._forces is not None:
+        if settling is not None:
             settling.begin()
+
+    def _bend(self, rows: IntArray, robots: Sequence[RobotDescription]) -> Array:
+        """Bend joints until they carry the load; returns its torque, link side [N m], (B, N)."""
+        effects = self._settling if self._forces is not None and self._forces.bends.any() else None
+        if not np.any(self.model.opt.gravity) and not self._has_springs and effects is None:
+            return np.zeros((len(rows), self.robot.n_joints))
+        has_springs = self._has_springs
+        return bent_by_load(self.batch, self.addresses, rows, robots, has_springs=has_springs, effects=effects)
 
     def _settling(self, rows: IntArray) -> Settling:
         assert self._forces is not None
@@ -203,12 +174,7 @@ class Plant:
 
         Position and speed are those that the resolver reads, if the machine has a resolver with an error.
         """
-        columns, scale = self._servo_columns
-        state: Array = self.batch.state.take(columns, axis=1) * scale
-        drive, n = self.robot.drive, self.robot.n_joints
-        if drive.coupling is not None:
-            for part in (slice(0, n), slice(n, 2 * n)):
-                state[:, part] = drive.motor_angle(state[:, part])
+        state, n = self._servo.now(), self.robot.n_joints
         if self._forces is not None:
             error = self._forces.resolver_error(state[:, :n], state[:, n : 2 * n])
             state[:, :n] += error.angle
@@ -217,22 +183,7 @@ class Plant:
 
     def unpack(self, qpos: Array, qvel: Array, act: Array) -> PlantState:
         """State from MuJoCo's arrays of any leading shape, motor quantities in motor units."""
-        at, drive = self.addresses, self.robot.drive
-        motor_q, motor_dq = qpos[..., at.motor_qpos], qvel[..., at.motor_qpos]
-        link_q, link_dq = motor_q.copy(), motor_dq.copy()
-        link_q[..., at.is_elastic] += qpos[..., at.deflection_qpos]
-        link_dq[..., at.is_elastic] += qvel[..., at.deflection_qpos]
-        bristle, integral = np.zeros_like(motor_q), np.zeros_like(motor_q)
-        bristle[..., at.has_bristle] = act[..., at.bristle[at.has_bristle]]
-        integral[..., at.has_integral] = act[..., at.integral[at.has_integral]]
-        return PlantState(
-            motor_position=drive.motor_angle(motor_q),
-            motor_velocity=drive.motor_angle(motor_dq),
-            link_position=link_q,
-            link_velocity=link_dq,
-            bristle=bristle,
-            integral=integral,
-        )
+        return PlantState.of(self.addresses, self.robot.drive, qpos, qvel, act)
 
     def tcp_position(self, index: int, qpos: Array) -> Array | None:
         """TCP [m] (T, 3) of a simulation at MuJoCo's joint positions (T, nq), if that takes more than link positions.
@@ -275,25 +226,8 @@ class Plant:
             if self._forces is None:
                 out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
             else:
-                out = self._step_by_step(self._forces, controls, record, ids)
+                out = stepped(self.batch, self._forces, controls, record, ids, self.physics_dt)
         if self._warnings.any():
             warned, self._warned = self._warnings > self._warned, self._warnings.copy()
             check_stable(warned, self.robot.name, began, steps * self.physics_dt, self.physics_dt)
-        return out
-
-    def _step_by_step(
-        self, forces: Forces, controls: Array, record: tuple[str, ...], ids: IntArray | None
-    ) -> dict[str, Array]:
-        """As the engine's rollout, with torques of effects in each step."""
-        rows = slice(None) if ids is None or len(ids) == self.n_robots else ids
-        ids = None if isinstance(rows, slice) else ids
-        bound = {name: self.batch.bind(name) for name in record}
-        out = {name: np.empty((*controls.shape[:2], *field.shape[1:])) for name, field in bound.items()}
-        setpoints, chosen = self.batch.bind("ctrl"), forces.choose(rows)
-        for k in range(controls.shape[1]):
-            setpoints[rows] = controls[:, k]
-            forces.apply(chosen, self.physics_dt)
-            self.batch.step(ids)
-            for name, field in bound.items():
-                out[name][:, k] = field[rows]
         return out

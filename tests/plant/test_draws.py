@@ -6,8 +6,9 @@ import mujoco.batch
 import numpy as np
 import pytest
 
+from ffgym.effects import EFFECTS
 from ffgym.errors import FFGymError
-from ffgym.plant import LogUniform, Plant, PlantDistribution, Uniform, with_payload
+from ffgym.plant import LogUniform, Machine, Plant, PlantDistribution, Uniform, with_payload
 from ffgym.robot import ModelOptions, RigidArm, compile_model, model_field, static_deflection
 from ffgym.robot.parts import Spring
 from tests.plant.driving import controls
@@ -164,6 +165,27 @@ def test_what_cannot_be_drawn_or_become_is_refused(irb4600, one_axis):
     rigid = replace(irb4600, drive=replace(irb4600.drive, joint_stiffness=np.full(6, np.inf)))
     with pytest.raises(FFGymError, match="other elastic joints"):
         Plant(irb4600, 1).become([0], [rigid])
+
+
+def test_a_joint_more_is_not_made_up_for_by_a_rigid_one(irb4600):
+    base = EFFECTS["base_flexibility"].on(irb4600, compliance=[1e-7, 0.0, 0.0])
+    stiffness = np.where(np.arange(6) == 0, np.inf, irb4600.drive.joint_stiffness)
+    rigid = replace(irb4600, drive=replace(irb4600.drive, joint_stiffness=stiffness))
+    with pytest.raises(FFGymError, match="joints of effects"):
+        Plant(irb4600, 1).become([0], [Machine(robot=rigid, effects=(base,))])
+
+
+def test_a_batch_that_cannot_become_what_is_asked_stays_as_it_was(irb4600, one_axis):
+    plant = Plant(irb4600, 2)
+    softer = replace(irb4600, drive=replace(irb4600.drive, joint_stiffness=irb4600.drive.joint_stiffness / 2))
+    before = plant.fingerprint(0)
+    with pytest.raises(FFGymError, match="differ in joints"):
+        plant.become([0, 1], [softer, one_axis])
+    with pytest.raises(FFGymError, match="1 robots for 2 simulations"):
+        plant.become([0, 1], [softer])
+    assert plant.robots == [irb4600, irb4600]
+    assert plant.fingerprint(0) == before
+    assert plant.batch.expanded("jnt_stiffness") is None
 
 
 def test_a_robot_too_soft_for_gravity_is_refused(irb4600, corners):
