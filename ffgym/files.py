@@ -92,6 +92,8 @@ def read_text(path: str | os.PathLike[str]) -> str:
         raise FFGymError(
             f"{path}: is not UTF-8 text: byte {error.start} is {error.object[error.start]:#04x}."
         ) from error
+    except ValueError as error:  # a name that holds a null character
+        raise FFGymError(f"{str(path)!r} is no name of a file: {error}.") from error
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

@@ -12,7 +12,7 @@ One formula serves a physics step of many robots and a whole recording: states c
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import MISSING, fields, replace
 from typing import Any, ClassVar, Literal, Self
 
 import mujoco
@@ -88,6 +88,8 @@ class Effect(ABC):
             given = known[name].checked(cls.name, value, robot.n_joints)
             per_joint = known[name].per == "joint"
             full[name] = np.where(chosen, given, known[name].neutral) if per_joint else given
+        if missing := [f.name for f in fields(cls) if f.default is MISSING and f.name not in full]:  # type: ignore[arg-type]
+            raise FFGymError(f"Effect {cls.name} lacks {missing}; without effect they would be at their null value.")
         return cls(**full)
 
     @property

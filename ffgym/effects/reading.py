@@ -1,6 +1,5 @@
 """Effects in TOML: [effects.<name>] tables, every parameter with its unit and where its value comes from."""
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,6 +10,7 @@ from ffgym.effects.effect import Effect
 from ffgym.effects.parameter import Parameter
 from ffgym.errors import FFGymError, check_choice
 from ffgym.robot import RobotDescription
+from ffgym.robot.template.toml_text import text
 
 
 def read_effects(
@@ -47,9 +47,6 @@ def _effect(kind: type[Effect], name: str, table: Mapping[str, Any], robot: Robo
     for entry in table:
         check_choice(f"parameter of effects.{name}", entry, list(known))
     values = {entry: _value(f"effects.{name}.{entry}", given, known[entry]) for entry, given in table.items()}
-    missing = [p.name for p in known.values() if p.name not in values and p.null is not None]
-    if missing:
-        raise FFGymError(f"effects.{name} lacks {missing}; without effect they would be at their null value.")
     return kind.on(robot, **values)
 
 
@@ -71,6 +68,6 @@ def effects_toml(effects: Sequence[Effect], source: str) -> str:
         lines.append(f'[effects."{effect.name}:{again + 1}"]' if again else f"[effects.{effect.name}]")
         for known in effect.parameters().values():
             value = np.asarray(getattr(effect, known.name)).tolist()
-            lines.append(f'{known.name} = {{ value = {value}, unit = "{known.unit}", source = {json.dumps(source)} }}')
+            lines.append(f'{known.name} = {{ value = {value}, unit = "{known.unit}", source = {text(source)} }}')
         lines.append("")
     return "\n".join(lines)

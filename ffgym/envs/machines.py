@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ffgym.envs.rigs import is_workcell, workcell_named
+from ffgym.errors import FFGymError
 from ffgym.plant import Machine, load_machine
 from ffgym.plant.machine_file import is_machine_file
 from ffgym.robot import RobotDescription, robot_of
@@ -24,4 +25,9 @@ def machine_of(plant: Machine | RobotDescription | str | Path) -> Machine:
         return workcell_named(plant).machine
     if isinstance(plant, str | Path) and is_machine_file(plant):
         return load_machine(plant)
+    if not isinstance(plant, str | Path | RobotDescription):
+        raise FFGymError(
+            f"plant = {plant!r} must be a Machine, a RobotDescription, the name of a built-in robot, workcell:<name or "
+            f"seed>, or a path that ends in .toml."
+        )
     return Machine.of(robot_of(plant, "plant"))

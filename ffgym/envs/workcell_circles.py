@@ -22,7 +22,8 @@ class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
 
     Args:
         num_envs: number of workcells.
-        workcell: name, or seed of one that is drawn; reset option plant, e.g. "workcell:12", changes it for an episode.
+        workcell: name, with or without "workcell:", or seed of one that is drawn; reset option plant, e.g.
+            "workcell:12", changes it for an episode.
         autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
         render_mode: 'rgb_array' or None.
         arguments: others of `CirclePathVectorEnv`, but for robot, plant and randomization.
@@ -46,7 +47,7 @@ class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
         super().__init__(
             num_envs,
             robot=CONTROLLER,
-            plant=f"{WORKCELL}{workcell}",
+            plant=WORKCELL + str(workcell).removeprefix(WORKCELL),
             autoreset_mode=autoreset_mode,
             render_mode=render_mode,
             **({"sensing": Sensing(encoder_bits=16)} | arguments),

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from ffgym.errors import check_number
+from ffgym.errors import check_number, check_shape
 from ffgym.types import Array
 
 
@@ -31,7 +31,9 @@ class Climate:
         check_number("climate.ambient", self.ambient, unit="degC", low=-40.0, high=80.0)
         check_number("climate.time_constant", self.time_constant, unit="s", low=0.0, open_low=True)
         check_number("climate.running_since", self.running_since, unit="s", low=0.0)
-        rise = np.atleast_1d(np.asarray(self.rise, dtype=np.float64))
+        single = np.isscalar(self.rise)
+        rise = [check_number("climate.rise", self.rise, unit="K")] if single else self.rise
+        rise = check_shape("climate.rise", rise, (None,))
         for value in rise:
             check_number("climate.rise", value, unit="K", low=0.0, high=100.0)
         object.__setattr__(self, "rise", rise)

@@ -1,6 +1,7 @@
 """A machine as it is: a robot, the physical effects that its description does not have, and how warm it is."""
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -30,6 +31,12 @@ class Machine:
     """None if nobody knows; effects then see a constant 20 degC."""
 
     def __post_init__(self) -> None:
+        if not isinstance(self.robot, RobotDescription):
+            raise FFGymError(f"The robot of a machine must be a description, see ffgym.robot, got {self.robot!r}.")
+        if not isinstance(self.climate, Climate | None):
+            raise FFGymError(f"The climate of a machine must be a Climate, or None, got {self.climate!r}.")
+        if not isinstance(self.effects, Sequence):
+            raise FFGymError(f"effects must be a sequence of effects, see ffgym.effects, got {self.effects!r}.")
         object.__setattr__(self, "effects", tuple(self.effects))
         for effect in self.effects:
             if not isinstance(effect, Effect):

@@ -10,7 +10,6 @@
 docs/machine_files.md has an example.
 """
 
-import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import fields
@@ -21,12 +20,14 @@ from typing import Any
 import numpy as np
 
 from ffgym.effects import EFFECTS, Effect, read_effects
-from ffgym.errors import FFGymError, check_choice, check_shape
+from ffgym.errors import FFGymError, check_choice
 from ffgym.files import read_text
 from ffgym.plant.climate import Climate
 from ffgym.plant.machine import Machine
+from ffgym.plant.sameness import check_same_controller
 from ffgym.robot import RobotDescription, builtin_robots, load_robot
 from ffgym.robot.reading.parameters import GROUPS, with_numbers
+from ffgym.robot.template.toml_text import text
 
 CLIMATE_UNITS: Mapping[str, str] = MappingProxyType(
     {"ambient": "degC", "rise": "K", "time_constant": "s", "running_since": "s"}
@@ -97,10 +98,11 @@ def parse_machine(
     try:
         for table in tree:
             check_choice("table", table, ["machine", *GROUPS, "effects", "climate"])
-        robot = _robot(tree.get("machine"), folder)
+        known_to_controller = robot = _robot(tree.get("machine"), folder)
         numbers = {group: tree[group] for group in GROUPS if group in tree}
         if numbers:
             robot = with_numbers(robot, numbers)
+            check_same_controller(robot, known_to_controller)
         effects = read_effects(_table(tree, "effects"), robot, known)
         climate = parse_climate(_table(tree, "climate")) if "climate" in tree else None
         return Machine(robot=robot, effects=effects, climate=climate)
@@ -121,8 +123,7 @@ def parse_climate(tables: Mapping[str, Any]) -> Climate:
             raise FFGymError(f"climate.{name} = {table!r} must be a table of value, unit and maybe source.")
         if table["unit"] != unit:
             raise FFGymError(f"climate.{name} has unit {table['unit']!r}, must be {unit!r}.")
-        value = table["value"]
-        values[name] = check_shape("climate.rise", np.atleast_1d(value), (None,)) if name == "rise" else value
+        values[name] = table["value"]
     return Climate(**values)
 
 
@@ -131,9 +132,7 @@ def climate_toml(climate: Climate, source: str) -> str:
     lines = ["[climate]"]
     for f in fields(climate):
         value = np.asarray(getattr(climate, f.name)).tolist()
-        lines.append(
-            f'{f.name} = {{ value = {value}, unit = "{CLIMATE_UNITS[f.name]}", source = {json.dumps(source)} }}'
-        )
+        lines.append(f'{f.name} = {{ value = {value}, unit = "{CLIMATE_UNITS[f.name]}", source = {text(source)} }}')
     return "\n".join(lines) + "\n"
 
 

@@ -1,8 +1,7 @@
 """Machines as machine files: what `load_machine` reads back to the bit."""
 
-import json
+import tomllib
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -10,11 +9,13 @@ from ffgym.effects import effects_toml
 from ffgym.errors import FFGymError
 from ffgym.files import write_text
 from ffgym.plant.machine import Machine
-from ffgym.plant.machine_file import climate_toml
-from ffgym.robot import RobotDescription, builtin_robots, load_robot
+from ffgym.plant.machine_file import climate_toml, parse_machine
+from ffgym.plant.sameness import check_same_controller
+from ffgym.robot import ModelOptions, RobotDescription, builtin_robots, load_robot
 from ffgym.robot.reading.parameters import GROUPS
 from ffgym.robot.reading.rule import JointFrame, si_units
 from ffgym.robot.reading.rules import RULES
+from ffgym.robot.template.toml_text import names, text
 
 
 def save_machine(machine: Machine, path: str | Path, *, title: str, source: str) -> Path:
@@ -31,8 +32,7 @@ def save_machine(machine: Machine, path: str | Path, *, title: str, source: str)
     """
     if Path(path).suffix != ".toml":
         raise FFGymError(f"A machine file ends in .toml, got {path}.")
-    text = machine_text(machine, title=title, source=source)
-    write_text(Path(path), text)
+    write_text(Path(path), machine_text(machine, title=title, source=source))
     return Path(path)
 
 
@@ -42,17 +42,32 @@ def machine_text(machine: Machine, *, title: str, source: str) -> str:
     Raises:
         FFGymError: if the robot cannot be said in a machine file.
     """
+    machine = Machine.of(machine)
     name = machine.robot.name
     if name not in builtin_robots():
         raise FFGymError(
             f"Robot {name!r} is not built in; write the machine file by hand, with the path of its description."
         )
-    parts = [f"[machine]\ntitle = {json.dumps(title)}\nrobot = {json.dumps(name)}\n"]
+    parts = [f"[machine]\ntitle = {text(str(title))}\nrobot = {text(name)}\n"]
     parts += _numbers(machine.robot, load_robot(name), source)
     parts.append(effects_toml(machine.effects, source))
     if machine.climate is not None:
         parts.append(climate_toml(machine.climate, source))
-    return "\n".join(part for part in parts if part)
+    written = "\n".join(part for part in parts if part)
+    _check_says(written, machine)
+    return written
+
+
+def _check_says(written: str, machine: Machine) -> None:
+    """Check that a machine file leaves nothing out."""
+    options = ModelOptions(looks=False)
+    read = parse_machine(tomllib.loads(written))
+    check_same_controller(machine.robot, read.robot)
+    if read.physics(options) != machine.physics(options):
+        raise FFGymError(
+            f"Robot {machine.robot.name!r} differs from the built-in one in what a machine file cannot say (geometry); "
+            f"write a description of it, and a machine file beside it that names it."
+        )
 
 
 def _numbers(robot: RobotDescription, known: RobotDescription, source: str) -> list[str]:
@@ -67,10 +82,10 @@ def _numbers(robot: RobotDescription, known: RobotDescription, source: str) -> l
         if mine is None or theirs is None or np.array_equal(mine, theirs):
             continue
         units = si_units(rule, rule.side, joints)
-        unit: Any = units[0] if len(units) == 1 else list(units)
-        side = f"side = {json.dumps(rule.side)}\n" if rule.side else ""
+        unit = text(units[0]) if len(units) == 1 else names(units)
+        side = f"side = {text(rule.side)}\n" if rule.side else ""
         tables.append(
-            f"[{path}]\nvalue = {np.asarray(mine).tolist()}\nunit = {json.dumps(unit)}\n{side}"
-            f'origin = "derived"\nsource = {json.dumps(source)}\n'
+            f"[{path}]\nvalue = {np.asarray(mine).tolist()}\nunit = {unit}\n{side}"
+            f'origin = "derived"\nsource = {text(source)}\n'
         )
     return tables

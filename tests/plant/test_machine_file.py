@@ -41,7 +41,7 @@ def worn(irb4600):
 
 
 def test_a_machine_is_written_and_read_back_to_the_bit(worn, tmp_path):
-    path = save_machine(worn, tmp_path / "worn.toml", title='the "worn" one', source="a test")
+    path = save_machine(worn, tmp_path / "worn.toml", title='the "worn" \U0001f916 one', source="a test\x7f\n")
     assert is_machine_file(path)
     options = ModelOptions(looks=False)
     assert load_machine(path).physics(options) == worn.physics(options)
@@ -75,6 +75,15 @@ def test_the_robot_may_be_a_description_beside_the_file(one_axis_text, tmp_path)
         (HEAD + '[effects.cogging]\namplitude = { value = 1, unit = "N" }\n', "must be 'N m'"),
         (HEAD + '[effects.cogging]\namplitude = { value = -1, unit = "N m" }\n', "at least 0"),
         (HEAD + "effects = 3\n", "must have exactly"),
+        (HEAD + '[effects.cogging]\namplitude = { value = [1, 2], unit = "N m" }\n', "has shape (2,), must be (6)"),
+        (HEAD + '[effects.cogging]\namplitude = { value = "1", unit = "N m" }\n', "must be numbers, got '1'"),
+        (
+            HEAD + '[drive.gear_ratio]\nvalue = [9, 9, 9, 9, 9, 9]\nunit = "1"\norigin = "chosen"\nsource = "-"\n',
+            "gear",
+        ),
+        (HEAD.replace("irb4600_60_205", "a\\u0000.toml"), "no name of a file"),
+        (HEAD + '[climate]\nrise = { value = [[1], [1, 2]], unit = "K" }\n', "climate.rise must be numbers"),
+        (HEAD + '[climate]\nrise = { value = "warm", unit = "K" }\n', "climate.rise must be a number"),
         (HEAD + "[climate]\nwind = 3\n", "Unknown entry of climate"),
         (HEAD + "[climate]\nambient = 3\n", "table of value, unit"),
         (HEAD + '[climate]\nambient = { value = 3, unit = "K" }\n', "must be 'degC'"),
@@ -96,6 +105,16 @@ def test_only_what_a_file_can_say_is_written(worn, tmp_path):
         save_machine(
             replace(worn, robot=replace(worn.robot, name="mine")), tmp_path / "m.toml", title="mine", source="a test"
         )
+    for other in (
+        replace(worn.robot, servo=replace(worn.robot.servo, position_gain=worn.robot.servo.position_gain * 1.1)),
+        replace(worn.robot, servo=replace(worn.robot.servo, control_dt=0.002)),
+        replace(worn.robot, kinematics=replace(worn.robot.kinematics, position=worn.robot.kinematics.position * 1.1)),
+        replace(worn.robot, tool=None),
+    ):
+        with pytest.raises(FFGymError, match="differ"):
+            save_machine(replace(worn, robot=other), tmp_path / "m.toml", title="mine", source="a test")
+    with pytest.raises(FFGymError, match="must be a description"):
+        save_machine(None, tmp_path / "m.toml", title="none", source="a test")
     with pytest.raises(FFGymError, match=r"ends in \.toml"):
         save_machine(worn, tmp_path / "m.json", title="mine", source="a test")
     assert list(tmp_path.iterdir()) == []
@@ -107,3 +126,12 @@ def test_a_damaged_file_is_refused_or_is_a_machine(text, place, tmp_path_factory
     path.write_text(HEAD[:place] + text + HEAD[place:], encoding="utf-8", newline="")
     with suppress(FFGymError):
         load_machine(path)
+
+
+def test_a_machine_is_made_of_what_it_says(irb4600):
+    cogging = EFFECTS["cogging"].on(irb4600, amplitude=0.1)
+    for wrong in ({"robot": "irb4600_60_205"}, {"climate": 20.0}, {"effects": cogging}, {"effects": [type(cogging)]}):
+        with pytest.raises(FFGymError, match=f"{next(iter(wrong))}.* must be"):
+            Machine(**{"robot": irb4600} | wrong)
+    with pytest.raises(FFGymError, match="cogging lacks"):
+        EFFECTS["cogging"].on(irb4600, cycles=2.0)

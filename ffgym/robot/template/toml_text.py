@@ -17,8 +17,8 @@ _DIGITS = 5
 
 
 def text(value: str) -> str:
-    """A string in quotes; JSON's are TOML's."""
-    return json.dumps(value, ensure_ascii=False)
+    """A string in quotes; JSON's are TOML's, but for a control character that JSON leaves as it is."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def names(values: Sequence[str]) -> str:
