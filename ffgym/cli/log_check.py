@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import tyro
 
@@ -13,6 +13,8 @@ from ffgym.errors import FFGymError
 from ffgym.files import write_json, write_text
 from ffgym.logs import read_logs
 from ffgym.quality import QualityReport, check_quality
+from ffgym.quality.finding import Overall
+from ffgym.recordings.folder import recording_files
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Check:
     """Judge clock, columns, units, torque, tracker and coverage of logs; fails if one is insufficient."""
 
     logs: tyro.conf.Positional[tuple[str, ...]]
-    """Recordings (.npz, .csv); files of other tools with --columns."""
+    """Recordings (.npz, .csv) or folders of them; files of other tools with --columns."""
     robot: str | None = None
     """Built-in robot, or a description (.toml); without it nothing is judged that hangs on masses, ranges or limits."""
     columns: str | None = None
@@ -28,7 +30,7 @@ class Check:
     needs: tuple[str, ...] = ()
     """Uses that the logs must serve, e.g. friction tracker temperature; see docs/quality.md."""
     figures: bool = False
-    """Also print every figure beside its limit."""
+    """Also print every figure beside its limit, and what was not judged."""
     report: Path | None = None
     """Page with a picture to write, .html, in one file that can be sent."""
     json: Path | None = None
@@ -51,8 +53,10 @@ class Check:
         self._write(reports, info)
         from ffgym.report.quality.text import format_quality
 
-        texts = [f"{name}\n{format_quality(report, figures=self.figures)}" for name, report in reports]
-        print("\n\n".join(texts))
+        for name, report in reports:
+            print(f"{name}: {format_quality(report, figures=self.figures)}")
+        if len(reports) > 1:
+            print(_counts([report.verdict for _, report in reports]))
         for what, place in (("report", self.report), ("numbers", self.json)):
             if place is not None:
                 print(f"{what}: {place}")
@@ -65,11 +69,18 @@ class Check:
         robot = None if self.robot is None else described_robot(self.robot)
         reports = []
         with progress_bar("checking", "logs") as progress:
-            for done, path in enumerate(self.logs):
-                progress(done, len(self.logs))
+            files = [file for path in self.logs for file in self._files(path)]
+            for done, path in enumerate(files):
+                progress(done, len(files))
                 recordings = read_logs(path, self.columns, robot=robot if self.columns else None)
                 reports += [(path, check_quality(recording, robot, self.needs)) for recording in recordings]
         return reports
+
+    def _files(self, path: str) -> list[str]:
+        """The log, or the recordings in a folder; with a column map a folder may be one log."""
+        if self.columns is None and Path(path).is_dir():
+            return [str(file) for file in recording_files(path)]
+        return [path]
 
     def _write(self, reports: list[tuple[str, QualityReport]], info: dict[str, Any]) -> None:
         """Files first: nobody may read what is printed."""
@@ -79,3 +90,9 @@ class Check:
             write_text(self.report, render_quality_page(reports, info))
         if self.json is not None:
             write_json(self.json, info | {"logs": [{"file": name} | report.numbers() for name, report in reports]})
+
+
+def _counts(verdicts: list[Overall]) -> str:
+    """How many logs have which verdict."""
+    counts = [f"{verdicts.count(verdict)} {verdict}" for verdict in get_args(Overall)]
+    return f"{len(verdicts)} logs: {', '.join(counts)}."

@@ -15,11 +15,19 @@ INDEX = "protocol.json"
 
 
 def read_folder(folder: str | os.PathLike[str]) -> list[Recording]:
-    """Recordings in a folder: those that its index lists, in that order; without an index all files, by name.
+    """Recordings in a folder, see `recording_files`.
 
     Raises:
-        FFGymError: if there is no such folder or nothing in it, a recording of the index is missing, or one cannot be
-            read.
+        FFGymError: as `recording_files`, or if one cannot be read.
+    """
+    return [read_recording(file) for file in recording_files(folder)]
+
+
+def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
+    """Files of recordings in a folder: those that its index lists, in that order; without an index all, by name.
+
+    Raises:
+        FFGymError: if there is no such folder or nothing in it, or a recording of the index is missing.
     """
     place = Path(folder)
     if not place.is_dir():
@@ -37,7 +45,7 @@ def read_folder(folder: str | os.PathLike[str]) -> list[Recording]:
             )
     if not files:
         raise FFGymError(f"{place}: holds no recordings ({', '.join(FORMATS)}).")
-    return [read_recording(file) for file in files]
+    return files
 
 
 def read_index(folder: Path) -> dict[str, Any] | None:
@@ -49,8 +57,9 @@ def read_index(folder: Path) -> dict[str, Any] | None:
     path = folder / INDEX
     if not path.exists():
         return None
+    text = read_text(path)
     try:
-        index = json.loads(read_text(path))
+        index = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise FFGymError(f"{path} is not valid JSON: {error}. Remove it to read all recordings beside it.") from error
     if not isinstance(index, dict):

@@ -1,6 +1,7 @@
 """`ffgym log check`: what it prints, writes and returns."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -25,6 +26,20 @@ def test_good_logs_succeed(logs, capsys):
     out = capsys.readouterr().out
     assert "Good: nothing to object to." in out
     assert "torque_model" in out
+
+
+def test_a_good_log_has_one_line(logs, capsys):
+    assert main(["log", "check", str(logs[0]), "--robot", "two_link"]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.startswith(f"{logs[0]}: two_link, ")
+    assert re.search(r"Good: nothing to object to. \d+ checks not judged.$", line)
+
+
+def test_a_folder_is_all_its_logs(logs, capsys):
+    assert main(["log", "check", str(logs[0].parent)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(":")[0] for line in lines if "rows," in line] == sorted(map(str, logs))
+    assert lines[-1] == "2 logs: 1 good, 0 usable, 1 insufficient."
 
 
 def test_an_insufficient_log_fails_after_all_are_told_and_written(logs, tmp_path, capsys):
@@ -54,6 +69,6 @@ def test_the_page_holds_verdict_figures_and_picture(logs, tmp_path):
 
 
 def test_bad_input_is_one_line(tmp_path, capsys):
-    for arguments in (["nothing.npz"], [str(tmp_path / "x.npz"), "--robot", "nobody"]):
+    for arguments in (["nothing.npz"], [str(tmp_path)], [str(tmp_path / "x.npz"), "--robot", "nobody"]):
         assert main(["log", "check", *arguments]) == 1
         assert capsys.readouterr().err.count("\n") == 1

@@ -17,20 +17,18 @@ def headline(report: QualityReport) -> str:
 
 
 def format_quality(report: QualityReport, *, figures: bool = False) -> str:
-    """The verdict, every problem, and in short what is in order or could not be judged.
+    """The verdict and how much could not be judged in a line, then every problem.
 
     Args:
         report: what was found.
-        figures: also list every figure beside its limit.
+        figures: also list every figure beside its limit, and the checks that were not judged.
     """
-    lines = [headline(report)]
+    unknown = dict.fromkeys(finding.check for finding in report.findings if finding.verdict == "not judged")
+    lines = [headline(report) + (f" {len(unknown)} checks not judged." if unknown else "")]
     lines += [filled(f"{finding.verdict}: [{finding.check}] {finding.message}") for finding in report.problems]
     if figures:
         lines += [_figure(finding) for finding in report.findings if finding.value is not None]
-    for verdict, title in (("ok", "in order"), ("not judged", "not judged")):
-        names = dict.fromkeys(finding.check for finding in report.findings if finding.verdict == verdict)
-        if names:
-            lines.append(filled(f"{title}: {', '.join(names)}"))
+        lines += [filled(f"not judged: {', '.join(unknown)}")] if unknown else []
     return "\n".join(lines)
 
 
