@@ -14,7 +14,7 @@ from ffgym.cli.unused import given_options
 from ffgym.control import FeedForwardLaw
 from ffgym.envs.rigs import rig_of
 from ffgym.errors import FFGymError, check_number
-from ffgym.files import check_writable, write_json
+from ffgym.files import write_json
 from ffgym.protocols import (
     Protocol,
     RecordedSession,
@@ -101,9 +101,11 @@ class Record:
         if self.parameters is not None and self.feedforward == "none":
             raise FFGymError("--parameters has no effect without --feedforward: no law has a model. Leave it out.")
         check_laws([self.feedforward], "--feedforward")
-        if self.out.exists():
-            check_writable(self.out / INDEX)
-        check_outputs({"--json": self.json}, inputs=(self.robot, self.parameters, *self.protocols))
+        if self.out.exists() and not self.out.is_dir():
+            raise FFGymError(f"--out {self.out}: is a file, must be a folder; choose another name.")
+        index = self.out / INDEX if self.out.exists() else None
+        inputs = (self.robot, self.parameters, *self.protocols)
+        check_outputs({"--json": self.json, "the index of the recordings": index}, inputs=inputs)
         return self.out
 
     @property

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any, final
 
@@ -50,7 +51,9 @@ def record_into(
     n_threads: int = 0,
     progress: Progress | None = None,
 ) -> RecordedSession:
-    """Record a session, one file for each motion, and an index `protocol.json` that is written first.
+    """Record a session, one file for each motion, and an index `protocol.json` that is written before them.
+
+    Nothing in the folder is touched before the first recording is there: what cannot be run costs no old one.
 
     Args:
         folder: is made if there is none.
@@ -73,16 +76,15 @@ def record_into(
     index = _index(motions, rig, law, seed, record_dt, dict(origin or {}), suffix)
     _prepare(folder, index, force=force)
     places = [folder / f"{motion.stem}{suffix}" for motion in motions]
-    if force:
-        for place in places:
-            place.unlink(missing_ok=True)  # so that an interrupted session is not taken for a mixture of two
-    complete = [_is_complete(place, index["session"]) for place in places]
-    write_json(folder / INDEX, index)
-    todo = [i for i, done in enumerate(complete) if not done]
+    todo = [i for i, place in enumerate(places) if force or not _is_complete(place, index["session"])]
     made = record(
         motions, rig, law=law, seed=seed, record_dt=record_dt, n_threads=n_threads, progress=progress, only=todo
     )
-    for i, recording in zip(todo, made, strict=True):
+    first = list(islice(made, 1))
+    if force:
+        _remove(places)
+    write_json(folder / INDEX, index)
+    for i, recording in zip(todo, chain(first, made), strict=True):
         provenance = recording.header.provenance | {"session": index["session"]}
         header = replace(recording.header, provenance=provenance)
         write_recording(Recording(recording.columns, header), places[i])
@@ -126,22 +128,48 @@ def _index(
 
 
 def _prepare(folder: Path, index: dict[str, Any], *, force: bool) -> None:
-    """Make the folder, or check that it is for this session."""
+    """Make the folder, or check that it is for this session.
+
+    Raises:
+        FFGymError: if it is none, or holds other recordings and these may not be written over.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise FFGymError(f"{folder}: cannot be made a folder: {error.strerror}; choose another place.") from error
     check_writable(folder / INDEX)
-    if force:
-        return
-    found = read_index(folder)
-    if found is None and any(file.suffix.lower() in FORMATS for file in folder.iterdir()):
+    holds_recordings = any(file.suffix.lower() in FORMATS for file in folder.iterdir())
+    if holds_recordings and not force:
+        _check_session(folder, index)
+
+
+def _check_session(folder: Path, index: dict[str, Any]) -> None:
+    """Refuse a folder with recordings that are not of the session of `index`."""
+    try:
+        found = read_index(folder)
+    except FFGymError as error:
+        raise FFGymError(
+            f"{folder}: its {INDEX} is damaged, so that nobody knows what its recordings are; choose another place, "
+            f"or say --force to write over them."
+        ) from error
+    if found is None:
         raise FFGymError(f"{folder}: holds recordings, but no {INDEX}; choose another place, or say --force.")
-    if found is not None and found.get("session") != index["session"]:
+    if found.get("session") != index["session"]:
         raise FFGymError(
             f"{folder}: holds a session of other motions, options or versions; choose another place, or say --force "
             f"to write over its recordings."
         )
+
+
+def _remove(places: Sequence[Path]) -> None:
+    """Remove old recordings, so that an interrupted session is not taken for a mixture of two."""
+    for place in places:
+        try:
+            place.unlink(missing_ok=True)
+        except OSError as error:
+            raise FFGymError(
+                f"{place}: cannot be removed: {error.strerror}; move it away, or choose another place."
+            ) from error
 
 
 def _is_complete(place: Path, session: str) -> bool:

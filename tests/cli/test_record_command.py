@@ -117,6 +117,45 @@ def test_a_folder_of_another_session_is_refused_unless_it_may_be_written_over(he
     assert read_folder("day")[0].header.provenance["seed"] == 1
 
 
+def test_a_session_of_which_nothing_was_recorded_keeps_no_other_out(here, capsys):
+    assert record("--record-dt-ms", "0.3") == 1
+    assert not list((here / "day").iterdir())
+    (here / "day" / "protocol.json").write_text('{"session": "stopped before its first recording"}')
+    assert record() == 0
+    assert len(read_folder("day")) == 3
+
+
+def test_what_cannot_be_run_costs_no_recording_that_was_to_be_written_over(here, capsys):
+    assert record() == 0
+    before = contents(here / "day")
+    assert record("--record-dt-ms", "0.3", "--force") == 1
+    assert contents(here / "day") == before
+
+
+def test_a_damaged_index_is_refused_unless_the_folder_may_be_written_over(here, capsys):
+    assert record() == 0
+    (here / "day" / "protocol.json").write_bytes(b"\xff")
+    capsys.readouterr()
+    assert record() == 1
+    assert "day: its protocol.json is damaged" in only_error(capsys)
+    assert record("--force") == 0
+    assert len(read_folder("day")) == 3
+
+
+def test_a_place_that_cannot_be_written_over_is_named(here, capsys):
+    (here / "day" / "motion.sine.npz").mkdir(parents=True)
+    assert record("--force") == 1
+    assert "motion.sine.npz: cannot be removed: " in only_error(capsys)
+
+
+def test_the_index_is_no_place_for_the_numbers(here, capsys):
+    assert record() == 0
+    before = contents(here / "day")
+    assert record("--json", "day/protocol.json") == 1
+    assert "--json and the index of the recordings are both day/protocol.json" in capsys.readouterr().err
+    assert contents(here / "day") == before
+
+
 def test_a_law_whose_numbers_have_changed_makes_another_session(here, capsys):
     law = ["--feedforward", "lugre_static", "--parameters", "small.toml"]
     (here / "small.toml").write_text(COULOMB.format(0.1))
@@ -209,7 +248,7 @@ def test_the_list_tells_every_protocol_how_long_it_takes_and_why_one_cannot_be_r
         (["one_axis", "day.toml", "--later-min", "-1", "--out", "x"], "--later-min = -1"),
         (["one_axis", "day.toml", "--torque-noise-percent", "-1", "--out", "x"], "--torque-noise-percent = -1"),
         (["one_axis", "day.toml", "--record-dt-ms", "0.3", "--out", "x"], "record_dt = 0.0003"),
-        (["one_axis", "day.toml", "--out", "day.toml"], "day.toml"),
+        (["one_axis", "day.toml", "--out", "day.toml"], "--out day.toml: is a file, must be a folder"),
         (["one_axis", "day.toml", "--out", "x", "--json", "day.toml"], "--json day.toml"),
         (["one_axis", "day.toml", "--out", "x/y/day.toml/z", "--seed", "-1"], "seed = -1"),
     ],

@@ -1,5 +1,6 @@
 """Sessions: motions on one clock, under names of their own, and their recordings."""
 
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -90,6 +91,26 @@ def test_a_recording_does_not_depend_on_which_others_are_made(session, rig, reco
     assert [one.equals(recordings[i]) for one, i in zip(alone, (2, 4), strict=True)] == [True, True]
     other = list(record(session, rig, seed=2, only={2}))
     assert not other[0].equals(recordings[2])
+
+
+def test_recordings_do_not_depend_on_how_many_motions_run_together(session, rig, recordings, monkeypatch):
+    together = []
+    run = SimulatedRig.run
+
+    def counted(self, runs, **options):
+        together.append(len(runs))
+        return run(self, runs, **options)
+
+    monkeypatch.setattr(SimulatedRig, "run", counted)
+    monkeypatch.setattr(sys.modules[record.__module__], "BATCH", 2.5)
+    again = list(record(session, rig, seed=1))
+    assert [one.equals(other) for one, other in zip(again, recordings, strict=True)] == [True] * len(session)
+    assert len(together) > 1
+    assert sum(together) == len(session)
+    assert max(together) > 1
+    together.clear()
+    list(record(session, rig, record_dt=0.00025))
+    assert together == [1] * len(session)  # samples four times as close: a quarter of the time together
 
 
 def test_the_feedforward_law_is_that_of_every_motion(session, rig):

@@ -64,6 +64,13 @@ def test_a_damaged_index_is_one_error_that_says_what_to_do(folder, text, message
     assert "Remove it" in str(caught.value)
 
 
+def test_an_index_that_is_no_text_is_named_once(folder):
+    (folder / "protocol.json").write_bytes(b"\xff")
+    with pytest.raises(FFGymError, match=r"protocol\.json: is not UTF-8 text") as caught:
+        read_folder(folder)
+    assert str(caught.value).count("protocol.json") == 1
+
+
 def test_a_folder_that_is_none_or_holds_nothing_is_refused(tmp_path):
     with pytest.raises(FFGymError, match="nowhere: no such folder"):
         read_folder(tmp_path / "nowhere")
