@@ -31,9 +31,18 @@ def oracle_law(truth: RobotDescription | None, controller: RigidArm) -> ElasticL
     Raises:
         FFGymError: if nobody may know the truth, as that of a workcell.
     """
+    return elastic_law(RigidArm(known_truth(truth)), controller, name="oracle")
+
+
+def known_truth(truth: RobotDescription | None) -> RobotDescription:
+    """What a machine is, where that may be known.
+
+    Raises:
+        FFGymError: if it may not.
+    """
     if truth is None:
         raise FFGymError("The oracle needs the truth, which is shut away on this machine; leave it out.")
-    return elastic_law(RigidArm(truth), controller, name="oracle")
+    return truth
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -65,7 +74,8 @@ class OracleAgent:
         """See `LawAgent.predict`; the observations must be of all sub-environments, (B, D), or of the only one, (D,).
 
         Raises:
-            FFGymError: if there are observations of fewer or more, or one of the robots is not for this law.
+            FFGymError: if there are observations of fewer or more, one of the robots is not for this law, or the truth
+                of one is shut away.
         """
         batch, n = np.atleast_2d(observation), self.core.n
         if len(batch) != n:
@@ -83,7 +93,8 @@ class OracleAgent:
     def _teams(self) -> list[tuple[LawAgent, list[int]]]:
         """An agent for each distinct robot, and the sub-environments where that is simulated."""
         rows: dict[int, list[int]] = {}
-        for i, robot in enumerate(self.core.plant.robots):
+        for i, machine in enumerate(self.core.plant.machines):
+            robot = known_truth(machine.truth)
             rows.setdefault(id(robot), []).append(i)
             if id(robot) not in self._agents:
                 self._agents[id(robot)] = (robot, self._agent(robot))

@@ -41,7 +41,7 @@ def setting_for(rig: Rig, references: Sequence[Reference], parameters: Path | No
     trial = RigTrial(rig=rig, n_threads=n_threads)
     truth = None
     if isinstance(rig, SimulatedRig):
-        truth = rig.robot if rig.machine is None else rig.machine.physical
+        truth = rig.robot if rig.machine is None else rig.machine.truth
     if parameters is None:
         return Setting(arm=rig.arm, trial=trial, references=references, truth=truth)
     model = RigidArm(with_parameters(rig.robot, parameters))

@@ -61,6 +61,11 @@ class Machine:
                 robot = effect.in_description(robot)
         return robot
 
+    @property
+    def truth(self) -> RobotDescription | None:
+        """What the oracle is told of it: the physical robot; None where nobody may know."""
+        return self.physical
+
     def spec(self, options: ModelOptions) -> mujoco.MjSpec:
         """MuJoCo model of all that the engine itself simulates."""
         spec = build_spec(self.physical, options)

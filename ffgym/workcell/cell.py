@@ -27,6 +27,11 @@ class SealedMachine(Machine):
     def __repr__(self) -> str:
         return f"SealedMachine({self.label!r})"
 
+    @property
+    def truth(self) -> None:
+        """See base class."""
+        return None
+
     def seen(self, recording: Recording) -> Recording:
         """See base class; what only a simulation knows is left out."""
         seen = super().seen(recording)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import ffgym
+from agents.oracle import OracleAgent
 from ffgym.control import joint_reference
 from ffgym.envs import EpisodeRecorder
 from ffgym.errors import FFGymError
@@ -120,6 +121,13 @@ def test_an_environment_shows_an_agent_nothing_of_it():
     shown = repr(env) + str(env.spec) + repr(info) + env.spec.to_json() + repr(pickle.dumps(env.spec))
     assert "thesis" in repr(env.unwrapped.core.plant.machines) + shown
     assert not any(number in shown for number in numbers_of(workcell("thesis")))
+
+
+def test_the_oracle_is_told_nothing_of_it():
+    env = gym.make("ffgym/WorkcellCircles-v0", speeds=[0.1], radii=[0.001], positions=["p1"], horizon=5)
+    observation, _ = env.reset(seed=0)
+    with pytest.raises(FFGymError, match="shut away"):
+        OracleAgent.for_env(env).predict(observation)
 
 
 def test_a_recorder_of_an_environment_gets_no_truth():
