@@ -55,6 +55,10 @@ class Forces:
         self._resolver = [
             stacked(kind, members, n) for kind, members in by_kind([machine.resolver_effects for machine in machines])
         ]
+        self._keys: list[tuple[type[TorqueEffect], int]] = []  # each kind, and how many of it came before
+        for effect, _ in self._torque:
+            kind = type(effect)
+            self._keys.append((kind, sum(known is kind for known, _ in self._keys)))
         everyone = self.choose(slice(None))
         state = self.state(everyone)
         self._memory = [effect.initial_memory(state) for effect in everyone.torque]
@@ -95,6 +99,13 @@ class Forces:
         """Forget what was: simulations are at rest in `state`."""
         for effect, memory in zip(chosen.torque, self._memory, strict=True):
             memory[chosen.rows] = effect.initial_memory(state)
+
+    def go_on_from(self, before: "Forces", rows: IntArray) -> None:
+        """Remember what `before` does of simulations `rows`, whose machines are still the same."""
+        known = dict(zip(before._keys, before._memory, strict=True))
+        for key, memory in zip(self._keys, self._memory, strict=True):
+            if key in known:
+                memory[rows] = known[key][rows]
 
     def resting(self, chosen: Chosen, state: State) -> Torques:
         """What is added to robots that rest in `state`, with memories that are relaxed there."""

@@ -93,6 +93,8 @@ class Plant:
     def become(self, ids: Sequence[int] | IntArray, robots: Sequence[RobotDescription | Machine]) -> None:
         """Give simulations `ids` other physics: masses, stiffness, friction, ... of `robots`; then put them to `rest`.
 
+        All others go on as if nothing had happened.
+
         Raises:
             FFGymError: if a robot differs in what its controller knows: joints, gear ratios, servo, sample times; or in
                 which joints are elastic, which bodies springs join, or whether there is a tool.
@@ -106,7 +108,10 @@ class Plant:
             give_model(self.batch, self.model, i, model)
             self.machines[i] = machine
         if changed:
-            self._forces = self._make_forces()
+            before, self._forces = self._forces, self._make_forces()
+            if before is not None and self._forces is not None:
+                others = np.setdiff1d(np.arange(self.n_robots), [i for i, _ in changed])
+                self._forces.go_on_from(before, others)
 
     def _model_of(self, machine: Machine) -> mujoco.MjModel:
         """Model of a machine that has a place in this batch."""
