@@ -106,8 +106,9 @@ def _overview(laboratory: Laboratory) -> list[ReportFigure]:
             name="narx-reach",
             title="Fit of the networks on motions they were not fitted to",
             thesis="",
-            caption="Free run; marks are medians of the random starts, bars reach from worst to best. The four on "
-            "the right are unlike all records of Table 6.1.",
+            caption="Free run; marks are medians of the random starts, bars reach from worst to best. What is below 0 "
+            "errs more than the mean torque would, and is not drawn. The four on the right are unlike all records of "
+            "Table 6.1; A in rad/s, f in Hz.",
             figure=fits_figure(fits, np.array([_floor(laboratory, name) for name in names]), names),
         )
     ]
