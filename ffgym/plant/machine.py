@@ -67,12 +67,28 @@ class Machine:
         return self.physical
 
     def spec(self, options: ModelOptions) -> mujoco.MjSpec:
-        """MuJoCo model of all that the engine itself simulates."""
+        """MuJoCo model of all that the engine itself simulates.
+
+        Raises:
+            FFGymError: if options leave out what an effect acts on.
+        """
+        self._check_whole(options)
         spec = build_spec(self.physical, options)
         for effect in self.effects:
             if isinstance(effect, ModelEffect):
                 effect.in_model(spec, self.physical)
         return spec
+
+    def _check_whole(self, options: ModelOptions) -> None:
+        for effect in self.effects:
+            for needed, there, part in (
+                (effect.needs_elasticity, options.flexible, "elasticity of joints"),
+                (effect.needs_friction, options.friction, "friction of motors"),
+            ):
+                if needed and not there and not effect.is_null:
+                    raise FFGymError(
+                        f"Effect {effect.name} acts in the {part}, which is left out here; leave out neither, or both."
+                    )
 
     @property
     def torque_effects(self) -> tuple[TorqueEffect, ...]:

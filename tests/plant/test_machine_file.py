@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ffgym.effects import EFFECTS
 from ffgym.errors import FFGymError
-from ffgym.plant import Climate, Machine, load_machine, save_machine, with_payload
+from ffgym.plant import Climate, Machine, Plant, load_machine, save_machine, with_payload
 from ffgym.plant.machine_file import is_machine_file
 from ffgym.robot import ModelOptions
 
@@ -126,6 +126,21 @@ def test_a_damaged_file_is_refused_or_is_a_machine(text, place, tmp_path_factory
     path.write_text(HEAD[:place] + text + HEAD[place:], encoding="utf-8", newline="")
     with suppress(FFGymError):
         load_machine(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "options", "part"),
+    [
+        ("nonlinear_viscous", {"share": -0.3}, {"friction": False}, "friction"),
+        ("kinematic_error", {"amplitude": 1e-4}, {"flexible": False}, "elasticity"),
+    ],
+)
+def test_what_an_effect_acts_on_cannot_be_left_out(name, values, options, part, irb4600):
+    machine = Machine(robot=irb4600, effects=(EFFECTS[name].on(irb4600, **values),))
+    with pytest.raises(FFGymError, match=f"{name} acts in the {part}"):
+        Plant(machine, 1, options=ModelOptions(looks=False, **options))
+    null = Machine(robot=irb4600, effects=(EFFECTS[name].on(irb4600, **dict.fromkeys(values, 0.0)),))
+    Plant(null, 1, options=ModelOptions(looks=False, **options))
 
 
 def test_a_machine_is_made_of_what_it_says(irb4600):

@@ -17,15 +17,16 @@ class CoulombLevel(NativeEffect):
     name: ClassVar[str] = "coulomb_level"
     code: ClassVar[str] = "F1"
     title: ClassVar[str] = "Coulomb friction level"
-    equation: ClassVar[str] = r"\tau_f \mathrel{+}= \Delta f_c\, s(v)"
+    equation: ClassVar[str] = r"\tau_f \mathrel{+}= a\, f_c\, s(v)"
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: square wave locked to the sign of the speed, whatever speed, place and load"
     way_in: ClassVar[str] = "native: coulomb and static of MuJoCo's LuGre friction"
     confusable_with: ClassVar[tuple[str, ...]] = ("F7", "T3", "T4", "T6")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "warm_up")
+    needs_friction: ClassVar[bool] = True
 
     change: Array = parameter(
-        "more Coulomb and breakaway torque, motor side, as a share of the Coulomb torque",
+        "a, more Coulomb and breakaway torque as a share of the Coulomb torque",
         unit="1",
         low=-0.3,
         high=0.3,

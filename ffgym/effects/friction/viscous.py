@@ -23,6 +23,7 @@ class ViscousLevel(NativeEffect):
     way_in: ClassVar[str] = "native: damping of MuJoCo's friction actuator"
     confusable_with: ClassVar[tuple[str, ...]] = ("F7", "F8", "M5", "X3")
     separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder", "warm_up", "excitation")
+    needs_friction: ClassVar[bool] = True
 
     change: Array = parameter(
         "a, more viscous friction as a share of it",

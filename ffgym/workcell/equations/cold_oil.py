@@ -33,6 +33,7 @@ class ColdOil(TorqueEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "viscous friction that falls while the machine warms up"
     way_in: ClassVar[str] = "torque on the motor"
+    needs_friction: ClassVar[bool] = True
 
     viscous: Array = parameter(
         "viscous friction of the oil at the reference temperature, f, motor side",

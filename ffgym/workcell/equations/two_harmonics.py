@@ -56,7 +56,11 @@ class GearError(TorqueEffect):
     needs_elasticity: ClassVar[bool] = True
 
     amplitude: Array = parameter(
-        "of the first harmonic, A, link side", unit="rad", low=0.0, high=1e-4, source="0.1-0.3 mrad: the upper end"
+        "of the first harmonic, A, link side",
+        unit="rad",
+        low=0.0,
+        high=1e-4,
+        source="chosen: up to where strain wave gears begin",
     )
     cycles: Array = parameter("cycles per motor turn, k", unit="1", low=0.1, high=4.0, source="chosen", null=None)
     phase: Array = parameter("phase at motor angle 0", unit="rad", low=-np.pi, high=np.pi, source="chosen", null=None)
