@@ -33,7 +33,7 @@ def identified_rigid_body(config: "Identify", draft: RobotDraft, logs: LogSet) -
     robot = starting_robot(draft, logs.used, options.filtering) if draft.missing else logs.robot
     with progress_bar("identifying", "resamples") as progress:
         fit = identify_rigid_body(robot, logs.used, options, progress)
-    report = RigidBodyReport(fit=fit, held_out=logs.held_out, doubts=logs.doubts)
+    report = RigidBodyReport(fit=fit, held_out=logs.held_out, doubts_of_logs=logs.doubts)
     return Outcome(
         title=f"Rigid body of {robot.title}, identified",
         text=format_rigid_body(report),

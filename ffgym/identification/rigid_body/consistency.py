@@ -39,9 +39,15 @@ class ConsistentLeastSquares:
             right: b, shape (K,).
 
         Raises:
-            FFGymError: if the solver is missing or fails.
+            FFGymError: if the solver is missing or fails, or A is singular in floating point.
         """
-        y: Array = cho_solve(cho_factor(normal), right)
+        try:
+            y: Array = cho_solve(cho_factor(normal), right)
+        except np.linalg.LinAlgError as error:
+            raise FFGymError(
+                "The equations are singular in floating point: description and recordings differ by too many powers of "
+                "ten. Check masses, rotors, gear ratios and the unit of the torque."
+            ) from error
         if np.all(y >= self.coordinates.least) and self.coordinates.least_eigenvalue(y) >= LEAST:
             return y
         return self._constrained(y, normal)

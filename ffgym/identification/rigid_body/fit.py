@@ -9,26 +9,15 @@ from ffgym.identification.bootstrap import Intervals, intervals
 from ffgym.identification.parameter_file import entry_of, fitted_quantity
 from ffgym.identification.rigid_body.arm_terms import Bodies
 from ffgym.identification.rigid_body.base import BaseParameters
+from ffgym.identification.rigid_body.doubts import doubts_about
 from ffgym.identification.rigid_body.observation import Equations, Filtering, equations_of
 from ffgym.identification.rigid_body.term import Term
+from ffgym.identification.rigid_body.torque_errors import TorqueErrors, torque_errors
 from ffgym.identification.rigid_body.trade_off import TradeOff
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.types import Array, BoolArray
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TorqueErrors:
-    """RMS motor torque and what predictions leave of it, motor side [N m], shape (N,) each, over rows that move."""
-
-    measured: Array
-    described: Array
-    """The description, its friction at steady speed."""
-    identified: Array
-    """All terms that were fitted."""
-    in_file: Array
-    """What a parameter file holds: fitted again without offsets, asymmetry and springs."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,6 +69,11 @@ class RigidBodyFit:
     def not_excited(self) -> tuple[str, ...]:
         """Names of the parameters that were dropped."""
         return tuple(label for label, fitted in zip(self.labels, self.fitted, strict=True) if not fitted)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What speaks against the fit, in sentences."""
+        return doubts_about(self.robot, self.errors, self.trade_off)
 
     @property
     def intervals(self) -> Intervals:
@@ -135,21 +129,3 @@ class RigidBodyFit:
         """Terms with those of `parameters` (K,) that are theirs."""
         counts = [len(term.labels(self.robot)) for term in self.terms]
         return list(zip(self.terms, np.split(parameters, np.cumsum(counts)[:-1]), strict=True))
-
-
-def torque_errors(equations: Equations, estimate: Array, in_file: Array) -> TorqueErrors:
-    """Errors of the equations with all that was found, and with what a parameter file holds of it, (K,) each."""
-    counts, robot = equations.counts, equations.robot
-    described = np.concatenate([term.described(robot) for term in equations.terms])
-    return TorqueErrors(
-        measured=_rms(equations.measured, counts),
-        described=_rms(equations.residual(described), counts),
-        identified=_rms(equations.residual(estimate), counts),
-        in_file=_rms(equations.residual(in_file), counts),
-    )
-
-
-def _rms(values: Array, counts: BoolArray) -> Array:
-    """Root mean square over the rows that count for each motor, (N,); NaN where none does."""
-    with np.errstate(invalid="ignore"):
-        return np.sqrt((np.where(counts, values, 0.0) ** 2).sum(axis=0) / counts.sum(axis=0))

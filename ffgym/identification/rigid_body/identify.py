@@ -9,10 +9,11 @@ from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.identification.bootstrap import LEVEL
 from ffgym.identification.rigid_body.arm_terms import Bodies
 from ffgym.identification.rigid_body.base import base_parameters, condition_number
-from ffgym.identification.rigid_body.fit import RigidBodyFit, torque_errors
+from ffgym.identification.rigid_body.fit import RigidBodyFit
 from ffgym.identification.rigid_body.observation import Equations, Filtering, equations_of
 from ffgym.identification.rigid_body.problem import LOOSE, Problem, problem_of
 from ffgym.identification.rigid_body.terms import DEFAULT_TERMS, terms_named
+from ffgym.identification.rigid_body.torque_errors import torque_errors
 from ffgym.identification.rigid_body.trade_off import TradeOff, choose_spread
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -21,6 +22,10 @@ from ffgym.types import Array, BoolArray, IntArray
 EXCITED = 0.9
 """Share that the data must have in a friction term or offset, else it is dropped: with less, what is found is that of
 another term, or of the description."""
+
+NEAREST, FARTHEST = 1e-6, 1e3
+"""Least and largest spread that can be asked for; chosen: masses are neither known to a millionth nor off by more than
+a thousand times, and with either the equations are still solved to many digits."""
 
 _FOLDS = 5
 """Parts of a single recording that are held out in turn."""
@@ -50,7 +55,7 @@ class RigidBodyOptions:
     def __post_init__(self) -> None:
         terms_named(self.terms)
         if self.spread is not None:
-            check_number("spread", self.spread, low=0.0, open_low=True)
+            check_number("spread", self.spread, low=NEAREST, high=FARTHEST)
         check_whole("resamples", self.resamples, low=2)
         check_whole("seed", self.seed, low=0)
 

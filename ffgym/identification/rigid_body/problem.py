@@ -96,22 +96,32 @@ def problem_of(equations: Equations) -> Problem:
     """Weight the equations of each motor by the inverse of what they leave.
 
     Raises:
-        FFGymError: if no motor moves.
+        FFGymError: if no motor moves, or one that does has no torque.
     """
     if not equations.counts.any():
         raise FFGymError(
             "No motor moves fast enough for long enough to tell anything: record a motion, or lower `moving`."
         )
+    _check_torque(equations)
     coordinates = coordinates_of(equations.robot, equations.terms, _sizes(equations))
     solver = ConsistentLeastSquares(coordinates)
     torque = _rms(equations.torque, equations.counts)
-    noise = np.maximum(torque, np.finfo(np.float64).tiny)
+    noise = np.where(torque > 0, torque, 1.0)
     for _ in range(_WEIGHTINGS):
         problem = _summed(equations, solver, noise)
         y = problem.solve(np.ones(equations.blocks.n_blocks), LOOSE)
         left = _rms(equations.residual(coordinates.parameters(y)), equations.counts)
         noise = np.maximum(left, np.where(torque > 0, _LEAST_NOISE * torque, 1.0))
     return _summed(equations, solver, noise)
+
+
+def _check_torque(equations: Equations) -> None:
+    silent = equations.counts.any(axis=0) & (_rms(equations.measured, equations.counts) == 0.0)
+    if silent.any():
+        names = ", ".join(equations.robot.joints[j] for j in np.flatnonzero(silent))
+        raise FFGymError(
+            f"motor.effort of {names} is 0 wherever it moves, which tells nothing: map the column with its torque."
+        )
 
 
 def _summed(equations: Equations, solver: ConsistentLeastSquares, noise: Array) -> Problem:

@@ -21,8 +21,13 @@ class RigidBodyReport:
     fit: RigidBodyFit
     held_out: Sequence[Recording]
     """Recordings that were not used."""
-    doubts: Sequence[str] = ()
+    doubts_of_logs: Sequence[str] = ()
     """What speaks against logs that were used all the same."""
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What speaks against logs and fit."""
+        return (*self.doubts_of_logs, *self.fit.doubts)
 
     @property
     def validation(self) -> Mapping[str, TorqueErrors]:

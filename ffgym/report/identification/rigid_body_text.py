@@ -39,7 +39,11 @@ def _summary(fit: RigidBodyFit) -> str:
         f"them (condition number {fit.condition:.3g}). Masses and rotors are held near the description, relative "
         f"standard deviation {fit.trade_off.chosen:g}"
     )
-    return text + ("." if len(fit.trade_off.spreads) == 1 else ", which predicts held-out parts of the logs best.")
+    return text + (
+        "."
+        if len(fit.trade_off.spreads) == 1
+        else ", the nearest that predicts held-out parts of the logs as well as any."
+    )
 
 
 def _parameters(fit: RigidBodyFit, rows: list[Row]) -> str:
