@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401  (registers the environments)
+from ffgym.effects import EFFECTS
 from ffgym.envs.rendering import Rendering
 from ffgym.envs.rendering.gauge import Dial, Ruler
+from ffgym.plant import Machine
 from ffgym.robot import builtin_robots, load_robot
 
 SMALL = Rendering(width=192, height=108)
@@ -39,6 +41,23 @@ def test_every_robot_can_be_drawn_with_and_without_looks(name, needs_gl):
         assert len(np.unique(half, axis=0)) > 50  # more than sky and floor
         env.close()
     assert not np.array_equal(*pictures)
+
+
+def test_a_machine_is_drawn_with_the_joints_that_its_effects_add(irb4600, needs_gl):
+    base = EFFECTS["base_flexibility"].on(irb4600, compliance=3e-7)
+    env = gym.make(
+        "ffgym/CirclePath-v0",
+        plant=Machine(robot=irb4600, effects=(base,)),
+        render_mode="rgb_array",
+        rendering=SMALL,
+        disable_env_checker=True,
+    ).unwrapped
+    env.reset(seed=0)
+    data = env._batch._renderer._data
+    assert env.render().shape == (108, 192, 3)
+    np.testing.assert_array_equal(data.qpos, env.core.plant.batch.qpos[0])
+    np.testing.assert_allclose(data.site("tcp").xpos, env.core.plant.batch.bind("site_xpos")[0, -1], atol=1e-12)
+    env.close()
 
 
 def test_the_gauge_shows_the_joint_that_moves_most_of_its_range_and_its_error_behind_the_gearbox(irb4600, needs_gl):

@@ -13,7 +13,7 @@ from ffgym.envs.rendering.trails import Trails
 from ffgym.envs.rendering.view import View
 from ffgym.envs.rendering.viewer import Sight, Window
 from ffgym.errors import FFGymError
-from ffgym.robot import ModelOptions, compile_model
+from ffgym.robot import ModelOptions
 from ffgym.types import IntArray
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class EpisodeRenderer:
 
     def __init__(self, core: "TrackingCore", render_mode: str) -> None:
         self._core, self._options = core, core.settings.rendering
-        self._model = compile_model(core.plant.robot, ModelOptions(looks=True))
+        self._model = core.plant.machines[0].spec(ModelOptions(looks=True)).compile()  # with the joints of its effects
         self._data = mujoco.MjData(self._model)
         self._view: View = (ToolView if core.columns.has_tcp else AxisView)(core, self._options)
         self._trails = Trails(core.n, self._view.trail_width)
