@@ -3,7 +3,7 @@
 python -m scripts.rigid_body_tables --write docs/rigid_body_identification.md
 
 reads the published recordings of the EMPS axis and of the KUKA KR 300 (folder in the environment variable FFGYM_DATA).
-The KR 300 is fitted to run A, near its description; run C is only predicted.
+The KR 300 is fitted to run A, near its description; run C is only predicted, and the page says what was known of it.
 """
 
 from collections.abc import Mapping
@@ -119,8 +119,8 @@ def numbers_of(model: EmpsModel) -> dict[str, float]:
 
 
 def emps_table(fits: Mapping[str, RigidBodyFit]) -> str:
-    """Published and found, and what is left of the force."""
-    rows = ["| model | parameter | published | found | difference |", "|---|---|---|---|---|"]
+    """What the authors' scripts give and what is found, and what is left of the force."""
+    rows = ["| model | parameter | authors' script | found | difference |", "|---|---|---|---|---|"]
     for name, published in (("symmetric", EMPS_SYMMETRIC), ("asymmetric", EMPS_ASYMMETRIC)):
         found = numbers_of(model_of(fits[name]))
         for parameter, value in numbers_of(published).items():
