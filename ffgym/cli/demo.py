@@ -6,7 +6,7 @@ from pathlib import Path
 from agents.catalogue import CATALOGUE
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
-from ffgym.envs.rigs import rig_of
+from ffgym.envs.rigs import is_workcell, rig_of
 from ffgym.files import write_json
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription, load_robot
@@ -19,6 +19,9 @@ from ffgym.studies import (
     one_axis_study,
     sine_references,
 )
+
+SEED = 0
+"""Of the noise of a workcell's sensors."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,7 @@ class Demo:
         laws = make_laws(self.agents, setting_for(rig, references, self.parameters, self.threads))
         with progress_bar("simulating", "s") as progress:
             return circle_study(
-                rig, laws=laws, positions=positions, speeds=speeds, n_threads=self.threads, progress=progress
+                rig, laws=laws, positions=positions, speeds=speeds, seed=SEED, n_threads=self.threads, progress=progress
             )
 
     def _one_axis(self, robot: RobotDescription) -> OneAxisStudy:
@@ -81,7 +84,8 @@ class Demo:
         return one_axis_study(robot, laws=make_laws(names or ["none"], setting))
 
     def provenance(self, study: CircleStudy) -> dict[str, object]:
-        """Origin of the numbers of a study. Nothing in it is random, so that the seed is null."""
-        info = provenance("ffgym demo", self, study.robot.name, study.fingerprint, seed=None)
+        """Origin of the numbers of a study; the seed is null where nothing is random, as no sensor measures."""
+        seed = SEED if is_workcell(self.robot) else None
+        info = provenance("ffgym demo", self, study.robot.name, study.fingerprint, seed)
         info["config"]["positions"] = list(dict.fromkeys(cell.position for cell in study.cells))
         return info

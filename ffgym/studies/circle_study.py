@@ -52,6 +52,12 @@ class CircleStudy:
     """By law, position and speed [m/s]; each holds all radii."""
     fingerprint: str
 
+    @property
+    def title(self) -> str:
+        """What ran: the robot, and the machine under its controller where that is not the robot itself."""
+        machines = dict.fromkeys(cell.plant for cell in self.cells if cell.plant != SimulatedRig.name)
+        return self.robot.title + (f", machine: {', '.join(machines)}" if machines else "")
+
     def select(self, **wanted: object) -> list[Cell]:
         """Cells whose fields equal `wanted`, e.g. agent='none', speed_mm_s=10."""
         return [cell for cell in self.cells if all(getattr(cell, key) == value for key, value in wanted.items())]

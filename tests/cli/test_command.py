@@ -139,6 +139,14 @@ def test_a_process_returns_the_exit_code(tmp_path):
     assert [p.name for p in tmp_path.iterdir()] == ["arm"]
 
 
+def test_the_demo_on_a_workcell_says_so_and_names_the_seed_of_its_sensors(tmp_path, capsys):
+    arguments = ["--positions", "p1", "--speeds-mm-s", "100", "--agents", "none", "--json", str(tmp_path / "n.json")]
+    assert main(["demo", "--robot", "workcell:thesis", *arguments, "--report", str(tmp_path / "r.html")]) == 0
+    assert "machine: thesis" in " ".join(capsys.readouterr().out.split())
+    assert "machine: thesis" in (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert json.loads((tmp_path / "n.json").read_text())["seed"] == 0
+
+
 def test_the_demo_runs_every_position_and_speed_by_default():
     assert Demo().positions == ()
     assert Demo().speeds_mm_s == (10.0, 40.0, 100.0)

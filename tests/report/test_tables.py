@@ -1,5 +1,6 @@
 import re
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -20,6 +21,14 @@ def test_text_shows_every_cell_as_rms_and_max(circle):
     text = format_text(circle)
     for cell in circle.cells:
         assert f"{cell.rms_mm:.3f} ({cell.max_mm:.3f})" in text
+
+
+def test_the_text_names_the_machine_where_it_is_not_the_robot_itself(made_up):
+    study = made_up(laws=("none",))
+    on_another = replace(study, cells=[replace(cell, plant="worn") for cell in study.cells])
+    assert study.robot.title in format_text(study)
+    assert "machine" not in format_text(study)
+    assert "machine: worn" in " ".join(format_text(on_another).split())
 
 
 def test_published_numbers_stand_beside_the_simulated_ones_in_the_order_of_the_laws(made_up):

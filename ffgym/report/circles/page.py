@@ -46,7 +46,7 @@ def render_report(circle_study: CircleStudy, one_axis_study: OneAxisStudy, info:
     tables = circle_tables(circle_study)
     return render(
         "report.html.j2",
-        robot=circle_study.robot,
+        title=circle_study.title,
         one_axis_robot=one_axis_study.robot,
         styles=law_styles([*tables[0].agents, *(result.agent for result in one_axis_study.results)]),
         headline=headline(circle_study, one_axis_study),

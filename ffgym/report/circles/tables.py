@@ -16,7 +16,7 @@ Column = tuple[str, list[str]]
 def format_text(study: CircleStudy) -> str:
     """One table per speed: simulated beside published path error, then their ratio without compensation."""
     legend = filled(
-        f"Path error of {study.robot.title} [mm]: deviation of the tool from the circle, in the plane of the circle, "
+        f"Path error of {study.title} [mm]: deviation of the tool from the circle, in the plane of the circle, "
         "as RMS (max); offset at standstill removed; lead-in and lead-out do not count. simulated: ffgym. published: "
         "the real robot, by laser tracker, as printed in the thesis (Tables 4.1, 4.2, 5.1, 5.2). '-': not published."
     )
