@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Self, final
+from typing import NoReturn, Self, final
 
 import numpy as np
 
+from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions, RigidArm
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, SimulatedRig
 from ffgym.simulation.simulate import Progress
 
@@ -31,6 +32,17 @@ class SealedMachine(Machine):
     def truth(self) -> None:
         """See base class."""
         return None
+
+    def with_robot(self, robot: RobotDescription) -> NoReturn:
+        """A workcell has no other numbers.
+
+        Raises:
+            FFGymError: always.
+        """
+        raise FFGymError(
+            f"Workcell {self.label!r} is what it is, and nothing of it is drawn: leave out the randomization, or take "
+            f"another workcell, by its seed."
+        )
 
     def seen(self, recording: Recording) -> Recording:
         """See base class; what only a simulation knows is left out."""

@@ -14,6 +14,7 @@ from ffgym.control import joint_reference
 from ffgym.envs import EpisodeRecorder
 from ffgym.errors import FFGymError
 from ffgym.paths import multisine
+from ffgym.plant import PlantDistribution
 from ffgym.recordings import write_recording
 from ffgym.simulation import Run, simulate
 from ffgym.workcell import INSTANCES, workcell
@@ -148,6 +149,14 @@ def test_a_recorder_of_an_environment_gets_no_truth():
 def test_a_workcell_cannot_be_made_another(arguments):
     with pytest.raises(FFGymError, match="workcell"):
         gym.make("ffgym/WorkcellCircles-v0", **arguments)
+
+
+def test_nothing_of_a_workcell_is_drawn_for_an_episode():
+    env = gym.make("ffgym/WorkcellCircles-v0", speeds=[0.04], radii=[0.001], positions=["p1"])
+    with pytest.raises(FFGymError, match="leave out the randomization"):
+        env.reset(seed=0, options={"randomization": PlantDistribution()})
+    with pytest.raises(FFGymError, match="leave out the randomization"):
+        gym.make("ffgym/CirclePath-v0", plant="workcell:3", randomization=PlantDistribution()).reset(seed=0)
 
 
 def test_another_workcell_can_be_chosen_for_an_episode():

@@ -15,6 +15,7 @@ from ffgym.workcell.equations import (
     GearError,
     GearLosses,
     OneWayFriction,
+    ResolverEccentricity,
     SlipElements,
     SlowStribeck,
     SmoothHysteresis,
@@ -164,3 +165,50 @@ def test_a_transmission_error_is_the_output_ahead_of_the_motor():
     spring = effect.torques(resting, np.zeros((50, 1, 0)), DT)[0].spring[:, 0]
     ahead = 2e-5 * (np.sin(angle + 0.4) + np.sin(3 * angle + 0.4) / 3)
     np.testing.assert_allclose(spring, 5e5 * ahead)
+
+
+def test_a_transmission_error_makes_no_energy():
+    effect = GearError(amplitude=[2e-5], cycles=[1.0], phase=[0.4])
+    phase = np.linspace(0, 2 * np.pi, 20001)
+    deflection, angle, stiffness = 1e-3 * np.sin(phase), 0.7 * np.sin(phase + 1.0), 5e5
+    state = state_of(motor_angle=angle, deflection=deflection, load=-stiffness * deflection, joint_stiffness=stiffness)
+    torques = effect.torques(state, np.zeros((len(phase), 1, 0)), DT)[0]
+    on_spring = np.trapezoid(torques.spring[:, 0], deflection)
+    on_motor = np.trapezoid(torques.motor[:, 0], angle)
+    assert abs(on_spring) > 1e-4
+    assert on_motor == pytest.approx(-on_spring, rel=1e-5)
+
+
+def test_a_transmission_error_is_damped_as_fast_as_it_changes():
+    effect = GearError(amplitude=[2e-5], cycles=[2.0], phase=[0.4])
+    step, speed, damping = 1e-6, 30.0, 500.0
+    before, after = (
+        effect.torques(state_of(motor_angle=angle, joint_stiffness=1.0), np.zeros((1, 1, 0)), DT)[0].spring[0, 0]
+        for angle in (0.7 - step, 0.7 + step)
+    )
+    moving = state_of(motor_angle=0.7, motor_speed=speed, joint_damping=damping)
+    damped = effect.torques(moving, np.zeros((1, 1, 0)), DT)[0].spring[0, 0]
+    assert damped == pytest.approx(damping * speed * (after - before) / (2 * step), rel=1e-6)
+
+
+def test_a_resolver_reads_the_speed_of_the_angle_that_it_reads():
+    effect = ResolverEccentricity(amplitude=[5e-4], phase=[0.3])
+    t = np.linspace(0.0, 1.0, 10001)[:, None]
+    angle, speed = 5.0 * np.sin(3.0 * t), 15.0 * np.cos(3.0 * t)
+    error = effect.error(angle, speed)
+    rate = np.gradient(error.angle[:, 0], t[:, 0])
+    np.testing.assert_allclose(error.speed[1:-1, 0], rate[1:-1], atol=1e-5)
+
+
+def test_the_second_stribeck_term_falls_by_its_share_of_the_speed():
+    effect = SlowStribeck(level=[0.1], speed=[2.0])
+    state = state_of(motor_speed=np.array([-4.0, 1.0, 2.0]), friction_sign=np.array([-1.0, 1.0, 1.0]))
+    torque = effect.torques(state, np.zeros((3, 1, 0)), DT)[0].motor[:, 0]
+    np.testing.assert_allclose(torque, [0.1 * np.exp(-2), -0.1 * np.exp(-0.5), -0.1 * np.exp(-1)])
+
+
+def test_friction_by_direction_grows_with_the_speed():
+    effect = OneWayFriction(level=[0.05], speed=[8.0])
+    state = state_of(motor_speed=np.array([0.0, 8.0, 24.0]), friction_sign=1.0)
+    torque = effect.torques(state, np.zeros((3, 1, 0)), DT)[0].motor[:, 0]
+    np.testing.assert_allclose(torque, [-0.05, -0.05 * np.sqrt(2), -0.1])
