@@ -55,6 +55,12 @@ def _value(where: str, given: Any, known: Parameter) -> Any:
         raise FFGymError(f"{where} = {given!r} must be a table of value, unit, and maybe source and interval.")
     if given["unit"] != known.unit:
         raise FFGymError(f"{where} has unit {given['unit']!r}, must be {known.unit!r}.")
+    if not isinstance(given.get("source", ""), str):
+        raise FFGymError(f"{where}.source = {given['source']!r} must be text.")
+    if "interval" in given:
+        ends = known.numbers(where.removesuffix(f".{known.name}"), given["interval"])
+        if ends.shape[-1:] != (2,) or np.any(ends[..., 0] > ends[..., 1]):
+            raise FFGymError(f"{where}.interval = {given['interval']!r} must be lower and upper ends, shape (..., 2).")
     return given["value"]
 
 

@@ -123,6 +123,8 @@ def parse_climate(tables: Mapping[str, Any]) -> Climate:
             raise FFGymError(f"climate.{name} = {table!r} must be a table of value, unit and maybe source.")
         if table["unit"] != unit:
             raise FFGymError(f"climate.{name} has unit {table['unit']!r}, must be {unit!r}.")
+        if not isinstance(table.get("source", ""), str):
+            raise FFGymError(f"climate.{name}.source = {table['source']!r} must be text.")
         values[name] = table["value"]
     return Climate(**values)
 

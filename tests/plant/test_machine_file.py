@@ -84,6 +84,10 @@ def test_the_robot_may_be_a_description_beside_the_file(one_axis_text, tmp_path)
         (HEAD.replace("irb4600_60_205", "a\\u0000.toml"), "no name of a file"),
         (HEAD + '[climate]\nrise = { value = [[1], [1, 2]], unit = "K" }\n', "climate.rise must be numbers"),
         (HEAD + '[climate]\nrise = { value = "warm", unit = "K" }\n', "climate.rise must be a number"),
+        (HEAD + '[effects.cogging]\namplitude = { value = 1, unit = "N m", source = 3 }\n', "must be text"),
+        (HEAD + '[effects.cogging]\namplitude = { value = 1, unit = "N m", interval = [2, 1] }\n', "lower and upper"),
+        (HEAD + '[effects.cogging]\namplitude = { value = 1, unit = "N m", interval = "so" }\n', "must be numbers"),
+        (HEAD + '[climate]\nambient = { value = 3, unit = "degC", source = 3 }\n', "must be text"),
         (HEAD + "[climate]\nwind = 3\n", "Unknown entry of climate"),
         (HEAD + "[climate]\nambient = 3\n", "table of value, unit"),
         (HEAD + '[climate]\nambient = { value = 3, unit = "K" }\n', "must be 'degC'"),
@@ -141,6 +145,12 @@ def test_what_an_effect_acts_on_cannot_be_left_out(name, values, options, part, 
         Plant(machine, 1, options=ModelOptions(looks=False, **options))
     null = Machine(robot=irb4600, effects=(EFFECTS[name].on(irb4600, **dict.fromkeys(values, 0.0)),))
     Plant(null, 1, options=ModelOptions(looks=False, **options))
+
+
+def test_an_effect_may_say_how_sure_an_identification_is_of_it(tmp_path):
+    numbers = 'amplitude = { value = 0.1, unit = "N m", source = "identified", interval = [0.08, 0.13] }\n'
+    (cogging,) = load_machine(written(tmp_path, HEAD + "[effects.cogging]\n" + numbers)).effects
+    np.testing.assert_array_equal(cogging.values()["amplitude"], np.full(6, 0.1))
 
 
 def test_a_machine_is_made_of_what_it_says(irb4600):
