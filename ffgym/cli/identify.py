@@ -30,7 +30,7 @@ class Identify:
     """Identify parameters from logs; print them beside the old ones, with intervals, and how well they hold."""
 
     logs: tyro.conf.Positional[tuple[Path, ...]]
-    """Recordings, .npz or .csv, or folders of them."""
+    """Recordings, .npz or .csv, or folders of them; files of other tools with --columns."""
     robot: str
     """Built-in robot, or a path to a description that ends in .toml, as it is known before."""
     out: Path | None = None
@@ -38,6 +38,8 @@ class Identify:
     what: What = "friction"
     """friction: LuGre parameters of all joints. rigid_body: masses, rotors, Coulomb and viscous friction, offsets; the
     robot may lack masses."""
+    columns: str | None = None
+    """Column map for files of other tools: a built-in name, or a file that ends in .toml."""
     validate: tuple[Path, ...] = ()
     """Recordings or folders that are not used but tell how well old and new parameters hold. Those among the logs are
     kept out."""
@@ -72,13 +74,15 @@ class Identify:
         self._check()
         if self.what == "friction":
             robot = described_robot(self.robot)
-            logs = read_logs(robot, self.logs, self.validate, unchecked=self.unchecked)
+            logs = read_logs(robot, self.logs, self.validate, columns=self.columns, unchecked=self.unchecked)
             outcome = identified_friction(self, robot, logs)
         else:
             draft = load_draft(self.robot)
             robot = draft.description_for("identification")
             known = not draft.missing
-            logs = read_logs(robot, self.logs, self.validate, unchecked=self.unchecked, known=known)
+            logs = read_logs(
+                robot, self.logs, self.validate, columns=self.columns, unchecked=self.unchecked, known=known
+            )
             outcome = identified_rigid_body(self, draft, logs)
         info = provenance("ffgym identify", self, robot.name, None, self.seed)
         self._write(outcome, logs, info)
@@ -101,7 +105,7 @@ class Identify:
             raise FFGymError(f"--out {self.out}: the name must end in .toml.")
         if self.report is not None:
             need_extra("The report", "matplotlib", "jinja2")
-        inputs: tuple[str | Path, ...] = (self.robot, *self.logs, *self.validate)
+        inputs: tuple[str | Path | None, ...] = (self.robot, self.columns, *self.logs, *self.validate)
         check_outputs({"--out": self.out, "--report": self.report, "--json": self.json}, inputs=inputs)
 
     def _write(self, outcome: Outcome, logs: LogSet, info: dict[str, object]) -> None:

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ffgym.errors import FFGymError
+from ffgym.logs import read_logs as read_motions
 from ffgym.quality import check_quality
-from ffgym.recordings import Recording, read_recording
+from ffgym.recordings import Recording
 from ffgym.recordings.folder import read_folder
 from ffgym.robot import RobotDescription
 
@@ -33,23 +34,25 @@ def read_logs(
     logs: Sequence[Path],
     validate: Sequence[Path],
     *,
+    columns: str | None = None,
     unchecked: bool = False,
     known: bool = True,
 ) -> LogSet:
-    """Read recordings and folders of them.
+    """Read recordings and folders of them, or with `columns` files of other tools.
 
     Args:
         robot: the robot that they are of.
         logs: to identify from; those that are also in `validate` are kept out.
         validate: to validate with.
+        columns: column map of all logs; None for recordings.
         unchecked: whether to use what the quality gate calls insufficient.
         known: whether the description says enough for the quality gate to judge by it, masses and limits that is.
 
     Raises:
         FFGymError: if one cannot be read, is of another robot or not good enough, or none is left to identify from.
     """
-    held_out = [recording for path in validate for recording in _read(path)]
-    used = [r for path in logs for r in _read(path) if not any(r.equals(other) for other in held_out)]
+    held_out = [recording for path in validate for recording in _read(path, columns, robot)]
+    used = [r for path in logs for r in _read(path, columns, robot) if not any(r.equals(other) for other in held_out)]
     if not used:
         raise FFGymError("All logs are for validation, so none is left to identify from.")
     doubts = [doubt for recording in (*used, *held_out) if (doubt := _doubt(recording, robot if known else None))]
@@ -59,8 +62,10 @@ def read_logs(
     return LogSet(robot=robot, used=tuple(used), held_out=tuple(held_out), doubts=tuple(doubts))
 
 
-def _read(path: Path) -> list[Recording]:
-    return read_folder(path) if path.is_dir() else [read_recording(path)]
+def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Recording]:
+    if columns is None and path.is_dir():
+        return read_folder(path)
+    return read_motions(path, columns, robot=None if columns is None else robot)
 
 
 def _doubt(recording: Recording, robot: RobotDescription | None) -> str:

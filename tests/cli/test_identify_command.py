@@ -88,6 +88,63 @@ def test_what_is_printed_has_old_and_new_values_and_what_logs_do_not_tell(logs, 
     assert line.rstrip().endswith("not excited")
 
 
+MAP = """
+[log]
+robot = "one_axis"
+position_side = "motor"
+torque_semantics = "motor_side"
+hold = "linear"
+filters = []
+[file]
+decimal = ","
+[columns.timestamp]
+source = "Zeit"
+unit = "s"
+[columns."motor.position"]
+source = ["Winkel"]
+unit = "rad"
+[columns."motor.effort"]
+source = ["Moment"]
+unit = "N m"
+"""
+
+
+@pytest.fixture
+def foreign(logs, tmp_path, monkeypatch):
+    """The ladder as the text file of another tool, beside its column map."""
+    monkeypatch.chdir(tmp_path)
+    ladder = read_recording(logs["j1"])
+    rows = np.column_stack([ladder.t, ladder["motor.position.j1"], ladder["motor.effort.j1"]]).tolist()
+    lines = ["Zeit;Winkel;Moment", *(";".join(map(repr, row)).replace(".", ",") for row in rows)]
+    (tmp_path / "ladder.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (tmp_path / "map.toml").write_text(MAP, encoding="utf-8")
+    return tmp_path
+
+
+def friction_in(path):
+    return vars(load_robot(path).friction)
+
+
+def test_logs_of_other_tools_need_a_column_map_and_no_other_step(logs, foreign, capsys):
+    quick = ["--robot", "one_axis", "--resamples", "2"]
+    assert main(["identify", "ladder.csv", "--columns", "map.toml", *quick, "--out", "theirs.toml"]) == 0
+    assert main(["identify", logs["j1"], *quick, "--out", "ours.toml"]) == 0
+    theirs, ours = friction_in("theirs.toml"), friction_in("ours.toml")
+    assert all(np.array_equal(theirs[name], ours[name]) for name in ours)
+    capsys.readouterr()
+    for arguments, message in [
+        (
+            ["ladder.csv", "--columns", "emps", "--out", "x.toml"],
+            "emps.toml is for robot 'ball_screw', not for 'one_axis'",
+        ),
+        (["ladder.csv", "--columns", "map.toml", "--out", "map.toml"], "--out map.toml: is read by this command"),
+        (["ladder.csv", "--out", "x.toml"], "column map"),
+    ]:
+        assert main(["identify", *arguments, *quick]) == 1
+        (line,) = capsys.readouterr().err.splitlines()
+        assert message in line
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
