@@ -15,8 +15,6 @@ from ffgym.reproduction.items import PlainTable
 from ffgym.reproduction.laboratory import Laboratory
 from ffgym.reproduction.measured_friction import MeasuredFriction
 
-THESIS = (0.5367, 0.5634, 0.0437, 0.15, 69.9787, 0.6753)
-"""f_c, f_s, f_v, v_s, sigma_0, sigma_1 of thesis (6.9) and (6.18), motor side, SI units."""
 Models = Callable[[MeasuredFriction], dict[str, LuGreParameters]]
 
 
@@ -107,19 +105,17 @@ def static(laboratory: Laboratory) -> list[ReportFigure]:
 
 def parameters(laboratory: Laboratory) -> list[PlainTable]:
     """The six parameters: published, identified, before."""
-    measured = laboratory.joint_1
+    measured, thesis = laboratory.joint_1, laboratory.axis.friction  # the one axis carries (6.9) and (6.18)
     rows = tuple(
         (
             f"{name.replace('_', ' ')} [{estimate.unit}]",
-            f"{published:g}",
+            f"{getattr(thesis, name)[0]:g}",
             f"{estimate.value:.4g}",
             f"{estimate.low:.4g} to {estimate.high:.4g}" if np.isfinite(estimate.high) else "unknown",
             f"{estimate.prior:.4g}",
             estimate.status,
         )
-        for name, published, estimate in zip(
-            NAMES, THESIS, measured.found.joints[measured.index].estimates, strict=True
-        )
+        for name, estimate in zip(NAMES, measured.found.joints[measured.index].estimates, strict=True)
     )
     return [
         PlainTable(
