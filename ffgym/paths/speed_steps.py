@@ -179,4 +179,6 @@ def _change(start: Array, before: Array, after: Array, ramp: float) -> Segment:
     from_rest, to_rest = not np.any(before), not np.any(after)
     kind: PhaseKind = "lead_in" if from_rest else "lead_out" if to_rest else "motion"
     label = "speed up" if from_rest else "slow down" if to_rest else "reversal"
+    if from_rest and to_rest:
+        label, kind = "rest", "standstill"
     return Segment(label=label, kind=kind, duration=ramp, evaluate=evaluate)

@@ -32,6 +32,10 @@ _ALIKE = 0.9
 _TWINS = 0.98
 """Correlation of a signal with another from which on it may be the same: of another joint, or of a noisy sensor."""
 
+_WHITE = 1.5
+"""Variance of the steps of noise over its own from which on there is nothing else in it: 2 if it is white, next to 0
+for motion."""
+
 _NEAR = 0.2
 """Difference from a factor that is still that factor, where other reasons change the size as well: the nearest two
 factors of one kind are 1.5 apart."""
@@ -126,8 +130,7 @@ class Signals:
         seen = compare(self.increments[one][:, j], self.increments[other][:, j])
         if seen.correlation > _ALIKE and abs(seen.slope - 1) < CLOSE:
             return True
-        whole = compare(*(x[:, j] - x[:, j].mean() for x in (self.values[one], self.values[other])))
-        return self.noisy and whole.correlation > _TWINS and abs(whole.slope - 1) < CLOSE
+        return self.noisy and _alike_but_for_noise(self.values[one][:, j], self.values[other][:, j])
 
     def _explained(self, family: str, other: str, j: int) -> Stranger | None:
         a, b = self.increments[family][:, j], self.increments[other]
@@ -152,6 +155,17 @@ class Signals:
             other_joint=j if twin is None else twin,
             text=text,
         )
+
+
+def _alike_but_for_noise(a: Array, b: Array) -> bool:
+    """Whether two noisy signals (T,) agree: in their values, or in all but white noise and less than half a mean."""
+    whole = compare(a - a.mean(), b - b.mean())
+    if whole.correlation > _TWINS and abs(whole.slope - 1) < CLOSE:
+        return True
+    rest = a - b
+    offset = abs(float(rest.mean()))
+    white = float(np.var(np.diff(rest))) > _WHITE * float(np.var(rest))
+    return white and offset < 0.5 * max(abs(float(a.mean())), abs(float(b.mean())), 2 * float(rest.std()))
 
 
 def channel_of(family: str) -> str:

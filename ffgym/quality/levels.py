@@ -21,6 +21,10 @@ _ABRUPT = 5.0
 """Steps of the resolution per row before a stretch of one value that a joint coming to rest does not have."""
 
 
+_GRID = 10
+"""Different positions from which on they say what their step is."""
+
+
 def _joint_columns(log: Log, families: tuple[str, ...]) -> Iterator[tuple[str, int, str, Array]]:
     """Family, joint number, name and values of all per-joint columns of `families` that are present."""
     for family in families:
@@ -147,13 +151,25 @@ def _encoder(log: Log) -> Iterator[Seen]:
     for _, j, name, x in _joint_columns(log, ("motor.position",)):
         gear = abs(header.gear_ratio[j]) if header.position_side == "link" else 1.0
         expected = 2 * np.pi / 2**header.encoder_bits / gear
-        ratio = grid_step(x) / expected
+        ratio = _encoder_ratio(x, expected)
         value = max(ratio, 1 / ratio) if ratio > 0 else 0.0
         message = (
             f"{name} goes in steps of {ratio * expected:.3g} rad, {ratio:.3g} times those of the {header.encoder_bits} "
             "bit of the header, must be the same. Log all bits, or correct encoder_bits."
         )
         yield Seen(value=value, message=message, columns=(name,), joint=log.joints[j])
+
+
+def _encoder_ratio(x: Array, expected: float) -> float:
+    """Step of `x` (T,) over that of an encoder; 0 if it has none.
+
+    A fast motion skips most steps, so that not the smallest that it shows counts but what all have in common.
+    """
+    counts = (x - x[0]) / expected
+    whole = np.round(counts)
+    if np.all(np.abs(counts - whole) < 0.05) and len(np.unique(whole)) >= _GRID:
+        return float(np.gcd.reduce(whole.astype(np.int64)))
+    return grid_step(x) / expected
 
 
 def _missing(log: Log) -> Iterator[Seen]:

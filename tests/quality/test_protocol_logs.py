@@ -1,0 +1,73 @@
+"""Nothing is refused or falsely flagged in what `ffgym record` makes: slow, at rest, swinging, with noisy torques."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ffgym.envs.rigs import rig_of
+from ffgym.protocols import PROTOCOLS, plan_session, record
+from ffgym.protocols.slow_triangles import SlowTriangles
+from ffgym.protocols.speed_ladder import SpeedLadder
+from ffgym.protocols.table_6_1 import Table61
+from ffgym.quality import check_quality
+from ffgym.recordings import Recording
+from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation import Resolver, SimulatedRig, TorqueSensor
+
+ROBOT = "irb4600_60_205"
+NOISE = 0.005
+"""Of the measured torque, in peak torques: `--torque-noise-percent 0.5`."""
+
+QUICK = (
+    SpeedLadder(joints=("j2",), speeds=(0.05, 3.0), longest=1.0),
+    Table61(joints=("j2",), records=(1, 15), least=1.0, periods=2),
+    SlowTriangles(joints=("j2",), sizes=(2.0,), period=1.0, periods=2),
+)
+"""One joint that carries load, slow and fast; the others rest."""
+
+
+@cache
+def arm() -> RigidArm:
+    return RigidArm(load_robot(ROBOT))
+
+
+def logs(protocol, *, noise: float) -> list[Recording]:
+    sensors = (Resolver(bits=16), TorqueSensor(noise=noise * arm().robot.drive.peak_torque))
+    return list(record(plan_session(arm(), [protocol]), SimulatedRig(arm=arm(), sensors=sensors), record_dt=1e-3))
+
+
+def objections(recording: Recording) -> list[str]:
+    return [f.message for f in check_quality(recording, arm().robot, ("position", "torque")).problems]
+
+
+@pytest.mark.parametrize("noise", [0.0, NOISE])
+@pytest.mark.parametrize("protocol", QUICK, ids=lambda protocol: protocol.name)
+def test_nothing_is_said_against_logs_of_one_joint_while_others_rest(protocol, noise):
+    for recording in logs(protocol, noise=noise):
+        assert objections(recording) == [], recording.header.segment
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("noise", [0.0, NOISE])
+@pytest.mark.parametrize("name", [name for name in PROTOCOLS if name != "circles"])
+def test_nothing_is_said_against_logs_of_any_protocol(name, noise):
+    one = {"joints": ("j2",)} if name in ("speed_ladder", "table_6_1", "slow_triangles") else {}
+    for recording in logs(PROTOCOLS[name](**one), noise=noise):
+        assert objections(recording) == [], recording.header.segment
+
+
+def test_nothing_is_said_against_slow_and_fast_sines_of_a_workcell():
+    """Friction that turns round over more than the description's distance is not late, nor a swinging arm wrong."""
+    rig = rig_of("workcell:thesis")
+    protocol = Table61(joints=("j2",), records=(1, 15), least=1.0, periods=2)
+    for recording in record(plan_session(arm(), [protocol]), rig, record_dt=1e-3):
+        assert objections(recording) == [], recording.header.segment
+
+
+def test_a_torque_that_is_late_is_seen_in_a_fast_sine():
+    (recording,) = logs(Table61(joints=("j2",), records=(12,), least=2.0), noise=0.0)
+    late = {f"motor.effort.{j}": np.roll(recording[f"motor.effort.{j}"], 60) for j in recording.header.joints}
+    alone = {name: values for name, values in recording.columns.items() if "effort" not in name}
+    found = check_quality(Recording(alone | late, recording.header), arm().robot).problems
+    assert {finding.check for finding in found} == {"torque_lag"}
