@@ -136,14 +136,13 @@ class TrackingCore:
 
         If it fails after the engine has begun the new episodes (in a layer, or by Ctrl-C), they wait for another reset.
         """
-        machines, state = [self.plant.machines[i] for i in ids], self.plant.batch.state.copy()
+        saved = self.plant.save()
         self._touched = False
         try:
             with self.starts.all_or_nothing():
                 yield
         except BaseException:
-            self.plant.become(ids, machines)
-            self.plant.batch.state[:] = state
+            self.plant.restore(saved)
             if self._touched:
                 self._running[ids] = False
             raise

@@ -100,6 +100,15 @@ class Forces:
         for effect, memory in zip(chosen.torque, self._memory, strict=True):
             memory[chosen.rows] = effect.initial_memory(state)
 
+    def remembered(self) -> list[Array]:
+        """What effects remember, copies."""
+        return [memory.copy() for memory in self._memory]
+
+    def remember(self, memories: list[Array]) -> None:
+        """Go on with what was `remembered`."""
+        for memory, kept in zip(self._memory, memories, strict=True):
+            memory[:] = kept
+
     def go_on_from(self, before: "Forces", rows: IntArray) -> None:
         """Remember what `before` does of simulations `rows`, whose machines are still the same."""
         known = dict(zip(before._keys, before._memory, strict=True))

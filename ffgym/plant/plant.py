@@ -12,7 +12,7 @@ from ffgym.plant.equilibrium import bent_by_load
 from ffgym.plant.forces import Forces
 from ffgym.plant.machine import Machine
 from ffgym.plant.own_models import check_same_make, give_model
-from ffgym.plant.plant_state import PlantState
+from ffgym.plant.plant_state import PlantState, SavedPlant
 from ffgym.plant.sameness import check_same_controller
 from ffgym.plant.servo_reading import ServoReading
 from ffgym.plant.settling import Settling
@@ -169,6 +169,24 @@ class Plant:
     def _settling(self, rows: IntArray) -> Settling:
         assert self._forces is not None
         return Settling(self._forces, rows, self.robot.drive)
+
+    def save(self) -> SavedPlant:
+        """All that may change, to go back to it."""
+        forces = self._forces
+        return SavedPlant(
+            machines=self.machines.copy(),
+            engine=self.batch.state.copy(),
+            forces=forces,
+            remembered=[] if forces is None else forces.remembered(),
+        )
+
+    def restore(self, saved: SavedPlant) -> None:
+        """Go back, to the bit."""
+        self.become(range(self.n_robots), saved.machines)
+        self.batch.state[:] = saved.engine
+        self._forces = saved.forces
+        if self._forces is not None:
+            self._forces.remember(saved.remembered)
 
     def state(self) -> PlantState:
         """State of all robots now, arrays of shape (B, N), copies."""

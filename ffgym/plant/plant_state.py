@@ -1,10 +1,12 @@
-"""States of robots, of MuJoCo's arrays."""
+"""States of robots, of MuJoCo's arrays, and of a whole plant."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ffgym.plant.addresses import Addresses
+from ffgym.plant.forces import Forces
+from ffgym.plant.machine import Machine
 from ffgym.robot.drive import Drive
 from ffgym.types import Array
 
@@ -44,3 +46,13 @@ class PlantState:
             bristle=bristle,
             integral=integral,
         )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SavedPlant:
+    """A plant at one instant, to which it can go back."""
+
+    machines: list[Machine]
+    engine: Array
+    forces: Forces | None
+    remembered: list[Array]

@@ -175,7 +175,7 @@ def test_a_joint_more_is_not_made_up_for_by_a_rigid_one(irb4600):
         Plant(irb4600, 1).become([0], [Machine(robot=rigid, effects=(base,))])
 
 
-def test_effects_remember_while_a_neighbour_becomes_another(irb4600, corners):
+def test_effects_remember_while_a_neighbour_becomes_another_and_a_plant_goes_back_to_what_it_was(irb4600, corners):
     kinds = {
         "torsional_hysteresis": {"lost_motion": 1e-4},
         "torque_delay": {"delay": 5e-4, "lag": 0.0},
@@ -186,18 +186,23 @@ def test_effects_remember_while_a_neighbour_becomes_another(irb4600, corners):
     other = Machine(robot=irb4600, effects=(stuck, *machine.effects[1:]))
     q = np.stack([corners["p1"]] * 2)
     away = controls(Plant(irb4600, 2), 1.01 * irb4600.drive.motor_angle(q)[:, None].repeat(200, 1), shape=(2, 200, 6))
-    ends = []
-    for disturbed in (False, True):
+    ends = {}
+    for what in ("undisturbed", "neighbour", "restored"):
         plant = Plant(machine, 2, n_threads=1)
         plant.rest(q)
         plant.drive(away)
-        if disturbed:
+        saved = plant.save()
+        if what != "undisturbed":
             plant.become([0], [other])
             plant.rest(q[:1], ids=np.array([0]))
+        if what == "restored":
+            plant.drive(away)
+            plant.restore(saved)
         plant.drive(away)
-        ends.append(plant.state().motor_position)
-    np.testing.assert_array_equal(ends[1][1], ends[0][1])
-    assert np.abs(ends[1][0] - ends[0][0]).max() > 1e-6
+        ends[what] = plant.state().motor_position
+    np.testing.assert_array_equal(ends["neighbour"][1], ends["undisturbed"][1])
+    assert np.abs(ends["neighbour"][0] - ends["undisturbed"][0]).max() > 1e-6
+    np.testing.assert_array_equal(ends["restored"], ends["undisturbed"])
 
 
 def test_a_batch_that_cannot_become_what_is_asked_stays_as_it_was(irb4600, one_axis):
