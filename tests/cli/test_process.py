@@ -12,6 +12,9 @@ COMMAND = [sys.executable, "-m", "ffgym"]
 def wait_until_the_engine_is_loaded(pid):
     """Return when a process has come to the simulation's libraries, however busy the machine is."""
     maps = Path(f"/proc/{pid}/maps")
+    if not maps.parent.exists():  # elsewhere than on Linux nobody tells
+        time.sleep(5.0)
+        return
     for _ in range(600):
         if maps.exists() and "mujoco" in maps.read_text():
             return
