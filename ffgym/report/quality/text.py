@@ -17,7 +17,7 @@ def headline(report: QualityReport) -> str:
 
 
 def format_quality(report: QualityReport, *, figures: bool = False) -> str:
-    """The verdict and how much could not be judged in a line, then every problem.
+    """The verdict and how much could not be judged in a line, then every problem, one of several joints once.
 
     Args:
         report: what was found.
@@ -25,7 +25,8 @@ def format_quality(report: QualityReport, *, figures: bool = False) -> str:
     """
     unknown = dict.fromkeys(finding.check for finding in report.findings if finding.verdict == "not judged")
     lines = [headline(report) + (f" {len(unknown)} checks not judged." if unknown else "")]
-    lines += [filled(f"{finding.verdict}: [{finding.check}] {finding.message}") for finding in report.problems]
+    problems = [f"{finding.verdict}: [{finding.check}] {finding.message}" for finding in report.problems]
+    lines += [filled(problem) for problem in dict.fromkeys(problems)]
     if figures:
         lines += [_figure(finding) for finding in report.findings if finding.value is not None]
         lines += [filled(f"not judged: {', '.join(unknown)}")] if unknown else []
