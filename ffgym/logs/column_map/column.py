@@ -27,7 +27,8 @@ COLUMN_KEYS: Mapping[str, str] = MappingProxyType(
         "clock": "name of the array with the times of these samples, if they are not those of `timestamp`",
         "clock_unit": "unit of `clock`; absent is the unit of `timestamp`",
         "resample": "what becomes of samples with times of their own: `gaps` puts each into the nearest row, if that "
-        "is within half a period, and NaN elsewhere; `linear` interpolates; `hold` repeats the last one",
+        "is within half a period, and NaN elsewhere; `linear` interpolates, across drop-outs too; `hold` repeats the "
+        "last one",
         "rate_hz": "for `timestamp` only, in place of `source`: samples per second, or the name of an array with it",
         "from_first": "true: times count from the first row (for clocks that count from 1970); for `timestamp` and "
         "`tcp.timestamp`",
