@@ -105,6 +105,7 @@ class _Problem:
     def __init__(self, data: SlidingData, static: Array) -> None:
         self.data, self.static = data, static
         self._friction, self._inertia = data.flat(data.friction), data.flat(data.inertia)
+        self._last: tuple[Array, Array] | None = None
         coulomb = static[0]
         span = max(float(np.ptp(self._friction)), coulomb)
         self.low = np.array([*np.log(coulomb / np.array([PRESLIDING[1], DAMPING_SPEED[1]])), -INERTIA_ERROR, -span])
@@ -119,8 +120,14 @@ class _Problem:
 
     def residual(self, x: Array) -> Array:
         """Friction torque that is not explained [N m], shape (S,)."""
-        rest: Array = self._friction - x[2] * self._inertia - x[3] - self._model(self._all(x)[None])[0]
+        rest: Array = self._friction - x[2] * self._inertia - x[3] - self._at(self._all(x))
         return rest
+
+    def _at(self, logs: Array) -> Array:
+        """Friction of one model (6,) given as logarithms, (S,); the last is kept, as its slopes are asked for next."""
+        if self._last is None or not np.array_equal(self._last[0], logs):
+            self._last = (logs, self._model(logs[None])[0])
+        return self._last[1]
 
     def jacobian(self, x: Array) -> Array:
         """Of `residual`, shape (S, 4)."""
@@ -134,10 +141,8 @@ class _Problem:
         """Difference quotients by parameters `moved`, with those of inertia error and offset in between."""
         base = self._all(x)
         steps = np.where(np.array(moved) == 0, -_STEP, _STEP)  # f_c goes down: without a Stribeck peak it is f_s
-        models = self._model(
-            np.stack([base, *(base + step * np.eye(6)[i] for i, step in zip(moved, steps, strict=True))])
-        )
-        by_logs = -(models[1:] - models[0]).T / steps
+        models = self._model(np.stack([base + step * np.eye(6)[i] for i, step in zip(moved, steps, strict=True)]))
+        by_logs = -(models - self._at(base)).T / steps
         return np.column_stack([by_logs[:, :2], -self._inertia, -np.ones_like(self._inertia), by_logs[:, 2:]])
 
     def starts(self, rng: np.random.Generator) -> list[Array]:

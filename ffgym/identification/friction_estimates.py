@@ -42,8 +42,21 @@ def static_estimates(
     return _estimates(joint, NAMES[:4], prior[:4], rows)
 
 
-def dynamic_estimates(joint: str, prior: Array, bristles: BristleFit | None, *, level: float) -> tuple[Estimate, ...]:
-    """Estimates of sigma_0, sigma_1 of a joint; arguments as `static_estimates`."""
+def dynamic_estimates(
+    joint: str, prior: Array, bristles: BristleFit | None, *, reverses: bool, level: float
+) -> tuple[Estimate, ...]:
+    """Estimates of sigma_0, sigma_1 of a joint.
+
+    Args:
+        joint: its name.
+        prior: values of the description, in the order of NAMES, shape (6,).
+        bristles: fit to reversals; None if the data do not serve for one.
+        reverses: whether there are records in which it turns back between slides.
+        level: probability of the intervals.
+    """
+    if bristles is None:
+        reason = "f_c is not identified, on which bristles rest" if reverses else "no record in which it reverses"
+        return _estimates(joint, NAMES[4:], prior[4:], [_unknown(before, reason) for before in prior[4:]])
     return _estimates(joint, NAMES[4:], prior[4:], _dynamic(prior, bristles, level))
 
 
@@ -86,10 +99,8 @@ def _static(prior: Array, stribeck: StribeckFit | None, given: float | None, lev
     return rows
 
 
-def _dynamic(prior: Array, bristles: BristleFit | None, level: float) -> list[Row]:
-    """sigma_0 and sigma_1."""
-    if bristles is None:
-        return [_unknown(before, "no record in which it reverses") for before in prior[4:]]
+def _dynamic(prior: Array, bristles: BristleFit, level: float) -> list[Row]:
+    """sigma_0 and sigma_1: where one ends at a bound, the other is not the data's either."""
     span = intervals(bristles.values, bristles.resampled, level)
     short = ""
     if bristles.n_blocks < MIN_BLOCKS:
@@ -98,6 +109,8 @@ def _dynamic(prior: Array, bristles: BristleFit | None, level: float) -> list[Ro
     for i in range(2):
         value, low, high = float(bristles.values[i]), float(span.low[i]), float(span.high[i])
         status, reason = judged(value, low, high, scale=0.0, excited=short, at_bound=bool(bristles.at_bound[i]))
+        if status == "identified" and bristles.at_bound.any():
+            status, reason = "at bound", "the fit ends at the bound of the other bristle parameter"
         rows.append(_row(value, low, high, status, reason, float(prior[4 + i])))
     return rows
 

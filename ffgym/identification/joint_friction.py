@@ -105,14 +105,14 @@ def _fitted(
             steady, rng, stribeck_velocity=given, usual_velocity=float(prior[3]), n_resamples=options.n_resamples
         )
     static = static_estimates(name, prior, stribeck, given=given, level=level)
-    reversing = [torque for torque in torques if reverses(torque, joint)]
+    reversing = [torque for torque in torques if reverses(torque, joint, presliding)]
     bristles = None
-    if reversing:
+    if reversing and static[0].is_identified:
         spread = _static_spread(static, stribeck, options.n_resamples)
         bristles = fit_bristles(sliding_data(reversing, joint, presliding), *spread, rng, start)
     return JointFriction(
         joint=name,
-        estimates=(*static, *dynamic_estimates(name, prior, bristles, level=level)),
+        estimates=(*static, *dynamic_estimates(name, prior, bristles, reverses=bool(reversing), level=level)),
         stribeck=stribeck,
         bristles=bristles,
         notes=tuple(_notes(stribeck, bristles)),

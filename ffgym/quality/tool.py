@@ -28,7 +28,7 @@ _LAG_SPAN = 0.3
 """Largest delay [s] that is looked for."""
 
 _LARGEST_SWING = 5.0
-"""Largest factor that elastic joints may make of a path: a tenth of critical damping leaves 5, a unit makes 10 at least."""
+"""Largest factor that elastic joints may make of a path: a tenth of critical damping leaves 5, a unit makes 10."""
 
 
 @final
