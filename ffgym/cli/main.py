@@ -8,6 +8,9 @@ from typing import Annotated
 from ffgym.errors import FFGymError
 from ffgym.provenance import installed
 
+DESCRIPTION = "Feed-forward friction compensation on industrial robots: simulate, measure, identify, learn, compare."
+"""What `ffgym --help` begins with."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run `ffgym` with the given arguments (None takes the process') and return its exit code.
@@ -62,6 +65,6 @@ def _run(arguments: Sequence[str] | None) -> int:
         tyro.conf.OmitSubcommandPrefixes,
     ]
     chosen: Demo | Export | Identify | Lffc | Log | Record | Reproduce | Robot | Simulate | Stability | Video
-    chosen = tyro.cli(command, prog="ffgym", args=arguments, description=__doc__)
+    chosen = tyro.cli(command, prog="ffgym", args=arguments, description=DESCRIPTION)
     chosen.run()
     return 0
