@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from ffgym.cli.progress import progress_bar
 from ffgym.errors import FFGymError
 from ffgym.logs import read_logs as read_motions
 from ffgym.quality import check_quality
@@ -55,7 +56,7 @@ def read_logs(
     used = [r for path in logs for r in _read(path, columns, robot) if not any(r.equals(other) for other in held_out)]
     if not used:
         raise FFGymError("All logs are for validation, so none is left to identify from.")
-    doubts = [doubt for recording in (*used, *held_out) if (doubt := _doubt(recording, robot if known else None))]
+    doubts = _doubts([*used, *held_out], robot if known else None)
     if doubts and not unchecked:
         more = f" {len(doubts) - 1} more logs have problems too." if len(doubts) > 1 else ""
         raise FFGymError(f"{doubts[0]}{more} ffgym log check LOG says all; --unchecked uses such logs all the same.")
@@ -66,6 +67,16 @@ def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Reco
     if columns is None and path.is_dir():
         return read_folder(path)
     return read_motions(path, columns, robot=None if columns is None else robot)
+
+
+def _doubts(recordings: Sequence[Recording], robot: RobotDescription | None) -> list[str]:
+    """What the quality gate has against recordings."""
+    found = []
+    with progress_bar("checking", "logs") as progress:
+        for i, recording in enumerate(recordings):
+            progress(i, len(recordings))
+            found.append(_doubt(recording, robot))
+    return [doubt for doubt in found if doubt]
 
 
 def _doubt(recording: Recording, robot: RobotDescription | None) -> str:
