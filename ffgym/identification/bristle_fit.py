@@ -18,6 +18,9 @@ DAMPING_SPEED = (1e-2, 1e3)
 INERTIA_ERROR = 0.1
 """Largest relative error of the inertia that is allowed for; thesis 6.1.2 estimates up to 5 %."""
 
+_NEAR_BOUND = 0.99
+"""Share of a bound from which on a fit ends at it: the solver stays inside."""
+
 BLOCK = 0.5
 """Duration of a block that is resampled [s]: long against the filter's memory of 25 ms, some of them in each record."""
 
@@ -44,6 +47,8 @@ class BristleFit:
     """Share of the model's inertial torque that is missing; the nuisance that friction is not to absorb."""
     offset: float
     """Mean torque that neither model nor friction explains [N m]."""
+    inertia_at_bound: bool
+    """Whether the inertia error lies at its bound, so that friction had to absorb the rest of it."""
     at_bound: BoolArray
     """Whether a value lies at its bound, so that the data do not tell it, shape (2,)."""
     resampled: Array
@@ -91,6 +96,7 @@ def fit_bristles(
         values=np.exp(found.x[:2]),
         inertia_error=float(found.x[2]),
         offset=float(found.x[3]),
+        inertia_at_bound=bool(abs(found.x[2]) > _NEAR_BOUND * INERTIA_ERROR),
         at_bound=found.active_mask[:2] != 0,
         resampled=_resampled(problem, found.x, static_resampled, rng),
         rms_error=float(np.sqrt(np.mean(errors**2))),

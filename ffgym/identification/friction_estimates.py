@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ffgym.identification.bootstrap import intervals
-from ffgym.identification.bristle_fit import BLOCK, MIN_BLOCKS, NAMES, BristleFit
+from ffgym.identification.bristle_fit import BLOCK, INERTIA_ERROR, MIN_BLOCKS, NAMES, BristleFit
 from ffgym.identification.estimate import Estimate, Status, judged
 from ffgym.identification.stribeck_fit import StribeckFit
 from ffgym.types import Array
@@ -111,6 +111,8 @@ def _dynamic(prior: Array, bristles: BristleFit, level: float) -> list[Row]:
         status, reason = judged(value, low, high, scale=0.0, excited=short, at_bound=bool(bristles.at_bound[i]))
         if status == "identified" and bristles.at_bound.any():
             status, reason = "at bound", "the fit ends at the bound of the other bristle parameter"
+        if status == "identified" and bristles.inertia_at_bound:
+            status, reason = "at bound", f"the inertia of the model seems wrong by {INERTIA_ERROR:.0%} or more"
         rows.append(_row(value, low, high, status, reason, float(prior[4 + i])))
     return rows
 

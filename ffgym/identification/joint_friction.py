@@ -139,5 +139,5 @@ def _notes(stribeck: StribeckFit | None, bristles: BristleFit | None) -> Iterato
             yield f"both directions differ by an offset of {stribeck.offset:.3g} N m, which is not in the model"
         if low[1] > 0 or high[1] < 0:
             yield f"viscous friction differs between directions by +-{abs(stribeck.asymmetry):.3g} N m s/rad"
-    if bristles is not None and abs(bristles.inertia_error) >= INERTIA_ERROR:
-        yield "the inertia of the model is wrong by more than 10 %, so sigma_0 and sigma_1 are not to be trusted"
+    if bristles is not None and bristles.inertia_at_bound:
+        yield f"the inertia of the model seems wrong by {INERTIA_ERROR:.0%} or more: correct it, then identify again"
