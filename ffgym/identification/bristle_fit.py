@@ -15,8 +15,9 @@ PRESLIDING = (1e-5, 1.0)
 DAMPING_SPEED = (1e-2, 1e3)
 """Bounds of f_c / sigma_1 [rad/s], motor side."""
 
-INERTIA_ERROR = 0.1
-"""Largest relative error of the inertia that is allowed for; thesis 6.1.2 estimates up to 5 %."""
+INERTIA_ERROR = 0.5
+"""Largest relative error of the inertia that is allowed for: thesis 6.1.2 estimates up to 5 %, but descriptions give
+links within 30 % and rotors within a factor of two (docs/robots). A narrower bound makes bristles absorb the rest."""
 
 _NEAR_BOUND = 0.99
 """Share of a bound from which on a fit ends at it: the solver stays inside."""

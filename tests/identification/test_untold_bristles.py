@@ -50,10 +50,10 @@ def test_a_shaken_record_beside_a_ladder_tells_no_bristles(shaken):
 
 def test_bristles_are_not_believed_beside_an_inertia_that_is_wrong_by_more_than_is_allowed_for(one_axis):
     arm = RigidArm(one_axis)
-    bodies = replace(one_axis.bodies, inertia=one_axis.bodies.inertia * 0.7)
-    drive = replace(one_axis.drive, rotor_inertia=0.7 * one_axis.drive.rotor_inertia)
+    bodies = replace(one_axis.bodies, inertia=one_axis.bodies.inertia * 0.5)
+    drive = replace(one_axis.drive, rotor_inertia=0.5 * one_axis.drive.rotor_inertia)
     light = RigidArm(replace(one_axis, bodies=bodies, drive=drive))
     records = [*ladder(arm), *sines(arm, (9, 12), physics_dt=2.5e-4, least=3.0)]
     (joint,) = identify_friction(friction_torques(light, measured(records)), n_resamples=20).joints
     assert [estimate.status for estimate in joint.estimates[4:]] == ["at bound", "at bound"]
-    assert any("inertia of the model seems wrong by 10%" in note for note in joint.notes)
+    assert any("inertia of the model seems wrong by 50%" in note for note in joint.notes)
