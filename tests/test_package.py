@@ -11,7 +11,22 @@ import ffgym
 from ffgym.provenance import installed, versions
 
 CORE = {"numpy", "scipy", "gymnasium", "mujoco"}
-EXTRAS = {"rl", "plot", "cli", "logs", "report", "minari", "gp", "video", "cluster", "gpu", "dev", "all", "paths"}
+EXTRAS = {
+    "rl",
+    "plot",
+    "cli",
+    "identify",
+    "logs",
+    "report",
+    "minari",
+    "gp",
+    "video",
+    "cluster",
+    "gpu",
+    "dev",
+    "all",
+    "paths",
+}
 OPTIONAL = (
     "torch",
     "matplotlib",
@@ -21,6 +36,9 @@ OPTIONAL = (
     "stable_baselines3",
     "tomlkit",
     "pyarrow",
+    "h5py",
+    "rosbags",
+    "cvxpy",
     "ray",
     "minari",
     "imageio",
@@ -39,6 +57,12 @@ MODULES = (
     "cli",
     "cli.demo",
     "provenance",
+    "effects",
+    "identification",
+    "logs",
+    "protocols",
+    "quality",
+    "workcell",
 )
 
 
