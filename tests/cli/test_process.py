@@ -10,7 +10,7 @@ COMMAND = [sys.executable, "-m", "ffgym"]
 
 
 def wait_until_it_simulates(pid):
-    """Return when a process has loaded all libraries, some of which swallow an interruption, however busy the machine."""
+    """Return when a process has loaded all libraries, some of which swallow an interruption."""
     start, maps = time.monotonic(), Path(f"/proc/{pid}/maps")
     if not maps.parent.exists():  # elsewhere than on Linux nobody tells
         time.sleep(5.0)
