@@ -36,7 +36,12 @@ def test_a_reader_that_has_seen_enough_loses_nothing(tmp_path):
 
 def test_ctrl_c_in_the_middle_is_one_line_and_leaves_no_half_file(tmp_path):
     process = subprocess.Popen(
-        [*COMMAND, "demo"], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        [*COMMAND, "demo"],
+        cwd=tmp_path,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # background jobs of a shell ignore it
     )
     wait_until_it_simulates(process.pid)
     process.send_signal(signal.SIGINT)
