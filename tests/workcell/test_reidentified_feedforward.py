@@ -20,8 +20,8 @@ from ffgym.workcell import workcell
 
 LADDERS = ((0.1,), (0.2,), (0.5, 2.0, 6.0))
 """Motor speeds [rad/s] of ladders."""
-RECORDS = (2, 4, 7, 9)
-"""Those of set D up to 5 rad/s."""
+RECORDS = (2, 4, 7, 9, 12, 14)
+"""Set D of the thesis."""
 
 
 @pytest.fixture(scope="module")
