@@ -4,6 +4,7 @@ import csv
 import re
 from array import array
 from collections import Counter
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -155,10 +156,8 @@ def _rectangular(names: list[str], rows: list[tuple[int, list[str]]]) -> tuple[l
 def _column(cells: tuple[str, ...], decimal: str) -> NDArray[Any]:
     together = "".join(cells)
     if decimal == "." and "_" not in together:
-        try:
+        with suppress(ValueError):  # cells that are empty, or words, are looked at one by one below
             return np.array(array("d", map(float, cells)))
-        except ValueError:  # cells that are empty, or words
-            pass
     numbers = [_number(cell, decimal) for cell in cells]
     if None in numbers:  # text; cells of it that are numbers get a decimal point, as a message says which are none
         pairs = zip(cells, numbers, strict=True)
