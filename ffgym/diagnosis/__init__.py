@@ -1,0 +1,1 @@
+"""What the simulation gets wrong, why, and how sure that is."""

@@ -1,0 +1,139 @@
+"""What a diagnosis says: verdict, causes with sizes, rivals, what it could not judge, and what to record next."""
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from ffgym.diagnosis.residual import Channel
+
+Verdict = Literal["none", "named", "partly", "ambiguous", "unknown", "insufficient"]
+"""`none`: these motions do not falsify the model; `named`: causes explain what it lacks; `partly`: a cause explains
+much and something is left; `ambiguous`: several causes explain it as well, see the separating motion; `unknown`:
+something is there that no effect of the library explains; `insufficient`: these logs do not allow a diagnosis."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Size:
+    """Size of a parameter with its interval."""
+
+    name: str
+    value: float
+    unit: str
+    interval: tuple[float, float]
+    """90 %, by resampled blocks."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cause:
+    """An effect that explains part of the residual."""
+
+    effect: str
+    """Its name in `ffgym.effects`."""
+    code: str
+    title: str
+    joint: str
+    """Where; empty for the machine as a whole."""
+    parameters: tuple[Size, ...]
+    fixed: dict[str, float]
+    """Parameters of shape that were chosen, not estimated, by name; SI units."""
+    held_out_gain: float
+    """Share of the residual's energy above the noise floor, in the channels it acts on, removed on motions that were
+    not used."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rival:
+    """An effect that was considered and lost, or tied."""
+
+    effect: str
+    joint: str
+    held_out_gain: float
+    tied: bool
+    """Whether these logs cannot tell it from the cause."""
+    against: str
+    """Effect that it rivals."""
+    reason: str
+    """Why it lost, or what would tell both apart."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pattern:
+    """What a residual depends on, said without any effect."""
+
+    channel: Channel
+    component: str
+    """Joint or axis."""
+    variable: str
+    """E.g. 'motor angle', 'motor speed', 'time', 'speed of joint_2'."""
+    kind: Literal["periodic", "function", "sign-locked function", "line"]
+    """Periodic in an angle; a function of a variable; the same times the sign of the speed; a frequency in time."""
+    frequency: float | None
+    """Cycles per motor turn, or [Hz] of a line; None for others."""
+    amplitude: float
+    """In the unit of the channel."""
+    share: float
+    """Of the residual's energy in this component that it explains, on rows that were not used."""
+    message: str
+    """One sentence."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unjudged:
+    """An effect on which no statement is made."""
+
+    effect: str
+    joint: str
+    """Empty for all joints."""
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """RMS of one component of a channel over all motions."""
+
+    channel: Channel
+    component: str
+    unit: str
+    noise_floor: float
+    before: float
+    after: float
+    """With the causes, on motions that were not used to fit them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeparatingMotion:
+    """What to record next to tell two causes apart."""
+
+    between: tuple[str, str]
+    """'effect on joint' each."""
+    protocol: str
+    """Motions that `ffgym record` runs: name of the protocol."""
+    toml: str
+    """Text of the protocol file."""
+    expected: float
+    """Log-likelihood ratio that noise-limited data would give, per second."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Diagnosis:
+    """Answer to: what does the simulation get wrong, why, and how sure is that."""
+
+    verdict: Verdict
+    sentence: str
+    """The verdict in one sentence."""
+    robot: str
+    motions: tuple[str, ...]
+    causes: tuple[Cause, ...] = ()
+    rivals: tuple[Rival, ...] = ()
+    patterns: tuple[Pattern, ...] = ()
+    not_excited: tuple[Unjudged, ...] = ()
+    """Effects that these motions would not show."""
+    not_judgeable: tuple[Unjudged, ...] = ()
+    """Effects that take columns, or a description, that are not there."""
+    separating_motion: SeparatingMotion | None = None
+    levels: tuple[Level, ...] = ()
+    threshold: float = 0.0
+    """Score that a perfect model reaches by chance in one of a hundred logs like this one."""
+    quality: tuple[str, ...] = ()
+    """What the quality gate flagged or refused."""
+    provenance: dict[str, Any] = field(default_factory=dict)
+    """Seed, versions, fingerprints, options."""

@@ -1,0 +1,1 @@
+"""Logs with hidden effects, and how answers are marked."""

@@ -1,0 +1,1 @@
+"""What a diagnosis gains in control."""
