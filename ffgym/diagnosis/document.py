@@ -1,0 +1,118 @@
+"""`diagnosis.json`: a diagnosis as a file, for programs; docs/diagnosis_json.md lists its entries.
+
+It has the fields of `Diagnosis`, but instead of `levels` the three objects `noise_floor`, `before` and `after`: by
+channel and component, value and unit.
+"""
+
+import json
+import os
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from ffgym.diagnosis.residual import UNITS
+from ffgym.diagnosis.result import Diagnosis, Level
+from ffgym.diagnosis.typed import from_json, to_json
+from ffgym.errors import FFGymError
+from ffgym.files import read_text, write_json
+
+FORMAT = "ffgym-diagnosis"
+"""What the entry `format` says."""
+
+VERSION = 1
+"""What the entry `version` says; it changes when an entry changes its meaning or goes away."""
+
+LEVELS: Mapping[str, str] = MappingProxyType(
+    {
+        "noise_floor": "RMS of the residual that noise alone would leave",
+        "before": "RMS of the residual against the nominal model",
+        "after": "RMS against the extended model, on motions that were not used to fit it",
+    }
+)
+"""Entries that stand for `Diagnosis.levels`, and what they hold."""
+
+
+def diagnosis_document(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The diagnosis as JSON has it."""
+    document = {"format": FORMAT, "version": VERSION} | to_json(diagnosis)
+    del document["levels"]
+    for entry in LEVELS:
+        document[entry] = _by_channel(diagnosis.levels, entry)
+    return document
+
+
+def write_diagnosis(path: str | os.PathLike[str], diagnosis: Diagnosis) -> None:
+    """Write the file, whole or not at all; the same diagnosis gives the same bytes.
+
+    Raises:
+        FFGymError: if it cannot be written.
+    """
+    write_json(path, diagnosis_document(diagnosis))
+
+
+def read_diagnosis(path: str | os.PathLike[str]) -> Diagnosis:
+    """Read the file.
+
+    Raises:
+        FFGymError: if it cannot be read, is no diagnosis, of another version, or damaged.
+    """
+    try:
+        document = json.loads(read_text(path))
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, FFGymError):
+            raise
+        raise FFGymError(f"{path} is no valid JSON: {error}. Copy it again, or run the diagnosis again.") from error
+    try:
+        return parse_diagnosis(document)
+    except FFGymError as error:
+        raise FFGymError(f"{path}: {error}") from error
+
+
+def parse_diagnosis(document: Any) -> Diagnosis:
+    """The diagnosis that `diagnosis_document` made a document of.
+
+    Raises:
+        FFGymError: if it is no diagnosis, of another version, or an entry is missing, unknown or of another type.
+    """
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise FFGymError(f"This is no diagnosis: an object whose entry format says {FORMAT!r}.")
+    if document.get("version") != VERSION:
+        raise FFGymError(
+            f"The diagnosis has version {document.get('version')!r}, this ffgym reads {VERSION}. Use the ffgym that "
+            f"wrote it, or run the diagnosis again."
+        )
+    table = {name: entry for name, entry in document.items() if name not in ("format", "version")}
+    given = [table.pop(entry) for entry in LEVELS if entry in table]
+    if len(given) < len(LEVELS) or "levels" in table:
+        raise FFGymError(f"The diagnosis must have {', '.join(LEVELS)}, and no levels beside them.")
+    diagnosis: Diagnosis = from_json(Diagnosis, table | {"levels": _levels(*given)}, "diagnosis")
+    return diagnosis
+
+
+def _by_channel(levels: tuple[Level, ...], entry: str) -> dict[str, dict[str, Any]]:
+    channels: dict[str, dict[str, Any]] = {}
+    for level in levels:
+        values = channels.setdefault(level.channel, {})
+        values[level.component] = {"value": to_json(getattr(level, entry)), "unit": level.unit}
+    return channels
+
+
+def _levels(*objects: Any) -> list[dict[str, Any]]:
+    """Levels as JSON, of the objects that stand for them."""
+    kind = dict[str, dict[str, dict[str, Any]]]
+    tables = [from_json(kind, table, name) for name, table in zip(LEVELS, objects, strict=True)]
+    places = [[(channel, component) for channel in table for component in table[channel]] for table in tables]
+    if any(own != places[0] for own in places):
+        raise FFGymError(f"{', '.join(LEVELS)} must have the same channels and components, in the same order.")
+    return [_level(channel, component, tables) for channel, component in places[0]]
+
+
+def _level(channel: str, component: str, tables: list[dict[str, dict[str, dict[str, Any]]]]) -> dict[str, Any]:
+    if channel not in UNITS:
+        raise FFGymError(f"{next(iter(LEVELS))} has unknown channel {channel!r}; there are {', '.join(UNITS)}.")
+    entries = [table[channel][component] for table in tables]
+    for name, entry in zip(LEVELS, entries, strict=True):
+        if set(entry) != {"value", "unit"} or entry["unit"] != entries[0]["unit"]:
+            raise FFGymError(f"{name}.{channel}.{component} must have value and unit, the same unit everywhere.")
+    level = {name: entry["value"] for name, entry in zip(LEVELS, entries, strict=True)}
+    return level | {"channel": channel, "component": component, "unit": entries[0]["unit"]}
