@@ -1,5 +1,6 @@
 """Torques of effects along a recording, where those with a memory must go from sample to sample."""
 
+from collections.abc import Iterator
 from dataclasses import fields
 
 import numpy as np
@@ -8,29 +9,37 @@ from ffgym.effects.effect import TorqueEffect
 from ffgym.effects.state import State, Torques
 from ffgym.types import Array
 
+_STATE = tuple(f.name for f in fields(State))
+
 
 def torques_along(effect: TorqueEffect, states: State, dt: float) -> Torques:
-    """What an effect adds at T samples, (T, N) each; a machine that is at rest at the first of them is settled.
+    """What an effect adds at T samples, (T, ..., N) each; a machine that is at rest at the first of them is settled.
 
     Args:
         effect: of one machine.
-        states: at samples `dt` apart; arrays of shape (T, N), or what spreads over that.
+        states: at samples `dt` apart; arrays of shape (T, ..., N), e.g. of several motions side by side, or what
+            spreads over that.
         dt: sample time [s].
     """
-    shape = states.motor_angle.shape
-    memory = effect.initial_memory(_at(states, 0, shape))
+    each = samples(states)
+    first = next(each)
+    memory = effect.initial_memory(first)
     if not memory.size:
         return effect.torques(states, effect.initial_memory(states), dt)[0]
-    found: list[Torques] = []
-    for k in range(len(states.motor_angle)):
-        added, memory = effect.torques(_at(states, k, shape), memory, dt)
+    added, memory = effect.torques(first, memory, dt)
+    found = [added]
+    for state in each:
+        added, memory = effect.torques(state, memory, dt)
         found.append(added)
     return Torques(**{f.name: _stacked([getattr(added, f.name) for added in found]) for f in fields(Torques)})
 
 
-def _at(states: State, k: int, shape: tuple[int, ...]) -> State:
-    """The state at sample k, (N,) each."""
-    return State(**{f.name: np.broadcast_to(getattr(states, f.name), shape)[k] for f in fields(State)})
+def samples(states: State) -> Iterator[State]:
+    """The states at each sample in turn, (..., N) each: views, made cheaply, as there are many of them."""
+    shape = states.motor_angle.shape
+    columns = [np.broadcast_to(getattr(states, name), shape) for name in _STATE]
+    for k in range(shape[0]):
+        yield State(**{name: column[k] for name, column in zip(_STATE, columns, strict=True)})
 
 
 def _stacked(samples: list[Array | None]) -> Array | None:

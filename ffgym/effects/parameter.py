@@ -14,6 +14,12 @@ Per = Literal["joint", "pair", "machine", "vector"]
 """One number per joint (N,), per pair of joints (N, N), for the machine (), or three of a vector (3,)."""
 
 
+Role = Literal["size", "phase", "cycles", "span", "shape"]
+"""What a parameter is to a search: how large the effect is; the phase of something periodic, and how often it repeats;
+a shape in which the effect is linear (or nearly), so that two values span all; or anything else that gives it its
+shape."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """What is known of a parameter before any measurement."""
@@ -36,6 +42,10 @@ class Parameter:
     """Smallest value that makes sense."""
     maximum: float
     """Largest value that makes sense."""
+    role: Role
+    """What it is to a search among effects."""
+    tries: tuple[float, ...]
+    """Values of a shape at which a search begins; empty is the default value alone."""
 
     @property
     def neutral(self) -> float:
@@ -94,6 +104,8 @@ def parameter(
     minimum: float = -np.inf,
     maximum: float = np.inf,
     default: float | None = None,
+    role: Role | None = None,
+    tries: tuple[float, ...] = (),
 ) -> Any:
     """Field of an effect's dataclass that is a parameter.
 
@@ -108,6 +120,8 @@ def parameter(
         minimum: smallest value that makes sense.
         maximum: largest value that makes sense.
         default: value if none is given; None requires one.
+        role: None is a size where there is a null value, else a shape.
+        tries: values of a shape at which a search begins; none is the default value alone.
     """
     known = Parameter(
         name="",
@@ -120,6 +134,8 @@ def parameter(
         per=per,
         minimum=minimum,
         maximum=maximum,
+        role=role or ("shape" if null is None else "size"),
+        tries=tries,
     )
     if default is None:
         return field(metadata={_KEY: known})

@@ -39,6 +39,7 @@ class Cogging(TorqueEffect):
     )
     cycles: Array = parameter(
         "k, per motor turn",
+        role="cycles",
         unit="1",
         null=None,
         low=1.0,
@@ -48,7 +49,14 @@ class Cogging(TorqueEffect):
         source="least common multiple of poles and slots, 12 to 72, and 1 to 6 by eccentricity",
     )
     phase: Array = parameter(
-        "phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, source="any; where the motor's zero lies"
+        "phi",
+        unit="rad",
+        null=None,
+        low=0.0,
+        high=2 * np.pi,
+        default=0.0,
+        role="phase",
+        source="any; where the motor's zero lies",
     )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:

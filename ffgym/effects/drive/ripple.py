@@ -31,6 +31,7 @@ class TorqueRipple(TorqueEffect):
     )
     cycles: Array = parameter(
         "k, per motor turn",
+        role="cycles",
         unit="1",
         null=None,
         low=1.0,
@@ -40,7 +41,14 @@ class TorqueRipple(TorqueEffect):
         source="1, 2 and 6 times the electrical angle, with 1 to 6 pole pairs",
     )
     phase: Array = parameter(
-        "phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, source="any; where the motor's zero lies"
+        "phi",
+        unit="rad",
+        null=None,
+        low=0.0,
+        high=2 * np.pi,
+        default=0.0,
+        role="phase",
+        source="any; where the motor's zero lies",
     )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:

@@ -46,6 +46,7 @@ class DwellStiction(TorqueEffect):
     )
     time: Array = parameter(
         "t_d, time of rest after which 63 % of that is there",
+        tries=(0.3, 2.0),
         unit="s",
         null=None,
         low=0.1,

@@ -38,6 +38,7 @@ class PositionFriction(TorqueEffect):
     )
     cycles: Array = parameter(
         "k, per radian of the joint (per metre of a slide)",
+        role="cycles",
         unit="1/rad",
         null=None,
         low=1.0,
@@ -46,7 +47,9 @@ class PositionFriction(TorqueEffect):
         default=10.0,
         source="chosen: from a turn of the joint to that of a planet wheel",
     )
-    phase: Array = parameter("phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, source="any")
+    phase: Array = parameter(
+        "phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, role="phase", source="any"
+    )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""

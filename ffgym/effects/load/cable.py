@@ -44,6 +44,7 @@ class CablePull(TorqueEffect):
     )
     width: Array = parameter(
         "w, travel after a reversal at which all strands slip, link side",
+        tries=(0.03, 0.2),
         unit="rad",
         null=None,
         low=0.02,
@@ -53,7 +54,14 @@ class CablePull(TorqueEffect):
         source="chosen: some degrees",
     )
     neutral: Array = parameter(
-        "q_0, angle at which they were laid", unit="rad", null=None, low=-1.5, high=1.5, default=0.0, source="any"
+        "q_0, angle at which they were laid",
+        unit="rad",
+        null=None,
+        low=-1.5,
+        high=1.5,
+        default=0.0,
+        role="span",
+        source="any",
     )
 
     def initial_memory(self, state: State) -> Array:

@@ -40,6 +40,7 @@ class GravityTerm(TorqueEffect):
     )
     neutral: Array = parameter(
         "q_0, where the spring is relaxed",
+        role="span",
         unit="rad",
         null=None,
         low=-1.0,

@@ -33,6 +33,7 @@ class Payload(NativeEffect):
     )
     offset: Array = parameter(
         "centre of mass from the TCP, in the axes of tool0",
+        role="span",
         unit="m",
         null=None,
         low=-0.2,
@@ -43,6 +44,7 @@ class Payload(NativeEffect):
     )
     radius: Array = parameter(
         "rho, radius of gyration about the centre of mass",
+        role="span",
         unit="m",
         null=None,
         low=0.0,

@@ -38,6 +38,7 @@ class ResolverRipple(ResolverEffect):
     )
     cycles: Array = parameter(
         "k, per motor turn",
+        role="cycles",
         unit="1",
         null=None,
         low=1.0,
@@ -47,7 +48,14 @@ class ResolverRipple(ResolverEffect):
         source="1: eccentricity; 2: unequal windings",
     )
     phase: Array = parameter(
-        "phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, source="any; where the motor's zero lies"
+        "phi",
+        unit="rad",
+        null=None,
+        low=0.0,
+        high=2 * np.pi,
+        default=0.0,
+        role="phase",
+        source="any; where the motor's zero lies",
     )
 
     def error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:

@@ -48,6 +48,7 @@ class TorsionalHysteresis(TorqueEffect):
     )
     width: Array = parameter(
         "w, deflection after a reversal at which all elements slip, link side",
+        tries=(1e-4, 3e-4),
         unit="rad",
         null=None,
         low=1e-4,

@@ -42,6 +42,7 @@ class KinematicError(TorqueEffect):
     )
     cycles: Array = parameter(
         "k, per motor turn",
+        role="cycles",
         unit="1",
         null=None,
         low=1.0,
@@ -51,7 +52,14 @@ class KinematicError(TorqueEffect):
         source="strain wave gears: two per turn of the wave generator, that of the motor",
     )
     phase: Array = parameter(
-        "phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, source="any; where the motor's zero lies"
+        "phi",
+        unit="rad",
+        null=None,
+        low=0.0,
+        high=2 * np.pi,
+        default=0.0,
+        role="phase",
+        source="any; where the motor's zero lies",
     )
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
