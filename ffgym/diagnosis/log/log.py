@@ -1,0 +1,193 @@
+"""What a diagnosis sees of its recordings: motions of the motors side by side, and what was measured along them."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.diagnosis.log.sampling import Sampling
+from ffgym.errors import FFGymError
+from ffgym.identification.signals import acting_torque, check_fits, joint_motion, motor_effort
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.types import Array, BoolArray
+
+_SAME_PERIOD = 0.01
+"""Relative difference of sample periods up to which recordings count as sampled alike."""
+
+_GAP = 5
+"""Sample periods of the tracker over which its position is interpolated; chosen: a lost sample or some."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Log:
+    """M motions of one robot, each padded at its end to the T samples of the longest; N joints.
+
+    Angles are behind the gearbox if joints were rigid, link side; torques are motor side.
+    """
+
+    robot: RobotDescription
+    recordings: tuple[Recording, ...]
+    sampling: Sampling
+    started: Array
+    """When each motion began on the clock of its session [s], shape (M,); 0 if the log does not say."""
+    known: BoolArray
+    """Samples that are of the record and that the filter knows, shape (T, M)."""
+    q: Array
+    """[rad], shape (T, M, N)."""
+    dq: Array
+    """[rad/s]."""
+    ddq: Array
+    """[rad/s^2]."""
+    torque: Array
+    """Motor torque that acts about each sample [N m], shape (T, M, N)."""
+    tool: Array | None
+    """Tracked position [m], shape (T, M, 3); NaN where it is not known."""
+    link: Array | None
+    """Encoders behind the gearbox, link side [rad], shape (T, M, N)."""
+    feedback: Array | None
+    """Torque that the servo adds to its feed-forward [N m], shape (T, M, N)."""
+    reference: tuple[Array, Array] | None
+    """Set-points of the motors [rad], and their rate, shape (T, M, N) each."""
+    temperature: Array | None
+    """[degC], shape (T, M, N)."""
+
+    @property
+    def dt(self) -> float:
+        """Sample period [s]."""
+        return self.sampling.dt
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the motions."""
+        return tuple(recording.header.segment for recording in self.recordings)
+
+
+def log_of(robot: RobotDescription, recordings: Sequence[Recording]) -> Log:
+    """Recordings of a robot, made ready.
+
+    Raises:
+        FFGymError: if there are none, two motions share a name, they are sampled at different rates or unevenly, one of
+            them does not fit the robot or does not say what its torque is and when it acts.
+    """
+    _check(robot, recordings)
+    sampling = Sampling(dt=recordings[0].dt, n_samples=max(len(recording) for recording in recordings))
+    low_pass = sampling.motion_filter
+    motions = [joint_motion(robot, recording, low_pass) for recording in recordings]
+
+    def padded(of: Sequence[Array], hold: bool = True) -> Array:
+        return _padded(of, sampling.n_samples, hold)
+
+    def where_all(family: str, read: Callable[[Recording], Array]) -> Array | None:
+        return padded([read(r) for r in recordings]) if all(r.has(family) for r in recordings) else None
+
+    ends = low_pass.end_rows(sampling.dt)
+    known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
+    for i, recording in enumerate(recordings):
+        known[ends : len(recording) - ends, i] = True
+    return Log(
+        robot=robot,
+        recordings=tuple(recordings),
+        sampling=sampling,
+        started=np.array([_started(recording) for recording in recordings]),
+        known=known,
+        q=padded([q for q, _, _ in motions]),
+        dq=padded([dq for _, dq, _ in motions], hold=False),
+        ddq=padded([ddq for _, _, ddq in motions], hold=False),
+        torque=padded([acting_torque(robot, recording) for recording in recordings]),
+        tool=where_all("tcp.position", _tracked) if robot.tool is not None else None,
+        link=where_all("link.position", lambda r: r.joint_array("link.position")),
+        feedback=_feedback(robot, recordings, sampling.n_samples),
+        reference=_reference(robot, recordings, sampling.n_samples),
+        temperature=where_all("temperature", _temperature),
+    )
+
+
+def _check(robot: RobotDescription, recordings: Sequence[Recording]) -> None:
+    if not recordings:
+        raise FFGymError("There is nothing to diagnose: name recordings, or a folder of them.")
+    for recording in recordings:
+        check_fits(robot, recording)
+    names = [recording.header.segment for recording in recordings]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise FFGymError(f"Several recordings are of a motion named {twice[0]!r}; names of motions must differ.")
+    periods = [recording.dt for recording in recordings]
+    if np.ptp(periods) > _SAME_PERIOD * max(periods):
+        raise FFGymError(
+            f"Recordings are sampled every {min(periods):g} to {max(periods):g} s; diagnose those of one sample period."
+        )
+
+
+def _padded(arrays: Sequence[Array], n: int, hold: bool) -> Array:
+    """Arrays (T_i, ...) side by side, shape (T, M, ...); after its end a motion holds its last row, or is 0."""
+
+    def one(array: Array) -> Array:
+        width = ((0, n - len(array)), *((0, 0) for _ in array.shape[1:]))
+        return np.pad(array, width, mode="edge") if hold else np.pad(array, width)
+
+    return np.stack([one(array) for array in arrays], axis=1)
+
+
+def _started(recording: Recording) -> float:
+    """Start of a motion on the clock of its session [s], as `ffgym record` writes it; 0 if nobody did."""
+    said = recording.header.meta.get("session_start", 0.0)
+    return float(said) if isinstance(said, int | float) else 0.0
+
+
+def _tracked(recording: Recording) -> Array:
+    """Tracked position (T, 3), straight between samples that lie close together; else NaN."""
+    position, t = recording.vector("tcp.position"), recording.t
+    seen = np.flatnonzero(~np.isnan(position).any(axis=1))
+    if len(seen) < 2:
+        return np.full_like(position, np.nan)
+    between = np.stack([np.interp(t, t[seen], position[seen, k]) for k in range(3)], axis=1)
+    after = np.minimum(np.searchsorted(seen, np.arange(len(t))), len(seen) - 1)
+    before = np.maximum(np.where(seen[after] == np.arange(len(t)), after, after - 1), 0)
+    gap = seen[after] - seen[before]
+    outside = (np.arange(len(t)) < seen[0]) | (np.arange(len(t)) > seen[-1])
+    between[(gap > _GAP * np.median(np.diff(seen))) | outside] = np.nan
+    return between
+
+
+def _temperature(recording: Recording) -> Array:
+    """Temperatures (T, N), straight between samples, held at either end."""
+    columns = recording.joint_array("temperature").copy()
+    for j in range(columns.shape[1]):
+        seen = ~np.isnan(columns[:, j])
+        columns[:, j] = np.interp(recording.t, recording.t[seen], columns[seen, j]) if seen.any() else np.nan
+    return columns
+
+
+def _feedback(robot: RobotDescription, recordings: Sequence[Recording], n: int) -> Array | None:
+    """Feedback torque as recorded, or as what the motor torque has beside its feed-forward; None if neither is."""
+    found = []
+    for recording in recordings:
+        side = robot.drive.motor_torque if recording.header.torque_semantics == "link_side" else None
+        if recording.has("feedback.effort"):
+            torque = recording.joint_array("feedback.effort")
+            found.append(torque if side is None else side(torque))
+        elif recording.has("feedforward.effort"):
+            added = recording.joint_array("feedforward.effort")
+            if recording.has("compensation.effort"):
+                added = added + recording.joint_array("compensation.effort")
+            found.append(motor_effort(robot, recording) - (added if side is None else side(added)))
+        else:
+            return None
+    return _padded(found, n, hold=True)
+
+
+def _reference(robot: RobotDescription, recordings: Sequence[Recording], n: int) -> tuple[Array, Array] | None:
+    """Set-points of the motors and their rate, motor side."""
+    if not all(recording.has("reference.position") for recording in recordings):
+        return None
+    positions, rates = [], []
+    for recording in recordings:
+        link = recording.header.position_side == "link"
+        position = recording.joint_array("reference.position")
+        positions.append(robot.drive.motor_angle(position) if link else position)
+        if recording.has("reference.velocity"):
+            rate = recording.joint_array("reference.velocity")
+            rates.append(robot.drive.motor_angle(rate) if link else rate)
+        else:
+            rates.append(np.gradient(positions[-1], recording.dt, axis=0))
+    return _padded(positions, n, hold=True), _padded(rates, n, hold=False)

@@ -1,0 +1,162 @@
+"""Rows of a residual as patterns are sought in them: all motions of one channel, cut into halves and blocks."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
+from ffgym.types import Array, BoolArray, IntArray
+
+CHUNK = 0.5
+"""Rows of so much time [s] are fitted or judged together; chosen: ten times the correlation time of what passes a
+low-pass of 10 Hz, and short against the motions, so that both halves see each regime."""
+
+BLOCK = 0.25
+"""Rows of so much time [s] are one observation in a test; half a chunk, so that most blocks have a neighbour that is
+judged with them, and few one that was fitted."""
+
+FEWEST_BLOCKS = 24
+"""Least blocks of a channel that patterns are sought in; with fewer, no half could pass a test over a family."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Motions:
+    """What the rows (R,) have done, all joints (R, N); motor side."""
+
+    t: Array
+    """Since the motion began [s], shape (R,)."""
+    angle: Array
+    """[rad]."""
+    speed: Array
+    """[rad/s]."""
+    acceleration: Array
+    """[rad/s^2]."""
+    sign: Array
+    """Smoothed sign of the speed, -1 to 1."""
+    load: Array
+    """[N m]."""
+    torque: Array
+    """[N m]."""
+    temperature: Array
+    """[degC]."""
+    travel: Array
+    """Since the last reversal [rad]."""
+    rest: Array
+    """Before the present move [s]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """Residuals of one channel in R rows of M motions, each component less its mean over each motion."""
+
+    channel: Channel
+    components: tuple[str, ...]
+    joints: tuple[str, ...]
+    dt: float
+    """Time between rows [s]."""
+    values: Array
+    """Residuals (R, C)."""
+    did: Motions
+    motion_starts: IntArray
+    """First row of each motion, shape (M,)."""
+    block_starts: IntArray
+    """First row of each block, shape (B,)."""
+    half: IntArray
+    """0 or 1 for each row, shape (R,): what is fitted on one half is judged on the other."""
+
+    @cached_property
+    def motion(self) -> IntArray:
+        """Number of each row's motion, shape (R,)."""
+        counts = np.diff([*self.motion_starts, len(self.values)])
+        return np.repeat(np.arange(len(counts)), counts)
+
+    @property
+    def has_enough(self) -> bool:
+        """Whether there is enough to test anything."""
+        return len(self.block_starts) >= FEWEST_BLOCKS
+
+    def centred(self, columns: Array) -> Array:
+        """Columns (R, P) less their mean over each motion: what differs between motions shows no dependence."""
+        if not columns.size:
+            return columns
+        means = np.add.reduceat(columns, self.motion_starts, axis=0) / np.bincount(self.motion)[:, None]
+        centred: Array = columns - means[self.motion]
+        return centred
+
+    def by_block(self, columns: Array) -> Array:
+        """Sums over each block, shape (B, P)."""
+        sums: Array = np.add.reduceat(columns, self.block_starts, axis=0)
+        return sums
+
+    @cached_property
+    def block_half(self) -> IntArray:
+        """Half of each block, shape (B,)."""
+        return self.half[self.block_starts]
+
+
+def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> Rows | None:
+    """Rows of a channel that count, with halves drawn by `rng`; None if there are none."""
+    kept = [known_rows(motion, channel) for motion in residual.motions]
+    pairs = [(m, k) for m, k in zip(residual.motions, kept, strict=True) if k.any()]
+    if not pairs:
+        return None
+    t = np.concatenate([m.t[k] for m, k in pairs])
+    counts = [int(k.sum()) for _, k in pairs]
+    motion = np.repeat(np.arange(len(pairs)), counts)
+    rows = Rows(
+        channel=channel,
+        components=components(channel, residual.robot),
+        joints=tuple(residual.robot.joints),
+        dt=float(np.median(np.concatenate([np.diff(m.t) for m, _ in pairs]))),
+        values=np.concatenate([m.residual[channel][k] for m, k in pairs]),
+        did=_did(pairs, t),
+        motion_starts=np.cumsum([0, *counts[:-1]]),
+        block_starts=_starts(motion, np.floor(t / BLOCK)),
+        half=_halves(motion, np.floor(t / CHUNK), rng),
+    )
+    rows.values[:] = rows.centred(rows.values)
+    return rows
+
+
+def known_rows(motion: MotionResidual, channel: Channel) -> BoolArray:
+    """Rows that count and in which every component of a channel is known."""
+    known: BoolArray = motion.valid & np.isfinite(motion.residual[channel]).all(axis=1)
+    return known
+
+
+def _did(pairs: list[tuple[MotionResidual, BoolArray]], t: Array) -> Motions:
+    n_joints = pairs[0][0].motor_acceleration.shape[1]
+
+    def state(name: str) -> Array:
+        return np.concatenate([np.broadcast_to(getattr(m.state, name), (len(m.t), n_joints))[k] for m, k in pairs])
+
+    def own(name: str) -> Array:
+        return np.concatenate([getattr(m, name)[k] for m, k in pairs])
+
+    return Motions(
+        t=t,
+        angle=state("motor_angle"),
+        speed=state("motor_speed"),
+        acceleration=own("motor_acceleration"),
+        sign=state("friction_sign"),
+        load=state("load_at_motor"),
+        torque=state("motor_torque"),
+        temperature=state("temperature"),
+        travel=own("since_reversal"),
+        rest=own("at_rest_for"),
+    )
+
+
+def _starts(motion: IntArray, number: Array) -> IntArray:
+    """Rows at which another motion or another number begins."""
+    changes = (np.diff(motion) != 0) | (np.diff(number) != 0)
+    return np.concatenate([[0], 1 + np.flatnonzero(changes)])
+
+
+def _halves(motion: IntArray, chunk: Array, rng: np.random.Generator) -> IntArray:
+    """Half of each row: of the chunks of each motion one half, drawn, so that no rhythm of the motion falls in step."""
+    starts = _starts(motion, chunk)
+    counts = np.diff([*starts, len(motion)])
+    of_chunk = np.concatenate([rng.permutation(np.arange(n) % 2) for n in np.bincount(motion[starts])])
+    return np.repeat(of_chunk, counts)

@@ -1,0 +1,122 @@
+"""Mean of a residual over what it may depend on, with a band that knows that neighbouring rows say the same."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from ffgym.diagnosis.log_rows import LogRows
+from ffgym.diagnosis.regimes import FEW, REST
+from ffgym.types import Array, BoolArray, IntArray
+
+BINS = 24
+"""Bins of a profile; chosen: as many as a small picture can show."""
+
+BLOCK = 1.0
+"""Length of a block [s]: rows within one are taken as one observation, as in all statistics of a diagnosis."""
+
+SIGMAS = 2.0
+"""Half width of the band in standard errors of the mean: about 95 %."""
+
+FEWEST_BLOCKS = 3
+"""Blocks in a bin below which it has no band."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variable:
+    """Something that a residual may depend on."""
+
+    label: str
+    unit: str
+    of: Callable[[LogRows], Array]
+    """Values, shape (R, N)."""
+    by_direction: bool = True
+    """Whether both directions are looked at apart: a sign-locked effect vanishes in their mean."""
+    logarithmic: bool = False
+
+
+VARIABLES: Mapping[str, Variable] = MappingProxyType(
+    {
+        "speed": Variable(label="motor speed", unit="rad/s", of=lambda rows: rows.speed, by_direction=False),
+        "position": Variable(label="joint position", unit="rad", of=lambda rows: rows.position),
+        "load": Variable(label="load on the motor", unit="N m", of=lambda rows: rows.load),
+        "travel": Variable(
+            label="motor travel since it turned", unit="rad", of=lambda rows: rows.travel, logarithmic=True
+        ),
+        "temperature": Variable(label="temperature", unit="degC", of=lambda rows: rows.temperature),
+        "time": Variable(
+            label="time in the log", unit="s", of=lambda rows: np.broadcast_to(rows.time[:, None], rows.speed.shape)
+        ),
+    }
+)
+"""What residuals are shown over, by name."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Profile:
+    """Mean residual of one component over one variable; B bins with enough rows, ascending."""
+
+    centre: Array
+    """Mean of the variable in each bin, shape (B,)."""
+    mean: Array
+    """Mean residual, in the unit of the channel, shape (B,)."""
+    error: Array
+    """Standard error of the mean, from blocks of rows, shape (B,); NaN with too few of them."""
+
+    @property
+    def low(self) -> Array:
+        """Lower end of the band, shape (B,)."""
+        return self.mean - SIGMAS * self.error
+
+    @property
+    def high(self) -> Array:
+        """Upper end of the band, shape (B,)."""
+        return self.mean + SIGMAS * self.error
+
+
+def profiles(rows: LogRows, component: int, joint: int, variable: Variable) -> dict[str, Profile]:
+    """Mean of a residual over a variable of a joint: 'both', or 'forwards' and 'back', as the variable wants it."""
+    speed = rows.speed[:, joint]
+    directions: dict[str, BoolArray] = {"both": np.ones(len(speed), dtype=np.bool_)}
+    if variable.by_direction:
+        directions = {"forwards": speed > REST, "back": speed < -REST}
+    values = variable.of(rows)[:, joint]
+    usable = np.isfinite(rows.residual[:, component]) & np.isfinite(values)
+    if variable.logarithmic:
+        usable = usable & (values > 0)
+    edges = _edges(values[usable])
+    return {name: _profile(rows, component, values, usable & rows_of, edges) for name, rows_of in directions.items()}
+
+
+def _edges(values: Array) -> Array:
+    """Edges of bins that hold about equally many rows, ascending."""
+    return np.unique(np.quantile(values, np.linspace(0.0, 1.0, BINS + 1))) if values.size else np.zeros(0)
+
+
+def _profile(rows: LogRows, component: int, values: Array, usable: BoolArray, edges: Array) -> Profile:
+    if len(edges) < 2:
+        return Profile(centre=np.zeros(0), mean=np.zeros(0), error=np.zeros(0))
+    value, residual = values[usable], rows.residual[usable, component]
+    bins = np.clip(np.searchsorted(edges, value, side="right") - 1, 0, len(edges) - 2)
+    blocks = _blocks(rows)[usable]
+    kept = [b for b in range(len(edges) - 1) if np.count_nonzero(bins == b) >= FEW]
+    means = [(value[bins == b].mean(), residual[bins == b].mean()) for b in kept]
+    errors = [_standard_error(residual[bins == b], blocks[bins == b]) for b in kept]
+    centre, mean = np.array(means).reshape(-1, 2).T
+    return Profile(centre=centre, mean=mean, error=np.array(errors))
+
+
+def _blocks(rows: LogRows) -> IntArray:
+    """Number of the block that each row belongs to; a block does not reach from one motion into the next."""
+    blocks = np.stack([rows.motion, np.floor(rows.time / BLOCK).astype(np.intp)], axis=1)
+    return np.unique(blocks, axis=0, return_inverse=True)[1].ravel()
+
+
+def _standard_error(values: Array, blocks: IntArray) -> float:
+    """Of the mean of rows in blocks, each of which is one observation."""
+    sums = np.bincount(blocks, weights=values - values.mean())
+    n_blocks = np.count_nonzero(np.bincount(blocks))
+    if n_blocks < FEWEST_BLOCKS:
+        return np.nan
+    return float(np.sqrt((sums**2).sum() * n_blocks / (n_blocks - 1)) / len(values))

@@ -1,0 +1,175 @@
+"""Where a model is wrong: residual over noise floor, joint by joint, by what the joint was doing."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from ffgym.diagnosis.log_rows import LogRows, log_rows
+from ffgym.diagnosis.residual import Channel, Residual, components
+from ffgym.errors import FFGymError
+from ffgym.friction import LuGreParameters
+from ffgym.types import Array, BoolArray, IntArray
+
+REST = 0.05
+"""Motor speed below which a motor stands [rad/s]; chosen: above what noise of a resolver makes of standstill, and a
+sixth of the slowest motion of the protocols."""
+
+BRISTLES = 3.0
+"""Travel within which bristles bend after a motor turned, in units of f_s / sigma_0: from -1 to 1, their deflection is
+then within 2 e^-3 = 10 % of where it goes."""
+
+REVERSAL = 30.0
+"""Travel up to which a motor counts as just turned, in the same unit; chosen: ten times presliding."""
+
+SLOW = 2.0
+"""Motor speed up to which motion is slow, in Stribeck velocities: e^-4 = 2 % of the Stribeck peak is left there."""
+
+FEW = 20
+"""Rows below which nothing is said about a regime; chosen: their RMS is off by a sixth at least (1 / sqrt(2 n))."""
+
+REGIMES: Mapping[str, Mapping[str, str]] = MappingProxyType(
+    {
+        "motion": {
+            "rest": f"motor slower than {REST:g} rad/s",
+            "presliding": f"within {BRISTLES:g} f_s / sigma_0 of travel after the motor turned",
+            "reversal": f"after that, within {REVERSAL:g} f_s / sigma_0",
+            "restart": f"within {REVERSAL:g} f_s / sigma_0 of travel after the motor had stood",
+            "slow": f"up to {SLOW:g} Stribeck velocities",
+            "mid": "between slow and fast",
+            "fast": "from where viscous friction is as large as Coulomb friction",
+        },
+        "load": {
+            "low load": "load on the motor below a third of its largest",
+            "high load": "above two thirds",
+        },
+        "position": {
+            "low end": "lowest third of the positions that the joint went to",
+            "middle": "middle third",
+            "high end": "upper third",
+        },
+        "log": {"first third": "first third of the log", "last third": "last third of the log"},
+        "temperature": {"cool": "lowest third of the temperatures of the log", "warm": "upper third"},
+    }
+)
+"""Regimes in groups, and what each means; rows of a group do not overlap."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResidualMap:
+    """Residuals of one channel, sorted into places: regimes or motions; C components and P places."""
+
+    channel: Channel
+    components: tuple[str, ...]
+    places: tuple[str, ...]
+    groups: tuple[str, ...]
+    """Group of each place, shape (P,)."""
+    rms: Array
+    """RMS of the residual, shape (C, P); NaN where the log says too little."""
+    floor: Array
+    """RMS of noise in the same rows, shape (C, P)."""
+    rows: IntArray
+    """How many rows, shape (C, P)."""
+
+    @property
+    def ratio(self) -> Array:
+        """Residual over noise floor, shape (C, P): about 1 where nothing is wrong."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.floor > 0, self.rms / self.floor, np.nan)
+
+    def worst(self) -> tuple[str, str]:
+        """Component and place with the largest residual over noise floor.
+
+        Raises:
+            FFGymError: if there is no place with enough rows.
+        """
+        if np.isnan(self.ratio).all():
+            raise FFGymError(f"No place of channel {self.channel} has {FEW} rows or more; the log is too short.")
+        component, place = np.unravel_index(np.nanargmax(self.ratio), self.ratio.shape)
+        return self.components[component], self.places[place]
+
+
+def regime_map(residual: Residual, channel: Channel) -> ResidualMap:
+    """Residuals by joint and regime, for a channel whose components are joints.
+
+    Raises:
+        FFGymError: if the components of the channel are none.
+    """
+    if channel == "tool":
+        raise FFGymError("Channel tool has axes of the world, no joints, and so no regimes; see motion_map.")
+    rows = log_rows(residual, channel)
+    per_joint = [_regimes(rows, residual, j) for j in range(residual.robot.n_joints)]
+    places = {name: group for group, names in REGIMES.items() for name in names}
+    chosen = np.stack([[found[name] for name in places] for found in per_joint], axis=-1)
+    return _sorted_into(residual, channel, rows, places, chosen)
+
+
+def motion_map(residual: Residual, channel: Channel) -> ResidualMap:
+    """Residuals by component and motion."""
+    rows = log_rows(residual, channel)
+    places = {motion.motion: "motion" for motion in residual.motions}
+    chosen = np.stack([rows.motion == m for m in range(len(residual.motions))])
+    everywhere = np.broadcast_to(chosen[..., None], (*chosen.shape, rows.residual.shape[1]))
+    return _sorted_into(residual, channel, rows, places, everywhere)
+
+
+def _sorted_into(
+    residual: Residual, channel: Channel, rows: LogRows, places: Mapping[str, str], chosen: BoolArray
+) -> ResidualMap:
+    """The map of rows that are `chosen` (P, R, C) for each place."""
+    chosen = chosen & np.isfinite(rows.residual)
+    count = chosen.sum(axis=1)
+    enough = np.where(count >= FEW, count, np.nan)
+    energy = np.where(chosen, np.nan_to_num(rows.residual) ** 2, 0.0).sum(axis=1)
+    noise = np.where(chosen, rows.floor**2, 0.0).sum(axis=1)
+    return ResidualMap(
+        channel=channel,
+        components=components(channel, residual.robot),
+        places=tuple(places),
+        groups=tuple(places.values()),
+        rms=np.sqrt(energy / enough).T,
+        floor=np.sqrt(noise / enough).T,
+        rows=count.T,
+    )
+
+
+def _regimes(rows: LogRows, residual: Residual, j: int) -> dict[str, BoolArray]:
+    """Rows (R,) of joint `j` in each regime."""
+    motion = _motion_regimes(rows, residual.robot.friction, j)
+    load = np.abs(rows.load[:, j])
+    low, _, high = _thirds(load, 0.0, load.max())
+    ends = _thirds(rows.position[:, j], rows.position[:, j].min(), rows.position[:, j].max())
+    early, _, late = _thirds(rows.time, 0.0, rows.time[-1])
+    cool, _, warm = _thirds(rows.temperature[:, j], rows.temperature[:, j].min(), rows.temperature[:, j].max())
+    names = [name for group, entries in REGIMES.items() if group != "motion" for name in entries]
+    return motion | dict(zip(names, (low, high, *ends, early, late, cool, warm), strict=True))
+
+
+def _motion_regimes(rows: LogRows, friction: LuGreParameters, j: int) -> dict[str, BoolArray]:
+    """Each row in exactly one regime of motion."""
+    speed, travel, stood = np.abs(rows.speed[:, j]), rows.travel[:, j], rows.stood[:, j] > 0
+    bristle = friction.static[j] / friction.bristle_stiffness[j]
+    fast = friction.coulomb[j] / friction.viscous[j] if friction.viscous[j] > 0 else np.inf
+    in_order = {
+        "rest": speed < REST,
+        "restart": stood & (travel < REVERSAL * bristle),
+        "presliding": travel < BRISTLES * bristle,
+        "reversal": travel < REVERSAL * bristle,
+        "slow": speed < SLOW * friction.stribeck_velocity[j],
+        "fast": speed >= fast,
+        "mid": np.ones_like(stood),
+    }
+    left = np.ones_like(stood)
+    found = {}
+    for name, those in in_order.items():
+        found[name] = left & those
+        left = left & ~those
+    return found
+
+
+def _thirds(values: Array, low: float, high: float) -> tuple[BoolArray, BoolArray, BoolArray]:
+    """Rows in each third of a range; none where the range is empty."""
+    first, second = low + (high - low) / 3, low + 2 * (high - low) / 3
+    wide = high > low
+    return wide & (values < first), wide & (values >= first) & (values < second), wide & (values >= second)

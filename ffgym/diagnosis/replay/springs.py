@@ -1,0 +1,99 @@
+r"""Deflections of elastic joints whose motors move as measured: the arm as a system of springs that is driven.
+
+.. math:: M(q) \ddot\delta + d \dot\delta + K \delta = p
+
+with the mass matrix along the measured motion. Newmark's method of constant average acceleration, stable at any step: a
+resonance above the sample rate follows its load, as it should.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ffgym.types import Array, IntArray
+
+Push = Callable[[int, Array, Array], Array]
+"""What acts on the springs at sample k, at deflection and rate (M, N), link side [N m], (M, N)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Deflection:
+    """Of links behind their gearboxes, link side, (T, M, N) or (T, M, N, V) each; 0 for rigid joints."""
+
+    angle: Array
+    """[rad]."""
+    rate: Array
+    """[rad/s]."""
+    acceleration: Array
+    """[rad/s^2]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Springs:
+    """Elastic joints along M motions of T samples."""
+
+    mass: Array
+    """Shape (T, M, N, N), link side [kg m^2]."""
+    stiffness: Array
+    """K [N m/rad], shape (N,); inf is rigid."""
+    damping: Array
+    """d [N m s/rad], shape (N,)."""
+    dt: float
+
+    @cached_property
+    def elastic(self) -> IntArray:
+        """Joints that bend."""
+        return np.flatnonzero(np.isfinite(self.stiffness))
+
+    @cached_property
+    def _inverse(self) -> Array:
+        """Of M + dt/2 d + dt^2/4 K, shape (T, M, E, E)."""
+        e = self.elastic
+        inner = self.mass[:, :, e[:, None], e]
+        diagonal = self.dt / 2 * self.damping[e] + self.dt**2 / 4 * self.stiffness[e]
+        inverse: Array = np.linalg.inv(inner + np.diag(diagonal))
+        return inverse
+
+    def bent_by(self, torque: Array) -> Deflection:
+        """Deflections under `torque` [N m], shape (T, M, N, V), for V loads at once, settled at the first sample."""
+        e, dt = self.elastic, self.dt
+        shape = torque.shape
+        found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
+        if not len(e):
+            return found
+        load, inverse = np.ascontiguousarray(torque[:, :, e]), self._inverse
+        stiffness, damping = self.stiffness[e, None], self.damping[e, None]
+        x = load[0] / stiffness
+        rate, change = np.zeros_like(x), np.zeros_like(x)
+        found.angle[0][:, e] = x
+        for k in range(1, shape[0]):
+            x = x + dt * rate + dt**2 / 4 * change
+            rate = rate + dt / 2 * change
+            change = inverse[k] @ (load[k] - damping * rate - stiffness * x)
+            x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
+            found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
+        return found
+
+    def pushed_by(self, torque: Array, push: Push, start: Array) -> Deflection:
+        """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
+
+        The push is evaluated where the arm is expected after the step, so that it does not lag behind.
+        """
+        e, dt, shape = self.elastic, self.dt, torque.shape
+        found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
+        inverse, stiffness, damping = self._inverse, self.stiffness[e], self.damping[e]
+        found.angle[0] = start
+        push(0, start, np.zeros_like(start))
+        x, rate, change = start[:, e], np.zeros((shape[1], len(e))), np.zeros((shape[1], len(e)))
+        expected, expected_rate = start.copy(), np.zeros_like(start)
+        for k in range(1, shape[0]):
+            expected[:, e], expected_rate[:, e] = x + dt * rate + dt**2 / 2 * change, rate + dt * change
+            load = (torque[k] + push(k, expected, expected_rate))[:, e]
+            x = x + dt * rate + dt**2 / 4 * change
+            rate = rate + dt / 2 * change
+            change = (inverse[k] @ (load - damping * rate - stiffness * x)[..., None])[..., 0]
+            x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
+            found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
+        return found
