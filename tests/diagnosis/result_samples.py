@@ -13,13 +13,13 @@ from ffgym.diagnosis.result import (
 
 
 def full_diagnosis() -> Diagnosis:
-    """Ambiguous between two causes on joint_2, with everything that a result can have."""
+    """Ambiguous between two causes on j2, with everything that a result can have."""
     size = Size(name="share", value=0.021, unit="1", interval=(0.019, 0.024))
     cause = Cause(
         effect="load_friction",
         code="F6",
         title="Friction that grows with load",
-        joint="joint_2",
+        joint="j2",
         parameters=(size,),
         fixed={"width": 0.1},
         held_out_gain=0.94,
@@ -35,7 +35,7 @@ def full_diagnosis() -> Diagnosis:
         ),
         Rival(
             effect="torque_constant",
-            joint="joint_2",
+            joint="j2",
             held_out_gain=0.41,
             tied=False,
             against="load_friction",
@@ -44,23 +44,23 @@ def full_diagnosis() -> Diagnosis:
     )
     pattern = Pattern(
         channel="torque",
-        component="joint_2",
+        component="j2",
         variable="load",
         kind="sign-locked function",
         frequency=None,
         amplitude=0.12,
         share=0.8,
-        message="the residual of joint_2 changes sign with the direction and grows with the load",
+        message="the residual of j2 changes sign with the direction and grows with the load",
     )
     line = Pattern(
         channel="torque",
-        component="joint_3",
+        component="j3",
         variable="time",
         kind="line",
         frequency=17.0,
         amplitude=0.02,
         share=0.3,
-        message="17 Hz on joint_3",
+        message="17 Hz on j3",
     )
     return Diagnosis(
         verdict="ambiguous",
@@ -73,17 +73,17 @@ def full_diagnosis() -> Diagnosis:
         not_excited=(Unjudged(effect="temperature_friction", joint="", reason="the log spans 2 K"),),
         not_judgeable=(Unjudged(effect="tool_frame", joint="", reason="no tracker"),),
         separating_motion=SeparatingMotion(
-            between=("load_friction on joint_2", "payload"),
+            between=("load_friction on j2", "payload"),
             protocol="holds",
             toml='[[steps]]\nprotocol = "holds"\n',
             expected=3.2,
         ),
         levels=(
-            Level(channel="torque", component="joint_1", unit="N m", noise_floor=0.01, before=0.011, after=0.0105),
-            Level(channel="torque", component="joint_2", unit="N m", noise_floor=0.012, before=0.09, after=0.013),
+            Level(channel="torque", component="j1", unit="N m", noise_floor=0.01, before=0.011, after=0.0105),
+            Level(channel="torque", component="j2", unit="N m", noise_floor=0.012, before=0.09, after=0.013),
             Level(channel="tool", component="x", unit="m", noise_floor=2e-6, before=9e-6, after=3e-6),
         ),
         threshold=0.06,
-        quality=("diagnosis.sine: joint_6 hardly moves",),
+        quality=("diagnosis.sine: j6 hardly moves",),
         provenance={"seed": 0, "versions": {"ffgym": "0.1"}},
     )

@@ -30,8 +30,8 @@ def test_the_same_diagnosis_gives_the_same_bytes(tmp_path):
 
 def test_levels_are_looked_up_by_channel_and_component():
     document = diagnosis_document(full_diagnosis())
-    assert document["noise_floor"]["torque"]["joint_2"] == {"value": 0.012, "unit": "N m"}
-    assert document["before"]["torque"]["joint_2"]["value"] == 0.09
+    assert document["noise_floor"]["torque"]["j2"] == {"value": 0.012, "unit": "N m"}
+    assert document["before"]["torque"]["j2"]["value"] == 0.09
     assert document["after"]["tool"]["x"]["value"] == 3e-6
 
 
@@ -59,8 +59,8 @@ def test_an_interval_that_nobody_knows_is_null_and_comes_back_as_such():
         (lambda d: d.update(format="ffgym-friction"), "no diagnosis"),
         (lambda d: d.update(version=2), "has version 2, this ffgym reads 1"),
         (lambda d: d.pop("after"), "must have noise_floor, before, after"),
-        (lambda d: d["after"]["torque"].pop("joint_2"), "the same channels and components"),
-        (lambda d: d["after"]["torque"]["joint_2"].update(unit="mm"), "after.torque.joint_2 must have value and unit"),
+        (lambda d: d["after"]["torque"].pop("j2"), "the same channels and components"),
+        (lambda d: d["after"]["torque"]["j2"].update(unit="mm"), "after.torque.j2 must have value and unit"),
         (lambda d: [d[level].update(heat={"x": {}}) for level in ("noise_floor", "before", "after")], "channel 'heat'"),
     ],
 )
@@ -104,7 +104,7 @@ def entries(value, path=""):
 def test_the_page_of_the_file_names_every_entry_and_no_other():
     document = diagnosis_document(full_diagnosis())
     for level in ("noise_floor", "before", "after"):
-        document[level] = {"<channel>": {"<component>": document[level]["torque"]["joint_2"]}}
+        document[level] = {"<channel>": {"<component>": document[level]["torque"]["j2"]}}
     document["causes"][0]["fixed"], document["provenance"] = {}, {}
     rows = re.findall(r"^\| `([^`]+)` \|", PAGE.read_text(encoding="utf-8"), flags=re.M)
     wanted = list(dict.fromkeys(entries(document)))
