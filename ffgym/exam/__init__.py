@@ -1,1 +1,1 @@
-"""Logs with hidden effects, and how answers are marked."""
+"""Exams of the diagnosis: logs with hidden effects, drawn by seed, in equations that it does not know, and marks."""
