@@ -33,6 +33,7 @@ _KNOWN = {
     "residual_gp": LawStyle(label="residual torque model", colour="#8C6BB1", marker="P", line="-."),
     "narx": LawStyle(label="NARX network", colour="#56B4E9", marker="*", line="-."),
     "elastic": LawStyle(label="elastic feed-forward", colour="#A50F15", marker="p"),
+    "model": LawStyle(label="model feed-forward", colour="#1B7837", marker="h"),
     "ilc_motor": LawStyle(label="iterative learning, motors", colour="#3B0F70", marker="<", line=":"),
     "ilc_tcp": LawStyle(label="iterative learning, tool", colour="#3B0F70", marker=">"),
     "oracle": LawStyle(label="oracle (true parameters)", colour="#A50F15", marker="H", line=":"),

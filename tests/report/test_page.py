@@ -1,7 +1,6 @@
 import base64
 import re
 import sys
-from html.parser import HTMLParser
 
 import pytest
 
@@ -10,26 +9,7 @@ from ffgym.errors import FFGymError
 from ffgym.report import circle_figures, findings, one_axis_figures, render_report, write_report
 from ffgym.report.circles.page import provenance
 from ffgym.studies import circle_study, one_axis_study
-
-VOID = {"meta", "img", "br", "link", "hr", "input"}
-
-
-class Page(HTMLParser):
-    """Tags, attributes and whether every tag is closed."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags, self.attributes, self.open = [], [], []
-        self.feed(text)
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append(tag)
-        self.attributes += [(tag, name, value) for name, value in attrs]
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
+from tests.report.html_pages import Page
 
 
 @pytest.fixture(scope="module")

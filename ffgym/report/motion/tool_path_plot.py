@@ -72,7 +72,11 @@ def sights_of(path: Array) -> list[Sight]:
 def magnification(contours: Mapping[str, Contour]) -> float:
     """Round factor, 1 or more, with which the largest deviation is drawn as at most SHARE of the path's size."""
     size = max(float(np.linalg.norm(np.ptp(contour.nearest, axis=0))) for contour in contours.values())
-    largest = max(float(contour.distance.max()) for contour in contours.values())
+    return round_factor(size, max(float(contour.distance.max()) for contour in contours.values()))
+
+
+def round_factor(size: float, largest: float) -> float:
+    """Round factor, 1 or more, with which a deviation is drawn as at most SHARE of `size`, in the same unit."""
     if largest == 0:
         return 1.0
     power = 10.0 ** np.floor(np.log10(SHARE * size / largest))

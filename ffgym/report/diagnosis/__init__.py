@@ -1,0 +1,5 @@
+"""What a diagnosis found: pictures, a page, text."""
+
+from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport as DiagnosisReport
+from ffgym.report.diagnosis.page import render_diagnosis_page as render_diagnosis_page
+from ffgym.report.diagnosis.text import format_diagnosis as format_diagnosis

@@ -1,0 +1,91 @@
+"""A diagnosis with the residuals that it was made from, and the places in them that are worth a look."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from ffgym.diagnosis.regimes import ResidualMap, motion_map
+from ffgym.diagnosis.residual import Channel, Residual
+from ffgym.diagnosis.result import Diagnosis
+from ffgym.errors import FFGymError
+
+STANDS_OUT = 1.5
+"""Residual over noise floor of a whole log from which a component is shown; chosen: half as much again as noise."""
+
+MOST_PLACES = 3
+"""Components that are shown in detail."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """One joint in one channel."""
+
+    channel: Channel
+    component: str
+    index: int
+    """Of the component, which is also that of the joint."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DiagnosisReport:
+    """Everything that is shown.
+
+    Raises:
+        FFGymError: if there are residuals after but none before, or not of the same motions.
+    """
+
+    diagnosis: Diagnosis
+    before: Residual | None = None
+    """Against the nominal model; None if the logs do not allow a diagnosis."""
+    after: Residual | None = None
+    """Against the extended model; None without causes."""
+
+    def __post_init__(self) -> None:
+        if self.after is not None and (self.before is None or _motions(self.before) != _motions(self.after)):
+            raise FFGymError("Residuals before and after must be of the same motions in the same order.")
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """Joints to look at: those of causes first, then those that stand out most; at least the worst one."""
+        if self.before is None:
+            return ()
+        ranked = sorted(self._joint_places(self.before), key=lambda entry: -entry[1])
+        blamed = {cause.joint for cause in self.diagnosis.causes}
+        standing_out = [place for place, ratio in ranked if ratio > STANDS_OUT] or [place for place, _ in ranked[:1]]
+        first = [place for place in standing_out if place.component in blamed]
+        return tuple(dict.fromkeys([*first, *standing_out]))[:MOST_PLACES]
+
+    def _joint_places(self, residual: Residual) -> list[tuple[Place, float]]:
+        """Components that are joints, with their residual over noise floor."""
+        found = []
+        for channel in residual.channels:
+            if channel == "tool":
+                continue
+            over = overall(motion_map(residual, channel))
+            for index, (component, ratio) in enumerate(zip(residual.robot.joints, over, strict=True)):
+                if np.isfinite(ratio):
+                    found.append((Place(channel=channel, component=component, index=index), float(ratio)))
+        return found
+
+
+def overall(motions: ResidualMap) -> Sequence[float]:
+    """Residual over noise floor of each component over all motions."""
+    energy, noise = (np.nansum(values**2 * motions.rows, axis=1) for values in (motions.rms, motions.floor))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios: list[float] = np.sqrt(energy / noise).tolist()
+    return ratios
+
+
+def worst_motions(motions: ResidualMap, component: int, count: int) -> list[int]:
+    """Motions in which a component stands out most, worst first."""
+    ratio = motions.ratio[component]
+    order = [int(m) for m in np.argsort(-np.nan_to_num(ratio, nan=-1.0), kind="stable") if np.isfinite(ratio[m])]
+    return order[:count]
+
+
+def _motions(residual: Residual) -> tuple[str, ...]:
+    return tuple(motion.motion for motion in residual.motions)

@@ -1,0 +1,117 @@
+"""Every picture of a diagnosis, with its caption."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ffgym.diagnosis.log_rows import log_rows
+from ffgym.diagnosis.regimes import ResidualMap, motion_map, regime_map
+from ffgym.diagnosis.residual import Channel, Residual
+from ffgym.report.circles.figures import ReportFigure
+from ffgym.report.diagnosis.candidates_plot import candidates_figure
+from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place, overall, worst_motions
+from ffgym.report.diagnosis.levels_plot import levels_figure
+from ffgym.report.diagnosis.loops_plot import loops_caption, loops_figure
+from ffgym.report.diagnosis.map_plot import map_caption, map_figure
+from ffgym.report.diagnosis.models import NOMINAL, by_model
+from ffgym.report.diagnosis.profiles_plot import profiles_caption, profiles_figure
+from ffgym.report.diagnosis.time_plot import time_figure
+from ffgym.report.diagnosis.tool_plot import tool_caption, tool_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LOOPS = 3
+"""Motions whose friction loops are shown."""
+
+
+def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
+    """Where the model is wrong: regimes of each channel with joints, motions of all channels."""
+    if report.before is None:
+        return []
+    figures = []
+    for channel in report.before.channels:
+        if channel != "tool":
+            figures.append(_map(report, channel, regime_map, "regimes", "by what the joint was doing"))
+        figures.append(_map(report, channel, motion_map, "motions", "by motion"))
+    return figures
+
+
+def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
+    """What the residual of one joint looks like."""
+    assert report.before is not None
+    models = by_model(report.before, report.after)
+    channel, j = place.channel, place.index
+    worst = worst_motions(motion_map(report.before, channel), j, _LOOPS)
+    rows = {name: log_rows(residual, channel) for name, residual in models.items()}
+    name = report.before.motions[worst[0]].motion
+    figures = [
+        _figure(
+            f"time-{channel}-{j + 1}",
+            f"{place.component}, {channel}: the motion in which it stands out most",
+            f"Motion {name}. What is measured and predicted has gone through the same low-pass without delay.",
+            time_figure(models, channel, j, j, worst[0]),
+        ),
+        _figure(
+            f"depends-{channel}-{j + 1}",
+            f"{place.component}, {channel}: what the residual depends on",
+            profiles_caption(),
+            profiles_figure(rows, channel, j, j),
+        ),
+    ]
+    if channel == "torque":
+        loops = loops_figure(models, j, worst)
+        figures.append(_figure(f"loops-{j + 1}", f"{place.component}: friction over speed", loops_caption(), loops))
+    return figures
+
+
+def tool_figures(report: DiagnosisReport) -> list[ReportFigure]:
+    """Path of the tool in the motion in which it stands out most; none without a tracker."""
+    if report.before is None or "tool" not in report.before.channels:
+        return []
+    motions = motion_map(report.before, "tool")
+    if np.isnan(motions.ratio).all():
+        return []
+    worst = int(np.nanargmax(np.nanmax(motions.ratio, axis=0, initial=0.0)))
+    models = by_model(report.before, report.after)
+    return [_figure("tool", "Path of the tool", tool_caption(models, worst), tool_figure(models, worst))]
+
+
+def candidate_figures(report: DiagnosisReport) -> list[ReportFigure]:
+    """Causes beside their rivals; none without causes."""
+    if not report.diagnosis.causes:
+        return []
+    caption = (
+        "Share of the residual's energy above the noise floor that each effect removes on motions that were not used "
+        "to fit it. Dotted: what an effect reaches by chance in one of a hundred such logs of a perfect model."
+    )
+    return [_figure("candidates", "Causes and rivals", caption, candidates_figure(report.diagnosis))]
+
+
+def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
+    """What is gained; none if nothing was compared, or nothing changed."""
+    levels = report.diagnosis.levels
+    if not levels or not report.diagnosis.causes:
+        return []
+    caption = (
+        "RMS of the residual over all motions, from the nominal to the extended model; each motion was left out once."
+    )
+    return [_figure("levels", "Residuals before and after", caption, levels_figure(levels))]
+
+
+def _map(
+    report: DiagnosisReport, channel: Channel, of: Callable[[Residual, Channel], ResidualMap], kind: str, words: str
+) -> ReportFigure:
+    assert report.before is not None
+    maps = {name: of(residual, channel) for name, residual in by_model(report.before, report.after).items()}
+    nominal = maps[NOMINAL]
+    over = ", ".join(
+        f"{c} {r:.1f}" for c, r in zip(nominal.components, overall(motion_map(report.before, channel)), strict=True)
+    )
+    caption = f"{map_caption(nominal)} Over the whole log, nominal model: {over}."
+    return _figure(f"{kind}-{channel}", f"Residual over noise floor {words}: {channel}", caption, map_figure(maps))
+
+
+def _figure(name: str, title: str, caption: str, figure: "Figure") -> ReportFigure:
+    return ReportFigure(name=name, title=title, thesis="", caption=caption, figure=figure)

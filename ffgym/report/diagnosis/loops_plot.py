@@ -1,0 +1,50 @@
+"""Friction of a motor over its speed: measured, and with and without the causes."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ffgym.diagnosis.residual import MotionResidual, Residual
+from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.circles.tables import shortened
+from ffgym.report.diagnosis.models import LOOKS, NOMINAL, counting, motor_speed
+from ffgym.types import Array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def loops_figure(models: Mapping[str, Residual], joint: int, motions: Sequence[int]) -> "Figure":
+    """One panel for each of `motions`, places in the log: torque without what the arm takes, over motor speed."""
+    with house_style():
+        figure = new_figure(3.1 * len(motions) + 0.5, 3.2)
+        panels = figure.subplots(1, len(motions), squeeze=False)[0]
+        for axes, place in zip(panels, motions, strict=True):
+            nominal = models[NOMINAL].motions[place]
+            rest = nominal.predicted["torque"][:, joint] - _friction(nominal, joint)
+            lines = {"measured": nominal.measured["torque"][:, joint]}
+            lines |= {name: residual.motions[place].predicted["torque"][:, joint] for name, residual in models.items()}
+            for name, torque in lines.items():
+                axes.plot(motor_speed(nominal, joint), counting(nominal, torque - rest), label=name, **LOOKS[name])
+            axes.set_title(shortened(nominal.motion), fontsize=8)
+            axes.set_xlabel("motor speed [rad/s]")
+        panels[0].set_ylabel("friction torque [N m]")
+        legend_above(figure, *panels[0].get_legend_handles_labels())
+    return figure
+
+
+def loops_caption() -> str:
+    """What is drawn."""
+    return (
+        "Motor torque over motor speed, less what the nominal model gives apart from its friction (LuGre without "
+        "bristle damping). What differs from its line is the residual, whatever its cause."
+    )
+
+
+def _friction(motion: MotionResidual, joint: int) -> Array:
+    """Friction of the nominal model along a motion [N m], shape (R,)."""
+    state = motion.state
+    peak = (state.static - state.coulomb) * np.exp(-((state.motor_speed / state.stribeck_velocity) ** 2))
+    friction: Array = ((state.coulomb + peak) * state.friction_sign + state.viscous * state.motor_speed)[:, joint]
+    return friction

@@ -1,0 +1,81 @@
+"""A diagnosis on a page that can be sent, for readers who do not know the tool."""
+
+from itertools import count
+from typing import Any
+
+from ffgym.diagnosis.result import Diagnosis, Rival
+from ffgym.report.circles.figures import ReportFigure
+from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
+from ffgym.report.diagnosis.figures import (
+    candidate_figures,
+    level_figures,
+    map_figures,
+    place_figures,
+    tool_figures,
+)
+from ffgym.report.diagnosis.models import FINE
+from ffgym.report.diagnosis.words import VERDICTS, place_of, signature_of, size_text, title_of, together
+from ffgym.report.html import embedded, provenance_lines, render
+
+_MOST_RIVALS = 8
+"""Rivals of a cause that the table lists, those that explain most; a tie is always listed."""
+
+
+def render_diagnosis_page(report: DiagnosisReport) -> str:
+    """HTML of the page; the same diagnosis gives the same bytes.
+
+    Raises:
+        FFGymError: if matplotlib or jinja2 is missing.
+    """
+    diagnosis = report.diagnosis
+    return render(
+        "diagnosis.html.j2",
+        diagnosis=diagnosis,
+        meaning=VERDICTS[diagnosis.verdict],
+        verdicts=VERDICTS,
+        causes=[(cause, title_of(cause.effect), signature_of(cause.effect)) for cause in diagnosis.causes],
+        size_text=size_text,
+        place_of=place_of,
+        rivals=[(cause, _rivals(diagnosis, cause.effect)) for cause in diagnosis.causes],
+        not_excited=together(diagnosis.not_excited),
+        not_judgeable=together(diagnosis.not_judgeable),
+        levels=_levels(diagnosis),
+        figures=_figures(report),
+        provenance=provenance_lines(diagnosis.provenance),
+    )
+
+
+def _figures(report: DiagnosisReport) -> dict[str, list[dict[str, Any]]]:
+    """Pictures by the section that they stand in, numbered in the order of the page."""
+    sections: dict[str, list[ReportFigure]] = {
+        "gain": level_figures(report),
+        "maps": map_figures(report),
+        "evidence": [
+            *(figure for place in report.places for figure in place_figures(report, place)),
+            *tool_figures(report),
+        ],
+        "candidates": candidate_figures(report),
+    }
+    number = count(1)
+    return {
+        section: [embedded(figure) | {"number": f"Figure {next(number)}"} for figure in figures]
+        for section, figures in sections.items()
+    }
+
+
+def _rivals(diagnosis: Diagnosis, cause: str) -> list[Rival]:
+    """Rivals of a cause, ties first, then those that explain most."""
+    own = [rival for rival in diagnosis.rivals if rival.against == cause]
+    ordered = sorted(own, key=lambda rival: (not rival.tied, -rival.held_out_gain))
+    return [rival for i, rival in enumerate(ordered) if rival.tied or i < _MOST_RIVALS]
+
+
+def _levels(diagnosis: Diagnosis) -> list[dict[str, Any]]:
+    """Levels in the units in which people read them."""
+    rows = []
+    for level in diagnosis.levels:
+        factor, unit = FINE[level.unit]
+        numbers = {name: factor * getattr(level, name) for name in ("noise_floor", "before", "after")}
+        above = level.before > level.noise_floor
+        rows.append({"channel": level.channel, "component": level.component, "unit": unit, "above": above} | numbers)
+    return rows

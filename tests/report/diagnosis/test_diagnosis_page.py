@@ -1,0 +1,120 @@
+"""The page of a diagnosis: everything that was found, for every verdict, in one file."""
+
+import base64
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.result import Diagnosis
+from ffgym.errors import FFGymError
+from ffgym.report.diagnosis import DiagnosisReport, format_diagnosis, render_diagnosis_page
+from ffgym.report.diagnosis.words import VERDICTS
+from tests.diagnosis.residual_samples import made_up
+from tests.diagnosis.result_samples import full_diagnosis
+from tests.report.html_pages import Page
+
+
+def lost_with_load(state, travel):
+    """Load friction of joint 2."""
+    lost = np.zeros_like(state.motor_speed)
+    lost[:, 1] = 0.1 * np.sign(state.motor_speed[:, 1]) * np.abs(state.load_at_motor[:, 1])
+    return lost
+
+
+@pytest.fixture(scope="module")
+def report(irb4600):
+    channels = ("torque", "tool")
+    before = made_up(irb4600, {"torque": lost_with_load}, channels=channels)
+    return DiagnosisReport(
+        diagnosis=full_diagnosis(), before=before, after=made_up(irb4600, {}, channels=channels, seed=1)
+    )
+
+
+@pytest.fixture(scope="module")
+def page(report):
+    return render_diagnosis_page(report)
+
+
+def text_of(page):
+    return re.sub(r"<[^>]+>", "", re.sub(r"base64,[\w+/=]+", "", page))
+
+
+def test_the_page_is_whole_and_needs_nothing_else(page):
+    tree = Page(page)
+    assert tree.open == []
+    assert not {"script", "link", "iframe", "object"} & set(tree.tags)
+    assert all(value.startswith("data:") for _, name, value in tree.attributes if name in ("src", "href"))
+    assert "http" not in re.sub(r"base64,[\w+/=]+", "", page)
+    assert "<image" not in "".join(base64.b64decode(data).decode() for data in re.findall(r"base64,([\w+/=]+)", page))
+
+
+def test_the_page_tells_everything_that_was_found(page):
+    diagnosis, text = full_diagnosis(), text_of(page)
+    told = [diagnosis.sentence, diagnosis.verdict, diagnosis.robot, *diagnosis.motions, *diagnosis.quality]
+    told += [rival.reason for rival in diagnosis.rivals] + [pattern.message for pattern in diagnosis.patterns]
+    told += [one.reason for one in (*diagnosis.not_excited, *diagnosis.not_judgeable)]
+    told += ["share = 0.021 (0.019 to 0.024)", "94 %", "ffgym record irb4600_60_205 next.toml", "protocol = &#34;holds"]
+    for words in told:
+        assert words in text
+
+
+def test_pictures_are_numbered_and_begin_with_the_joint_that_is_blamed(page):
+    figures = re.findall(r'<figure id="([\w-]+)">', page)
+    assert len(set(figures)) == len(figures)
+    assert re.findall(r"<b>(Figure \d+)\.", page) == [f"Figure {i + 1}" for i in range(len(figures))]
+    assert next(name for name in figures if name.startswith("depends")) == "depends-torque-2"
+    assert {"regimes-torque", "motions-tool", "loops-2", "tool", "candidates", "levels"} <= set(figures)
+
+
+@pytest.mark.parametrize("verdict", VERDICTS)
+def test_every_verdict_has_a_page_and_a_text_without_anything_but_a_sentence(verdict):
+    diagnosis = Diagnosis(verdict=verdict, sentence="So it is.", robot="one_axis", motions=("a",))
+    page = render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis))
+    assert Page(page).open == []
+    assert VERDICTS[verdict] in text_of(page)
+    assert format_diagnosis(diagnosis) == f"{verdict}: So it is."
+
+
+def test_a_log_in_which_nothing_stands_out_shows_its_worst_joint(irb4600):
+    diagnosis = Diagnosis(verdict="none", sentence="Nothing.", robot="irb4600_60_205", motions=("a",))
+    report = DiagnosisReport(diagnosis=diagnosis, before=made_up(irb4600, {}))
+    assert len(report.places) == 1
+    page = render_diagnosis_page(report)
+    assert 'id="regimes-torque"' in page
+    assert "extended model</th>" not in page
+
+
+def test_one_axis_without_a_tool_has_a_page_and_the_same_each_time(one_axis):
+    fault = {"servo": lambda state, travel: 0.1 * np.sign(state.motor_speed)}
+    diagnosis = Diagnosis(verdict="unknown", sentence="?", robot="one_axis", motions=("a",))
+    residual = made_up(one_axis, fault, channels=("torque", "servo"))
+    page = render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis, before=residual))
+    assert 'id="depends-servo-1"' in page
+    assert render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis, before=residual)) == page
+
+
+def test_a_log_without_valid_rows_has_a_page(irb4600):
+    residual = made_up(irb4600, {}, channels=("torque", "tool"))
+    for motion in residual.motions:
+        motion.valid[:] = False
+    diagnosis = Diagnosis(verdict="insufficient", sentence="Too short.", robot="r", motions=("a",))
+    report = DiagnosisReport(diagnosis=diagnosis, before=residual)
+    assert report.places == ()
+    assert "Too short." in render_diagnosis_page(report)
+
+
+def test_residuals_before_and_after_are_of_the_same_motions(irb4600):
+    before, after = made_up(irb4600, {}), made_up(irb4600, {})
+    with pytest.raises(FFGymError, match="same motions"):
+        DiagnosisReport(diagnosis=full_diagnosis(), before=before, after=replace(after, motions=after.motions[:2]))
+
+
+def test_the_text_fits_a_terminal_and_names_ties_sizes_and_what_to_record():
+    text = format_diagnosis(full_diagnosis())
+    assert max(map(len, text.splitlines())) <= 120
+    for words in ("ambiguous: ", "share = 0.021 (0.019 to 0.024)", "cannot be excluded: payload", "record next: holds"):
+        assert words in text
+    assert "torque constant" not in text
+    assert re.search(r"torque  j2 \| N m +0\.012 +0\.09 +0\.013", text)
