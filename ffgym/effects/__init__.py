@@ -2,6 +2,7 @@
 
 from ffgym.effects.along import torques_along as torques_along
 from ffgym.effects.catalogue import EFFECTS as EFFECTS
+from ffgym.effects.effect import ClockEffect as ClockEffect
 from ffgym.effects.effect import Effect as Effect
 from ffgym.effects.effect import ModelEffect as ModelEffect
 from ffgym.effects.effect import NativeEffect as NativeEffect

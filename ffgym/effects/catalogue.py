@@ -18,6 +18,8 @@ _EFFECTS: tuple[type[Effect], ...] = (
     friction.PositionFriction,
     friction.DwellStiction,
     friction.StribeckExponent,
+    friction.ViscousDrift,
+    friction.CoulombDrift,
     transmission.JointStiffness,
     transmission.Hardening,
     transmission.TorsionalHysteresis,
@@ -25,6 +27,7 @@ _EFFECTS: tuple[type[Effect], ...] = (
     transmission.KinematicError,
     transmission.WristCoupling,
     transmission.BaseFlexibility,
+    transmission.FlexibleLoad,
     drive.Cogging,
     drive.TorqueRipple,
     drive.TorqueConstant,
@@ -39,6 +42,8 @@ _EFFECTS: tuple[type[Effect], ...] = (
     measurement.TrackerFrame,
     measurement.TrackerClock,
     measurement.JointZeros,
+    measurement.TorqueClock,
+    measurement.LinkClock,
     controller.ServoGains,
 )
 

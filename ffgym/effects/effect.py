@@ -5,7 +5,7 @@ A member is a frozen dataclass whose fields are parameters, declared by `paramet
 - through the description (`NativeEffect`), where MuJoCo has the effect itself: friction, stiffness, masses;
 - through the MuJoCo model (`ModelEffect`), where that takes more joints than the description has;
 - through torques at every physics step (`TorqueEffect`), on the whole batch at once;
-- through what is measured (`ResolverEffect`, in the servo's loop, and `TrackerEffect`, after the fact).
+- through what is measured (`ResolverEffect`, in the servo's loop, `TrackerEffect` and `ClockEffect`, after the fact).
 
 One formula serves a physics step of many robots and a whole recording: states carry any leading shape.
 """
@@ -17,11 +17,12 @@ from typing import Any, ClassVar, Literal, Self
 
 import mujoco
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from ffgym.effects.parameter import Parameter, declared
 from ffgym.effects.state import ResolverError, State, Torques, no_memory
 from ffgym.errors import FFGymError, check_choice
-from ffgym.recordings import Recording
+from ffgym.recordings import FAMILIES, Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array, BoolArray
 
@@ -191,3 +192,28 @@ class TrackerEffect(Effect):
     @abstractmethod
     def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
         """The recording as it is seen; `tcp.*` columns change, nothing else."""
+
+
+class ClockEffect(Effect):
+    """A sensor whose samples are written into rows of a later time."""
+
+    families: ClassVar[tuple[str, ...]]
+    """Families of columns that it concerns."""
+
+    latency: Array
+
+    def late(self, values: Array, dt: float) -> Array:
+        """What is written of `values` (T, ...), sampled every `dt` [s]; before the first, nothing had changed."""
+        t = np.arange(len(values)) * dt
+        late: Array = CubicSpline(t, values)(np.clip(t - self.latency, 0.0, t[-1]))
+        return late
+
+    def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
+        """The recording as it is written; columns that it does not have stay away."""
+        columns = {
+            column: self.late(recording[column], recording.dt)
+            for family in self.families
+            for column in FAMILIES[family].columns(recording.header.joints)
+            if column in recording.columns
+        }
+        return recording.with_columns(columns)

@@ -1,6 +1,6 @@
 """What effects depend on, and what they give: motions and torques of all joints at one instant or along a recording."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -13,6 +13,8 @@ class State:
 
     time: Array
     """Since the motion began [s], shape (..., 1)."""
+    running: Array = field(default_factory=lambda: np.zeros(1))
+    """Since the machine was switched on, or its session began [s], shape (..., 1); 0 where nobody knows."""
     motor_angle: Array
     """[rad], motor side."""
     motor_speed: Array

@@ -42,6 +42,7 @@ class EngineState:
         level = own.coulomb + (own.static - own.coulomb) * np.exp(-((motor_dq / own.stribeck_velocity) ** 2))
         return State(
             time=time,
+            running=own.running_since + time,
             motor_angle=motor_q,
             motor_speed=motor_dq,
             joint_angle=joint_q,

@@ -8,7 +8,7 @@ from typing import Self
 
 import mujoco
 
-from ffgym.effects import Effect, ModelEffect, NativeEffect, ResolverEffect, TorqueEffect, TrackerEffect
+from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TorqueEffect, TrackerEffect
 from ffgym.errors import FFGymError
 from ffgym.plant.climate import Climate
 from ffgym.recordings import Recording
@@ -101,9 +101,9 @@ class Machine:
         return tuple(effect for effect in self.effects if isinstance(effect, ResolverEffect))
 
     def seen(self, recording: Recording) -> Recording:
-        """An exact recording with the tool position as a perfect tracker in its place would see it."""
+        """An exact recording as perfect sensors in their places, and on their clocks, would see it."""
         for effect in self.effects:
-            if isinstance(effect, TrackerEffect):
+            if isinstance(effect, TrackerEffect | ClockEffect):
                 recording = effect.measured(recording, self.physical)
         return recording
 

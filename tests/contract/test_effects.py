@@ -68,7 +68,7 @@ def test_at_its_strongest_it_shows_and_stays_finite(effect, motion, nominal, irb
     strong = as_strong_as_plausible(effect, irb4600)
     assert not strong.is_null
     changed = recorded(motion, Machine(robot=irb4600, effects=(strong,), climate=WARM))
-    families = [c for c in changed.columns if c.startswith(("motor.", "tcp.position", "command."))]
+    families = [c for c in changed.columns if c.startswith(("motor.", "link.", "tcp.position", "command."))]
     difference = max(np.abs(changed[c] - nominal[c]).max() for c in families)
     assert 1e-6 < difference < 10
 

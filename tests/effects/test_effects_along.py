@@ -33,6 +33,7 @@ def measured(irb4600, corners):
         load_at_motor=drive.motor_torque(load),
         friction_sign=np.tanh(speed / 0.1),
         motor_torque=recording.joint_array("motor.effort"),
+        running=3600.0,
     )
 
 

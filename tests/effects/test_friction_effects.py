@@ -32,6 +32,15 @@ def test_there_is_none_where_bristles_are_relaxed(name, irb4600):
     assert not np.any(torques_at(effect, state_of(irb4600, load_at_motor=5.0, temperature=50.0)).motor)
 
 
+@pytest.mark.parametrize(("name", "sign"), [("viscous_drift", -1.0), ("coulomb_drift", 1.0)])
+def test_a_drift_is_nothing_when_switched_on_and_63_percent_of_it_after_its_time(name, sign, irb4600):
+    effect, friction = EFFECTS[name].on(irb4600, share=0.2, duration=1800.0), irb4600.friction
+    whole = 0.2 * (friction.coulomb if name == "coulomb_drift" else 7.0 * friction.viscous)
+    for running, share in ((0.0, 0.0), (1800.0, 1 - np.exp(-1.0)), (1e6, 1.0)):
+        torque = torques_at(effect, sliding(irb4600, 7.0, running=running)).motor
+        np.testing.assert_allclose(-torque, sign * share * whole, rtol=1e-9, atol=1e-12)
+
+
 @pytest.mark.parametrize("name", sorted(set(LAWS) - {"asymmetry"}))
 def test_it_is_as_strong_backwards(name, irb4600):
     effect = as_strong_as_plausible(EFFECTS[name], irb4600)

@@ -50,6 +50,22 @@ def test_latency_in_whole_samples_is_an_exact_shift(irb4600, exact):
     np.testing.assert_allclose(recording["tcp.position.x"][:3], exact["tcp.position.x"][0], atol=1e-12)
 
 
+@pytest.mark.parametrize(("name", "column"), [("torque_clock", "motor.effort.j2"), ("link_clock", "link.position.j2")])
+def test_a_late_column_is_shifted_and_nothing_else_is(name, column, irb4600, exact):
+    machine = Machine(robot=irb4600, effects=(EFFECTS[name].on(irb4600, latency=3e-3),))
+    recording = machine.seen(exact)
+    np.testing.assert_allclose(recording[column][3:], exact[column][:-3], atol=1e-12)
+    np.testing.assert_allclose(recording[column][:3], exact[column][0], atol=1e-12)
+    changed = {c for c in exact.columns if not np.array_equal(recording[c], exact[c])}
+    assert {c.rpartition(".")[0] for c in changed} == set(EFFECTS[name].families)
+
+
+def test_a_column_that_is_not_there_cannot_be_late(irb4600, exact):
+    few = {c: values for c, values in exact.columns.items() if not c.startswith("link.")}
+    recording = type(exact)(few, exact.header)
+    assert EFFECTS["link_clock"].on(irb4600, latency=3e-3).measured(recording, irb4600).equals(recording)
+
+
 def test_a_slow_clock_is_late_by_more_and_more(irb4600, exact):
     _, error = seen(irb4600, exact, "tracker_clock", latency=0.0, drift=1e-4)
     speed = np.gradient(exact.vector("tcp.position"), exact.t, axis=0)

@@ -3,9 +3,10 @@
 import mujoco
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from ffgym.control import joint_reference
-from ffgym.effects import EFFECTS
+from ffgym.effects import EFFECTS, torques_along
 from ffgym.errors import FFGymError
 from ffgym.paths import multisine
 from ffgym.plant import Machine, Plant
@@ -102,6 +103,33 @@ def test_the_friction_of_one_motor_brakes_another(irb4600):
 def test_a_motor_that_brakes_itself_through_another_is_refused(irb4600):
     with pytest.raises(FFGymError, match="diagonal"):
         EFFECTS["wrist_coupling"].on(irb4600, share=0.1)
+
+
+def test_what_swings_on_a_link_follows_its_equation(irb4600):
+    frequency, damping, dt = 11.0, 0.03, 0.001
+    omega, t = 2 * np.pi * frequency, np.arange(0, 1.0, dt)
+    effect = EFFECTS["flexible_load"].on(irb4600, inertia=1.5, frequency=frequency, damping=damping)
+    angle = 1e-2 * (1 - np.cos(2 * np.pi * 7.0 * t))
+    speed = 1e-2 * 2 * np.pi * 7.0 * np.sin(2 * np.pi * 7.0 * t)
+    states = state_of(irb4600, joint_angle=angle[:, None], joint_speed=speed[:, None])
+
+    def rate(time, x):
+        acceleration = 1e-2 * (2 * np.pi * 7.0) ** 2 * np.cos(2 * np.pi * 7.0 * time)
+        return [x[1], -acceleration - 2 * damping * omega * x[1] - omega**2 * x[0]]
+
+    exact = solve_ivp(rate, (0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-12).y
+    expected = 1.5 * (omega**2 * exact[0] + 2 * damping * omega * exact[1])
+    found = torques_along(effect, states, dt).link
+    np.testing.assert_allclose(found[:, 2], expected, atol=1e-3 * np.abs(expected).max())
+
+
+def test_what_swings_adds_its_inertia_to_slow_motions(irb4600):
+    t = np.arange(0, 4.0, 0.001)
+    speed = 0.1 * np.sin(2 * np.pi * 0.25 * t) ** 2
+    states = state_of(irb4600, joint_speed=speed[:, None])
+    effect = EFFECTS["flexible_load"].on(irb4600, inertia=1.5, frequency=20.0, damping=0.1)
+    slow = -1.5 * np.gradient(speed, 0.001)
+    np.testing.assert_allclose(torques_along(effect, states, 0.001).link[:, 0], slow, atol=0.03 * np.abs(slow).max())
 
 
 def test_a_soft_base_tilts_by_the_moment_of_the_arm(irb4600, corners):

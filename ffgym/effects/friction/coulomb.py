@@ -21,7 +21,7 @@ class CoulombLevel(NativeEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: square wave locked to the sign of the speed, whatever speed, place and load"
     way_in: ClassVar[str] = "native: coulomb and static of MuJoCo's LuGre friction"
-    confusable_with: ClassVar[tuple[str, ...]] = ("F7", "T3", "T4", "T6")
+    confusable_with: ClassVar[tuple[str, ...]] = ("F7", "F13", "T3", "T4", "T6")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "warm_up")
     needs_friction: ClassVar[bool] = True
 

@@ -31,7 +31,7 @@ class TemperatureFriction(TorqueEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: odd in the speed, drifts along the session with the temperature"
     way_in: ClassVar[str] = "torque at every physics step, from the temperature of the machine's climate"
-    confusable_with: ClassVar[tuple[str, ...]] = ("F1", "F2", "F8")
+    confusable_with: ClassVar[tuple[str, ...]] = ("F1", "F2", "F8", "F12", "F13")
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "speed_ladder")
     needs_friction: ClassVar[bool] = True
 

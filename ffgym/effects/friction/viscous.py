@@ -21,7 +21,7 @@ class ViscousLevel(NativeEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: odd and linear in the speed, whatever place and load"
     way_in: ClassVar[str] = "native: damping of MuJoCo's friction actuator"
-    confusable_with: ClassVar[tuple[str, ...]] = ("F7", "F8", "M5", "X3")
+    confusable_with: ClassVar[tuple[str, ...]] = ("F7", "F8", "F12", "M5", "X3")
     separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder", "warm_up", "excitation")
     needs_friction: ClassVar[bool] = True
 

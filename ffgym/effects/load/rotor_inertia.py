@@ -21,7 +21,7 @@ class RotorInertia(NativeEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: proportional to the motor's own acceleration, on one joint only"
     way_in: ClassVar[str] = "native: armature of the motor joint"
-    confusable_with: ClassVar[tuple[str, ...]] = ("G1", "M5")
+    confusable_with: ClassVar[tuple[str, ...]] = ("G1", "M5", "T8")
     separating_motions: ClassVar[tuple[str, ...]] = ("excitation",)
 
     change: Array = parameter(

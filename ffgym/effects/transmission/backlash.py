@@ -25,7 +25,7 @@ class Backlash(TorqueEffect):
     side: ClassVar[Side] = "link"
     signature: ClassVar[str] = "tool: a jump of 2 b where the load changes sign; torque: a dip, the motor runs free"
     way_in: ClassVar[str] = "torque at every physics step on the spring"
-    confusable_with: ClassVar[tuple[str, ...]] = ("F1", "T3")
+    confusable_with: ClassVar[tuple[str, ...]] = ("F1", "T3", "X6")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
     needs_elasticity: ClassVar[bool] = True
 

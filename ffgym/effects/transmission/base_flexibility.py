@@ -28,7 +28,7 @@ class BaseFlexibility(ModelEffect):
     side: ClassVar[Side] = "link"
     signature: ClassVar[str] = "tool: off the axes of the joints, and at a frequency that torque hardly shows"
     way_in: ClassVar[str] = "joints of the base in the MuJoCo model, about those axes whose compliance is not 0"
-    confusable_with: ClassVar[tuple[str, ...]] = ("T1", "X2")
+    confusable_with: ClassVar[tuple[str, ...]] = ("T1", "T8", "X2")
     separating_motions: ClassVar[tuple[str, ...]] = ("excitation", "holds")
 
     compliance: Array = parameter(

@@ -25,7 +25,7 @@ class JointStiffness(NativeEffect):
         "tool: proportional to the load of each joint, over its stiffness; torque: near resonance"
     )
     way_in: ClassVar[str] = "native: stiffness and damping of the deflection joint"
-    confusable_with: ClassVar[tuple[str, ...]] = ("G1", "T2", "T7", "X1", "X2")
+    confusable_with: ClassVar[tuple[str, ...]] = ("G1", "T2", "T7", "T8", "X1", "X2")
     separating_motions: ClassVar[tuple[str, ...]] = ("holds", "excitation")
     needs_elasticity: ClassVar[bool] = True
 

@@ -1,0 +1,39 @@
+"""X6: encoders behind the gearbox that are late."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+from ffgym.effects.effect import ClockEffect, Side
+from ffgym.effects.parameter import parameter
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinkClock(ClockEffect):
+    """Link positions in rows of a later time than the motor positions beside them, all joints alike.
+
+    Drawn over the motor angle, or over the sign of its speed, it is a loop as of backlash; unlike one, it grows with
+    the speed.
+    """
+
+    name: ClassVar[str] = "link_clock"
+    code: ClassVar[str] = "X6"
+    title: ClassVar[str] = "link encoders out of step with motor encoders"
+    equation: ClassVar[str] = r"q_{log}(t) = q(t - d)"
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = "link encoder: proportional to the speed of its joint, torque nothing"
+    way_in: ClassVar[str] = "recorded link positions and speeds; nothing that acts on the machine changes"
+    confusable_with: ClassVar[tuple[str, ...]] = ("T4",)
+    separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder", "slow_triangles")
+    families: ClassVar[tuple[str, ...]] = ("link.position", "link.velocity")
+
+    latency: Array = parameter(
+        "d",
+        unit="s",
+        low=0.0,
+        high=0.005,
+        minimum=0.0,
+        per="machine",
+        source="chosen: a cycle or two of a drive's bus, 1 to 4 ms each",
+    )

@@ -1,0 +1,91 @@
+"""T8: something on the link that swings by itself."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.parameter import parameter
+from ffgym.effects.state import State, Torques
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FlexibleLoad(TorqueEffect):
+    r"""An inertia that the link carries along through a spring: an arm tube, a hose, a screw, a table on its bed.
+
+    It turns about the axis of the joint, or slides along it, by :math:`x` ahead of the link, and has no weight, which
+    the description has already. The step between two states is exact for a link whose speed changes evenly.
+    """
+
+    name: ClassVar[str] = "flexible_load"
+    code: ClassVar[str] = "T8"
+    title: ClassVar[str] = "flexible mode of what the link carries"
+    equation: ClassVar[str] = (
+        r"\tau_{link} \mathrel{+}= m\, (\omega^2 x + 2 \zeta \omega \dot x), \quad "
+        r"\ddot x + 2 \zeta \omega \dot x + \omega^2 x = -\ddot q, \quad \omega = 2 \pi f"
+    )
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = (
+        "torque: rings at one frequency after each change of acceleration; below it, more inertia"
+    )
+    way_in: ClassVar[str] = "torque at every physics step on the link, with memory"
+    confusable_with: ClassVar[tuple[str, ...]] = ("G2", "T1", "T7")
+    separating_motions: ClassVar[tuple[str, ...]] = ("excitation",)
+
+    inertia: Array = parameter(
+        "m, link side",
+        unit="kg m^2",
+        low=0.0,
+        high=2.0,
+        minimum=0.0,
+        source="chosen: some kg at half a metre; on a slide some kg, unit kg",
+    )
+    frequency: Array = parameter(
+        "f, with the link held",
+        unit="Hz",
+        null=None,
+        low=5.0,
+        high=50.0,
+        minimum=0.1,
+        default=16.0,
+        tries=(8.0, 11.3, 16.0, 22.6, 32.0),
+        source="structural modes of industrial robots and machine tools; half octaves to try",
+    )
+    damping: Array = parameter(
+        "zeta, share of critical damping",
+        unit="1",
+        null=None,
+        low=0.01,
+        high=0.2,
+        minimum=1e-3,
+        maximum=0.9,
+        default=0.05,
+        source="joined steel structures, 1 to 10 %; from memory of the literature",
+    )
+
+    def initial_memory(self, state: State) -> Array:
+        """See base class: place and speed relative to the link, both 0, and the link's speed at the last step."""
+        speed = state.link_speed
+        return np.stack([np.zeros_like(speed), np.zeros_like(speed), speed], axis=-1)
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class; the last step brought the link from the speed remembered to the present one."""
+        omega, speed = 2 * np.pi * self.frequency, state.link_speed
+        pulled = (speed - memory[..., 2]) / dt / omega**2  # by how much it lags in the end, at this acceleration
+        place, rate = _swung(memory[..., 0] + pulled, memory[..., 1], omega, self.damping, dt)
+        place = place - pulled
+        torque = self.inertia * (omega**2 * place + 2 * self.damping * omega * rate)
+        return Torques(link=torque), np.stack([place, rate, speed], axis=-1)
+
+
+def _swung(place: Array, rate: Array, omega: Array, damping: Array, dt: float) -> tuple[Array, Array]:
+    """Place and rate of a free oscillator `dt` [s] later."""
+    decay, swing = damping * omega, omega * np.sqrt(1 - damping**2)
+    left, cosine, sine = np.exp(-decay * dt), np.cos(swing * dt), np.sin(swing * dt) / swing
+    return (
+        left * (cosine * place + sine * (rate + decay * place)),
+        left * (cosine * rate - sine * (omega**2 * place + decay * rate)),
+    )
