@@ -67,16 +67,16 @@ class ResidualMap:
     """Group of each place, shape (P,)."""
     rms: Array
     """RMS of the residual, shape (C, P); NaN where the log says too little."""
-    floor: Array
-    """RMS of noise in the same rows, shape (C, P)."""
+    ratio: Array
+    """RMS of the residual over the noise floor of each row's motion, shape (C, P): about 1 where nothing is wrong."""
     rows: IntArray
     """How many rows, shape (C, P)."""
 
     @property
-    def ratio(self) -> Array:
-        """Residual over noise floor, shape (C, P): about 1 where nothing is wrong."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self.floor > 0, self.rms / self.floor, np.nan)
+    def overall(self) -> Array:
+        """RMS of the ratios over all rows of all places, shape (C,); for places that do not overlap."""
+        energy, rows = np.nansum(self.ratio**2 * self.rows, axis=1), (self.rows * np.isfinite(self.ratio)).sum(axis=1)
+        return np.sqrt(energy / np.where(rows > 0, rows, np.nan))
 
     def worst(self) -> tuple[str, str]:
         """Component and place with the largest residual over noise floor.
@@ -121,15 +121,15 @@ def _sorted_into(
     chosen = chosen & np.isfinite(rows.residual)
     count = chosen.sum(axis=1)
     enough = np.where(count >= FEW, count, np.nan)
-    energy = np.where(chosen, np.nan_to_num(rows.residual) ** 2, 0.0).sum(axis=1)
-    noise = np.where(chosen, rows.floor**2, 0.0).sum(axis=1)
+    values = np.nan_to_num(rows.residual)
+    over = np.divide(values, rows.floor, out=np.full_like(values, np.nan), where=rows.floor > 0)
     return ResidualMap(
         channel=channel,
         components=components(channel, residual.robot),
         places=tuple(places),
         groups=tuple(places.values()),
-        rms=np.sqrt(energy / enough).T,
-        floor=np.sqrt(noise / enough).T,
+        rms=np.sqrt(np.where(chosen, values**2, 0.0).sum(axis=1) / enough).T,
+        ratio=np.sqrt(np.where(chosen, over**2, 0.0).sum(axis=1) / enough).T,
         rows=count.T,
     )
 

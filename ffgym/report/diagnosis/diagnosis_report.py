@@ -1,6 +1,5 @@
 """A diagnosis with the residuals that it was made from, and the places in them that are worth a look."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -65,19 +64,11 @@ class DiagnosisReport:
         for channel in residual.channels:
             if channel == "tool":
                 continue
-            over = overall(motion_map(residual, channel))
+            over = motion_map(residual, channel).overall
             for index, (component, ratio) in enumerate(zip(residual.robot.joints, over, strict=True)):
                 if np.isfinite(ratio):
                     found.append((Place(channel=channel, component=component, index=index), float(ratio)))
         return found
-
-
-def overall(motions: ResidualMap) -> Sequence[float]:
-    """Residual over noise floor of each component over all motions."""
-    energy, noise = (np.nansum(values**2 * motions.rows, axis=1) for values in (motions.rms, motions.floor))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios: list[float] = np.sqrt(energy / noise).tolist()
-    return ratios
 
 
 def worst_motions(motions: ResidualMap, component: int, count: int) -> list[int]:

@@ -1,20 +1,20 @@
 """Every picture of a diagnosis, with its caption."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ffgym.diagnosis.log_rows import log_rows
-from ffgym.diagnosis.regimes import ResidualMap, motion_map, regime_map
-from ffgym.diagnosis.residual import Channel, Residual
+from ffgym.diagnosis.regimes import REGIMES, motion_map, regime_map
+from ffgym.diagnosis.residual import Channel
 from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.diagnosis.candidates_plot import candidates_figure
-from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place, overall, worst_motions
+from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place, worst_motions
 from ffgym.report.diagnosis.levels_plot import levels_figure
 from ffgym.report.diagnosis.loops_plot import loops_caption, loops_figure
 from ffgym.report.diagnosis.map_plot import map_caption, map_figure
-from ffgym.report.diagnosis.models import NOMINAL, by_model
+from ffgym.report.diagnosis.models import by_model
 from ffgym.report.diagnosis.profiles_plot import profiles_caption, profiles_figure
 from ffgym.report.diagnosis.time_plot import time_figure
 from ffgym.report.diagnosis.tool_plot import tool_caption, tool_figure
@@ -27,15 +27,13 @@ _LOOPS = 3
 
 
 def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
-    """Where the model is wrong: regimes of each channel with joints, motions of all channels."""
+    """Where the model is wrong: by regime, for torques and other channels that stand out; by motion, for all."""
     if report.before is None:
         return []
-    figures = []
-    for channel in report.before.channels:
-        if channel != "tool":
-            figures.append(_map(report, channel, regime_map, "regimes", "by what the joint was doing"))
-        figures.append(_map(report, channel, motion_map, "motions", "by motion"))
-    return figures
+    channels = report.before.channels
+    standing_out = {place.channel for place in report.places}
+    shown = [channel for channel in channels if channel == "torque" or (channel in standing_out and channel != "tool")]
+    return [*(_regimes(report, channel) for channel in shown), _motions(report, channels)]
 
 
 def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
@@ -100,17 +98,23 @@ def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
     return [_figure("levels", "Residuals before and after", caption, levels_figure(levels))]
 
 
-def _map(
-    report: DiagnosisReport, channel: Channel, of: Callable[[Residual, Channel], ResidualMap], kind: str, words: str
-) -> ReportFigure:
+def _regimes(report: DiagnosisReport, channel: Channel) -> ReportFigure:
     assert report.before is not None
-    maps = {name: of(residual, channel) for name, residual in by_model(report.before, report.after).items()}
-    nominal = maps[NOMINAL]
-    over = ", ".join(
-        f"{c} {r:.1f}" for c, r in zip(nominal.components, overall(motion_map(report.before, channel)), strict=True)
-    )
-    caption = f"{map_caption(nominal)} Over the whole log, nominal model: {over}."
-    return _figure(f"{kind}-{channel}", f"Residual over noise floor {words}: {channel}", caption, map_figure(maps))
+    models = by_model(report.before, report.after)
+    panels = [[(name, regime_map(residual, channel))] for name, residual in models.items()]
+    over = motion_map(report.before, channel)
+    whole = ", ".join(f"{c} {ratio:.1f}" for c, ratio in zip(over.components, over.overall, strict=True))
+    meanings = "; ".join(f"{name}: {meaning}" for name, meaning in REGIMES["motion"].items())
+    caption = f"{map_caption()} The whole log, nominal model: {whole}. {meanings}."
+    title = f"Residual over noise floor by what the joint was doing, {channel}"
+    return _figure(f"regimes-{channel}", title, caption, map_figure(panels))
+
+
+def _motions(report: DiagnosisReport, channels: Sequence[Channel]) -> ReportFigure:
+    assert report.before is not None
+    models = by_model(report.before, report.after)
+    panels = [[(f"{c}, {name}", motion_map(one, c)) for name, one in models.items()] for c in channels]
+    return _figure("motions", "Residual over noise floor by motion", map_caption(), map_figure(panels))
 
 
 def _figure(name: str, title: str, caption: str, figure: "Figure") -> ReportFigure:

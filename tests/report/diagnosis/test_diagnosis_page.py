@@ -65,7 +65,7 @@ def test_pictures_are_numbered_and_begin_with_the_joint_that_is_blamed(page):
     assert len(set(figures)) == len(figures)
     assert re.findall(r"<b>(Figure \d+)\.", page) == [f"Figure {i + 1}" for i in range(len(figures))]
     assert next(name for name in figures if name.startswith("depends")) == "depends-torque-2"
-    assert {"regimes-torque", "motions-tool", "loops-2", "tool", "candidates", "levels"} <= set(figures)
+    assert {"regimes-torque", "motions", "loops-2", "tool", "candidates", "levels"} <= set(figures)
 
 
 @pytest.mark.parametrize("verdict", VERDICTS)
