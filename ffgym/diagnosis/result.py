@@ -55,6 +55,11 @@ class Rival:
     """Why it lost, or what would tell both apart."""
 
 
+PatternKind = Literal["periodic", "function", "sign-locked function", "line", "dependence"]
+"""Periodic in an angle; a function of a variable; the same times the sign of the speed; a frequency in time; dependent
+in a form that is none of these."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Pattern:
     """What a residual depends on, said without any effect."""
@@ -64,14 +69,14 @@ class Pattern:
     """Joint or axis."""
     variable: str
     """E.g. 'motor angle', 'motor speed', 'time', 'speed of joint_2'."""
-    kind: Literal["periodic", "function", "sign-locked function", "line"]
-    """Periodic in an angle; a function of a variable; the same times the sign of the speed; a frequency in time."""
+    kind: PatternKind
     frequency: float | None
     """Cycles per motor turn, or [Hz] of a line; None for others."""
     amplitude: float
-    """In the unit of the channel."""
+    """Of a sine with the same energy, in the unit of the channel."""
     share: float
-    """Of the residual's energy in this component that it explains, on rows that were not used."""
+    """Of the residual's energy in this component that it explains, on rows that were not used; 0 for a dependence,
+    which foretells nothing."""
     message: str
     """One sentence."""
 

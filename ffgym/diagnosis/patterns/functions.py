@@ -5,8 +5,9 @@ from typing import Literal, final
 
 import numpy as np
 
-from ffgym.diagnosis.patterns.candidate import Candidate
+from ffgym.diagnosis.patterns.candidate import Fixed
 from ffgym.diagnosis.patterns.rows import Rows
+from ffgym.diagnosis.result import PatternKind
 from ffgym.types import Array
 
 Variable = Literal[
@@ -21,7 +22,7 @@ a worn spot of a tooth or two."""
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Function(Candidate):
+class Function(Fixed):
     """A function of a variable of one joint, linear between knots; with `signed`, times the sign of its speed."""
 
     variable: Variable
@@ -34,11 +35,11 @@ class Function(Candidate):
     own_only: bool = False
 
     @property
-    def searches(self) -> bool:
+    def kind(self) -> PatternKind:
         """See base class."""
-        return False
+        return "sign-locked function" if self.signed else "function"
 
-    def columns(self, rows: Rows, frequency: float | None) -> Array:
+    def columns(self, rows: Rows) -> Array:
         """See base class."""
         hats = hat_columns(self._values(rows), self.knots, evenly=self.evenly)
         return hats * rows.did.sign[:, self.joint, None] if self.signed and self.joint is not None else hats

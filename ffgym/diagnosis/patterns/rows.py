@@ -8,15 +8,15 @@ import numpy as np
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
 from ffgym.types import Array, BoolArray, IntArray
 
-CHUNK = 0.5
-"""Rows of so much time [s] are fitted or judged together; chosen: ten times the correlation time of what passes a
-low-pass of 10 Hz, and short against the motions, so that both halves see each regime."""
+BLOCK = 12
+"""Rows that are one observation in a test; chosen: rows are a third of the period of the filter's cut-off apart, so
+that noise forgets within four of them, and a block shares little with the next."""
 
-BLOCK = 0.25
-"""Rows of so much time [s] are one observation in a test; half a chunk, so that most blocks have a neighbour that is
-judged with them, and few one that was fitted."""
+CHUNK = 5 * BLOCK
+"""Rows that are fitted or judged together: most blocks have neighbours that are judged with them. At 125 rows a second
+half of one, short against motions, so that both halves see each regime."""
 
-FEWEST_BLOCKS = 24
+FEWEST_BLOCKS = 40
 """Least blocks of a channel that patterns are sought in; with fewer, no half could pass a test over a family."""
 
 
@@ -104,16 +104,18 @@ def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> R
     t = np.concatenate([m.t[k] for m, k in pairs])
     counts = [int(k.sum()) for _, k in pairs]
     motion = np.repeat(np.arange(len(pairs)), counts)
+    dt = float(np.median(np.concatenate([np.diff(m.t) for m, _ in pairs])))
+    number = np.rint(t / dt)
     rows = Rows(
         channel=channel,
         components=components(channel, residual.robot),
         joints=tuple(residual.robot.joints),
-        dt=float(np.median(np.concatenate([np.diff(m.t) for m, _ in pairs]))),
+        dt=dt,
         values=np.concatenate([m.residual[channel][k] for m, k in pairs]),
         did=_did(pairs, t),
         motion_starts=np.cumsum([0, *counts[:-1]]),
-        block_starts=_starts(motion, np.floor(t / BLOCK)),
-        half=_halves(motion, np.floor(t / CHUNK), rng),
+        block_starts=_starts(motion, number // BLOCK),
+        half=_halves(motion, number // CHUNK, rng),
     )
     rows.values[:] = rows.centred(rows.values)
     return rows

@@ -1,0 +1,92 @@
+"""The catch-all: does a residual depend on a variable at all, in whatever way; distance correlation."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ffgym.diagnosis.patterns.rows import Rows
+from ffgym.types import Array, IntArray
+
+MOST_ROWS = 400
+"""Rows that are compared with each other; chosen: their pairs take a millisecond per shuffle."""
+
+DRAWS = 199
+"""Shuffles of the residual; to be beyond all of them has a chance of one in two hundred."""
+
+_Variable = Literal["angle", "speed", "acceleration", "load"]
+_VARIABLES: tuple[_Variable, ...] = ("angle", "speed", "acceleration", "load")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dependence:
+    """A variable that a residual depends on, in a form that nobody knows."""
+
+    variable: _Variable
+    joint: int
+    of_size: bool
+    """Whether only the size of the residual depends on it, as that of a noise that grows."""
+    correlation: float
+    """Distance correlation, 0 to 1."""
+
+
+def dependence(rows: Rows, values: Array, rng: np.random.Generator) -> Dependence | None:
+    """The variable that values (R,) depend on most surely; None if shuffled values could do as well.
+
+    All variables, for the residual and for its size, are tested at once: the largest of their standardised covariances
+    must exceed that of every shuffle. One row of each block is used, so that rows are independent, and rows are
+    shuffled within their motion, so that what differs between motions is no dependence.
+
+    Reference:
+        Szekely, Rizzo, Bakirov (2007), Annals of Statistics 35(6), 2769-2794.
+    """
+    kept = rows.block_starts[:: max(1, -(-len(rows.block_starts) // MOST_ROWS))]
+    names = [(variable, joint) for joint in range(len(rows.joints)) for variable in _VARIABLES]
+    motion = rows.motion[kept]
+    distances = np.stack([_distances(_ranks(getattr(rows.did, v)[kept, j], motion)).ravel() for v, j in names])
+    kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
+    orders = [np.arange(len(kept)), *(_shuffled(motion, rng) for _ in range(DRAWS))]
+    covariance = np.stack([_covariances(distances, kinds[:, order][:, :, order]) for order in orders])
+    null = covariance[1:]
+    spread = null.std(axis=0)
+    score = np.divide(covariance - null.mean(axis=0), spread, out=np.zeros_like(covariance), where=spread > 0)
+    if score[0].max() <= score[1:].max():
+        return None
+    kind, best = np.unravel_index(np.argmax(score[0]), score[0].shape)
+    size = float(np.linalg.norm(distances[best]) * np.linalg.norm(kinds[kind]))
+    return Dependence(
+        variable=names[best][0],
+        joint=names[best][1],
+        of_size=bool(kind),
+        correlation=float(np.sqrt(covariance[0, kind, best] / size)),
+    )
+
+
+def _covariances(distances: Array, kinds: Array) -> Array:
+    """Covariances (2, V) of the distances (V, R^2) of variables with those of the residual (2, R, R)."""
+    covariances: Array = kinds.reshape(len(kinds), -1) @ distances.T
+    return covariances
+
+
+def _shuffled(motion: IntArray, rng: np.random.Generator) -> IntArray:
+    """Order of rows in which those of each motion are shuffled among themselves."""
+    return np.lexsort([rng.random(len(motion)), motion])
+
+
+def _ranks(values: Array, motion: IntArray) -> Array:
+    """Place of each value (R,) among those of its motion, 0 to 1, so that no motion's range hides the others'."""
+    order = np.lexsort([values, motion])
+    counts = np.bincount(motion)[motion]
+    first = np.searchsorted(motion, motion)
+    ranks = np.empty(len(values))
+    ranks[order] = np.arange(len(values))
+    placed: Array = (ranks - first) / counts
+    return placed
+
+
+def _distances(values: Array) -> Array:
+    """Distances between all pairs of values (R,), less the means of rows and columns."""
+    apart = np.abs(values[:, None] - values)
+    mean = apart.mean(axis=0)
+    centred: Array = apart - mean - mean[:, None] + mean.mean()
+    return centred

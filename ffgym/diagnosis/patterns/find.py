@@ -1,0 +1,141 @@
+"""What residuals depend on, strongest first: each pattern is what the stronger ones leave."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.diagnosis.patterns.candidate import Fixed, Periodic, fit
+from ffgym.diagnosis.patterns.dependence import dependence
+from ffgym.diagnosis.patterns.functions import COARSE, Function, functions_of
+from ffgym.diagnosis.patterns.periodic import Amplitude, Line, PerTurn
+from ffgym.diagnosis.patterns.rows import Rows, rows_of
+from ffgym.diagnosis.patterns.split_half import best_of, tried
+from ffgym.diagnosis.patterns.words import message, variable_of
+from ffgym.diagnosis.residual import Residual
+from ffgym.diagnosis.result import Pattern
+from ffgym.types import Array
+
+FALSE_ALARMS = 0.01
+"""Probability that noise alone gives any pattern in any channel."""
+
+LEAST_SHARE = 0.05
+"""Least share of a component's residual that a pattern explains; less is not worth a word, however sure it is."""
+
+MOST = 4
+"""Most patterns of one component."""
+
+UNEXPLAINED = 1.5
+"""Energy of a component without pattern, in units of the noise floor's, above which any dependence is looked for."""
+
+_AMPLITUDES: tuple[Amplitude, ...] = ("constant", "torque", "sign", "speed squared")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Found:
+    """A pattern, and how much energy above the noise it stands for."""
+
+    pattern: Pattern
+    strength: float
+
+
+def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern, ...]:
+    """What the residuals of all channels depend on, strongest against the noise floor first; none in noise.
+
+    Args:
+        residual: what a model leaves.
+        rng: cuts the rows into halves; what is fitted on one is judged on the other.
+    """
+    tables = [rows_of(residual, channel, rng) for channel in residual.channels]
+    enough = [rows for rows in tables if rows is not None and rows.has_enough]
+    forms = candidates(len(residual.robot.joints))
+    tests = sum(form.may_act_on(rows, c) for rows in enough for form in forms for c in range(len(rows.components)))
+    found = [one for rows in enough for one in _of_channel(rows, forms, residual, FALSE_ALARMS / tests, rng)]
+    return tuple(one.pattern for one in sorted(found, key=lambda one: -one.strength))
+
+
+def candidates(n_joints: int) -> list[Fixed | Periodic]:
+    """All forms of dependence on the motion of N joints."""
+    joints = range(n_joints)
+    return [
+        Function(variable="time", joint=None, knots=COARSE),
+        Line(),
+        *(function for joint in joints for function in functions_of(joint)),
+        *(PerTurn(joint=joint, amplitude=amplitude) for joint in joints for amplitude in _AMPLITUDES),
+    ]
+
+
+def _of_channel(
+    rows: Rows, forms: Sequence[Fixed | Periodic], residual: Residual, level: float, rng: np.random.Generator
+) -> list[_Found]:
+    """Patterns of one channel: the best form of each component, then the best of what that leaves, and so on."""
+    left, found = rows.values.copy(), []
+    energy = np.sum(left**2, axis=0)
+    noise = len(left) * np.mean(np.square(residual.floor[rows.channel]), axis=0)
+    active = [c for c in range(len(rows.components)) if energy[c] > 0]
+    for _ in range(MOST):
+        trials = [tried(form, rows, left, active) for form in forms] if active else []
+        chosen = {c: best_of(trials, rows, c, least=LEAST_SHARE * float(energy[c]), level=level) for c in active}
+        active = [c for c in active if chosen[c] is not None]
+        for c, trial in chosen.items():
+            if trial is not None:
+                gain = float(trial.gain[:, c].sum())
+                pattern, fitted = _pattern(trial.candidate, rows, left[:, c], c, gain / float(energy[c]))
+                left[:, c] -= fitted
+                found.append(_Found(pattern=pattern, strength=_against(gain, float(noise[c]))))
+    without = [c for c in range(len(rows.components)) if rows.components[c] not in {f.pattern.component for f in found}]
+    loud = [c for c in without if energy[c] > UNEXPLAINED * noise[c] and energy[c] > 0]
+    return found + [one for c in loud if (one := _catch_all(rows, left[:, c], c, float(noise[c]), rng)) is not None]
+
+
+def _against(energy: float, noise: float) -> float:
+    """Energy in units of that of the noise; a log without noise has a tiny one."""
+    return energy / max(noise, np.finfo(np.float64).tiny ** 0.5)
+
+
+def _pattern(candidate: Fixed | Periodic, rows: Rows, values: Array, c: int, share: float) -> tuple[Pattern, Array]:
+    """The pattern as fitted to all rows, and its part of the residual (R,)."""
+    frequency, fitted = _part(candidate, rows, values)
+    pattern = Pattern(
+        channel=rows.channel,
+        component=rows.components[c],
+        variable=variable_of(candidate, rows.joints, rows.components[c]),
+        kind=candidate.kind,
+        frequency=frequency,
+        amplitude=float(np.sqrt(2 * np.mean(fitted**2))),
+        share=share,
+        message="",
+    )
+    return replace(pattern, message=message(pattern, candidate, rows.joints)), fitted
+
+
+def _part(candidate: Fixed | Periodic, rows: Rows, values: Array) -> tuple[float | None, Array]:
+    """Frequency, if any, and the part of values (R,) that a form explains, fitted to all rows."""
+    if isinstance(candidate, Fixed):
+        columns = rows.centred(candidate.columns(rows))
+        return None, columns @ fit(columns, values)
+    peaks = candidate.search(rows, values[:, None], np.ones(len(values), dtype=np.bool_))
+    if peaks is None:
+        return None, np.zeros_like(values)
+    frequency = candidate.refine(rows, values, peaks[0])
+    columns = rows.centred(candidate.columns(rows, frequency))
+    return frequency, columns @ fit(columns, values)
+
+
+def _catch_all(rows: Rows, values: Array, c: int, noise: float, rng: np.random.Generator) -> _Found | None:
+    """What a component depends on that no form explains."""
+    form = dependence(rows, values, rng)
+    if form is None:
+        return None
+    pattern = Pattern(
+        channel=rows.channel,
+        component=rows.components[c],
+        variable=variable_of(form, rows.joints, rows.components[c]),
+        kind="dependence",
+        frequency=None,
+        amplitude=float(np.sqrt(2 * np.mean(values**2))),
+        share=0.0,
+        message="",
+    )
+    pattern = replace(pattern, message=message(pattern, form, rows.joints))
+    return _Found(pattern=pattern, strength=_against(form.correlation * float(values @ values), noise))

@@ -1,0 +1,129 @@
+"""What repeats: with the angle of a motor, or in time."""
+
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+
+from ffgym.diagnosis.patterns.angle_spectrum import Turning, angle_spectrum, passed
+from ffgym.diagnosis.patterns.candidate import Periodic
+from ffgym.diagnosis.patterns.rows import Rows
+from ffgym.diagnosis.patterns.spectrum import PASSED, Spectrum, refined
+from ffgym.diagnosis.patterns.time_spectrum import time_spectrum
+from ffgym.diagnosis.result import PatternKind
+from ffgym.types import Array, BoolArray
+
+Amplitude = Literal["constant", "torque", "sign", "speed squared"]
+"""What the amplitude goes with: nothing, the motor torque, the sign of the speed, or its square."""
+
+LEAST_CYCLES, MOST_CYCLES = 0.5, 72.0
+"""Cycles per motor turn that are looked for: from half a turn of a two-pole-pair resolver's error to slots of a large
+motor times two; what rows cannot show is left out."""
+
+FEWEST_PERIODS = 1.5
+"""Periods over the whole way of a motor that make a periodic function; with fewer it is any smooth function."""
+
+LOWEST_LINE = 1.0
+"""Lowest line in time [Hz]; slower ones are rhythms of the motions."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PerTurn(Periodic):
+    """A sine of the angle of a motor."""
+
+    joint: int
+    amplitude: Amplitude = "constant"
+    own_only: bool = True
+
+    @property
+    def kind(self) -> PatternKind:
+        """See base class."""
+        return "periodic"
+
+    def spectra(self, rows: Rows, values: Array, train: BoolArray) -> list[Spectrum] | None:
+        """Periodograms of values (R, C) over the angle; None where the motor turns too little."""
+        j, did = self.joint, rows.did
+        turning = Turning(
+            angle=did.angle[train, j],
+            speed=did.speed[train, j],
+            gain=self._gain(rows)[train],
+            motion=rows.motion[train],
+            dt=rows.dt,
+        )
+        turns = np.ptp(turning.angle) / (2 * np.pi)
+        if turns * MOST_CYCLES < 2 * FEWEST_PERIODS:
+            return None
+        low = max(LEAST_CYCLES, FEWEST_PERIODS / turns)
+        return angle_spectrum(turning, values[train], low=low, high=MOST_CYCLES)
+
+    def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
+        """See base class."""
+        spectra = self.spectra(rows, values, train)
+        return None if spectra is None else [spectrum.best for spectrum in spectra]
+
+    def refine(self, rows: Rows, values: Array, frequency: float) -> float:
+        """See base class."""
+        width = 1 / max(np.ptp(rows.did.angle[:, self.joint]) / (2 * np.pi), 1.0)
+        return refined(frequency, width / 2, lambda n: rows.centred(self.columns(rows, n)), values)
+
+    def columns(self, rows: Rows, frequency: float) -> Array:
+        """See base class."""
+        j = self.joint
+        gain = self._gain(rows) * passed(rows.did.speed[:, j], frequency, rows.dt)
+        phase = frequency * rows.did.angle[:, j]
+        return gain[:, None] * np.stack([np.cos(phase), np.sin(phase)], axis=1)
+
+    def complexity(self, rows: Rows) -> int:
+        """See base class."""
+        return 3
+
+    def _gain(self, rows: Rows) -> Array:
+        did, j = rows.did, self.joint
+        match self.amplitude:
+            case "torque":
+                gain = did.torque[:, j]
+            case "sign":
+                gain = did.sign[:, j]
+            case "speed squared":
+                gain = did.speed[:, j] ** 2
+            case _:
+                return np.ones(len(did.t))
+        size = float(np.sqrt(np.mean(gain**2)))
+        return gain / size if size > 0 else gain
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Line(Periodic):
+    """A vibration of one frequency in time, with a phase and an amplitude of its own in each motion."""
+
+    joint: int | None = None
+    own_only: bool = False
+
+    @property
+    def kind(self) -> PatternKind:
+        """See base class."""
+        return "line"
+
+    def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
+        """See base class."""
+        high = PASSED / rows.dt
+        if high <= LOWEST_LINE:
+            return None
+        return [time_spectrum(rows, column, train, low=LOWEST_LINE, high=high).best for column in values.T]
+
+    def refine(self, rows: Rows, values: Array, frequency: float) -> float:
+        """See base class."""
+        longest = max(np.ptp(rows.did.t[rows.motion == m]) for m in range(len(rows.motion_starts)))
+        return refined(frequency, 0.5 / longest, lambda f: rows.centred(self.columns(rows, f)), values)
+
+    def columns(self, rows: Rows, frequency: float) -> Array:
+        """See base class."""
+        phase = 2 * np.pi * frequency * rows.did.t
+        in_motion = rows.motion[:, None] == np.arange(len(rows.motion_starts))
+        return np.concatenate([in_motion * np.cos(phase)[:, None], in_motion * np.sin(phase)[:, None]], axis=1)
+
+    def complexity(self, rows: Rows) -> int:
+        """See base class."""
+        return 2 * len(rows.motion_starts) + 1

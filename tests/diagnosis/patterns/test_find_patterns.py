@@ -1,0 +1,139 @@
+"""Something is put into residuals, and what it depends on is found; in noise nothing is."""
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.patterns import find_patterns
+from ffgym.diagnosis.patterns.find import LEAST_SHARE
+from tests.diagnosis.patterns.pattern_samples import ELBOW, NOISY, SHOULDER, only, residual_with
+
+LINE, CYCLES = 17.0, 2.0
+
+
+def bump(state, travel):
+    """A spot of the gear that rubs, in either direction."""
+    return only(1, 6 * state.friction_sign[:, 1] * np.exp(-0.5 * (state.motor_angle[:, 1] - 5.0) ** 2))
+
+
+PUT_IN = {
+    "a vibration in time": (
+        lambda state, travel: only(0, 2 * np.sin(2 * np.pi * LINE * state.time[:, 0] + 1)),
+        (SHOULDER, "line", "time"),
+    ),
+    "a sine of the motor angle": (
+        lambda state, travel: only(0, 2 * np.sin(CYCLES * state.motor_angle[:, 0] + 0.3)),
+        (SHOULDER, "periodic", "motor angle"),
+    ),
+    "a worn spot": (bump, (ELBOW, "sign-locked function", "motor angle")),
+    "friction with the load": (
+        lambda state, travel: only(0, 6 * np.abs(state.load_at_motor[:, 0]) * state.friction_sign[:, 0]),
+        (SHOULDER, "sign-locked function", "load"),
+    ),
+    "a peak after reversals": (
+        lambda state, travel: only(0, 4 * np.exp(-travel[:, 0] / 0.1) * state.friction_sign[:, 0]),
+        (SHOULDER, "sign-locked function", "travel since the last reversal"),
+    ),
+    "drag of either direction": (
+        lambda state, travel: only(0, 3 * (state.motor_speed[:, 0] / 20.0) ** 2),
+        (SHOULDER, "function", "size of the motor speed"),
+    ),
+    "another joint's inertia": (
+        lambda state, travel: only(1, np.gradient(state.motor_speed[:, 0], 0.008) / 20),
+        (ELBOW, "function", f"motor acceleration of {SHOULDER}"),
+    ),
+    "another joint's friction": (
+        lambda state, travel: only(1, 1.5 * state.friction_sign[:, 0]),
+        (ELBOW, "sign-locked function", f"motor speed of {SHOULDER}"),
+    ),
+}
+
+
+def found(torque, seed):
+    return find_patterns(residual_with(torque, seed=seed), np.random.default_rng(seed))
+
+
+def name(pattern):
+    return pattern.component, pattern.kind, pattern.variable
+
+
+@pytest.mark.parametrize("case", PUT_IN)
+def test_the_strongest_pattern_is_what_was_put_in(case):
+    torque, expected = PUT_IN[case]
+    strongest = [found(torque, seed)[0] for seed in range(3)]
+    assert [name(pattern) for pattern in strongest] == [expected] * 3
+    assert all(pattern.share > 0.3 for pattern in strongest)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", PUT_IN)
+def test_it_is_so_in_four_of_five_logs_when_it_is_weaker_than_the_noise(case):
+    torque, expected = PUT_IN[case]
+    strongest = [found(lambda *motion: 0.5 * torque(*motion), seed)[:1] for seed in range(20)]
+    assert sum([name(p) for p in patterns] == [expected] for patterns in strongest) >= 16
+
+
+def test_a_vibration_has_its_frequency_and_its_amplitude():
+    (pattern,) = found(PUT_IN["a vibration in time"][0], 0)
+    assert pattern.frequency == pytest.approx(LINE, abs=0.01)
+    assert pattern.amplitude == pytest.approx(2 * NOISY, rel=0.1)
+    assert pattern.message.startswith(f"torque of {SHOULDER}: vibration at 17.00 Hz, whatever moves")
+
+
+@pytest.mark.parametrize("cycles", [0.9, 2.0, 6.5, 21.0])
+def test_a_period_has_its_cycles_per_turn_within_a_tenth(cycles):
+    (pattern,) = found(lambda state, _: only(0, 2 * np.sin(cycles * state.motor_angle[:, 0])), 1)
+    assert pattern.frequency == pytest.approx(cycles, abs=0.1)
+    assert f"{cycles:.1f} cycles per turn, amplitude independent of torque" in pattern.message
+
+
+def test_a_period_says_what_its_amplitude_goes_with():
+    def swing(gain):
+        return found(lambda state, _: only(0, gain(state) * np.sin(3 * state.motor_angle[:, 0])), 2)[0].message
+
+    assert "turned over with the direction" in swing(lambda state: 3 * state.friction_sign[:, 0])
+    assert "square of the speed" in swing(lambda state: (state.motor_speed[:, 0] / 10.0) ** 2)
+
+
+def test_the_second_pattern_is_what_the_first_leaves():
+    line, period = PUT_IN["a vibration in time"], PUT_IN["a sine of the motor angle"]
+    patterns = found(lambda *motion: 2 * line[0](*motion) + period[0](*motion), 0)
+    assert [name(pattern) for pattern in patterns] == [line[1], period[1]]
+    assert patterns[0].share > patterns[1].share > LEAST_SHARE
+
+
+def test_offsets_between_motions_are_no_dependence():
+    level = {0.4: 1.0, 25.0: -2.0, 5.0: 3.0}  # by the largest speed of the motion
+    patterns = found(
+        lambda state, _: np.full_like(state.motor_speed, level[round(float(state.motor_speed.max()), 1)]), 0
+    )
+    assert patterns == ()
+
+
+def test_what_no_form_describes_is_a_dependence_without_one():
+    def loud(state, travel):
+        return only(0, np.random.default_rng(5).normal(size=len(travel)) * 6 * (state.motor_speed[:, 0] > 1.0))
+
+    (pattern,) = found(loud, 0)
+    assert (pattern.kind, pattern.variable, pattern.share) == ("dependence", "motor speed", 0.0)
+    assert "its size depends on the motor speed" in pattern.message
+
+
+def test_nothing_is_found_in_filtered_noise():
+    assert [patterns for seed in range(12) if (patterns := found(None, seed))] == []
+
+
+@pytest.mark.slow
+def test_noise_shows_a_pattern_in_one_log_of_a_hundred_at_most():
+    assert sum(bool(found(None, seed)) for seed in range(300)) <= 8  # 3 expected; more than 8 has a chance of 0.4 %
+
+
+def test_the_same_residual_gives_the_same_patterns():
+    torque = PUT_IN["a sine of the motor angle"][0]
+    assert found(torque, 3) == found(torque, 3)
+
+
+def test_a_short_log_gives_no_pattern():
+    residual = residual_with(PUT_IN["a vibration in time"][0])
+    for motion in residual.motions:
+        motion.valid[60:] = False
+    assert find_patterns(residual, np.random.default_rng(0)) == ()
