@@ -16,6 +16,7 @@ from ffgym.report.diagnosis.loops_plot import loops_caption, loops_figure
 from ffgym.report.diagnosis.map_plot import map_caption, map_figure
 from ffgym.report.diagnosis.models import by_model
 from ffgym.report.diagnosis.profiles_plot import profiles_caption, profiles_figure
+from ffgym.report.diagnosis.spectrum_plot import spectrum_caption, spectrum_figure
 from ffgym.report.diagnosis.time_plot import time_figure
 from ffgym.report.diagnosis.tool_plot import tool_caption, tool_figure
 
@@ -58,10 +59,26 @@ def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
             profiles_figure(rows, channel, j, j),
         ),
     ]
+    figures += _spectrum(report, place)
     if channel == "torque":
         loops = loops_figure(models, j, worst)
         figures.append(_figure(f"loops-{j + 1}", f"{place.component}: friction over speed", loops_caption(), loops))
     return figures
+
+
+def _spectrum(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
+    """How the residual of one joint repeats; nothing where its motor turns too little to tell."""
+    assert report.before is not None
+    marked = [
+        pattern.frequency
+        for pattern in report.diagnosis.patterns
+        if pattern.kind == "periodic" and pattern.component == place.component and pattern.frequency is not None
+    ]
+    models = by_model(report.before, report.after)
+    figure = spectrum_figure(models, place.channel, place.index, place.component, marked)
+    title = f"{place.component}, {place.channel}: what repeats with the motor"
+    name = f"repeats-{place.channel}-{place.index + 1}"
+    return [] if figure is None else [_figure(name, title, spectrum_caption(), figure)]
 
 
 def tool_figures(report: DiagnosisReport) -> list[ReportFigure]:
