@@ -110,6 +110,31 @@ def _meta(contents: Contents, meta: Mapping[str, Any], k: int, count: int) -> di
             del values[key]
             continue
         array = contents[name]
+        if value.get("since_first") is True:
+            array = _since_first(name, array)
         own = count > 1 and array.ndim > 0 and len(array) == count
         values[key] = (array[k] if own else array).tolist()
     return values
+
+
+def _since_first(name: str, times: NDArray[Any]) -> NDArray[Any]:
+    """Times of a day, in seconds or as 'hh:mm' or 'hh:mm:ss', as seconds since the earliest of them.
+
+    Raises:
+        FFGymError: if one of them is no time.
+    """
+    try:
+        seconds = np.array([_seconds(time) for time in np.atleast_1d(times).tolist()])
+    except ValueError as error:
+        raise FFGymError(f"[meta]: {name!r} = {times.tolist()} must be seconds, or times like '20:29'.") from error
+    return seconds - seconds.min()
+
+
+def _seconds(time: Any) -> float:
+    """Seconds of a time; the last of its parts between colons is minutes where there are two, else seconds."""
+    parts = [float(part) for part in str(time).split(":")]
+    if len(parts) == 2:
+        parts.append(0.0)
+    if len(parts) not in (1, 3):
+        raise ValueError(time)
+    return sum(part * 60.0**place for place, part in enumerate(reversed(parts)))

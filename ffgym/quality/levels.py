@@ -29,8 +29,8 @@ def _joint_columns(log: Log, families: tuple[str, ...]) -> Iterator[tuple[str, i
     """Family, joint number, name and values of all per-joint columns of `families` that are present."""
     for family in families:
         if log.recording.has(family):
-            for j, (name, values) in enumerate(log.columns(family).items()):
-                yield family, j, name, values
+            for name, values in log.columns(family).items():
+                yield family, log.joints.index(name.removeprefix(f"{family}.")), name, values
 
 
 def _constant(log: Log) -> Iterator[Seen]:
@@ -93,7 +93,7 @@ def _abrupt(x: Array, step: float, row: int) -> bool:
 
 def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
     """Whether another column that otherwise goes like this one moves during a stretch of one value."""
-    if not family.endswith("position"):
+    if not family.endswith("position") or family not in log.motions:
         return False
     own = log.motions[family][:, j]
     beside = [name for name in log.motions if name not in (family, family.replace("position", "velocity"))]

@@ -64,8 +64,9 @@ class Log:
         return tuple(name for name in self.recording.families if name in FAMILIES)
 
     def columns(self, family: str) -> dict[str, Array]:
-        """Columns of a family by name."""
-        return {name: self.recording[name] for name in FAMILIES[family].columns(self.joints)}
+        """Columns of a family by name, those of joints that lack the sensor left out."""
+        there, names = self.recording.columns, FAMILIES[family].columns(self.joints)
+        return {name: there[name] for name in names if name in there}
 
     def rows(self, seconds: float) -> int:
         """Rows in a time span, one at least."""
@@ -98,14 +99,14 @@ class Log:
 
     @cached_property
     def motion_families(self) -> tuple[str, ...]:
-        """Those of `MOTION_FAMILIES` that are present."""
-        return tuple(name for name in MOTION_FAMILIES if self.recording.has(name))
+        """Those of `MOTION_FAMILIES` that are present for all joints."""
+        return tuple(name for name in MOTION_FAMILIES if len(self.columns(name)) == len(self.joints))
 
     @cached_property
     def q(self) -> Array | None:
         """Joint positions, link side, as measured; else as set; shape (T, N). None if there are neither."""
         for family in ("motor.position", "link.position", "reference.position"):
-            if self.recording.has(family):
+            if family in self.motion_families:
                 return self.link_side(family)
         return None
 

@@ -80,8 +80,7 @@ class Recording:
     @property
     def families(self) -> tuple[str, ...]:
         """Families and user columns that are present, in the order of the schema."""
-        joints = self.header.joints
-        held = tuple(name for name, family in FAMILIES.items() if family.columns(joints)[0] in self.columns)
+        held = tuple(name for name, family in FAMILIES.items() if self._holds(family))
         return held + tuple(name for name in self.columns if name.startswith(USER_PREFIX))
 
     def has(self, family: str) -> bool:
@@ -92,7 +91,10 @@ class Recording:
         """
         if family.startswith(USER_PREFIX):
             return family in self.columns
-        return family_named(family).columns(self.header.joints)[0] in self.columns
+        return self._holds(family_named(family))
+
+    def _holds(self, family: Family) -> bool:
+        return any(column in self.columns for column in family.columns(self.header.joints))
 
     def unit(self, column: str) -> str:
         """Unit of a column that is present."""
@@ -101,6 +103,8 @@ class Recording:
 
     def joint_array(self, family: str) -> Array:
         """Columns of a per-joint `family` side by side, shape (T, N), in the order of `header.joints`.
+
+        Where only some joints have the sensor, as for `link.position`, the others are NaN.
 
         Raises:
             FFGymError: if the family is not per joint, or the recording does not have it.
@@ -186,7 +190,11 @@ class Recording:
     def _stacked(self, family: Family, parts: str) -> Array:
         if family.parts != parts:
             raise FFGymError(f"{family.name} is read with {_READERS[family.parts].format(family.name)}.")
-        return np.stack([self[column] for column in family.columns(self.header.joints)], axis=1)
+        columns = family.columns(self.header.joints)
+        if family.may_lack and self._holds(family):
+            nowhere = np.full(len(self), np.nan)
+            return np.stack([self.columns.get(column, nowhere) for column in columns], axis=1)
+        return np.stack([self[column] for column in columns], axis=1)
 
     def _available(self) -> str:
         return f"Available: {', '.join(self.families)} with joints {', '.join(self.header.joints)}."

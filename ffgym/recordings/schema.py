@@ -36,6 +36,8 @@ class Family:
     """Header field that may move the quantity to another side; empty if the side is fixed."""
     may_miss: bool = False
     """Whether NaN marks a missing sample. Elsewhere NaN is an error."""
+    may_lack: bool = False
+    """Whether joints without such a sensor have no column. Elsewhere all joints have one, or none has."""
 
     def columns(self, joints: Sequence[str]) -> tuple[str, ...]:
         """Names of all columns of this family on a robot with `joints`."""
@@ -71,8 +73,20 @@ _FAMILIES = (
     _torque("compensation.effort", "added feed-forward u_lff"),
     _torque("command.effort", "total commanded torque"),
     Family(name="friction.effort", unit="N m", side="motor", meaning="true friction torque, simulation only"),
-    Family(name="link.position", unit="rad", side="link", meaning="joint angle after the gearbox (arm side)"),
-    Family(name="link.velocity", unit="rad/s", side="link", meaning="joint speed after the gearbox (arm side)"),
+    Family(
+        name="link.position",
+        unit="rad",
+        side="link",
+        may_lack=True,
+        meaning="joint angle after the gearbox (arm side); only of joints with an encoder there",
+    ),
+    Family(
+        name="link.velocity",
+        unit="rad/s",
+        side="link",
+        may_lack=True,
+        meaning="joint speed after the gearbox (arm side); only of joints with an encoder there",
+    ),
     Family(
         name="tcp.position", unit="m", side="tool", parts="xyz", may_miss=True, meaning="tool centre point, measured"
     ),
@@ -131,7 +145,7 @@ def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[st
     held = set(present)
     for family in dict.fromkeys(owner[name] for name in present if name in owner):
         missing = [column for column in family.columns(joints) if column not in held]
-        if missing:
+        if missing and not family.may_lack:
             raise FFGymError(f"{family.name} is incomplete: {', '.join(missing)} missing. Add them or drop the family.")
 
 

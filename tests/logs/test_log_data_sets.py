@@ -33,8 +33,9 @@ def test_a_run_of_the_kr300_is_in_si_units_behind_the_gearbox(tmp_path):
     np.testing.assert_array_equal(recording.joint_array("motor.velocity"), data["qd_mot_deg_s"] * (np.pi / 180))
     np.testing.assert_array_equal(recording.joint_array("motor.effort"), data["tau_mot_nm"])
     np.testing.assert_array_equal(recording.joint_array("reference.acceleration"), data["qdd_ref_rad_s2"])
-    assert recording.unit("user.link_position.a3") == "rad"
-    assert header.provenance["left_out"] == ["user.link_velocity", "user.controller_feedforward"]
+    assert recording.unit("link.position.a3") == "rad"
+    assert np.isnan(recording.joint_array("link.position")[:, 3:]).all()
+    assert header.provenance["left_out"] == [*(f"link.velocity.a{i}" for i in (1, 2, 3)), "user.controller_feedforward"]
 
 
 @needs_data
@@ -56,7 +57,8 @@ def test_the_hours_of_the_kr300_are_motions_of_their_own():
     path = Path(os.environ["FFGYM_DATA"]) / "kuka_kr300_2021_10hz" / "recordings.npz"
     recordings = read_logs(path, "kuka_kr300_2021_10hz")
     assert len(recordings) == 10
-    assert recordings[0].header.meta == {"start_time": "20:29"}
+    assert recordings[0].header.meta == {"start_time": "20:29", "session_start": 0.0}
+    assert recordings[4].header.meta == {"start_time": "21:32", "session_start": 3780.0}
     assert recordings[0].header.payload is None
     with np.load(path) as data:
         for i, recording in enumerate(recordings):

@@ -177,3 +177,17 @@ def test_trimming_drops_rows_at_both_ends_only(tmp_path):
     path = write_npz(tmp_path, t_xyz=np.array([3.0, 17.0]), xyz=np.ones((2, 3)))
     recording = read_log(path, column_map(CLOCK, POSITION, TRACKER + 'resample = "linear"', log=LOG + "trim = true\n"))
     np.testing.assert_array_equal(recording.t, arrays()["t"][1:5])
+
+
+@pytest.mark.parametrize("hours", [["9:30", "9:00", "10:00:30"], ["34200", "32400", "36030"]])
+def test_times_of_day_become_seconds_since_the_earliest_motion(tmp_path, hours):
+    path = write_npz(tmp_path, q=STACK, fs=np.array(250.0), hours=np.array(hours))
+    extra = '[motions]\nnames = "hours"\n[meta]\nsession_start = { source = "hours", since_first = true }\n'
+    recordings = read_logs(path, column_map(RATE, STACKED, extra))
+    assert [r.header.meta["session_start"] for r in recordings] == [1800.0, 0.0, 3630.0]
+
+
+def test_a_time_of_day_that_is_none_is_refused(tmp_path):
+    path = write_npz(tmp_path, q=STACK, fs=np.array(250.0), hours=np.array(["9:00", "noon", "10:00"]))
+    with refused("'hours' = ['9:00', 'noon', '10:00'] must be seconds, or times like '20:29'"):
+        read_logs(path, column_map(RATE, STACKED, '[meta]\nbegan = { source = "hours", since_first = true }\n'))

@@ -100,3 +100,12 @@ def test_an_orientation_is_read_as_scalar_first_quaternion() -> None:
     np.testing.assert_array_equal(recording.quaternion("tcp.orientation"), np.tile([1.0, 0, 0, 0], (3, 1)))
     with pytest.raises(FFGymError, match=r"recording\.quaternion"):
         recording.vector("tcp.orientation")
+
+
+def test_encoders_behind_some_gearboxes_only_are_no_missing_columns() -> None:
+    recording = Recording(columns(3) | {"link.position.j2": [0.1, 0.2, 0.3]}, header())
+    assert recording.has("link.position")
+    assert "link.position" in recording.families
+    stacked = recording.joint_array("link.position")
+    assert np.isnan(stacked[:, 0]).all()
+    np.testing.assert_array_equal(stacked[:, 1], [0.1, 0.2, 0.3])

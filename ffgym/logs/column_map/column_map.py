@@ -47,7 +47,8 @@ TABLES: Mapping[str, str] = MappingProxyType(
         "file": "layout of a text file",
         "motions": "how a file holds several motions",
         "meta": 'what goes into `meta` of the header: values, or `{ source = "name" }` for an array of the file, '
-        "which may be `optional = true`",
+        "which may be `optional = true`; with `since_first = true`, times of day ('20:29', or seconds) become seconds "
+        "since the earliest motion of the file, as `session_start` needs them",
     }
 )
 """Tables of a column map."""
