@@ -36,10 +36,7 @@ def loops_figure(models: Mapping[str, Residual], joint: int, motions: Sequence[i
 
 def loops_caption() -> str:
     """What is drawn."""
-    return (
-        "Motor torque over motor speed, less what the nominal model gives apart from its friction (LuGre without "
-        "bristle damping). What differs from its line is the residual, whatever its cause."
-    )
+    return "Motor torque less what the nominal model gives apart from its friction (LuGre without bristle damping)."
 
 
 def _friction(motion: MotionResidual, joint: int) -> Array:

@@ -53,9 +53,8 @@ def profiles_figure(logs: Mapping[str, LogRows], channel: Channel, component: in
 def profiles_caption() -> str:
     """What is drawn."""
     return (
-        "Mean of measured minus predicted in bins of equally many rows; bands are two standard errors, with one second "
-        "of the log as one observation. A fault that depends on the variable alone is the same in both directions; "
-        "one that has the sign of the speed is opposite."
+        "Mean of measured minus predicted in bins of equally many rows. Bands: two standard errors, with one second of "
+        "the log as one observation."
     )
 
 

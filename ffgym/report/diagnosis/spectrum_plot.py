@@ -83,10 +83,7 @@ def _amplitudes(
 
 def spectrum_caption() -> str:
     """What is drawn."""
-    return (
-        "Amplitude (RMS times the root of two) of the sine of the motor angle that is nearest to the residual. "
-        "What a gear, a motor or a resolver repeats stands up as a narrow peak; rhythms of the motions do not."
-    )
+    return "Amplitude (RMS times the root of two) of the sine of the motor angle that is nearest to the residual."
 
 
 def _deviation(rows: LogRows, component: int) -> float:
