@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
 
@@ -14,10 +15,12 @@ from agents.fitting.narx_fit import trained_narx
 from agents.fitting.residual_fit import trained_residual_torque
 from agents.iterative import motor_law, tool_law
 from agents.lugre import dynamic_lugre, static_lugre
+from agents.model import model_law
 from agents.oracle import oracle_law
 from agents.splines.recipes import trained_as_in_thesis, trained_with_prior
 from ffgym.control import FeedForwardLaw, NoCompensation, Reference
-from ffgym.errors import check_choice
+from ffgym.errors import FFGymError, check_choice
+from ffgym.plant import Machine, load_machine
 from ffgym.provenance import installed
 from ffgym.robot import RigidArm, RobotDescription
 
@@ -69,6 +72,8 @@ class Entry:
     """Whether it works only on a robot with a tool (TCP)."""
     package: str | None = None
     """Package that it needs to learn, beside those of the core."""
+    takes_machine: bool = False
+    """Whether a machine file may follow its name after a colon; without one it knows the nominal model."""
 
     @property
     def is_available(self) -> bool:
@@ -165,6 +170,14 @@ _ENTRIES = (
         make=lambda setting: elastic_law(setting.arm, setting.controller),
     ),
     Entry(
+        name="model",
+        title="feed-forward from a machine file",
+        track="causal, nominal parameters",
+        page="model.md",
+        make=lambda setting: model_law(Machine(robot=setting.robot), setting.controller or setting.arm),
+        takes_machine=True,
+    ),
+    Entry(
         name="oracle",
         title="elastic feed-forward with the true parameters",
         track="oracle",
@@ -187,9 +200,41 @@ def entry_of(name: str) -> Entry:
 
 
 def law_named(name: str, setting: Setting) -> FeedForwardLaw:
-    """Law of a catalogue entry, made for `setting`, or of a file that ends in .npz.
+    """Law of a catalogue entry, made for `setting`; of a machine file, as in model:machine.toml; or of a file .npz.
 
     Raises:
         FFGymError: if there is no such entry, or the file cannot be read.
     """
-    return load_law(name) if name.endswith(".npz") else entry_of(name).make(setting)
+    if name.endswith(".npz"):
+        return load_law(name)
+    entry, machine = _parts(name)
+    if machine is None:
+        return entry.make(setting)
+    return model_law(machine, setting.controller or setting.arm, name=_name_of(name))
+
+
+def name_of_law(name: str) -> str:
+    """Name of the law that `law_named` makes, without making it.
+
+    Raises:
+        FFGymError: if there is no such entry, or the file cannot be read.
+    """
+    if name.endswith(".npz"):
+        return load_law(name).name
+    _parts(name)
+    return _name_of(name)
+
+
+def _parts(name: str) -> tuple[Entry, Machine | None]:
+    """Entry, and the machine in the file that follows its name."""
+    kind, colon, file = name.partition(":")
+    entry = entry_of(kind)
+    if colon and not entry.takes_machine:
+        takers = [f"{known}:FILE" for known, each in CATALOGUE.items() if each.takes_machine]
+        raise FFGymError(f"Agent {kind!r} takes no file, got {name!r}; {', '.join(takers)} does.")
+    return entry, load_machine(file) if colon else None
+
+
+def _name_of(name: str) -> str:
+    kind, colon, file = name.partition(":")
+    return f"{kind}{colon}{Path(file).stem}"

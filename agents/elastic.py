@@ -88,7 +88,7 @@ class ElasticLaw(CausalLaw):
             )
         if not isinstance(self.friction, DynamicLuGreExact | None):
             raise FFGymError(f"friction must be a DynamicLuGreExact or None, got {type(self.friction).__name__}.")
-        robot, known = self.model.robot, self._known.robot
+        robot, known = self.model.robot, self.known.robot
         if self.friction is not None and self.friction.n_joints != robot.n_joints:
             raise FFGymError(
                 f"Friction for {self.friction.n_joints} joints does not fit robot {robot.name!r} with {robot.n_joints}."
@@ -110,7 +110,8 @@ class ElasticLaw(CausalLaw):
         return self.model.robot.n_joints
 
     @property
-    def _known(self) -> RigidArm:
+    def known(self) -> RigidArm:
+        """What the existing controller was made for."""
         return self.controller or self.model
 
     @property
@@ -124,7 +125,7 @@ class ElasticLaw(CausalLaw):
         """See base class; what `step` gives one by one, for all samples at once."""
         needed, lead, integral = self._along(reference)
         motion = (reference.q, reference.motor_dq, reference.motor_ddq)
-        torque = needed - given_torque(self._known, *motion, lead, integral)
+        torque = needed - given_torque(self.known, *motion, lead, integral)
         torque[0] = 0.0
         return torque
 
@@ -141,14 +142,14 @@ class ElasticLaw(CausalLaw):
         """Torque that the motors need beyond gravity at the start [N m], lead, integral of the lead [rad s], (T, N)."""
         self.check_joints(reference)
         dt, reach = reference.robot.servo.control_dt, self.preview - 2
-        links = self._links(reference.q, reference.motor_dq, reference.motor_ddq)
+        links = self.links(reference.q, reference.motor_dq, reference.motor_ddq)
         load = self.model.holding_torque(reference.q[:1])
         links -= load
         rows = np.pad(links, ((reach, reach + 1), (0, 0)), mode="edge")  # one sample more, which friction looks at
-        ahead = self._lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
-        speed = self._motor_speed(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), ahead)
+        ahead = self.lead(np.moveaxis(sliding_window_view(rows, 2 * reach + 1, axis=0), -1, -2), dt)
+        speed = self.motor_speed(np.pad(reference.motor_dq, ((0, 1), (0, 0)), mode="edge"), ahead)
         lead = Lead(angle=ahead.angle[:-1], speed=ahead.speed[:-1], acceleration=ahead.acceleration[:-1])
-        integral = wound_up_sums(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), self._known, load[0])
+        integral = wound_up_sums(0.5 * dt * (lead.angle[:-1] + lead.angle[1:]), self.known, load[0])
         friction = np.zeros_like(links) if self.friction is None else friction_along(self.friction, speed, dt)
         return self._needed(links, reference.motor_ddq, lead, friction), lead, integral
 
@@ -157,13 +158,13 @@ class ElasticLaw(CausalLaw):
     def initial_memory(self, window: Window) -> Array:
         """See base class; what is remembered stands in `_remembered`."""
         reach, dt = self.preview - 2, window.dt
-        gravity = self._links(window.q[..., 0, :], *np.zeros((2, *window.q[..., 0, :].shape)))
+        gravity = self.links(window.q[..., 0, :], *np.zeros((2, *window.q[..., 0, :].shape)))
         seen = slice(0, reach + 2)
-        links = self._links(window.q[..., seen, :], window.motor_dq[..., seen, :], window.motor_ddq[..., seen, :])
+        links = self.links(window.q[..., seen, :], window.motor_dq[..., seen, :], window.motor_ddq[..., seen, :])
         links = links - gravity[..., None, :]
         links = np.concatenate([np.repeat(links[..., :1, :], reach, axis=-2), links], axis=-2)  # it rested before
-        first, second = self._lead(links[..., :-1, :], dt), self._lead(links[..., 1:, :], dt)
-        dq, next_dq = (self._motor_speed(window.motor_dq[..., k, :], lead) for k, lead in enumerate((first, second)))
+        first, second = self.lead(links[..., :-1, :], dt), self.lead(links[..., 1:, :], dt)
+        dq, next_dq = (self.motor_speed(window.motor_dq[..., k, :], lead) for k, lead in enumerate((first, second)))
         _, friction, bristle = self._friction(np.zeros_like(gravity), dq, next_dq, dt)  # from relaxed bristles on
         integral = 0.5 * dt * (first.angle + second.angle)
         return _remembered(gravity, links[..., 2:, :], second, integral, bristle, friction)
@@ -175,26 +176,26 @@ class ElasticLaw(CausalLaw):
         angle, speed, acceleration, integral, bristle, friction = (rows[..., k, :] for k in range(-6, 0))
         lead = Lead(angle=angle, speed=speed, acceleration=acceleration)
         here, after, newest = (_sample(window, k) for k in (1, 2, self.preview))
-        links = np.concatenate([links, (self._links(*newest) - gravity)[..., None, :]], axis=-2)
-        next_lead = self._lead(links, dt)
-        dq, next_dq = self._motor_speed(here[1], lead), self._motor_speed(after[1], next_lead)
+        links = np.concatenate([links, (self.links(*newest) - gravity)[..., None, :]], axis=-2)
+        next_lead = self.lead(links, dt)
+        dq, next_dq = self.motor_speed(here[1], lead), self.motor_speed(after[1], next_lead)
         more, next_friction, next_bristle = self._friction(bristle, dq, next_dq, dt)
         needed = self._needed(links[..., self.preview - 3, :], here[2], lead, friction + more)  # the row of sample 1
-        next_integral = wound_up(integral + 0.5 * dt * (angle + next_lead.angle), self._known, gravity)
+        next_integral = wound_up(integral + 0.5 * dt * (angle + next_lead.angle), self.known, gravity)
         memory = _remembered(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
-        return needed - given_torque(self._known, *here, lead, integral), memory
+        return needed - given_torque(self.known, *here, lead, integral), memory
 
     # Parts of the equation in the head of this file, shape (..., N)
 
-    def _links(self, q: Array, motor_dq: Array, motor_ddq: Array) -> Array:
+    def links(self, q: Array, motor_dq: Array, motor_ddq: Array) -> Array:
         """Torque of the links with the load they carry at rest, link side [N m]."""
         return links_torque(self.model, q, motor_dq, motor_ddq, load=True)
 
-    def _lead(self, links: Array, dt: float) -> Lead:
+    def lead(self, links: Array, dt: float) -> Lead:
         """Lead at the middle one of samples of the links' torque [N m], (..., 2 w + 1, N)."""
         return lead_between(links / self.model.robot.drive.joint_stiffness, self._relaxation, dt)
 
-    def _motor_speed(self, motor_dq: Array, lead: Lead) -> Array:
+    def motor_speed(self, motor_dq: Array, lead: Lead) -> Array:
         """Motor speed [rad/s] that keeps the arm on the reference."""
         return motor_dq + self.model.robot.drive.motor_angle(lead.speed)
 

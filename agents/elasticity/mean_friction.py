@@ -25,19 +25,37 @@ def step_friction(law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, d
         Parts that belong to the start and to the end [N m], and the bristle deflection at the end [rad], (..., N) each.
         The parts of a constant friction are half of it.
     """
-    shares = (np.arange(law.n_substeps) + 0.5) / law.n_substeps
-    speeds = np.stack([dq + (next_dq - dq) * share for share in shares])
+    middles, speeds, z = bristles_within(law, z, dq, next_dq, dt)
+    return *in_parts(law.friction.torque(middles, speeds)), z
+
+
+def bristles_within(
+    law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float
+) -> tuple[Array, Array, Array]:
+    """Bristles within a control step; arguments as in `step_friction`.
+
+    Returns:
+        Deflection [rad] and motor speed [rad/s] in the middle of each sub-step, (S, ..., N), and the deflection at the
+        end, (..., N).
+    """
+    speeds = np.stack([dq + (next_dq - dq) * share for share in law.shares])
     middles = np.empty_like(speeds)
     for k, (keep, gain) in enumerate(
         zip(*law.friction.exact_bristle_factors(speeds, dt / law.n_substeps), strict=True)
     ):
         next_z = keep * z + gain
         middles[k], z = 0.5 * (z + next_z), next_z
-    torques = law.friction.torque(middles, speeds) / law.n_substeps
-    start, end = np.zeros_like(z), np.zeros_like(z)
-    for torque, share in zip(torques, shares, strict=True):  # a loop, so that no shape changes the rounding
+    return middles, speeds, z
+
+
+def in_parts(torques: Array) -> tuple[Array, Array]:
+    """Parts of torques in the middle of S sub-steps (S, ..., N) that belong to the two ends of the step [N m]."""
+    n = len(torques)
+    torques = torques / n
+    start, end = np.zeros_like(torques[0]), np.zeros_like(torques[0])
+    for torque, share in zip(torques, (np.arange(n) + 0.5) / n, strict=True):  # a loop, so that no shape changes bits
         start, end = start + (1 - share) * torque, end + share * torque
-    return start, end, z
+    return start, end
 
 
 def friction_along(law: DynamicLuGreExact, motor_dq: Array, dt: float) -> Array:

@@ -3,8 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from agents.catalogue import CATALOGUE, Setting, entry_of, law_named
-from agents.common.law_files import load_law
+from agents.catalogue import CATALOGUE, Setting, law_named, name_of_law
 from agents.common.trials import RigTrial
 from ffgym.cli.progress import progress_bar
 from ffgym.control import FeedForwardLaw, Reference
@@ -14,7 +13,7 @@ from ffgym.simulation import Rig, SimulatedRig
 
 
 def check_laws(names: Sequence[str], option: str) -> list[str]:
-    """Names of the laws of catalogue entries and files, which the `option` asks for; some take minutes to make.
+    """Names of the laws that the `option` asks for: of entries, machine files, learned laws; some take minutes to make.
 
     Raises:
         FFGymError: if there is none, one is unknown or cannot be read, or two have one name.
@@ -23,7 +22,7 @@ def check_laws(names: Sequence[str], option: str) -> list[str]:
         raise FFGymError(f"There is no agent to run. Name some, e.g. {option} none elastic; {', '.join(CATALOGUE)}.")
     if len(set(names)) < len(names):
         raise FFGymError(f"Agents must have different names, got {' '.join(names)}.")
-    own = [load_law(name).name if name.endswith(".npz") else entry_of(name).name for name in names]
+    own = [name_of_law(name) for name in names]
     if len(set(own)) < len(own):
         raise FFGymError(f"Laws must have different names; those of {' '.join(names)} are {', '.join(own)}.")
     return own

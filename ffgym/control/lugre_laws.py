@@ -145,9 +145,14 @@ class DynamicLuGreExact(DynamicLuGre):
         super().__post_init__()
         check_whole("n_substeps", self.n_substeps, low=1)
 
+    @property
+    def shares(self) -> Array:
+        """Where in a step the middles of the sub-steps are, shape (S,)."""
+        return (np.arange(self.n_substeps) + 0.5) / self.n_substeps
+
     def advance(self, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array]:
         """See base class."""
-        speed = _between(dq, next_dq, (np.arange(self.n_substeps) + 0.5) / self.n_substeps)
+        speed = _between(dq, next_dq, self.shares)
         return _chained(*self.friction.exact_bristle_factors(speed, dt / self.n_substeps))
 
 

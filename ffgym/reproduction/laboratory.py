@@ -180,7 +180,7 @@ class Laboratory:
         setting = replace(self.setting, references=[*circle_references(self.setting.arm).values()])
         found = []
         with self.stage("making agents", "agents") as progress:
-            names = [name for name, entry in CATALOGUE.items() if entry.is_available]
+            names = [name for name, entry in CATALOGUE.items() if entry.is_available and not entry.takes_machine]
             for i, name in enumerate(names):
                 progress(i, len(names))
                 found.append(contender(name, setting))

@@ -1,0 +1,1 @@
+"""Parts of model feed-forward: what physical effects ask of the drives beyond elasticity and LuGre friction."""

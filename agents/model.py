@@ -1,0 +1,265 @@
+r"""Model feed-forward: what a machine with physical effects needs, as far as a torque can give it.
+
+Idea: a diagnosis says which effects a machine has that its description lacks. Elastic feed-forward (`agents.elastic`)
+solves the flexible-joint equations along the reference; here they have the effects in them. With the torque tau_e that
+effects put on spring (s), link (l) and motor (m), all else as in `agents.elastic`,
+
+.. math:: K \Delta + d \dot\Delta = \tau_l + s, \quad \tau_l = \tau_s(q, \dot q, \ddot q) - l
+.. math:: u = \frac{\tau_l}{n} + J_m n (\ddot q + \ddot\Delta) + \tau_f(n (\dot q + \dot\Delta)) - m
+
+and u_lff is u less what the existing controller gives: its rigid feed-forward, and its servo, which sees -n Delta and
+what its resolver reads wrong. All of it counts from the rest before the motion, where springs and servo integrals carry
+what gravity and effects ask for. Effects are asked at the motion that the law brings about: at the leading motor's
+angle and speed, at bristles that this speed bends, at the torque that the gearbox passes on.
+
+A torque compensates what acts on motors, springs and links, and errors of the resolver. It cannot compensate a tool or
+a tracker that is elsewhere than believed, nor a base that gives way: `left_alone` says which effects these are. A gap
+between teeth is crossed within some samples, as a motor cannot jump.
+
+Source: as `agents.elastic`, and the equations of `ffgym.effects` (docs/effects). Departures: springs with effects bend
+as if at rest, then with the damping of the linear spring; an effect with memory on the motor sees the torque without
+its own share (a delay d is taken back to first order in d).
+
+Run it:
+
+    ffgym demo --robot machine.toml --agents none elastic model:machine.toml
+
+Logged: nothing, the law learns nothing; `ModelLaw.left_alone` says what it does not compensate.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import final
+
+import numpy as np
+
+from agents.effects.motors import Motors
+from agents.effects.past import Past, Start, unpacked
+from agents.effects.springs import Carried, Springs
+from agents.effects.states import Place, States
+from agents.elastic import ElasticLaw, elastic_law
+from agents.elasticity.existing_torque import given_torque, wound_up
+from agents.elasticity.lead import Lead
+from agents.elasticity.mean_friction import bristles_within, in_parts
+from ffgym.control import CausalLaw, DynamicLuGreExact, Window
+from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
+from ffgym.plant import Machine, load_machine
+from ffgym.plant.sameness import check_same_controller
+from ffgym.robot import RigidArm
+from ffgym.robot.drive import Drive
+from ffgym.types import Array
+
+_ROUNDS = 20
+"""Of the search for the angle that a resolver reads as a given one, as in a plant."""
+
+
+def model_law(
+    machine: Machine | str | Path, controller: RigidArm | None = None, name: str = "model"
+) -> "ElasticLaw | ModelLaw":
+    """Feed-forward from a machine: elastic feed-forward where effects ask for no more than other numbers.
+
+    Args:
+        machine: what the law believes, or a machine file of it.
+        controller: what the existing controller was made for; None is the machine's robot without effects.
+        name: of the law.
+
+    Raises:
+        FFGymError: if the file cannot be read, or is of another robot than the controller's.
+    """
+    believed = machine if isinstance(machine, Machine) else load_machine(machine)
+    known = controller or RigidArm(believed.robot)
+    check_same_controller(believed.robot, known.robot)
+    elastic = elastic_law(RigidArm(believed.physical), _tuned(known, believed), name)
+    if not believed.torque_effects and not believed.resolver_effects:
+        return elastic
+    return ModelLaw(machine=believed, elastic=elastic)
+
+
+def _tuned(controller: RigidArm, machine: Machine) -> RigidArm:
+    """The existing controller with the servo that the machine has, which an effect may have tuned otherwise."""
+    servo = machine.physical.servo
+    return controller if servo is machine.robot.servo else RigidArm(replace(controller.robot, servo=servo))
+
+
+def left_alone(machine: Machine) -> tuple[Effect, ...]:
+    """Effects of a machine that no torque compensates: sensors elsewhere than believed, or late; a base that gives."""
+    known = NativeEffect | TorqueEffect | ResolverEffect
+    return tuple(effect for effect in machine.effects if not isinstance(effect, known))
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ModelLaw(CausalLaw):
+    """Inverse dynamics along the reference of a machine with effects, added to the controller that is there."""
+
+    machine: Machine
+    """What the law believes of the machine."""
+    elastic: ElasticLaw
+    """The same law for the machine without torque and resolver effects."""
+
+    @property
+    def name(self) -> str:
+        """See base class."""
+        return self.elastic.name
+
+    @property
+    def preview(self) -> int:  # type: ignore[override]
+        """Samples to see ahead."""
+        return self.elastic.preview
+
+    @property
+    def n_joints(self) -> int:
+        """See base class."""
+        return self.machine.robot.n_joints
+
+    @cached_property
+    def _springs(self) -> Springs:
+        return Springs.of(States(machine=self.machine))
+
+    @cached_property
+    def _motors(self) -> Motors:
+        return Motors.of(States(machine=self.machine))
+
+    @cached_property
+    def _friction(self) -> DynamicLuGreExact:
+        return DynamicLuGreExact(self.machine.physical.friction)
+
+    @property
+    def _drive(self) -> Drive:
+        return self.machine.physical.drive
+
+    # Sample by sample
+
+    def initial_memory(self, window: Window) -> Array:
+        """See base class; what is remembered stands in `Past`."""
+        dt, reach, q, still = window.dt, self.preview - 2, window.q[..., 0, :], np.zeros_like(window.q[..., 0, :])
+        start, springs, motors = self._rest(q)
+        rows = [Carried(load=start.load, bend=start.bend, reaction=still)]
+        for k in range(reach + 2):
+            found, springs = self._carried(_sample(window, k), start, rows[-1], springs, dt)
+            rows.append(found)
+        rows = [rows[1]] * reach + rows[1:]  # it rested before
+        lead, next_lead = (self._lead(rows[k : k + 2 * reach + 1], start, dt) for k in (0, 1))
+        here = self._place(_sample(window, 0), rows[reach], lead, start, still)
+        after = self._place(_sample(window, 1), rows[reach + 1], next_lead, start, still + dt)
+        _, lost, bristle, motors = self._lost(here, after, still, motors, dt)  # from relaxed bristles on
+        seen, next_seen = self._seen(here, lead, start), self._seen(after, next_lead, start)
+        return Past(
+            start=start,
+            carried=tuple(rows[2:]),
+            time=still + dt,
+            lead=next_lead,
+            integral=0.5 * dt * (seen.angle + next_seen.angle),
+            bristle=bristle,
+            lost=lost,
+            springs=springs,
+            motors=motors,
+        ).packed()
+
+    def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
+        """See base class; `here` is sample 1, whose torque is wanted, `after` the next one."""
+        dt, past = window.dt, self._past(memory)
+        start, lead = past.start, past.lead
+        newest, springs = self._carried(_sample(window, self.preview), start, past.carried[-1], past.springs, dt)
+        rows = (*past.carried, newest)
+        next_lead = self._lead(rows, start, dt)
+        here = self._place(_sample(window, 1), rows[self.preview - 3], lead, start, past.time)
+        after = self._place(_sample(window, 2), rows[self.preview - 2], next_lead, start, past.time + dt)
+        more, lost, bristle, motors = self._lost(here, after, past.bristle, past.motors, dt)
+        needed = here.needed - self._drive.motor_torque(start.load) + past.lost + more + start.added
+        seen, next_seen = self._seen(here, lead, start), self._seen(after, next_lead, start)
+        given = given_torque(self.elastic.known, *_sample(window, 1), seen, past.integral)
+        carried = self._drive.motor_torque(start.load) - start.added
+        integral = past.integral + 0.5 * dt * (seen.angle + next_seen.angle)
+        later = Past(
+            start=start,
+            carried=rows[1:],
+            time=past.time + dt,
+            lead=next_lead,
+            integral=wound_up(integral, self.elastic.known, self._drive.joint_torque(carried)),
+            bristle=bristle,
+            lost=lost,
+            springs=springs,
+            motors=motors,
+        )
+        return needed - given, later.packed()
+
+    def _past(self, memory: Array) -> Past:
+        springs, motors = self._lengths
+        return unpacked(memory, self.n_joints, 2 * (self.preview - 2), springs, motors)
+
+    @cached_property
+    def _lengths(self) -> tuple[list[int], list[int]]:
+        """How many numbers per joint effects remember."""
+        _, springs, motors = self._rest(np.zeros(self.n_joints))
+        return [memory.shape[-1] for memory in springs], [memory.shape[-1] for memory in motors]
+
+    # Parts of the equation in the head of this file, shape (..., N)
+
+    def _rest(self, q: Array) -> tuple[Start, list[Array], list[Array]]:
+        """Equilibrium at `q`, and what effects on springs and on motors remember there."""
+        still, motor_q = np.zeros_like(q), self._drive.motor_angle(q)
+        carried, springs = self._springs.rest(self.elastic.links(q, still, still), q)
+        error = still
+        for _ in range(_ROUNDS):  # the servo rests where the resolver reads `q`
+            error = self.machine.read_by_resolver(motor_q - error, still)[0] - (motor_q - error)
+        none = Lead(angle=still, speed=still, acceleration=still)
+        start = Start(load=carried.load, bend=carried.bend, added=carried.reaction, error=error)
+        added, motors = self._motors.rest(self._place((q, still, still), carried, none, start, still))
+        return replace(start, added=carried.reaction + added), springs, motors
+
+    def _carried(
+        self, sample: tuple[Array, Array, Array], start: Start, before: Carried, springs: list[Array], dt: float
+    ) -> tuple[Carried, list[Array]]:
+        """What gearboxes and springs carry at a sample of the reference, and what effects remember then."""
+        q, motor_dq, _ = sample
+        needed, dq = self.elastic.links(*sample), self._drive.joint_angle(motor_dq)
+        return self._springs.next(needed, q, dq, start.bend, before, springs, dt)
+
+    def _lead(self, rows: Sequence[Carried], start: Start, dt: float) -> Lead:
+        """Lead at the middle one of an odd number of samples."""
+        return self.elastic.lead(np.stack([row.bend - start.bend for row in rows], axis=-2), dt)
+
+    def _place(
+        self, sample: tuple[Array, Array, Array], carried: Carried, lead: Lead, start: Start, time: Array
+    ) -> Place:
+        """Where motors and links are at a sample, and the torque that keeps them there."""
+        (q, motor_dq, motor_ddq), drive = sample, self._drive
+        rotor = drive.rotor_inertia * (motor_ddq + drive.motor_angle(lead.acceleration))
+        return Place(
+            time=time,
+            joint_angle=q + lead.angle - drive.joint_angle(start.error),
+            joint_speed=drive.joint_angle(motor_dq) + lead.speed,
+            deflection=-(lead.angle + start.bend / drive.joint_stiffness),
+            deflection_rate=-lead.speed,
+            load=carried.load,
+            needed=drive.motor_torque(carried.load) + rotor - carried.reaction,
+        )
+
+    def _lost(
+        self, here: Place, after: Place, bristle: Array, motors: list[Array], dt: float
+    ) -> tuple[Array, Array, Array, list[Array]]:
+        """Friction less what effects add within a step, as parts of both ends [N m]; bristles and memories after it."""
+        law = self._friction
+        dq, next_dq = (self._drive.motor_angle(place.joint_speed) for place in (here, after))
+        middles, speeds, bristle = bristles_within(law, bristle, dq, next_dq, dt)
+        friction = law.friction.torque(middles, speeds)
+        added, motors = self._motors.within(here.towards(after, law.shares), middles, friction, motors, dt)
+        return *in_parts(friction - added), bristle, motors
+
+    def _seen(self, place: Place, lead: Lead, start: Start) -> Lead:
+        """The lead as the resolver shows it to the servo."""
+        angle, speed = self._drive.motor_angle(place.joint_angle), self._drive.motor_angle(place.joint_speed)
+        read_angle, read_speed = self.machine.read_by_resolver(angle, speed)
+        return Lead(
+            angle=lead.angle + self._drive.joint_angle(read_angle - angle - start.error),
+            speed=lead.speed + self._drive.joint_angle(read_speed - speed),
+            acceleration=lead.acceleration,
+        )
+
+
+def _sample(window: Window, k: int) -> tuple[Array, Array, Array]:
+    """Position, motor speed and motor acceleration of sample `k`."""
+    return window.q[..., k, :], window.motor_dq[..., k, :], window.motor_ddq[..., k, :]
