@@ -1,6 +1,7 @@
 """Effects in TOML: [effects.<name>] tables, every parameter with its unit and where its value comes from."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,31 @@ from ffgym.effects.parameter import Parameter
 from ffgym.errors import FFGymError, check_choice
 from ffgym.robot import RobotDescription
 from ffgym.robot.template.toml_text import text
+from ffgym.types import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Origin:
+    """Where the numbers of one effect come from, as its table in a file says it."""
+
+    label: str = ""
+    """What follows the effect's name after a colon, e.g. the joint; empty is nothing."""
+    sources: Mapping[str, str] = field(default_factory=dict)
+    """By parameter."""
+    intervals: Mapping[str, Array] = field(default_factory=dict)
+    """Lower and upper ends by parameter, shape (..., 2)."""
+
+
+def read_origins(tables: Mapping[str, Any]) -> tuple[Origin, ...]:
+    """Where the numbers of the effects come from that `read_effects` reads from the same tables."""
+    return tuple(
+        Origin(
+            label=name.partition(":")[2],
+            sources={entry: given["source"] for entry, given in table.items() if "source" in given},
+            intervals={entry: np.asarray(given["interval"]) for entry, given in table.items() if "interval" in given},
+        )
+        for name, table in tables.items()
+    )
 
 
 def read_effects(
@@ -64,16 +90,35 @@ def _value(where: str, given: Any, known: Parameter) -> Any:
     return given["value"]
 
 
-def effects_toml(effects: Sequence[Effect], source: str) -> str:
-    """Text of the tables that `read_effects` reads back to the bit; `source` says where the values come from."""
-    count: dict[str, int] = {}
+def effects_toml(effects: Sequence[Effect], source: str, origins: Sequence[Origin] = ()) -> str:
+    """Text of the tables that `read_effects` reads back to the bit.
+
+    Args:
+        effects: what to write.
+        source: where values come from of which nothing else is said.
+        origins: more about that, of the first effects.
+    """
+    used: set[str] = set()
     lines = []
-    for effect in effects:
-        again = count.setdefault(effect.name, 0)
-        count[effect.name] += 1
-        lines.append(f'[effects."{effect.name}:{again + 1}"]' if again else f"[effects.{effect.name}]")
+    for i, effect in enumerate(effects):
+        origin = origins[i] if i < len(origins) else Origin()
+        lines.append(f"[effects.{_title(effect.name, origin.label, used)}]")
         for known in effect.parameters().values():
             value = np.asarray(getattr(effect, known.name)).tolist()
-            lines.append(f'{known.name} = {{ value = {value}, unit = "{known.unit}", source = {text(source)} }}')
+            said = text(origin.sources.get(known.name, source))
+            sure = origin.intervals.get(known.name)
+            interval = "" if sure is None else f", interval = {sure.tolist()}"
+            lines.append(f'{known.name} = {{ value = {value}, unit = "{known.unit}"{interval}, source = {said} }}')
         lines.append("")
     return "\n".join(lines)
+
+
+def _title(name: str, label: str, used: set[str]) -> str:
+    """Name of a table that is not used yet, in quotes if it needs them."""
+    first = title = f"{name}:{label}" if label else name
+    count = 1
+    while title in used:
+        count += 1
+        title = f"{first}:{count}"
+    used.add(title)
+    return text(title) if ":" in title else title

@@ -2,7 +2,7 @@
 
 .. code:: toml
 
-    [machine]                      # title, and robot: a built-in name, or a description file beside this one
+    [machine]                      # title, and robot: a built-in name, or the path of a description from here
     [friction.*], [drive.*], ...   # as in a parameter file: numbers in place of the description's
     [effects.<name>]               # see docs/effects; every parameter has value, unit and maybe source
     [climate]                      # ambient, rise, time_constant and running_since, in the same way
@@ -19,13 +19,13 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.effects import EFFECTS, Effect, read_effects
+from ffgym.effects import EFFECTS, Effect, Origin, read_effects, read_origins
 from ffgym.errors import FFGymError, check_choice
 from ffgym.files import read_text
 from ffgym.plant.climate import Climate
 from ffgym.plant.machine import Machine
 from ffgym.plant.sameness import check_same_controller
-from ffgym.robot import RobotDescription, builtin_robots, load_robot
+from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_robot
 from ffgym.robot.reading.parameters import GROUPS, with_numbers
 from ffgym.robot.template.toml_text import text
 
@@ -57,6 +57,25 @@ def known_robot(path: str | Path) -> RobotDescription:
         return _robot(_tree(path).get("machine"), Path(path).parent)
     except FFGymError as error:
         raise FFGymError(f"{path}: {error}") from error
+
+
+def origins_of(path: str | Path) -> tuple[Origin, ...]:
+    """Where the numbers of the effects of a machine file come from, in the order of `Machine.effects`.
+
+    Raises:
+        FFGymError: if the file cannot be read.
+    """
+    return read_origins(_table(_tree(path), "effects"))
+
+
+def robot_reference(path: str | Path) -> str | Path:
+    """What a machine file calls its robot: a built-in name, or the path of a description.
+
+    Raises:
+        FFGymError: if the file cannot be read.
+    """
+    named = str(_table(_tree(path), "machine").get("robot"))
+    return Path(path).parent / named if named.endswith(".toml") else named
 
 
 def is_machine_file(path: str | Path) -> bool:
@@ -155,4 +174,4 @@ def _robot(head: Any, folder: Path) -> RobotDescription:
     robot = head["robot"]
     if robot.endswith(".toml"):
         return load_robot(folder / robot)
-    return load_robot(check_choice("robot of [machine]", robot, builtin_robots()))
+    return load_robot(check_choice("robot of [machine]", robot, [*builtin_robots(), *builtin_parameters()]))

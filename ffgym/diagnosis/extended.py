@@ -1,0 +1,130 @@
+"""The extended model: the nominal machine with the causes of a diagnosis in it, and the machine file that says so."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ffgym.diagnosis.result import Cause, Diagnosis, Size
+from ffgym.effects import EFFECTS, Effect, Origin, Parameter
+from ffgym.errors import FFGymError, check_choice
+from ffgym.plant import Machine, save_machine
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+_NAMED = 4
+"""Motions that a source names."""
+
+
+def extended_machine(nominal: Machine, causes: Sequence[Cause]) -> Machine:
+    """The nominal machine with the effects of causes, in their order, behind those it has.
+
+    Raises:
+        FFGymError: if a cause names an unknown effect, joint or parameter, or the robot cannot have the effect.
+    """
+    effects = [effect_of(cause, nominal.robot) for cause in causes]
+    return replace(nominal, effects=(*nominal.effects, *effects))
+
+
+def effect_of(cause: Cause, robot: RobotDescription) -> Effect:
+    """The effect that a cause says, on its joint alone.
+
+    Raises:
+        FFGymError: if it names an unknown effect, joint or parameter, or lacks one.
+    """
+    kind = EFFECTS[check_choice("effect of a cause", cause.effect, list(EFFECTS))]
+    known = kind.parameters()
+    values: dict[str, Any] = {name: np.full(p.shape(robot.n_joints), p.neutral) for name, p in known.items()}
+    given = {size.name: size.value for size in cause.parameters} | cause.fixed
+    for name, value in given.items():
+        parameter, place = _place(name, cause, known, robot)
+        values[parameter][place] = value
+    if missing := [name for name, p in known.items() if p.null is not None and not _said(name, given)]:
+        raise FFGymError(f"Cause {cause.effect} on {cause.joint or 'the machine'} does not say {', '.join(missing)}.")
+    return kind(**values)
+
+
+def save_extended(
+    path: str | Path,
+    diagnosis: Diagnosis,
+    nominal: Machine,
+    *,
+    robot: str | Path | None = None,
+    origins: Sequence[Origin] = (),
+) -> Machine:
+    """Write the nominal machine with the causes of a diagnosis as a machine file, and return it.
+
+    Every number says what it was diagnosed from, its interval, and that it was nothing before; numbers that the nominal
+    machine had keep what was said of them.
+
+    Args:
+        path: ends in .toml.
+        diagnosis: its causes are added; one without any gives the nominal machine.
+        nominal: the model that was diagnosed.
+        robot: what the file calls the robot: a built-in name, or the path of its description; None is its own name.
+        origins: where the numbers of the nominal machine's effects come from.
+
+    Raises:
+        FFGymError: if a cause does not fit the robot, or the file cannot be written.
+    """
+    machine = extended_machine(nominal, diagnosis.causes)
+    known = [*origins, *(Origin() for _ in range(len(nominal.effects) - len(origins)))]
+    new = [_origin(cause, nominal.robot, diagnosis) for cause in diagnosis.causes]
+    save_machine(
+        machine,
+        path,
+        title=f"{nominal.robot.title}, extended by ffgym diagnose",
+        source="as before the diagnosis",
+        robot=robot,
+        origins=[*known, *new],
+    )
+    return machine
+
+
+def _place(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tuple[str, Any]:
+    """Parameter and index of a number; its name may go on with a dot and an axis, or the other joint of a pair."""
+    parameter, _, part = name.partition(".")
+    p: Parameter = known[check_choice(f"parameter of {cause.effect}", parameter, list(known))]
+    if p.per == "machine":
+        return parameter, ()
+    if p.per == "vector":
+        return parameter, ("x", "y", "z").index(check_choice(f"axis of {cause.effect}.{parameter}", part, "xyz"))
+    check_choice(f"joint of cause {cause.effect}", cause.joint, robot.joints)
+    joint = robot.joints.index(cause.joint)
+    if p.per == "joint":
+        return parameter, joint
+    check_choice(f"other joint of {cause.effect}.{parameter}", part, robot.joints)
+    return parameter, (joint, robot.joints.index(part))
+
+
+def _said(parameter: str, given: Any) -> bool:
+    return any(name.partition(".")[0] == parameter for name in given)
+
+
+def _origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Origin:
+    """What the table of a cause says of its numbers."""
+    kind = EFFECTS[cause.effect]
+    effect, where = effect_of(cause, robot), f" on {cause.joint}" if cause.joint else ""
+    more = f" and {len(diagnosis.motions) - _NAMED} more" if len(diagnosis.motions) > _NAMED else ""
+    logs = ", ".join(diagnosis.motions[:_NAMED]) + more
+    sources, intervals = {}, {}
+    for name, known in kind.parameters().items():
+        sizes = [size for size in cause.parameters if size.name.partition(".")[0] == name]
+        if not sizes:
+            sources[name] = f"chosen by the diagnosis{where}"
+            continue
+        before = "" if known.null is None else f"; before {known.null:g}"
+        sources[name] = f"diagnosed{where} from {logs}; 90 % interval{before}"
+        intervals[name] = _interval(getattr(effect, name), sizes, cause, robot)
+    return Origin(label=cause.joint, sources=sources, intervals=intervals)
+
+
+def _interval(values: Array, sizes: Sequence[Size], cause: Cause, robot: RobotDescription) -> Array:
+    """Ends of all numbers of a parameter; those that were not diagnosed are as sure as they were said."""
+    ends = np.stack([values, values], axis=-1)
+    for size in sizes:
+        _, place = _place(size.name, cause, EFFECTS[cause.effect].parameters(), robot)
+        ends[place] = size.interval
+    return ends
