@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
-from ffgym.report.diagnosis.words import place_of
+from ffgym.report.diagnosis.words import place_of, rivals_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ _LOOKS: Mapping[str, Mapping[str, Any]] = {
     "rival that lost": {"color": "#b9c0c9"},
 }
 _MOST = 6
-"""Rivals of a cause that are shown, those that explain most."""
+"""Rivals of a cause that are shown, ties first, then those that explain most."""
 
 _ROOM = 0.14
 """Room to the right of the longest bar for its figure, in bars' full length."""
@@ -48,8 +48,7 @@ def _bars(diagnosis: Diagnosis) -> list[tuple[str, float, str]]:
     bars: list[tuple[str, float, str]] = []
     for cause in diagnosis.causes:
         bars.append((place_of(cause.effect, cause.joint), cause.held_out_gain, "cause"))
-        rivals = [rival for rival in diagnosis.rivals if rival.against == cause.effect]
-        for rival in sorted(rivals, key=lambda rival: -rival.held_out_gain)[:_MOST]:
+        for rival in sorted(rivals_of(diagnosis, cause)[:_MOST], key=lambda rival: -rival.held_out_gain):
             kind = "rival that ties" if rival.tied else "rival that lost"
             bars.append((place_of(rival.effect, rival.joint), rival.held_out_gain, kind))
     return bars

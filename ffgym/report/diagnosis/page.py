@@ -1,5 +1,6 @@
 """A diagnosis on a page that can be sent, for readers who do not know the tool."""
 
+from collections.abc import Sequence
 from itertools import count
 from typing import Any
 
@@ -14,7 +15,7 @@ from ffgym.report.diagnosis.figures import (
     tool_figures,
 )
 from ffgym.report.diagnosis.models import FINE
-from ffgym.report.diagnosis.words import VERDICTS, place_of, signature_of, size_text, title_of, together
+from ffgym.report.diagnosis.words import VERDICTS, place_of, rivals_of, signature_of, size_text, title_of, together
 from ffgym.report.html import embedded, provenance_lines, render
 
 _MOST_RIVALS = 8
@@ -36,7 +37,7 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
         causes=[(cause, title_of(cause.effect), signature_of(cause.effect)) for cause in diagnosis.causes],
         size_text=size_text,
         place_of=place_of,
-        rivals=[(cause, _rivals(diagnosis, cause.effect)) for cause in diagnosis.causes],
+        rivals=[(cause, _listed(rivals_of(diagnosis, cause))) for cause in diagnosis.causes],
         not_excited=together(diagnosis.not_excited),
         not_judgeable=together(diagnosis.not_judgeable),
         levels=_levels(diagnosis),
@@ -63,11 +64,8 @@ def _figures(report: DiagnosisReport) -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def _rivals(diagnosis: Diagnosis, cause: str) -> list[Rival]:
-    """Rivals of a cause, ties first, then those that explain most."""
-    own = [rival for rival in diagnosis.rivals if rival.against == cause]
-    ordered = sorted(own, key=lambda rival: (not rival.tied, -rival.held_out_gain))
-    return [rival for i, rival in enumerate(ordered) if rival.tied or i < _MOST_RIVALS]
+def _listed(rivals: Sequence[Rival]) -> list[Rival]:
+    return [rival for i, rival in enumerate(rivals) if rival.tied or i < _MOST_RIVALS]
 
 
 def _levels(diagnosis: Diagnosis) -> list[dict[str, Any]]:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from ffgym.diagnosis.result import Size, Unjudged, Verdict
+from ffgym.diagnosis.result import Cause, Diagnosis, Rival, Size, Unjudged, Verdict
 from ffgym.effects import EFFECTS
 
 VERDICTS: Mapping[Verdict, str] = MappingProxyType(
@@ -39,6 +39,13 @@ def size_text(size: Size) -> str:
     unit = "" if size.unit == "1" else f" {size.unit}"
     low, high = size.interval
     return f"{size.name} = {size.value:.3g}{unit} ({low:.3g} to {high:.3g})"
+
+
+def rivals_of(diagnosis: Diagnosis, cause: Cause) -> list[Rival]:
+    """Rivals of a cause, ties first, then those that explain most; they name its effect, with or without its joint."""
+    names = (cause.effect, f"{cause.effect} on {cause.joint}")
+    own = [rival for rival in diagnosis.rivals if rival.against in names]
+    return sorted(own, key=lambda rival: (not rival.tied, -rival.held_out_gain))
 
 
 def together(unjudged: Sequence[Unjudged]) -> list[tuple[str, str]]:

@@ -10,7 +10,7 @@ import pytest
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.errors import FFGymError
 from ffgym.report.diagnosis import DiagnosisReport, format_diagnosis, render_diagnosis_page
-from ffgym.report.diagnosis.words import VERDICTS
+from ffgym.report.diagnosis.words import VERDICTS, rivals_of
 from tests.diagnosis.residual_samples import made_up
 from tests.diagnosis.result_samples import full_diagnosis
 from tests.report.html_pages import Page
@@ -118,3 +118,12 @@ def test_the_text_fits_a_terminal_and_names_ties_sizes_and_what_to_record():
         assert words in text
     assert "torque constant" not in text
     assert re.search(r"torque  j2 \| N m +0\.012 +0\.09 +0\.013", text)
+
+
+def test_rivals_stand_with_the_cause_whose_joint_they_name():
+    full = full_diagnosis()
+    other = replace(full.causes[0], joint="j3")
+    rivals = (replace(full.rivals[0], against="load_friction on j3"), replace(full.rivals[1], against="load_friction"))
+    diagnosis = replace(full, causes=(*full.causes, other), rivals=rivals)
+    assert [rival.effect for rival in rivals_of(diagnosis, full.causes[0])] == ["torque_constant"]
+    assert [rival.effect for rival in rivals_of(diagnosis, other)] == ["payload", "torque_constant"]
