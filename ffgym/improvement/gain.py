@@ -1,0 +1,130 @@
+"""What laws leave of the path error on the machine: circles at places and of sizes that no round recorded."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.errors import FFGymError
+from ffgym.improvement.contenders import BASELINE, Contender
+from ffgym.paths import RADII, SPEEDS
+from ffgym.protocols.diagnosis import CIRCLE
+from ffgym.robot import RobotDescription
+from ffgym.simulation import Rig
+from ffgym.simulation.simulate import Progress
+from ffgym.studies import CircleStudy, circle_study
+
+HELD_OUT_RADII = tuple(radius for radius in RADII if radius != CIRCLE)
+"""Radii of the thesis [m] without that of the circles that the diagnosis protocol records."""
+
+
+def held_out_positions(robot: RobotDescription) -> tuple[str, ...]:
+    """Positions of the work area where no protocol draws circles: all but the first.
+
+    Raises:
+        FFGymError: if the robot has none.
+    """
+    names = () if robot.work_area is None else tuple(robot.work_area.positions)[1:]
+    if not names:
+        raise FFGymError(
+            f"Robot {robot.name!r} has no work area with two positions or more, so that there are no circles on which "
+            f"feed-forward could be compared."
+        )
+    return names
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """What one law leaves at one speed, mean over all circles."""
+
+    law: str
+    title: str
+    speed_mm_s: float
+    rms_um: float
+    """Mean of the RMS path errors."""
+    max_um: float
+    """Mean of the largest path errors."""
+    against: float
+    """Share of the RMS path error of dynamic LuGre with nominal parameters that is taken off; negative if added."""
+    better_on: int
+    """Circles on which the law leaves less than that."""
+    circles: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Gain:
+    """Scores of all laws at all speeds."""
+
+    study: CircleStudy
+    """Every circle."""
+    scores: tuple[Score, ...]
+    """Law by law, speed by speed."""
+
+
+def gain_on(
+    rig: Rig,
+    laws: Sequence[Contender],
+    *,
+    positions: Sequence[str],
+    speeds: Sequence[float] = SPEEDS,
+    radii: Sequence[float] = HELD_OUT_RADII,
+    seed: int = 0,
+    n_threads: int = 0,
+    progress: Progress | None = None,
+) -> Gain:
+    """Run all laws on circles and score them.
+
+    Args:
+        rig: the machine.
+        laws: that of the name BASELINE is among them.
+        positions: names in the work area.
+        speeds: of the tool [m/s].
+        radii: of the circles [m].
+        seed: of the sensors' noise, which is the same for all laws.
+        n_threads: of the simulation, 0 for all cores.
+        progress: called now and then with the simulated seconds done and their total.
+
+    Raises:
+        FFGymError: if there is nothing to run, or the robot cannot follow the circles.
+    """
+    studies = []
+    for i, each in enumerate(laws):
+        study = circle_study(
+            rig,
+            laws=[each.law],
+            positions=positions,
+            speeds=speeds,
+            radii=radii,
+            seed=seed,
+            n_threads=n_threads,
+            progress=None if progress is None else _part(progress, i, len(laws)),
+        )
+        studies.append(study.renamed(each.law.name, each.name))
+    study = studies[0]
+    for other in studies[1:]:
+        study = study.joined(other)
+    return Gain(study=study, scores=tuple(_score(study, each, v) for each in laws for v in _speeds(study)))
+
+
+def _part(progress: Progress, i: int, n: int) -> Progress:
+    """Progress of the i-th of n equal parts."""
+    return lambda done, total: progress(i * total + done, n * total)
+
+
+def _speeds(study: CircleStudy) -> list[float]:
+    return list(dict.fromkeys(cell.speed_mm_s for cell in study.cells))
+
+
+def _score(study: CircleStudy, law: Contender, speed_mm_s: float) -> Score:
+    own, base = (study.select(agent=name, speed_mm_s=speed_mm_s) for name in (law.name, BASELINE))
+    mine, theirs = (np.array([cell.rms_mm for cell in cells]) * 1e3 for cells in (own, base))
+    return Score(
+        law=law.name,
+        title=law.title,
+        speed_mm_s=speed_mm_s,
+        rms_um=float(mine.mean()),
+        max_um=float(np.mean([cell.max_mm for cell in own])) * 1e3,
+        against=float(1 - mine.mean() / theirs.mean()),
+        better_on=int(np.sum(mine < theirs)),
+        circles=len(own),
+    )

@@ -1,0 +1,170 @@
+"""Rounds of record, diagnose, extend: until the model explains what is measured, or the rounds are used up."""
+
+import json
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ffgym.diagnosis.document import read_diagnosis, write_diagnosis
+from ffgym.diagnosis.extended import save_extended
+from ffgym.diagnosis.result import Diagnosis
+from ffgym.effects import Origin
+from ffgym.errors import FFGymError, check_whole
+from ffgym.files import read_text, write_json, write_text
+from ffgym.plant import Machine
+from ffgym.plant.machine_file import origins_of
+from ffgym.protocols import Protocol, SessionMotion, load_protocols, plan_session, record_into
+from ffgym.provenance import versions
+from ffgym.recordings import Recording
+from ffgym.recordings.folder import read_folder
+from ffgym.robot import ModelOptions
+from ffgym.simulation import Rig
+from ffgym.simulation.simulate import Progress
+
+PAUSE = 60.0
+"""Between two sessions [s]; chosen: what it takes to start the next one."""
+
+Diagnose = Callable[[Machine, Sequence[Recording]], Diagnosis]
+"""What a model lacks, by recordings of the machine."""
+
+Stage = Callable[[str, str], AbstractContextManager[Progress]]
+"""Something that takes its time: its title and the unit of its progress."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Plan:
+    """How a model is improved."""
+
+    nominal: Machine
+    """The model to begin with."""
+    robot: str | Path
+    """What machine files call its robot: a built-in name, or the path of its description."""
+    origins: tuple[Origin, ...] = ()
+    """Where numbers of effects come from that it has already."""
+    protocols: tuple[str, ...] = ("diagnosis",)
+    """What is recorded in each round, as for `ffgym record`."""
+    rounds: int = 4
+    """At most."""
+    seed: int = 0
+    """Of the sensors' noise."""
+    n_threads: int = 0
+    """Of the simulation, 0 for all cores."""
+
+    def __post_init__(self) -> None:
+        check_whole("rounds", self.rounds, low=1, high=20)
+        check_whole("seed", self.seed, low=0)
+        if not self.protocols:
+            raise FFGymError("There is nothing to record in a round: name a protocol.")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Round:
+    """One session, and what it said."""
+
+    number: int
+    """From 1 on."""
+    protocols: tuple[str, ...]
+    """What was recorded."""
+    seconds: float
+    """Time that the machine moved [s]."""
+    logs: Path
+    """Folder of the recordings."""
+    diagnosis: Diagnosis
+    """Against the model of the round before."""
+    machine: Machine
+    """The model from now on."""
+    model: Path
+    """Its file."""
+
+    @property
+    def is_last(self) -> bool:
+        """Whether there is nothing to add."""
+        return not self.diagnosis.causes
+
+
+def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stage) -> list[Round]:
+    """Rounds on a machine; what is complete in the folder is not made again.
+
+    Each round records the protocols, and what the diagnosis of the round before proposed to tell causes apart.
+
+    Args:
+        rig: the machine.
+        plan: how to go about it.
+        folder: for recordings, diagnoses and models, a folder `round_1`, ... each.
+        diagnose: what a model lacks.
+        stage: shows progress.
+
+    Raises:
+        FFGymError: if something cannot be recorded, diagnosed or written.
+    """
+    rounds: list[Round] = []
+    machine, origins, proposed, clock = plan.nominal, plan.origins, list[Protocol](), 0.0
+    while len(rounds) < plan.rounds and not (rounds and rounds[-1].is_last):
+        number = len(rounds) + 1
+        place = folder / f"round_{number}"
+        protocols = [protocol for name in plan.protocols for protocol in load_protocols(name)]
+        motions = plan_session(rig.arm, [*protocols, *proposed], start=clock)
+        recordings = _recorded(rig, plan, motions, place / "logs", number, stage)
+        with stage(f"diagnosing, round {number}", "") as progress:
+            progress(0, 1)
+            diagnosis = _diagnosed(place, machine, recordings, diagnose)
+            progress(1, 1)
+        model = place / "extended.toml"
+        machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins)
+        origins, clock = origins_of(model), motions[-1].end + PAUSE
+        proposed = _proposed(diagnosis, place)
+        rounds.append(
+            Round(
+                number=number,
+                protocols=tuple(dict.fromkeys(motion.protocol for motion in motions)),
+                seconds=sum(motion.reference.duration for motion in motions),
+                logs=place / "logs",
+                diagnosis=diagnosis,
+                machine=machine,
+                model=model,
+            )
+        )
+    return rounds
+
+
+def _recorded(
+    rig: Rig, plan: Plan, motions: list[SessionMotion], folder: Path, number: int, stage: Stage
+) -> list[Recording]:
+    with stage(f"recording, round {number}", "s") as progress:
+        seed, origin = plan.seed + number - 1, {"round": number}
+        record_into(folder, motions, rig, seed=seed, origin=origin, n_threads=plan.n_threads, progress=progress)
+    return read_folder(folder)
+
+
+def _diagnosed(place: Path, machine: Machine, recordings: Sequence[Recording], diagnose: Diagnose) -> Diagnosis:
+    """The diagnosis of a round: the one in its folder, if it is of these recordings and this model."""
+    about = {
+        "session": recordings[0].header.provenance["session"],
+        "model": machine.physics(ModelOptions(looks=False)),
+        "versions": versions(),
+    }
+    key, file = place / "diagnosed.json", place / "diagnosis.json"
+    if key.exists() and file.exists() and _json(key) == about:
+        return read_diagnosis(file)
+    diagnosis = diagnose(machine, recordings)
+    write_diagnosis(file, diagnosis)
+    write_json(key, about)
+    return diagnosis
+
+
+def _json(path: Path) -> Any:
+    try:
+        return json.loads(read_text(path))
+    except ValueError:  # damaged or empty: the diagnosis is made again
+        return None
+
+
+def _proposed(diagnosis: Diagnosis, place: Path) -> list[Protocol]:
+    """What a diagnosis wants to be recorded next, also as a file beside it."""
+    if diagnosis.separating_motion is None:
+        return []
+    file = place / "next.toml"
+    write_text(file, diagnosis.separating_motion.toml)
+    return load_protocols(file)
