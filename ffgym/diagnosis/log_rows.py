@@ -1,11 +1,11 @@
 """All rows of a log side by side, motion after motion: what residuals are sorted by."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
-from ffgym.effects import State
 from ffgym.types import Array, IntArray
 
 
@@ -38,36 +38,34 @@ class LogRows:
 
 
 def log_rows(residual: Residual, channel: Channel) -> LogRows:
-    """Rows of a log with the residual of one channel, which all its motions have."""
-    motions = residual.motions
-    ends = np.cumsum([motion.t[-1] - motion.t[0] for motion in motions])
+    """Rows of a log with the residual of one channel, which all its motions have; none after the last that counts."""
+    motions, n = residual.motions, residual.robot.n_joints
+    kept = [_length(motion) for motion in motions]
+    ends = np.cumsum([motion.t[k - 1] - motion.t[0] for motion, k in zip(motions, kept, strict=True)])
     begins = np.concatenate([[0.0], ends[:-1]])
-    rows = [len(motion.t) for motion in motions]
+
+    def joined(of: Callable[[MotionResidual], Array]) -> Array:
+        return np.concatenate([of(motion)[:k] for motion, k in zip(motions, kept, strict=True)])
+
+    def state(name: str) -> Array:
+        return joined(lambda motion: np.broadcast_to(getattr(motion.state, name), (len(motion.t), n)))
+
     return LogRows(
-        motion=np.repeat(np.arange(len(motions)), rows),
-        time=np.concatenate([motion.t - motion.t[0] + begin for motion, begin in zip(motions, begins, strict=True)]),
-        residual=np.concatenate([_counting(motion, channel) for motion in motions]),
-        floor=np.repeat(residual.floor[channel], rows, axis=0),
-        speed=_joined(residual, "motor_speed"),
-        angle=_joined(residual, "motor_angle"),
-        position=_joined(residual, "joint_angle"),
-        load=_joined(residual, "load_at_motor"),
-        travel=np.concatenate([motion.since_reversal for motion in motions]),
-        stood=np.concatenate([motion.at_rest_for for motion in motions]),
-        temperature=_joined(residual, "temperature"),
+        motion=np.repeat(np.arange(len(motions)), kept),
+        time=joined(lambda motion: motion.t - motion.t[0]) + np.repeat(begins, kept),
+        residual=joined(lambda motion: np.where(motion.valid[:, None], motion.residual[channel], np.nan)),
+        floor=np.repeat(residual.floor[channel], kept, axis=0),
+        speed=state("motor_speed"),
+        angle=state("motor_angle"),
+        position=state("joint_angle"),
+        load=state("load_at_motor"),
+        travel=joined(lambda motion: motion.since_reversal),
+        stood=joined(lambda motion: motion.at_rest_for),
+        temperature=state("temperature"),
     )
 
 
-def _counting(motion: MotionResidual, channel: Channel) -> Array:
-    """Residual of a motion, NaN in rows that do not count."""
-    return np.where(motion.valid[:, None], motion.residual[channel], np.nan)
-
-
-def _joined(residual: Residual, name: str) -> Array:
-    """An entry of the states of all motions, shape (R, N)."""
-    n = residual.robot.n_joints
-    return np.concatenate([_spread(motion.state, name, (len(motion.t), n)) for motion in residual.motions])
-
-
-def _spread(state: State, name: str, shape: tuple[int, int]) -> Array:
-    return np.broadcast_to(getattr(state, name), shape)
+def _length(motion: MotionResidual) -> int:
+    """Rows up to the last that counts; at least one."""
+    counting = np.flatnonzero(motion.valid)
+    return int(counting[-1]) + 1 if len(counting) else 1

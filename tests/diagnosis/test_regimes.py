@@ -107,3 +107,12 @@ def test_what_never_changes_has_no_profile(irb4600):
     rows.temperature.setflags(write=True)
     rows.temperature[:] = 20.0
     assert profiles(rows, 0, 0, VARIABLES["temperature"])["forwards"].mean.size == 0
+
+
+def test_rows_after_the_last_that_counts_are_no_part_of_the_log(irb4600):
+    residual = made_up(irb4600, {})
+    residual.motions[1].valid[700:] = False  # a motion that is padded to the length of others
+    rows = log_rows(residual, "torque")
+    assert np.bincount(rows.motion).tolist() == [1490, 700, 1490]
+    assert (np.diff(rows.time) >= 0).all()
+    np.testing.assert_allclose(rows.time[-1], (1489 + 699 + 1489) * 0.008)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ffgym.diagnosis.log_rows import log_rows
-from ffgym.diagnosis.regimes import REGIMES, motion_map, regime_map
+from ffgym.diagnosis.regimes import motion_map, regime_map
 from ffgym.diagnosis.residual import Channel
 from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.diagnosis.candidates_plot import candidates_figure
@@ -121,8 +121,7 @@ def _regimes(report: DiagnosisReport, channel: Channel) -> ReportFigure:
     panels = [[(name, regime_map(residual, channel))] for name, residual in models.items()]
     over = motion_map(report.before, channel)
     whole = ", ".join(f"{c} {ratio:.1f}" for c, ratio in zip(over.components, over.overall, strict=True))
-    meanings = "; ".join(f"{name}: {meaning}" for name, meaning in REGIMES["motion"].items())
-    caption = f"{map_caption()} The whole log, nominal model: {whole}. {meanings}."
+    caption = f"{map_caption()} The whole log, nominal model: {whole}."
     title = f"Residual over noise floor by what the joint was doing, {channel}"
     return _figure(f"regimes-{channel}", title, caption, map_figure(panels))
 

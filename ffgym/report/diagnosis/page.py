@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from itertools import count
 from typing import Any
 
+from ffgym.diagnosis.regimes import REGIMES
 from ffgym.diagnosis.result import Diagnosis, Rival
 from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
@@ -32,6 +33,7 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
     return render(
         "diagnosis.html.j2",
         diagnosis=diagnosis,
+        regimes=REGIMES,
         meaning=VERDICTS[diagnosis.verdict],
         verdicts=VERDICTS,
         causes=[(cause, title_of(cause.effect), signature_of(cause.effect)) for cause in diagnosis.causes],

@@ -33,7 +33,7 @@ def time_figure(models: Mapping[str, Residual], channel: Channel, component: int
             one = residual.motions[motion]
             upper.plot(one.t, counting(one, one.predicted[channel][:, component]), label=name, **LOOKS[name])
             middle.plot(one.t, factor * counting(one, one.residual[channel][:, component]), **LOOKS[name])
-        lower.plot(nominal.t, motor_speed(nominal, joint), color="black", linewidth=0.8)
+        lower.plot(nominal.t, counting(nominal, motor_speed(nominal, joint)), color="black", linewidth=0.8)
         upper.set_ylabel(f"{channel} [{UNITS[channel]}]")
         middle.set_ylabel(f"residual [{unit}]")
         lower.set_ylabel("motor [rad/s]")
