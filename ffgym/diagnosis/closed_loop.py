@@ -1,0 +1,165 @@
+"""What an extended model gains where a user feels it: its whole closed loop beside the machine's, on given references.
+
+A diagnosis compares along the measured motion, where no controller hides anything. Here a model runs the references of
+recordings under the documented controller, and its tracking errors, torques and tool positions are compared with those
+that were measured. Best on recordings that were not diagnosed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.control import FeedForwardLaw, Reference
+from ffgym.diagnosis.log import Sampling
+from ffgym.diagnosis.log.reference import reference_of
+from ffgym.errors import FFGymError
+from ffgym.identification.signals import acting_torque
+from ffgym.metrics import motor_error
+from ffgym.plant import Machine
+from ffgym.recordings import Recording
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation import Run, simulate
+from ffgym.simulation.simulate import Progress
+from ffgym.types import Array
+
+UNITS = {"tracking error": "rad", "torque": "N m", "tool": "m"}
+"""Quantities that are compared: reference minus motor angle, motor side; motor torque, motor side; tracked position."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopLevel:
+    """How far simulation and machine are apart in one component, RMS over all recordings."""
+
+    quantity: str
+    """One of UNITS."""
+    component: str
+    """Joint, or axis of the world."""
+    unit: str
+    measured: float
+    """RMS of what was measured, less its mean."""
+    before: float
+    """Of measured minus simulated, with the nominal model."""
+    after: float
+    """With the extended model."""
+
+
+def closed_loop_gain(
+    nominal: Machine,
+    extended: Machine,
+    recordings: Sequence[Recording],
+    *,
+    n_threads: int = 0,
+    progress: Progress | None = None,
+) -> tuple[LoopLevel, ...]:
+    """How far two models are from the machine in full closed loop.
+
+    Args:
+        nominal: the model before.
+        extended: the model after.
+        recordings: of the machine, with the reference that its controller tracked, motor angles and torques; tool
+            positions are compared where all have them. What a feed-forward law added is added here too.
+        n_threads: of the simulation, 0 for all cores.
+        progress: called now and then with the simulated seconds done and their total.
+
+    Raises:
+        FFGymError: if there are no recordings, one lacks what is needed or cannot be run again.
+    """
+    if not recordings:
+        raise FFGymError("There is nothing to compare: name recordings that were not diagnosed.")
+    robot = nominal.robot
+    runs = [_run_again(nominal, recording) for recording in recordings]
+    models = (nominal, extended)
+    found = simulate(
+        [run for _ in models for run in runs],
+        arm=RigidArm(robot),
+        machine=[_started(model, recording) for model in models for recording in recordings],
+        n_threads=n_threads,
+        progress=progress,
+    )
+    before, after = found[: len(runs)], found[len(runs) :]
+    has_tool = robot.tool is not None and all(recording.has("tcp.position") for recording in recordings)
+    levels: list[LoopLevel] = []
+    for quantity, unit in UNITS.items():
+        if quantity == "tool" and not has_tool:
+            continue
+        rows = [
+            _compared(quantity, robot, recording, one, other)
+            for recording, one, other in zip(recordings, before, after, strict=True)
+        ]
+        own, first, second = (_rms([part[k] for part in rows]) for k in range(3))
+        names = ("x", "y", "z") if quantity == "tool" else robot.joints
+        levels += [
+            LoopLevel(quantity=quantity, component=name, unit=unit, measured=a, before=b, after=c)
+            for name, a, b, c in zip(names, own.tolist(), first.tolist(), second.tolist(), strict=True)
+        ]
+    return tuple(levels)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recorded(FeedForwardLaw):
+    """What a law added in a recording."""
+
+    name: ClassVar[str] = "recorded"
+    added: Array
+    """Motor side [N m], shape (T, N), at the samples of the reference."""
+
+    def torque(self, reference: Reference) -> Array:
+        """See base class."""
+        return self.added
+
+
+def _run_again(nominal: Machine, recording: Recording) -> Run:
+    """The motion of a recording, with what a law added to it."""
+    reference = reference_of(nominal.robot, recording)
+    if not recording.has("compensation.effort"):
+        law = recording.header.meta.get("feedforward_law", "none")
+        if law != "none":
+            raise FFGymError(
+                f"Recording {recording.header.segment!r} was made with feed-forward law {law!r}, but has no "
+                f"compensation.effort, so it cannot be run again."
+            )
+        return Run(reference=reference)
+    added = _at(reference.t, recording, recording.joint_array("compensation.effort"))
+    if recording.header.torque_semantics == "link_side":
+        added = nominal.robot.drive.motor_torque(added)
+    return Run(reference=reference, law=Recorded(added=added))
+
+
+def _started(model: Machine, recording: Recording) -> Machine:
+    """The model at the time of its session at which a recording began."""
+    start = recording.header.meta.get("session_start", 0.0)
+    return model.later(float(start)) if isinstance(start, int | float) else model
+
+
+def _compared(
+    quantity: str, robot: RobotDescription, recording: Recording, before: Recording, after: Recording
+) -> tuple[Array, Array, Array]:
+    """What was measured less its mean, and measured minus simulated for both models, through one low-pass."""
+    t, sampling = before.t, Sampling(dt=before.dt, n_samples=len(before))
+    inside = sampling.valid(np.ones((len(before), 1), dtype=np.bool_))[:, 0]
+    if not inside.any():
+        raise FFGymError(f"Recording {recording.header.segment!r} is too short to be compared through a low-pass.")
+    measured = _at(t, recording, _signal(quantity, robot, recording))
+    parts = [measured - measured.mean(axis=0), *(measured - _signal(quantity, robot, run) for run in (before, after))]
+    first, second, third = (sampling(part)[inside] for part in parts)
+    return first, second, third
+
+
+def _signal(quantity: str, robot: RobotDescription, recording: Recording) -> Array:
+    if quantity == "torque":
+        return acting_torque(robot, recording)
+    return recording.vector("tcp.position") if quantity == "tool" else motor_error(recording)
+
+
+def _at(t: Array, recording: Recording, values: Array) -> Array:
+    """Values (T, C) of a recording at other times since its beginning, straight between its samples."""
+    since, known = recording.t - recording.t[0], ~np.isnan(values).any(axis=1)
+    return np.stack([np.interp(t, since[known], column[known]) for column in values.T], axis=1)
+
+
+def _rms(parts: Sequence[Array]) -> Array:
+    rms: Array = np.sqrt(np.mean(np.concatenate(parts) ** 2, axis=0))
+    return rms

@@ -1,0 +1,70 @@
+"""Closed loops of models beside that of a machine: that of the machine itself is at noise, the nominal one is not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.control import DynamicLuGreExact, joint_reference
+from ffgym.diagnosis.closed_loop import closed_loop_gain
+from ffgym.effects import EFFECTS
+from ffgym.errors import FFGymError
+from ffgym.paths import multisine
+from ffgym.plant import Machine
+from ffgym.recordings import Recording
+from ffgym.simulation import Run, sensors_of, simulate
+
+
+@pytest.fixture(scope="module")
+def machine(irb4600):
+    effects = (EFFECTS["coulomb_level"].on(irb4600, "j1", change=0.3), EFFECTS["payload"].on(irb4600, mass=10.0))
+    return Machine(robot=irb4600, effects=effects)
+
+
+@pytest.fixture(scope="module")
+def reference(irb4600, corners):
+    path = multisine(corners["p1"], np.full((1, 6), 0.02), [2.0], np.zeros((1, 6)), 0.8, ramp=0.2, dwell=0.1)
+    return joint_reference(irb4600, path)
+
+
+@pytest.fixture(scope="module")
+def recordings(machine, reference, irb4600):
+    runs = [Run(reference=reference), Run(reference=reference, law=DynamicLuGreExact(irb4600.friction))]
+    return simulate(runs, machine=machine, sensors=sensors_of(irb4600), n_threads=1)
+
+
+def levels(nominal, extended, recordings):
+    found = closed_loop_gain(nominal, extended, recordings, n_threads=1)
+    return {(level.quantity, level.component): level for level in found}
+
+
+def test_the_model_of_the_machine_leaves_noise_and_the_nominal_one_what_it_lacks(machine, recordings, irb4600):
+    found = levels(Machine(robot=irb4600), machine, recordings)
+    assert len(found) == 6 + 6 + 3
+    for key in (("torque", "j1"), ("tracking error", "j1"), ("torque", "j2"), ("tool", "z")):
+        assert found[key].after < 0.1 * found[key].before
+    assert all(level.after < irb4600.sensors.tracker_noise for key, level in found.items() if key[0] == "tool")
+
+
+def test_what_a_law_added_is_added_again(machine, recordings, irb4600):
+    compensated = levels(Machine(robot=irb4600), machine, recordings[1:])
+    assert compensated["tracking error", "j1"].after < 0.1 * compensated["tracking error", "j1"].measured
+
+
+def test_without_a_tracker_motors_are_compared(machine, recordings, irb4600):
+    columns = {name: values for name, values in recordings[0].columns.items() if not name.startswith("tcp")}
+    found = levels(Machine(robot=irb4600), machine, [Recording(columns, recordings[0].header)])
+    assert {quantity for quantity, _ in found} == {"tracking error", "torque"}
+
+
+def test_what_cannot_be_run_again_is_refused(machine, recordings, irb4600):
+    nominal, recording = Machine(robot=irb4600), recordings[1]
+    for missing, says in (("reference", "no reference.position"), ("compensation", "no compensation.effort")):
+        columns = {name: values for name, values in recording.columns.items() if not name.startswith(missing)}
+        with pytest.raises(FFGymError, match=says):
+            closed_loop_gain(nominal, machine, [Recording(columns, recording.header)])
+    silent = replace(recording.header, torque_semantics="unspecified")
+    with pytest.raises(FFGymError, match="torque_semantics"):
+        closed_loop_gain(nominal, machine, [Recording(recording.columns, silent)])
+    with pytest.raises(FFGymError, match="nothing to compare"):
+        closed_loop_gain(nominal, machine, [])
