@@ -29,8 +29,8 @@ class Demo:
     """Run the 36 circles with feed-forward agents; print the tables; write the report."""
 
     agents: tuple[str, ...] = ("none", "lugre_static", "lugre_dynamic")
-    """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on their
-    standard motions."""
+    """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on
+    their standard motions."""
     parameters: Path | None = None
     """Parameter file for the agents' model of the robot; the simulated machine keeps its own numbers."""
     robot: str = "irb4600_60_205"

@@ -13,10 +13,13 @@ from ffgym.cli.progress import progress_bar
 from ffgym.cli.unused import given_options
 from ffgym.errors import FFGymError
 from ffgym.export import ReferenceForm, export_model, export_run
+from ffgym.export.model import in_engine, missing_text
 from ffgym.export.reference_table import Angles, Sides
 from ffgym.files import check_vacant, write_json
 from ffgym.motions import load_motion
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, physics_fingerprint
+from ffgym.plant import Machine, load_machine
+from ffgym.plant.machine_file import is_machine_file, known_robot
+from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
 from ffgym.simulation import RECORD_DT, Run, SimulatedRig
 
 
@@ -25,7 +28,7 @@ class Export:
     """Write a folder with the robot's model as MJCF; with a motion, also its set-points, reference and recording."""
 
     robot: tyro.conf.Positional[str]
-    """Built-in robot, or a path to a description that ends in .toml."""
+    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
     path: tyro.conf.Positional[str | None] = None
     """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID); none is the model."""
     entry: str | None = None
@@ -64,9 +67,13 @@ class Export:
         check_vacant(self.out)
         check_outputs({"--json": self.json})
         check_laws([self.feedforward], "--feedforward")
-        robot = described_robot(self.robot)
+        is_machine = is_machine_file(self.robot)
+        known = known_robot(self.robot) if is_machine else described_robot(self.robot)
+        machine = load_machine(self.robot) if is_machine else Machine.of(known)
         self._refuse_unused()
-        lines = self._model(robot) if self.path is None else self._motion(RigidArm(robot), self.path)
+        lines = self._model(machine) if self.path is None else self._motion(RigidArm(known), machine, self.path)
+        if missing := missing_text(machine):
+            lines.append(f"note: {missing}")
         print("\n".join([*lines, f"folder: {self.out}"]))
         if self.json is not None:
             print(f"origin: {self.json}")
@@ -83,26 +90,29 @@ class Export:
     def _options(self) -> ModelOptions:
         return ModelOptions(flexible=self.flexible, friction=self.friction, gravity=self.gravity, springs=self.springs)
 
-    def _model(self, robot: RobotDescription) -> list[str]:
+    def _model(self, machine: Machine) -> list[str]:
         """Export the robot alone; returns what to print."""
-        export_model(self.out, robot, options=self._options, binary=self.binary)
-        model = compile_model(robot, replace(self._options, looks=False))
-        self._write_origin(robot.name, physics_fingerprint(model), {})
+        export_model(self.out, machine, options=self._options, binary=self.binary)
+        model = in_engine(machine).spec(replace(self._options, looks=False)).compile()
+        self._write_origin(machine.robot.name, physics_fingerprint(model), {})
         return [f"{model.nv} degrees of freedom, {model.nu} controls (position, velocity, torque of each motor)"]
 
-    def _motion(self, arm: RigidArm, path: str) -> list[str]:
+    def _motion(self, arm: RigidArm, machine: Machine, path: str) -> list[str]:
         """Export the robot and a motion on it; returns what to print."""
         motion = load_motion(arm, path, entry=self.entry)
         if motion.reference.robot is not arm.robot:  # the motion brings its own tool
-            arm = RigidArm(motion.reference.robot)
-        options = replace(self._options, looks=False)
-        setting = setting_for(SimulatedRig(arm=arm, options=options), [motion.reference], self.parameters, self.threads)
+            if machine.robot is not arm.robot:
+                raise FFGymError(f"{path} brings a tool of its own, but that of {self.robot} cannot be changed.")
+            arm, machine = RigidArm(motion.reference.robot), Machine.of(motion.reference.robot)
+        rig = SimulatedRig(arm=arm, machine=in_engine(machine), options=replace(self._options, looks=False))
+        setting = setting_for(rig, [motion.reference], self.parameters, self.threads)
         (law,) = make_laws([self.feedforward], setting)
         with progress_bar("exporting", "s") as progress:
             recording = export_run(
                 self.out,
                 Run(reference=motion.reference, law=law),
                 arm=arm,
+                machine=machine,
                 options=self._options,
                 form=ReferenceForm(sides=self.sides, angles=self.angles),
                 binary=self.binary,

@@ -33,8 +33,8 @@ class Simulate:
     entry: str | None = None
     """Procedure of a RAPID program to run; none is main, or the only one."""
     feedforward: tuple[str, ...] = ("none", "lugre_dynamic")
-    """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on their
-    standard motions."""
+    """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on
+    their standard motions."""
     parameters: Path | None = None
     """Parameter file for the laws' model of the robot; the simulated machine keeps its own numbers."""
     sensors: bool = False

@@ -10,10 +10,11 @@ import numpy as np
 
 from ffgym.control import Reference
 from ffgym.export.controls import control_blocks, control_names, control_row, setpoints_of
-from ffgym.export.model import add_rest, plant_of, spec_with_home, write_model
+from ffgym.export.model import add_rest, in_engine, plant_of, spec_with_home, write_model
 from ffgym.export.readme import readme_text
 from ffgym.export.reference_table import ReferenceForm, reference_table
 from ffgym.files import csv_rows, new_folder, write_text
+from ffgym.plant import Machine
 from ffgym.recordings import Recording, write_recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Run, simulate
@@ -22,22 +23,27 @@ from ffgym.types import Array
 
 
 def export_model(
-    path: str | os.PathLike[str], robot: RobotDescription, *, options: ModelOptions | None = None, binary: bool = False
+    path: str | os.PathLike[str],
+    robot: RobotDescription | Machine,
+    *,
+    options: ModelOptions | None = None,
+    binary: bool = False,
 ) -> None:
     """Write the folder `path` with the robot's model, which rests in its home pose in keyframe `home`.
 
     Args:
         path: a folder that is empty or does not exist.
-        robot: the robot.
+        robot: the robot, or a machine; what MuJoCo does not have of it is listed in the comment of the model.
         options: what to leave out of the model.
         binary: also write `model.mjb`, which loads faster, in this version of MuJoCo only.
 
     Raises:
         FFGymError: if the folder cannot be written, or the robot finds no equilibrium.
     """
+    machine = Machine.of(robot)
     with new_folder(path) as folder:
-        write_model(folder, spec_with_home(plant_of(robot, options), options), binary=binary)
-        write_text(folder / "README.txt", readme_text(robot, binary=binary))
+        write_model(folder, spec_with_home(plant_of(machine, options), machine, options), binary=binary)
+        write_text(folder / "README.txt", readme_text(machine, binary=binary))
 
 
 def export_run(
@@ -45,6 +51,7 @@ def export_run(
     run: Run,
     *,
     arm: RigidArm | None = None,
+    machine: Machine | None = None,
     options: ModelOptions | None = None,
     form: ReferenceForm | None = None,
     binary: bool = False,
@@ -58,6 +65,7 @@ def export_run(
         path: a folder that is empty or does not exist.
         run: the motion and its feed-forward law.
         arm: the robot's rigid dynamics, if the caller has them already.
+        machine: what runs, with those of its effects that MuJoCo has; None is the robot of the reference.
         options: what to leave out of the model, or another physics step.
         form: units and sides of `reference.csv`; None is SI units on both sides.
         binary: also write `model.mjb`, which loads faster, in this version of MuJoCo only.
@@ -68,22 +76,28 @@ def export_run(
     Raises:
         FFGymError: if the folder cannot be written, or the run cannot be simulated.
     """
-    physics = replace(options or ModelOptions(), looks=False)
+    physics, machine = replace(options or ModelOptions(), looks=False), machine or Machine.of(run.reference.robot)
     with new_folder(path) as folder:
         simulating, writing = _halves(progress, run.reference.duration)
         (recording,) = simulate(
-            [run], arm=arm, options=physics, record_dt=record_dt, n_threads=n_threads, progress=simulating
+            [run],
+            arm=arm,
+            machine=in_engine(machine),
+            options=physics,
+            record_dt=record_dt,
+            n_threads=n_threads,
+            progress=simulating,
         )
         write_recording(recording, folder / "recording.csv")
         torque = _write_reference(folder, run.reference, recording, form or ReferenceForm())
-        plant, setpoints = plant_of(run.reference.robot, options), setpoints_of(run.reference, torque)
+        plant, setpoints = plant_of(machine, options), setpoints_of(run.reference, torque)
         _write_table(folder / "controls.csv", control_names(plant.robot), control_blocks(plant, setpoints, writing))
-        spec = spec_with_home(plant, options)
+        spec = spec_with_home(plant, machine, options)
         add_rest(spec, plant, "start", run.reference.q[0], run.reference.dq[0], control_row(plant, setpoints, 0))
         write_model(folder, spec, binary=binary)
         player = resources.files("ffgym.export") / "play.py"
         write_text(folder / "play.py", player.read_text(encoding="utf-8"))
-        write_text(folder / "README.txt", readme_text(plant.robot, recording, binary=binary))
+        write_text(folder / "README.txt", readme_text(machine, recording, binary=binary))
     return recording
 
 

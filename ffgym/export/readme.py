@@ -2,8 +2,9 @@
 
 import mujoco
 
+from ffgym.export.model import missing_text
+from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.robot import RobotDescription
 from ffgym.version import __version__
 
 _MODEL = """\
@@ -25,8 +26,9 @@ play.py        Plays controls.csv in plain MuJoCo and compares every row of reco
 """
 
 
-def readme_text(robot: RobotDescription, recording: Recording | None = None, *, binary: bool) -> str:
+def readme_text(machine: Machine, recording: Recording | None = None, *, binary: bool) -> str:
     """Text that says what each file is; without a recording there is only the model."""
+    robot = machine.robot
     lines = [
         robot.title,
         f"Exported by ffgym {__version__}; needs MuJoCo {mujoco.__version__} and numpy, not ffgym.",
@@ -45,4 +47,6 @@ def readme_text(robot: RobotDescription, recording: Recording | None = None, *, 
                 record_dt=recording.dt,
             )
         )
+    if missing := missing_text(machine):
+        lines[-1:-1] = [missing]
     return "\n".join(lines) + "\n" + "".join(parts)

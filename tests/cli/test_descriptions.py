@@ -7,12 +7,19 @@ from ffgym.cli.main import main
 MACHINE = '[machine]\ntitle = "a machine"\nrobot = "one_axis"\n'
 
 
-@pytest.mark.parametrize("command", [["export"], ["stability", "--robot"], ["log", "check", "log.csv", "--robot"]])
+WORKCELL = ("workcell:thesis", "workcell:thesis has no description")
+FILE = ("machine.toml", "machine.toml: it is a machine file, and a description is needed here")
+
+
 @pytest.mark.parametrize(
-    ("robot", "message"),
+    ("command", "robot", "message"),
     [
-        ("workcell:thesis", "workcell:thesis has no description"),
-        ("machine.toml", "machine.toml: it is a machine file, and a description is needed here"),
+        (["export"], *WORKCELL),
+        *(
+            (command, *given)
+            for command in (["stability", "--robot"], ["log", "check", "log.csv", "--robot"])
+            for given in (WORKCELL, FILE)
+        ),
     ],
 )
 def test_a_machine_in_place_of_a_description_is_refused(command, robot, message, capsys, tmp_path, monkeypatch):
