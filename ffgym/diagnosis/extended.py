@@ -10,12 +10,16 @@ import numpy as np
 from ffgym.diagnosis.result import Cause, Diagnosis, Size
 from ffgym.effects import EFFECTS, Effect, Origin, Parameter
 from ffgym.errors import FFGymError, check_choice
-from ffgym.plant import Machine, save_machine
+from ffgym.plant import Climate, Machine, save_machine
+from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
 _NAMED = 4
 """Motions that a source names."""
+
+_AT_ONCE = 1e-3
+"""Time constant of a climate that does not change [s]: below any sample time."""
 
 
 def extended_machine(nominal: Machine, causes: Sequence[Cause]) -> Machine:
@@ -53,6 +57,7 @@ def save_extended(
     *,
     robot: str | Path | None = None,
     origins: Sequence[Origin] = (),
+    recordings: Sequence[Recording] = (),
 ) -> Machine:
     """Write the nominal machine with the causes of a diagnosis as a machine file, and return it.
 
@@ -65,11 +70,14 @@ def save_extended(
         nominal: the model that was diagnosed.
         robot: what the file calls the robot: a built-in name, or the path of its description; None is its own name.
         origins: where the numbers of the nominal machine's effects come from.
+        recordings: that were diagnosed; a machine of which no climate is known is as warm as they say, if they do.
 
     Raises:
         FFGymError: if a cause does not fit the robot, or the file cannot be written.
     """
     machine = extended_machine(nominal, diagnosis.causes)
+    if machine.climate is None:
+        machine = replace(machine, climate=recorded_climate(recordings))
     known = [*origins, *(Origin() for _ in range(len(nominal.effects) - len(origins)))]
     new = [_origin(cause, nominal.robot, diagnosis) for cause in diagnosis.causes]
     save_machine(
@@ -81,6 +89,17 @@ def save_extended(
         origins=[*known, *new],
     )
     return machine
+
+
+def recorded_climate(recordings: Sequence[Recording]) -> Climate | None:
+    """A climate in which each joint always has the mean temperature of recordings; None if they tell none."""
+    told = [recording.joint_array("temperature") for recording in recordings if recording.has("temperature")]
+    columns = np.concatenate(told) if told else np.full((1, 1), np.nan)
+    if np.isnan(columns).all(axis=0).any():
+        return None
+    means = np.nanmean(columns, axis=0)
+    ambient = float(means.min())
+    return Climate(ambient=ambient, rise=means - ambient, time_constant=_AT_ONCE)
 
 
 def _place(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tuple[str, Any]:

@@ -112,7 +112,7 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
             diagnosis = _diagnosed(place, machine, recordings, diagnose)
             progress(1, 1)
         model = place / "extended.toml"
-        machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins)
+        machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins, recordings=recordings)
         origins, clock = origins_of(model), motions[-1].end + PAUSE
         proposed = _proposed(diagnosis, place)
         rounds.append(

@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401 - registers the environments
+from ffgym.control import joint_reference
 from ffgym.diagnosis.extended import extended_machine, save_extended
 from ffgym.diagnosis.result import Cause, Diagnosis, Size
 from ffgym.effects import EFFECTS
 from ffgym.errors import FFGymError
-from ffgym.plant import Machine, load_machine
+from ffgym.paths import multisine
+from ffgym.plant import Climate, Machine, load_machine
 from ffgym.plant.machine_file import known_robot, origins_of, robot_reference
 from ffgym.robot import ModelOptions, load_robot
+from ffgym.simulation import Run, simulate
 from tests.diagnosis.result_samples import full_diagnosis
 
 OPTIONS = ModelOptions(looks=False)
@@ -127,6 +130,23 @@ def test_parameters_that_ship_can_be_the_nominal_model(tmp_path):
     save_extended(path, diagnosis_of(cause("coulomb_level", "j1", change=0.2)), nominal, robot=name)
     np.testing.assert_array_equal(known_robot(path).friction.coulomb, nominal.robot.friction.coulomb)
     assert load_machine(path).physical.friction.coulomb[0] == pytest.approx(1.2 * nominal.robot.friction.coulomb[0])
+
+
+def test_a_machine_is_as_warm_as_its_recordings_say(irb4600, corners, tmp_path):
+    path = multisine(corners["p1"], np.full((1, 6), 0.01), [2.0], np.zeros((1, 6)), 0.2, ramp=0.05, dwell=0.05)
+    day = Climate(ambient=22.0, rise=np.linspace(0.0, 20.0, 6), running_since=3600.0)
+    reference = joint_reference(irb4600, path)
+    recordings = simulate([Run(reference=reference)], machine=Machine(robot=irb4600, climate=day), n_threads=1)
+    file, found = tmp_path / "extended.toml", diagnosis_of(cause("temperature_friction", viscous=0.3, coulomb=0.01))
+    with pytest.raises(FFGymError, match="does not say breakaway"):
+        save_extended(file, found, Machine(robot=irb4600), recordings=recordings)
+    found = diagnosis_of(cause("temperature_friction", viscous=0.3, coulomb=0.01, breakaway=0.01))
+    save_extended(file, found, Machine(robot=irb4600), recordings=recordings)
+    warm = load_machine(file).climate.temperature(np.array([0.0, 1.0, 100.0]), 6)
+    measured = recordings[0].joint_array("temperature").mean(axis=0)
+    np.testing.assert_allclose(warm[1:], [measured, measured], atol=1e-9)
+    silent = simulate([Run(reference=reference)], n_threads=1)
+    assert save_extended(file, found, Machine(robot=irb4600), recordings=silent).climate is None
 
 
 def test_an_environment_takes_it_as_its_plant(irb4600, tmp_path):
