@@ -16,6 +16,7 @@ from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
 from tests.contract.test_agents import check_batch, check_samples
 from tests.effects.effect_samples import as_strong_as_plausible, without_effect
+from tests.robot.robot_samples import unusual
 
 WARM = Climate(ambient=20.0, rise=np.array([25.0]), running_since=3600.0)
 WITH_MEMORY = ("torsional_hysteresis", "dwell_stiction", "torque_delay", "cable_pull")
@@ -117,6 +118,16 @@ def test_on_a_rigid_axis_effects_of_the_motor_are_compensated(one_axis):
     laws = [elastic_law(RigidArm(one_axis)), model_law(machine)]
     nominal, knowing = link_misses(joint_reference(one_axis, path), machine, laws)
     assert knowing < 0.2 * nominal
+
+
+def test_coupled_drives_and_slides_are_compensated_too(irb4600):
+    robot = unusual(irb4600)
+    low, high = robot.kinematics.range.T
+    path = multisine((low + high) / 2, np.full((1, 6), 0.01), [2.0], np.zeros((1, 6)), 0.5, ramp=0.15, dwell=0.05)
+    machine = machine_with(robot, "torsional_hysteresis", "kinematic_error", "cogging", "load_friction")
+    laws = [elastic_law(RigidArm(robot)), model_law(machine)]
+    nominal, knowing = link_misses(joint_reference(robot, path), machine, laws)
+    assert knowing < 0.1 * nominal
 
 
 def test_it_rests_where_the_reference_does(arm, circle):
