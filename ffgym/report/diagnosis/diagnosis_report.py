@@ -1,10 +1,12 @@
 """A diagnosis with the residuals that it was made from, and the places in them that are worth a look."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
+from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.regimes import ResidualMap, motion_map
 from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.result import Diagnosis
@@ -42,6 +44,8 @@ class DiagnosisReport:
     """Against the nominal model; None if the logs do not allow a diagnosis."""
     after: Residual | None = None
     """Against the extended model; None without causes."""
+    closed_loop: Sequence[LoopLevel] = ()
+    """Whole closed loops of both models beside the machine's, on recordings that were not diagnosed, if there are."""
 
     def __post_init__(self) -> None:
         if self.after is not None and (self.before is None or _motions(self.before) != _motions(self.after)):

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from itertools import count
 from typing import Any
 
+from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.regimes import REGIMES
-from ffgym.diagnosis.result import Diagnosis, Rival
+from ffgym.diagnosis.result import Level, Rival
 from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.figures import (
@@ -42,7 +43,8 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
         rivals=[(cause, _listed(rivals_of(diagnosis, cause))) for cause in diagnosis.causes],
         not_excited=together(diagnosis.not_excited),
         not_judgeable=together(diagnosis.not_judgeable),
-        levels=_levels(diagnosis),
+        levels=[_readable(level, "noise_floor", "before", "after") for level in diagnosis.levels],
+        closed_loop=[_readable(level, "measured", "before", "after") for level in report.closed_loop],
         figures=_figures(report),
         provenance=provenance_lines(diagnosis.provenance),
     )
@@ -70,12 +72,7 @@ def _listed(rivals: Sequence[Rival]) -> list[Rival]:
     return [rival for i, rival in enumerate(rivals) if rival.tied or i < _MOST_RIVALS]
 
 
-def _levels(diagnosis: Diagnosis) -> list[dict[str, Any]]:
-    """Levels in the units in which people read them."""
-    rows = []
-    for level in diagnosis.levels:
-        factor, unit = FINE[level.unit]
-        numbers = {name: factor * getattr(level, name) for name in ("noise_floor", "before", "after")}
-        above = level.before > level.noise_floor
-        rows.append({"channel": level.channel, "component": level.component, "unit": unit, "above": above} | numbers)
-    return rows
+def _readable(level: Level | LoopLevel, *names: str) -> dict[str, Any]:
+    """A level with its numbers in the unit in which people read them."""
+    factor, unit = FINE[level.unit]
+    return vars(level) | {"unit": unit} | {name: factor * getattr(level, name) for name in names}

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.errors import FFGymError
 from ffgym.report.diagnosis import DiagnosisReport, format_diagnosis, render_diagnosis_page
@@ -27,9 +28,9 @@ def lost_with_load(state, travel):
 def report(irb4600):
     channels = ("torque", "tool")
     before = made_up(irb4600, {"torque": lost_with_load}, channels=channels)
-    return DiagnosisReport(
-        diagnosis=full_diagnosis(), before=before, after=made_up(irb4600, {}, channels=channels, seed=1)
-    )
+    after = made_up(irb4600, {}, channels=channels, seed=1)
+    loop = LoopLevel(quantity="tool", component="x", unit="m", measured=5e-5, before=2.345e-5, after=1.2e-6)
+    return DiagnosisReport(diagnosis=full_diagnosis(), before=before, after=after, closed_loop=(loop,))
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +57,7 @@ def test_the_page_tells_everything_that_was_found(page):
     told += [rival.reason for rival in diagnosis.rivals] + [pattern.message for pattern in diagnosis.patterns]
     told += [one.reason for one in (*diagnosis.not_excited, *diagnosis.not_judgeable)]
     told += ["share = 0.021 (0.019 to 0.024)", "94 %", "ffgym record irb4600_60_205 next.toml", "protocol = &#34;holds"]
+    told += ["µm5023.41.2"]
     for words in told:
         assert words in text
 
