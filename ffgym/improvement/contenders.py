@@ -21,7 +21,7 @@ IDENTIFIED = "lugre_identified"
 BENT = "elastic_identified"
 """Elastic feed-forward with that friction."""
 MODEL = "model"
-"""Feed-forward from the extended model of the last round; that of an earlier one has its number behind it."""
+"""Feed-forward from the last extended model; that of an earlier round has its number behind it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,8 +52,9 @@ def contenders(rig: Rig, plan: Plan, rounds: Sequence[Round], identified: RobotD
         Contender(name="elastic", title="elastic, nominal", law=bent),
         Contender(name=BENT, title="elastic, identified friction", law=told),
     ]
-    for each in rounds:
-        name = MODEL if each is rounds[-1] else f"{MODEL}_{each.number}"
+    grown = [each for each in rounds if each.diagnosis.causes] or rounds[-1:]
+    for each in grown:
+        name = MODEL if each is grown[-1] else f"{MODEL}_{each.number}"
         law = model_law(each.machine, rig.arm, name)
         found.append(Contender(name=name, title=f"extended model of round {each.number}", law=law))
     return found

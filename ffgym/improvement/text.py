@@ -47,7 +47,9 @@ def _of(scores: tuple[Score, ...], title: str, speed: float) -> Score:
 
 def change(score: Score) -> str:
     """What a law takes off the error of the baseline."""
-    return "" if score.law == BASELINE else percent(score.against)
+    if score.law == BASELINE:
+        return ""
+    return percent(score.against) if score.against else "the same"
 
 
 def verdict_of(improvement: Improvement) -> str:
