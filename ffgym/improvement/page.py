@@ -58,12 +58,11 @@ def _figure(improvement: Improvement) -> ReportFigure:
         title: [score.rms_um * 1e-3 for score in scores if score.title == title]
         for title in dict.fromkeys(score.title for score in scores)
     }
-    circles = scores[0].circles
     return ReportFigure(
         name="laws",
         title="Mean path error of every law on the machine",
         thesis="",
-        caption=f"Mean RMS path error over {circles} circles at each speed, logarithmic. No round recorded a circle at "
-        f"these places or of these sizes.",
+        caption=f"Mean RMS path error, circles at each speed: {scores[0].circles}, logarithmic. No round recorded a circle "
+        f"at these places or of these sizes.",
         figure=agents_figure(errors, speeds),
     )
