@@ -62,7 +62,7 @@ def _figure(improvement: Improvement) -> ReportFigure:
         name="laws",
         title="Mean path error of every law on the machine",
         thesis="",
-        caption=f"Mean RMS path error, circles at each speed: {scores[0].circles}, logarithmic. No round recorded a circle "
-        f"at these places or of these sizes.",
+        caption=f"Mean RMS path error, logarithmic; circles at each speed: {scores[0].circles}. No round recorded one "
+        "at these places or of these sizes.",
         figure=agents_figure(errors, speeds),
     )
