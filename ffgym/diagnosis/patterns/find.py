@@ -25,9 +25,6 @@ LEAST_SHARE = 0.05
 MOST = 4
 """Most patterns of one component."""
 
-UNEXPLAINED = 1.5
-"""Energy of a component without pattern, in units of the noise floor's, above which any dependence is looked for."""
-
 _AMPLITUDES: tuple[Amplitude, ...] = ("constant", "torque", "sign", "speed squared")
 
 
@@ -37,6 +34,14 @@ class _Found:
 
     pattern: Pattern
     strength: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Levels:
+    """Probabilities that single tests may have by chance, so that half of FALSE_ALARMS goes to either kind."""
+
+    form: float
+    dependence: float
 
 
 def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern, ...]:
@@ -50,7 +55,11 @@ def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern
     enough = [rows for rows in tables if rows is not None and rows.has_enough]
     forms = candidates(len(residual.robot.joints))
     tests = sum(form.may_act_on(rows, c) for rows in enough for form in forms for c in range(len(rows.components)))
-    found = [one for rows in enough for one in _of_channel(rows, forms, residual, FALSE_ALARMS / tests, rng)]
+    levels = _Levels(
+        form=FALSE_ALARMS / 2 / max(tests, 1),
+        dependence=FALSE_ALARMS / 2 / max(sum(len(rows.components) for rows in enough), 1),
+    )
+    found = [one for rows in enough for one in _of_channel(rows, forms, levels, rng)]
     return tuple(one.pattern for one in sorted(found, key=lambda one: -one.strength))
 
 
@@ -66,31 +75,25 @@ def candidates(n_joints: int) -> list[Fixed | Periodic]:
 
 
 def _of_channel(
-    rows: Rows, forms: Sequence[Fixed | Periodic], residual: Residual, level: float, rng: np.random.Generator
+    rows: Rows, forms: Sequence[Fixed | Periodic], levels: _Levels, rng: np.random.Generator
 ) -> list[_Found]:
     """Patterns of one channel: the best form of each component, then the best of what that leaves, and so on."""
     left, found = rows.values.copy(), []
-    energy = np.sum(left**2, axis=0)
-    noise = len(left) * np.mean(np.square(residual.floor[rows.channel]), axis=0)
-    active = [c for c in range(len(rows.components)) if energy[c] > 0]
+    energy, noise = np.sum(left**2, axis=0), np.sum(rows.noise, axis=0)
+    without = active = rows.loud(left)
     for _ in range(MOST):
         trials = [tried(form, rows, left, active) for form in forms] if active else []
-        chosen = {c: best_of(trials, rows, c, least=LEAST_SHARE * float(energy[c]), level=level) for c in active}
-        active = [c for c in active if chosen[c] is not None]
+        chosen = {c: best_of(trials, rows, c, least=LEAST_SHARE * float(energy[c]), level=levels.form) for c in active}
         for c, trial in chosen.items():
             if trial is not None:
                 gain = float(trial.gain[:, c].sum())
                 pattern, fitted = _pattern(trial.candidate, rows, left[:, c], c, gain / float(energy[c]))
                 left[:, c] -= fitted
-                found.append(_Found(pattern=pattern, strength=_against(gain, float(noise[c]))))
-    without = [c for c in range(len(rows.components)) if rows.components[c] not in {f.pattern.component for f in found}]
-    loud = [c for c in without if energy[c] > UNEXPLAINED * noise[c] and energy[c] > 0]
-    return found + [one for c in loud if (one := _catch_all(rows, left[:, c], c, float(noise[c]), rng)) is not None]
-
-
-def _against(energy: float, noise: float) -> float:
-    """Energy in units of that of the noise; a log without noise has a tiny one."""
-    return energy / max(noise, np.finfo(np.float64).tiny ** 0.5)
+                found.append(_Found(pattern=pattern, strength=gain / float(noise[c])))
+        without = [c for c in without if chosen.get(c) is None]
+        active = [c for c in rows.loud(left) if chosen.get(c) is not None]
+    others = [_catch_all(rows, left[:, c], c, levels.dependence, rng) for c in without]
+    return found + [one for one in others if one is not None]
 
 
 def _pattern(candidate: Fixed | Periodic, rows: Rows, values: Array, c: int, share: float) -> tuple[Pattern, Array]:
@@ -122,9 +125,9 @@ def _part(candidate: Fixed | Periodic, rows: Rows, values: Array) -> tuple[float
     return frequency, columns @ fit(columns, values)
 
 
-def _catch_all(rows: Rows, values: Array, c: int, noise: float, rng: np.random.Generator) -> _Found | None:
+def _catch_all(rows: Rows, values: Array, c: int, level: float, rng: np.random.Generator) -> _Found | None:
     """What a component depends on that no form explains."""
-    form = dependence(rows, values, rng)
+    form = dependence(rows, values, level, rng)
     if form is None:
         return None
     pattern = Pattern(
@@ -138,4 +141,4 @@ def _catch_all(rows: Rows, values: Array, c: int, noise: float, rng: np.random.G
         message="",
     )
     pattern = replace(pattern, message=message(pattern, form, rows.joints))
-    return _Found(pattern=pattern, strength=_against(form.correlation * float(values @ values), noise))
+    return _Found(pattern=pattern, strength=form.correlation * float(values @ values / rows.noise[:, c].sum()))

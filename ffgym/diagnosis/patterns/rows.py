@@ -16,6 +16,10 @@ CHUNK = 5 * BLOCK
 """Rows that are fitted or judged together: most blocks have neighbours that are judged with them. At 125 rows a second
 half of one, short against motions, so that both halves see each regime."""
 
+LOUD = 1.5
+"""Energy of a component in a motion, in units of that of the noise floor, below which nothing is looked for: whatever a
+replay of the right model leaves beside noise is in the floor, too."""
+
 FEWEST_BLOCKS = 40
 """Least blocks of a channel that patterns are sought in; with fewer, no half could pass a test over a family."""
 
@@ -57,6 +61,8 @@ class Rows:
     """Time between rows [s]."""
     values: Array
     """Residuals (R, C)."""
+    floor: Array
+    """RMS of noise alone in each motion, shape (M, C)."""
     did: Motions
     motion_starts: IntArray
     """First row of each motion, shape (M,)."""
@@ -70,6 +76,17 @@ class Rows:
         """Number of each row's motion, shape (R,)."""
         counts = np.diff([*self.motion_starts, len(self.values)])
         return np.repeat(np.arange(len(counts)), counts)
+
+    @cached_property
+    def noise(self) -> Array:
+        """Energy of noise alone in each motion, shape (M, C); that of a log without noise is tiny, not zero."""
+        counts = np.bincount(self.motion).astype(np.float64)
+        return np.maximum(counts[:, None] * np.square(self.floor), np.finfo(np.float64).tiny)
+
+    def loud(self, values: Array) -> list[int]:
+        """Components of which values (R, C) have more energy than noise in a motion."""
+        energy = np.add.reduceat(values**2, self.motion_starts, axis=0)
+        return np.flatnonzero(np.any(energy > LOUD * self.noise, axis=0)).tolist()
 
     @property
     def has_enough(self) -> bool:
@@ -98,7 +115,8 @@ class Rows:
 def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> Rows | None:
     """Rows of a channel that count, with halves drawn by `rng`; None if there are none."""
     kept = [known_rows(motion, channel) for motion in residual.motions]
-    pairs = [(m, k) for m, k in zip(residual.motions, kept, strict=True) if k.any()]
+    there = [i for i, rows_kept in enumerate(kept) if rows_kept.any()]
+    pairs = [(residual.motions[i], kept[i]) for i in there]
     if not pairs:
         return None
     t = np.concatenate([m.t[k] for m, k in pairs])
@@ -112,6 +130,7 @@ def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> R
         joints=tuple(residual.robot.joints),
         dt=dt,
         values=np.concatenate([m.residual[channel][k] for m, k in pairs]),
+        floor=residual.floor[channel][there],
         did=_did(pairs, t),
         motion_starts=np.cumsum([0, *counts[:-1]]),
         block_starts=_starts(motion, number // BLOCK),
