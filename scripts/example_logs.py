@@ -12,7 +12,9 @@ import numpy as np
 import tyro
 
 from ffgym.diagnosis.examples import EXAMPLE_ROBOT
-from ffgym.exam.calibration import miscalibrated, offsets
+from ffgym.effects.drive import TorqueOffset
+from ffgym.effects.measurement import ToolFrame
+from ffgym.exam.calibration import TOOL_OFFSET, TORQUE_OFFSET, miscalibrated
 from ffgym.files import write_bytes
 from ffgym.plant import Climate
 from ffgym.protocols import plan_session, record
@@ -56,7 +58,8 @@ def example_cell(seed: int) -> Workcell:
         label="example",
         robot=miscalibrated(robot, rng),
         effects=(
-            *offsets(robot, rng),
+            TorqueOffset.on(robot, offset=TORQUE_OFFSET * robot.friction.coulomb * rng.standard_normal(robot.n_joints)),
+            ToolFrame.on(robot, offset=TOOL_OFFSET * rng.standard_normal(3)),
             GearLosses.on(robot, "j2", driving=0.03, driven=0.04),
             TorqueRipple.on(robot, "j5", share=0.04, cycles=6.0, phase=0.9),
         ),
