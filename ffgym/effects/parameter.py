@@ -46,6 +46,8 @@ class Parameter:
     """What it is to a search among effects."""
     tries: tuple[float, ...]
     """Values of a shape at which a search begins; empty is the default value alone."""
+    default: float | None
+    """Value if none is given; None if one must be."""
 
     @property
     def neutral(self) -> float:
@@ -136,6 +138,7 @@ def parameter(
         maximum=maximum,
         role=role or ("shape" if null is None else "size"),
         tries=tries,
+        default=default,
     )
     if default is None:
         return field(metadata={_KEY: known})

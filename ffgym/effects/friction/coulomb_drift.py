@@ -26,6 +26,7 @@ class CoulombDrift(TorqueEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("F1", "F7", "F12")
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "slow_triangles")
     needs_friction: ClassVar[bool] = True
+    least_span: ClassVar[float] = 300.0
 
     share: Array = parameter(
         "c, change in the end as a share of the Coulomb torque",

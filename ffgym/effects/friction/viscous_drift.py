@@ -26,6 +26,7 @@ class ViscousDrift(TorqueEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("F2", "F7", "F13")
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "speed_ladder")
     needs_friction: ClassVar[bool] = True
+    least_span: ClassVar[float] = 300.0
 
     share: Array = parameter(
         "c, share of viscous friction that is lost in the end",
