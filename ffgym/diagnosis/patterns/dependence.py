@@ -1,42 +1,40 @@
 """The catch-all: does a residual depend on a variable at all, in whatever way; distance correlation."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from scipy.stats import gumbel_r
 
+from ffgym.diagnosis.patterns.functions import Variable
 from ffgym.diagnosis.patterns.rows import Rows
 from ffgym.types import Array, IntArray
 
 MOST_ROWS = 400
-"""Rows that are compared with each other; chosen: their pairs take a millisecond per shuffle."""
+"""Rows that are compared with each other; chosen: their pairs take a millisecond per shift."""
 
 DRAWS = 60
-"""Shuffles of the residual; chosen: mean and spread of their largest scores are then known to a tenth."""
+"""Shifts of the residual; chosen: mean and spread of their largest scores are then known to a tenth."""
 
-_Variable = Literal["angle", "speed", "acceleration", "load"]
-_VARIABLES: tuple[_Variable, ...] = ("angle", "speed", "acceleration", "load")
+_VARIABLES: tuple[Variable, ...] = ("angle", "speed", "acceleration", "load")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Dependence:
     """A variable that a residual depends on, in a form that nobody knows."""
 
-    variable: _Variable
-    joint: int
-    of_size: bool
-    """Whether only the size of the residual depends on it, as that of a noise that grows."""
+    variable: Variable
+    joint: int | None
+    """Whose variable it is; None for time."""
     correlation: float
-    """Distance correlation, 0 to 1."""
+    """Distance correlation, or that of neighbours in time, 0 to 1."""
 
 
 def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator) -> Dependence | None:
-    """The variable that values (R,) depend on most surely; None if shuffled values do as well with probability `level`.
+    """The variable that values (R,) depend on most surely; None if shifted values do as well with probability `level`.
 
-    All variables, for the residual and for its size, are tested at once: the largest of their standardised covariances
-    must be rare among those of shuffles, which follow the law of largest values. One row of each block is used, so that
-    rows are independent, and rows are shuffled within their motion, so that what differs between motions is no
+    All variables, for the residual and for its size (noise may grow), are tested at once: the largest of their standardised covariances
+    must be rare among those of shifts, which follow the law of largest values. One row of each block is used. Rows are
+    shifted within their motion, so that neither what differs between motions nor what wanders with time is a
     dependence.
 
     Reference:
@@ -47,7 +45,7 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     motion = rows.motion[kept]
     distances = np.stack([_distances(_ranks(getattr(rows.did, v)[kept, j], motion)).ravel() for v, j in names])
     kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
-    orders = [np.arange(len(kept)), *(_shuffled(motion, rng) for _ in range(DRAWS))]
+    orders = [np.arange(len(kept)), *(_shifted(motion, rng) for _ in range(DRAWS))]
     covariance = np.stack([_covariances(distances, kinds[:, order][:, :, order]) for order in orders])
     null = covariance[1:]
     spread = null.std(axis=0)
@@ -59,7 +57,6 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     return Dependence(
         variable=names[best][0],
         joint=names[best][1],
-        of_size=bool(kind),
         correlation=float(np.sqrt(covariance[0, kind, best] / size)),
     )
 
@@ -76,9 +73,11 @@ def _covariances(distances: Array, kinds: Array) -> Array:
     return covariances
 
 
-def _shuffled(motion: IntArray, rng: np.random.Generator) -> IntArray:
-    """Order of rows in which those of each motion are shuffled among themselves."""
-    return np.lexsort([rng.random(len(motion)), motion])
+def _shifted(motion: IntArray, rng: np.random.Generator) -> IntArray:
+    """Order of rows in which those of each motion begin elsewhere, so that what wanders with time stays as it is."""
+    starts = np.flatnonzero(np.diff(motion, prepend=-1))
+    counts = np.diff([*starts, len(motion)])
+    return np.concatenate([a + np.roll(np.arange(n), rng.integers(n)) for a, n in zip(starts, counts, strict=True)])
 
 
 def _ranks(values: Array, motion: IntArray) -> Array:

