@@ -32,10 +32,10 @@ class Dependence:
 def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator) -> Dependence | None:
     """The variable that values (R,) depend on most surely; None if shifted values do as well with probability `level`.
 
-    All variables, for the residual and for its size (noise may grow), are tested at once: the largest of their standardised covariances
-    must be rare among those of shifts, which follow the law of largest values. One row of each block is used. Rows are
-    shifted within their motion, so that neither what differs between motions nor what wanders with time is a
-    dependence.
+    All variables, for the residual and for its size (noise may grow), are tested at once: the largest of their
+    standardised covariances must be rare among those of shifts, which follow the law of largest values. One row of each
+    block is used. Rows are shifted within their motion, so that neither what differs between motions nor what wanders
+    with time is a dependence.
 
     Reference:
         Szekely, Rizzo, Bakirov (2007), Annals of Statistics 35(6), 2769-2794.
