@@ -58,7 +58,7 @@ def from_json(kind: Any, value: Any, where: str) -> Any:
     if kind is float:
         number = isinstance(value, int | float) and not isinstance(value, bool)
         return float("nan") if value is None else float(_check(number, value, where, "a number, or null"))
-    return _check(type(value) is kind, value, where, {str: "text", bool: "true or false"}[kind])
+    return _check(type(value) is kind, value, where, {str: "text", bool: "true or false", int: "a whole number"}[kind])
 
 
 def _object(kind: Any, value: Any, where: str) -> Any:

@@ -55,6 +55,8 @@ class Effect(ABC):
     """Protocols (`ffgym record`) whose recordings tell it from those."""
     needs_elasticity: ClassVar[bool] = False
     """Whether it acts in or through the elasticity of the joint, so that a rigid joint cannot have it."""
+    varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ()
+    """Fields of the state without whose change it looks like a simpler effect."""
     needs_friction: ClassVar[bool] = False
     """Whether it acts on the friction of the motor."""
     least_span: ClassVar[float] = 0.0

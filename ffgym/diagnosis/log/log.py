@@ -1,12 +1,14 @@
 """What a diagnosis sees of its recordings: motions of the motors side by side, and what was measured along them."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.diagnosis.log.sampling import Sampling
+from ffgym.diagnosis.log.white import white_noise, without_trembling
 from ffgym.errors import FFGymError
+from ffgym.identification import LowPass
 from ffgym.identification.signals import acting_torque, check_fits, joint_motion, motor_effort
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -14,6 +16,9 @@ from ffgym.types import Array, BoolArray
 
 _SAME_PERIOD = 0.01
 """Relative difference of sample periods up to which recordings count as sampled alike."""
+
+_TREMBLING = 3.0
+"""Half the band in which a reading may move while the motor stands, in standard deviations of its noise."""
 
 _GAP = 5
 """Sample periods of the tracker over which its position is interpolated; chosen: a lost sample or some."""
@@ -39,6 +44,8 @@ class Log:
     """[rad/s]."""
     ddq: Array
     """[rad/s^2]."""
+    slip_dq: Array
+    """Speed that moves the bristles of friction: `dq` where a motor moves, 0 where only its reading does [rad/s]."""
     torque: Array
     """Motor torque that acts about each sample [N m], shape (T, M, N)."""
     tool: Array | None
@@ -63,8 +70,8 @@ class Log:
         return tuple(recording.header.segment for recording in self.recordings)
 
 
-def log_of(robot: RobotDescription, recordings: Sequence[Recording]) -> Log:
-    """Recordings of a robot, made ready.
+def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log | None = None) -> Log:
+    """Recordings of a robot, made ready; with the rows and channels of another log of the same motions, if given.
 
     Raises:
         FFGymError: if there are none, two motions share a name, they are sampled at different rates or unevenly, one of
@@ -72,6 +79,8 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording]) -> Log:
     """
     _check(robot, recordings)
     sampling = Sampling(dt=recordings[0].dt, n_samples=max(len(recording) for recording in recordings))
+    if like is not None:
+        recordings, sampling = [r.slice(end=float(r.t[0]) + like.sampling.span) for r in recordings], like.sampling
     low_pass = sampling.motion_filter
     motions = [joint_motion(robot, recording, low_pass) for recording in recordings]
 
@@ -85,7 +94,7 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording]) -> Log:
     known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
     for i, recording in enumerate(recordings):
         known[ends : len(recording) - ends, i] = True
-    return Log(
+    found = Log(
         robot=robot,
         recordings=tuple(recordings),
         sampling=sampling,
@@ -94,6 +103,7 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording]) -> Log:
         q=padded([q for q, _, _ in motions]),
         dq=padded([dq for _, dq, _ in motions], hold=False),
         ddq=padded([ddq for _, _, ddq in motions], hold=False),
+        slip_dq=padded([_slip(robot, *both, low_pass) for both in zip(recordings, motions, strict=True)], hold=False),
         torque=padded([acting_torque(robot, recording) for recording in recordings]),
         tool=where_all("tcp.position", _tracked) if robot.tool is not None else None,
         link=where_all("link.position", lambda r: r.joint_array("link.position")),
@@ -101,6 +111,32 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording]) -> Log:
         reference=_reference(robot, recordings, sampling.n_samples),
         temperature=where_all("temperature", _temperature),
     )
+    return found if like is None else _with_channels_of(found, like)
+
+
+def _with_channels_of(log: Log, like: Log) -> Log:
+    """The log with no more channels than another one has."""
+    return replace(
+        log,
+        tool=None if like.tool is None else log.tool,
+        link=None if like.link is None else log.link,
+        feedback=None if like.feedback is None else log.feedback,
+        reference=None if like.reference is None else log.reference,
+        temperature=like.temperature,
+        started=like.started,
+    )
+
+
+def _slip(
+    robot: RobotDescription, recording: Recording, motion: tuple[Array, Array, Array], low_pass: LowPass
+) -> Array:
+    """Speed (T, N) of an angle without the noise of its reading."""
+    raw, dt = recording.joint_array("motor.position"), recording.dt
+    angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
+    passed = np.sqrt(min(1.0, 2 * low_pass.cutoff * dt))
+    still = without_trembling(motion[0], _TREMBLING * passed * white_noise(angle, low_pass, dt))
+    slip: Array = np.gradient(still, dt, axis=0)
+    return slip
 
 
 def _check(robot: RobotDescription, recordings: Sequence[Recording]) -> None:

@@ -56,6 +56,11 @@ class Sampling:
         return self.stride * self.dt
 
     @property
+    def span(self) -> float:
+        """Time after which a record has more samples than T [s]."""
+        return (self.n_samples - 0.5) * self.dt
+
+    @property
     def half_length(self) -> int:
         """Samples on either side of a row that it depends on."""
         return round(_LENGTH / (self.cutoff * self.dt))

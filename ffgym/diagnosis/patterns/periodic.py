@@ -36,6 +36,10 @@ class PerTurn(Periodic):
     amplitude: Amplitude = "constant"
     own_only: bool = True
 
+    def may_act_on(self, rows: Rows, component: int) -> bool:
+        """Whether a component of a channel may depend on it; a gear that errs moves the tool as it turns, no more."""
+        return super().may_act_on(rows, component) and (rows.channel != "tool" or self.amplitude == "constant")
+
     @property
     def kind(self) -> PatternKind:
         """See base class."""

@@ -18,18 +18,24 @@ class Bristles:
     """LuGre-smoothed sign of the motor speed s = sigma_0 z / g(v) [1]."""
 
 
-def along_speed(friction: LuGreParameters, speed: Array, dt: float) -> Bristles:
-    """Friction of bristles that are relaxed at the first sample, at motor speeds (T, M, N) [rad/s] `dt` [s] apart.
+def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float) -> Bristles:
+    """Friction of bristles that are relaxed at the first sample, motor side, samples `dt` [s] apart.
 
     Between two samples the bristle equation is solved exactly for their mean speed.
+
+    Args:
+        friction: model of all joints.
+        slip: speed that moves the bristles [rad/s], shape (T, M, N).
+        speed: speed of the motors, which viscous friction sees [rad/s].
+        dt: sample time [s].
     """
-    keep, gain = friction.exact_bristle_factors(0.5 * (speed[1:] + speed[:-1]), dt)
-    bristle = np.zeros_like(speed)
+    keep, gain = friction.exact_bristle_factors(0.5 * (slip[1:] + slip[:-1]), dt)
+    bristle = np.zeros_like(slip)
     z = bristle[0]
     for k in range(len(keep)):
         z = keep[k] * z + gain[k]
         bristle[k + 1] = z
     return Bristles(
-        torque=friction.torque(bristle, speed),
-        sign=friction.bristle_stiffness * bristle / friction.stribeck_level(speed),
+        torque=friction.torque(bristle, slip) + friction.viscous * (speed - slip),
+        sign=friction.bristle_stiffness * bristle / friction.stribeck_level(slip),
     )

@@ -15,12 +15,14 @@ import numpy as np
 from ffgym.control import servo_torque
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
+from ffgym.diagnosis.replay.clocks import late
 from ffgym.diagnosis.replay.link_terms import LinkTerms, link_terms
-from ffgym.diagnosis.replay.springs import Deflection, Springs
+from ffgym.diagnosis.replay.springs import Deflection, Springs, resting
 from ffgym.diagnosis.residual import Channel
-from ffgym.effects import State, TorqueEffect, Torques
+from ffgym.effects import State, TorqueEffect, Torques, TrackerEffect
 from ffgym.effects.along import samples, torques_along
 from ffgym.plant import Climate, Machine
+from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array
 
@@ -32,7 +34,10 @@ _PASSES = 2
 class Replay:
     """What a machine does when its motors move as measured; (T, M, N) each."""
 
+    read: Log
+    """As resolvers read the motors, which is what the servo acts on."""
     log: Log
+    """As motors truly moved."""
     machine: Machine
     robot: RobotDescription
     """With the effects that other numbers bring about."""
@@ -55,20 +60,24 @@ class Replay:
 def replay(log: Log, machine: Machine) -> Replay:
     """Replay a log on a machine."""
     robot = machine.physical
-    log = _truly(log, machine)
+    read, log = log, _truly(log, machine)
     links, rough = _links(log, robot)
     springs = Springs(
         mass=links.mass, stiffness=robot.drive.joint_stiffness, damping=robot.drive.joint_damping, dt=log.dt
     )
-    bristles = along_speed(robot.friction, robot.drive.motor_angle(log.dq), log.dt)
+    bristles = along_speed(
+        robot.friction, robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq), log.dt
+    )
     state = state_of(log, machine, bristles)
-    on_arm = [effect for effect in machine.torque_effects if effect.side == "link"]
+    on_arm = [effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null]
     rigid_torque = links.torque(log.ddq)
     if on_arm:
         deflection = _flown(springs, state, on_arm, -rigid_torque, rough, log.dt)
     else:
         bent = springs.bent_by(-rigid_torque[..., None])
-        deflection = Deflection(angle=bent.angle[..., 0], rate=bent.rate[..., 0], acceleration=bent.acceleration[..., 0])
+        deflection = Deflection(
+            angle=bent.angle[..., 0], rate=bent.rate[..., 0], acceleration=bent.acceleration[..., 0]
+        )
     state = bent_state(state, deflection, robot)
     needed = rigid_torque + np.matmul(links.mass, deflection.acceleration[..., None])[..., 0]
     added = summed(on_arm, state, log.dt)
@@ -83,6 +92,7 @@ def replay(log: Log, machine: Machine) -> Replay:
         motor = _plus(motor, torques_along(of_motor, state, log.dt).motor)
     torque = torque if motor is None else torque - motor
     return Replay(
+        read=read,
         log=log,
         machine=machine,
         robot=robot,
@@ -98,13 +108,14 @@ def replay(log: Log, machine: Machine) -> Replay:
 def predicted(run: Replay) -> dict[Channel, Array]:
     """What the log's channels would show, R rows each, through the log's low-pass."""
     log, sampling = run.log, run.log.sampling
-    found: dict[Channel, Array] = {"torque": sampling(run.torque)}
+    effects = run.machine.effects
+    found: dict[Channel, Array] = {"torque": sampling(late(run.torque, "torque", effects, log))}
     if log.tool is not None:
         found["tool"] = sampling(tool_path(run))
     if log.link is not None:
-        found["link"] = sampling(run.link_q)
+        found["link"] = sampling(late(run.link_q, "link", effects, log))
     if log.feedback is not None and log.reference is not None:
-        found["servo"] = sampling(servo_feedback(log, run.robot))
+        found["servo"] = sampling(servo_feedback(run.read, run.robot))
     return found
 
 
@@ -112,22 +123,30 @@ def tool_path(run: Replay) -> Array:
     """Tool positions as a tracker would see them [m], (T, M, 3)."""
     q = run.link_q
     position = RigidArm(run.robot).tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
-    return tracked(run.log, run.machine, position)
+    return _tracked(run, run.machine, position)
 
 
-def tracked(log: Log, machine: Machine, position: Array) -> Array:
-    """Tool positions (T, M, 3) [m] as the machine's tracker would see them."""
-    from ffgym.effects import TrackerEffect
+def tracked(run: Replay, machine: Machine) -> Array:
+    """Tool positions (T, M, 3) [m] as the tracker of another machine would see those of the replay."""
+    q = run.link_q
+    position = RigidArm(run.robot).tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
+    return _tracked(run, machine, position)
 
-    seen = position
-    if any(isinstance(effect, TrackerEffect) for effect in machine.effects):
-        seen = position.copy()
-        for i, recording in enumerate(log.recordings):
-            n = len(recording)
-            columns = {f"tcp.position.{axis}": position[:n, i, k] for k, axis in enumerate("xyz")}
-            kept = {name: values for name, values in recording.columns.items() if not name.startswith("tcp.")}
-            exact = type(recording)(columns=kept | columns, header=recording.header)
-            seen[:n, i] = machine.seen(exact).vector("tcp.position")
+
+def _tracked(run: Replay, machine: Machine, position: Array) -> Array:
+    effects = [effect for effect in machine.effects if isinstance(effect, TrackerEffect)]
+    if not effects:
+        return position
+    seen, joints = position.copy(), run.robot.joints
+    for i, recording in enumerate(run.log.recordings):
+        n = len(recording)
+        columns = {"timestamp": recording.t}
+        columns |= {f"tcp.position.{axis}": position[:n, i, k] for k, axis in enumerate("xyz")}
+        columns |= {f"link.position.{joint}": run.link_q[:n, i, j] for j, joint in enumerate(joints)}
+        exact = Recording(columns=columns, header=recording.header)
+        for effect in effects:
+            exact = effect.measured(exact, run.robot)
+        seen[:n, i] = exact.vector("tcp.position")
     return seen
 
 
@@ -172,6 +191,7 @@ def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:
         motor_torque=none,
         peak_torque=drive.peak_torque,
         temperature=_temperature(log, machine),
+        running=_running(log, machine),
     )
 
 
@@ -216,7 +236,9 @@ def _plus(total: Array | None, more: Array | None) -> Array | None:
 
 def _in_order(machine: Machine) -> list[TorqueEffect]:
     """Motor-side torque effects, those that act on what the drive commands last: they see all that it must give."""
-    return sorted((e for e in machine.torque_effects if e.side == "motor"), key=lambda e: (e.code.startswith("M"), e.name))
+    return sorted(
+        (e for e in machine.torque_effects if e.side == "motor"), key=lambda e: (e.code.startswith("M"), e.name)
+    )
 
 
 def _truly(log: Log, machine: Machine) -> Log:
@@ -228,7 +250,8 @@ def _truly(log: Log, machine: Machine) -> Log:
     read, _ = machine.read_by_resolver(angle, drive.motor_angle(log.dq))
     q = log.q - drive.joint_angle(read - angle)
     dq = np.gradient(q, log.dt, axis=0)
-    return replace(log, q=q, dq=dq, ddq=np.gradient(dq, log.dt, axis=0))
+    slip = log.slip_dq + np.where(log.slip_dq != 0, dq - log.dq, 0.0)
+    return replace(log, q=q, dq=dq, ddq=np.gradient(dq, log.dt, axis=0), slip_dq=slip)
 
 
 def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:
@@ -245,24 +268,50 @@ def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:
 def _flown(
     springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
 ) -> Deflection:
-    """Deflections with effects that depend on them, from a rest that is settled by running on the spot."""
+    """Deflections with effects that depend on them, from the rest in which they balance the load."""
     each = list(samples(state))
     memories: list[Array] = []
 
-    def push(k: int, angle: Array, rate: Array) -> Array:
+    def at(k: int, angle: Array, rate: Array) -> State:
         now = each[k]
         now.deflection, now.deflection_rate = angle, rate
         now.load = -(now.joint_stiffness * angle + now.joint_damping * rate)
-        if not memories:
-            memories.extend(effect.initial_memory(now) for effect in effects)
-        total = np.zeros_like(angle)
-        for i, effect in enumerate(effects):
-            added, memories[i] = effect.torques(now, memories[i], dt)
-            for part in (added.spring, added.link):
-                total = total if part is None else total + part
+        return now
+
+    def pull(angle: Array) -> Array:
+        """What is left of the balance at rest; grows with the deflection."""
+        now = at(0, angle, np.zeros_like(angle))
+        return springs.finite_stiffness * angle - torque[0] - _behind(effects, now, dt)[0]
+
+    rest = resting(pull, start)
+    first = at(0, rest, np.zeros_like(rest))
+    memories.extend(effect.initial_memory(first) for effect in effects)
+
+    def push(k: int, angle: Array, rate: Array) -> Array:
+        total, memories[:] = _behind(effects, at(k, angle, rate), dt, memories)
         return total
 
-    return springs.pushed_by(torque, push, start)
+    return springs.pushed_by(torque, push, rest)
+
+
+def _behind(
+    effects: list[TorqueEffect], now: State, dt: float, memories: list[Array] | None = None
+) -> tuple[Array, list[Array]]:
+    """What effects add behind the gearbox, link side, and what they remember then; None is relaxed."""
+    total, later = np.zeros_like(now.deflection), []
+    for i, effect in enumerate(effects):
+        added, memory = effect.torques(now, effect.initial_memory(now) if memories is None else memories[i], dt)
+        later.append(memory)
+        for part in (added.spring, added.link):
+            total = total if part is None else total + part
+    return total, later
+
+
+def _running(log: Log, machine: Machine) -> Array:
+    """Time since the machine was switched on, or its session began [s], (T, M, 1)."""
+    before = 0.0 if machine.climate is None else machine.climate.running_since
+    times: Array = before + log.started[:, None] + (np.arange(len(log.q)) * log.dt)[:, None, None]
+    return times
 
 
 def _temperature(log: Log, machine: Machine) -> Array:

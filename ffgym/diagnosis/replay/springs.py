@@ -14,6 +14,12 @@ import numpy as np
 
 from ffgym.types import Array, IntArray
 
+_FIRST_REACH = 1e-4
+"""Deflection [rad] beyond that of linear springs in which a rest is looked for first; chosen: a third of an arc minute."""
+
+_DOUBLINGS, _HALVINGS = 12, 50
+"""Of that reach, to 0.4 rad, and of the bracket, to less than rounding."""
+
 Push = Callable[[int, Array, Array], Array]
 """What acts on the springs at sample k, at deflection and rate (M, N), link side [N m], (M, N)."""
 
@@ -46,6 +52,11 @@ class Springs:
     def elastic(self) -> IntArray:
         """Joints that bend."""
         return np.flatnonzero(np.isfinite(self.stiffness))
+
+    @property
+    def finite_stiffness(self) -> Array:
+        """K [N m/rad], shape (N,); 1 for rigid joints, which do not bend whatever it is."""
+        return np.where(np.isfinite(self.stiffness), self.stiffness, 1.0)
 
     @cached_property
     def _inverse(self) -> Array:
@@ -97,3 +108,23 @@ class Springs:
             x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
             found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
         return found
+
+
+def resting(pull: Callable[[Array], Array], near: Array) -> Array:
+    """Deflections at which `pull`, which grows with the deflection of its own joint, is 0; by bisection, (M, N).
+
+    Backlash and hardening are steeper than a fixed-point iteration bears. In a gap, where nothing pulls, its middle is
+    taken.
+    """
+    reach = np.abs(near) + _FIRST_REACH
+    low, high = near - reach, near + reach
+    for _ in range(_DOUBLINGS):
+        low = np.where(pull(low) > 0, low - reach, low)
+        high = np.where(pull(high) < 0, high + reach, high)
+        reach = 2 * reach
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        value = pull(middle)
+        low, high = np.where(value <= 0, middle, low), np.where(value >= 0, middle, high)
+    rest: Array = 0.5 * (low + high)
+    return rest

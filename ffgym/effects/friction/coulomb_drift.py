@@ -1,7 +1,7 @@
 """F13: Coulomb friction that changes while the machine runs."""
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import ClassVar, Literal, final
 
 import numpy as np
 
@@ -25,6 +25,7 @@ class CoulombDrift(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step, from the time that the machine of a climate has run"
     confusable_with: ClassVar[tuple[str, ...]] = ("F1", "F7", "F12")
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "slow_triangles")
+    varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ("running",)
     needs_friction: ClassVar[bool] = True
     least_span: ClassVar[float] = 300.0
 

@@ -1,7 +1,7 @@
 """F7: friction that changes while the machine warms up."""
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import ClassVar, Literal, final
 
 import numpy as np
 
@@ -33,6 +33,7 @@ class TemperatureFriction(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step, from the temperature of the machine's climate"
     confusable_with: ClassVar[tuple[str, ...]] = ("F1", "F2", "F8", "F12", "F13")
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "speed_ladder")
+    varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ("temperature",)
     needs_friction: ClassVar[bool] = True
 
     viscous: Array = parameter(

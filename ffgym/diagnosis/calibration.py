@@ -1,0 +1,142 @@
+"""How well the nominal numbers are known: what a model that lacks nothing may still be off by."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.diagnosis.replay.replay import Replay
+from ffgym.diagnosis.signatures.column import Column, columns_of, machine_columns
+from ffgym.effects import Effect, NativeEffect
+from ffgym.effects.drive import TorqueOffset
+from ffgym.effects.effect import Side
+from ffgym.effects.friction import CoulombLevel, PreslidingStiffness, StribeckPeak, ViscousLevel
+from ffgym.effects.load import RotorInertia
+from ffgym.effects.measurement import ToolFrame
+from ffgym.effects.parameter import parameter
+from ffgym.effects.transmission import JointStiffness
+from ffgym.errors import check_number
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+BOUND = 3.0
+"""Standard deviations beyond which a calibration error is none: without a bound calibration swallows effects."""
+
+SHARE = 0.005
+"""Default standard deviation of nominal numbers, relative: of robots that are calibrated one by one."""
+
+_OFFSET = 2.0
+"""Torque offset over `share` times the Coulomb torque, standard deviation: 1 % of it for the default share; chosen."""
+
+_MASS_STEP = 0.03
+"""Relative step of masses; their effect is linear."""
+
+_TOOL = 20e-6
+"""Standard deviation of the tool offset, each axis [m]: that of a laser tracker (thesis 2.2.4)."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinkMass(NativeEffect):
+    """Masses and inertias of links other than described; a doubt of the calibration, no effect to be named."""
+
+    name: ClassVar[str] = "link_mass"
+    title: ClassVar[str] = "mass of a link"
+    equation: ClassVar[str] = r"m_i \to (1 + a)\, m_i, \quad I_i \to (1 + a)\, I_i"
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = "torque: gravity and inertia of all joints before the link"
+    way_in: ClassVar[str] = "native: masses and inertias"
+
+    change: Array = parameter("a", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="only a doubt")
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        factor = 1 + self.change
+        bodies = robot.bodies
+        scaled = replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor[:, None])
+        return replace(robot, bodies=scaled)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointDamping(NativeEffect):
+    """Damping of the joints other than described; a doubt of the calibration, no effect to be named."""
+
+    name: ClassVar[str] = "joint_damping"
+    title: ClassVar[str] = "damping of a joint"
+    equation: ClassVar[str] = r"d \to (1 + a)\, d"
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = "tool and torque near resonances"
+    way_in: ClassVar[str] = "native: damping of the joint"
+    needs_elasticity: ClassVar[bool] = True
+
+    change: Array = parameter("a", unit="1", low=-0.5, high=0.5, minimum=-0.9, source="only a doubt")
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        drive = robot.drive
+        return replace(robot, drive=replace(drive, joint_damping=drive.joint_damping * (1 + self.change)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibration:
+    """Standard deviations of what is known of the nominal model."""
+
+    share: float = SHARE
+    """Of masses, rotors, stiffness, damping and friction, relative."""
+    offset: float = _OFFSET * SHARE
+    """Of torque offsets, as a share of the Coulomb torque."""
+    tool: float = _TOOL
+    """Of the tool's place, each axis [m]."""
+
+    def __post_init__(self) -> None:
+        check_number("calibration share", self.share, low=0.0, high=1.0, open_low=True)
+        check_number("calibration offset", self.offset, low=0.0, open_low=True)
+        check_number("calibration tool", self.tool, unit="m", low=0.0, open_low=True)
+
+    @classmethod
+    def of_share(cls, share: float) -> "Calibration":
+        """Calibration with relative errors of standard deviation `share`."""
+        return cls(share=share, offset=_OFFSET * share)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Doubt:
+    """A column of what calibration leaves open."""
+
+    column: Column
+    sigma: float
+    """Standard deviation of its parameter, in the parameter's unit."""
+
+
+def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
+    """Columns of all calibration errors along a nominal replay."""
+    robot, share = run.robot, calibration.share
+    plain: list[type[Effect]] = [CoulombLevel, ViscousLevel, PreslidingStiffness, RotorInertia]
+    if not robot.drive.is_rigid.all():
+        plain += [JointStiffness, JointDamping]
+    found = [Doubt(column=column, sigma=share) for column in columns_of(run, plain, {})]
+    found += [_stribeck(column, robot, share) for column in columns_of(run, [StribeckPeak], {})]
+    found += [Doubt(column=column, sigma=share) for column in _masses(run)]
+    for column in columns_of(run, [TorqueOffset], {}):
+        coulomb = float(robot.friction.coulomb[list(robot.joints).index(column.joint)])
+        found.append(Doubt(column=column, sigma=calibration.offset * coulomb))
+    if run.log.tool is not None:
+        found += [Doubt(column=column, sigma=calibration.tool) for column in columns_of(run, [ToolFrame], {})]
+    return found
+
+
+def _stribeck(column: Column, robot: RobotDescription, share: float) -> Doubt:
+    """Breakaway torque is a share of itself off, where the effect's parameter is one of the Coulomb torque."""
+    if column.parameter != "level":
+        return Doubt(column=column, sigma=share)
+    j = list(robot.joints).index(column.joint)
+    return Doubt(column=column, sigma=share * float(robot.friction.static[j] / robot.friction.coulomb[j]))
+
+
+def _masses(run: Replay) -> Sequence[Column]:
+    """One column for each link."""
+    rows = zip(np.eye(run.robot.n_joints), run.robot.joints, strict=True)
+    effects = [(joint, LinkMass(change=_MASS_STEP * one)) for one, joint in rows]
+    return machine_columns(run, effects, "change", _MASS_STEP)

@@ -1,0 +1,188 @@
+"""What does the simulation get wrong, why, and how sure is that: recordings and a nominal model in, a diagnosis out."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.diagnosis.answer.excitation import judgeable_kinds, not_excited
+from ffgym.diagnosis.answer.levels import levels, loudness, without_calibration
+from ffgym.diagnosis.answer.sentence import sentence_of
+from ffgym.diagnosis.answer.sizes import causes_of
+from ffgym.diagnosis.answer.verdict import judged
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.patterns import find_patterns
+from ffgym.diagnosis.patterns.cycles import cycles_per_turn
+from ffgym.diagnosis.prepare import Prepared, candidates_for, noise_for, prepared
+from ffgym.diagnosis.residual import Residual
+from ffgym.diagnosis.residuals import residual_of
+from ffgym.diagnosis.result import Diagnosis
+from ffgym.diagnosis.search.search import Report, search
+from ffgym.diagnosis.signatures.variant import Cycles
+from ffgym.errors import check_whole
+from ffgym.plant import Machine
+from ffgym.provenance import versions
+from ffgym.quality import check_quality
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+FREQUENCIES = 2
+"""Peaks per joint that are tried as the frequency of a periodic effect."""
+
+_APART = 0.2
+"""Cycles per turn by which two such peaks differ at least."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Examined:
+    """A diagnosis with what it was made from, for pictures, gains and the next experiment."""
+
+    diagnosis: Diagnosis
+    before: Residual | None
+    """Of the nominal model; None if the logs did not allow one."""
+    after: Residual | None
+    """Of the extended model."""
+    machine: Machine
+    """The extended model: the nominal one with the causes."""
+    nominal: Machine
+
+
+def diagnose(
+    nominal: Machine | RobotDescription,
+    recordings: Sequence[Recording],
+    *,
+    calibration: Calibration | None = None,
+    seed: int = 0,
+    report: Report = lambda what, share: None,
+) -> Diagnosis:
+    """Diagnose logs of a machine.
+
+    Args:
+        nominal: what the simulation believes.
+        recordings: of motions with different names, sampled alike; see `ffgym record --protocol diagnosis`.
+        calibration: how well the nominal numbers are known.
+        seed: of resamples and of simulated noise.
+        report: told what is done.
+
+    Raises:
+        FFGymError: if there is nothing to diagnose, or logs and robot do not fit.
+    """
+    return examine(nominal, recordings, calibration=calibration, seed=seed, report=report).diagnosis
+
+
+def examine(
+    nominal: Machine | RobotDescription,
+    recordings: Sequence[Recording],
+    *,
+    calibration: Calibration | None = None,
+    seed: int = 0,
+    report: Report = lambda what, share: None,
+) -> Examined:
+    """Diagnose logs of a machine, and keep what that was made from; arguments as `diagnose`."""
+    machine = Machine.of(nominal)
+    rng = np.random.default_rng(check_whole("seed", seed, low=0))
+    flagged, refused = _quality(recordings, machine.physical)
+    provenance = {"seed": seed, "versions": versions()}
+    names = tuple(recording.header.segment for recording in recordings)
+    if refused:
+        insufficient = Diagnosis(
+            verdict="insufficient",
+            sentence=f"These logs do not allow a diagnosis: {refused[0]}",
+            robot=machine.robot.name,
+            motions=names,
+            quality=(*refused, *flagged),
+            provenance=provenance,
+        )
+        return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
+    report("replaying the nominal model", 0.0)
+    log = log_of(machine.physical, recordings)
+    ready = prepared(log, machine, calibration or Calibration(), rng)
+    return _examined(log, machine, ready, rng, report, flagged, provenance)
+
+
+def _examined(
+    log: Log,
+    machine: Machine,
+    ready: Prepared,
+    rng: np.random.Generator,
+    report: Callable[[str, float], None],
+    flagged: tuple[str, ...],
+    provenance: Mapping[str, object],
+) -> Examined:
+    setting = ready.setting
+    kinds, not_judgeable = judgeable_kinds(log, machine)
+    first = without_calibration(setting, _nominal(ready))
+    cycles = _cycles(residual_of(log, _nominal(ready).run, first, ready.floor))
+    report("computing what each effect would change", 0.1)
+    candidates = candidates_for(ready, kinds, cycles)
+    found = search(setting, candidates, noise_for(ready, rng), report)
+    rest = without_calibration(setting, found.final.fit)
+    after = residual_of(log, found.final.fit.run, rest, ready.floor)
+    before = residual_of(log, found.nominal.fit.run, without_calibration(setting, found.nominal.fit), ready.floor)
+    loud = loudness(setting, rest)
+    verdict = judged(found, loudness(setting, first), loud, rng)
+    report("looking at what is left", 0.95)
+    patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
+    causes = causes_of(found.final.fit, verdict.gains, rng)
+    diagnosis = Diagnosis(
+        verdict=verdict.verdict,
+        sentence=sentence_of(verdict, causes, patterns, log.robot),
+        robot=log.robot.name,
+        motions=log.names,
+        causes=causes,
+        rivals=verdict.rivals,
+        patterns=patterns,
+        not_excited=not_excited(found, candidates),
+        not_judgeable=not_judgeable,
+        levels=levels(setting, found, ready.floor),
+        threshold=found.rounds[0].ranking.threshold if found.rounds else 0.0,
+        quality=flagged,
+        provenance=dict(provenance),
+    )
+    return Examined(
+        diagnosis=diagnosis, before=before, after=after, machine=found.final.fit.run.machine, nominal=machine
+    )
+
+
+def _nominal(ready: Prepared):  # type: ignore[no-untyped-def]
+    from ffgym.diagnosis.fit.refine import evaluated
+
+    return evaluated(ready.setting, ())
+
+
+def _quality(recordings: Sequence[Recording], robot: RobotDescription) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """What the quality gate flagged, and what it refused, in words."""
+    flagged, refused = [], []
+    for recording in recordings:
+        for finding in check_quality(recording, robot).findings:
+            text = f"{recording.header.segment}: {finding.message}"
+            if finding.verdict == "refused":
+                refused.append(text)
+            elif finding.verdict == "flagged":
+                flagged.append(text)
+    return tuple(flagged), tuple(refused)
+
+
+def _cycles(residual: Residual) -> Cycles:
+    """Frequencies at which each joint's residual repeats per motor turn, the strongest first."""
+    found: dict[str, list[float]] = {}
+    for joint in residual.robot.joints:
+        peaks: list[tuple[float, float]] = []
+        for amplitude in ("constant", "sign"):
+            spectrum = cycles_per_turn(residual, "torque", joint, joint, amplitude=amplitude)
+            if spectrum is not None:
+                peaks += _peaks(spectrum.frequency, spectrum.share)
+        found[joint] = [frequency for _, frequency in sorted(peaks, reverse=True)]
+    return found
+
+
+def _peaks(frequency: Array, share: Array) -> list[tuple[float, float]]:
+    """The highest peaks of a spectrum, as share and frequency."""
+    left, peaks = share.copy(), []
+    for _ in range(FREQUENCIES):
+        best = int(np.argmax(left))
+        peaks.append((float(share[best]), float(frequency[best])))
+        left[np.abs(frequency - frequency[best]) < _APART] = 0.0
+    return peaks

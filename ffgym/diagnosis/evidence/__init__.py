@@ -1,0 +1,1 @@
+"""Sums that all statistics are made of."""

@@ -1,0 +1,1 @@
+"""From a candidate that explains to an effect with sizes."""

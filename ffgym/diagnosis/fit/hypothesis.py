@@ -1,0 +1,160 @@
+"""An effect on a joint with values for all its parameters: what a diagnosis tries, fits and names."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+
+from ffgym.diagnosis.signatures.column import Column
+from ffgym.diagnosis.signatures.variant import step_of
+from ffgym.effects import Effect
+from ffgym.effects.parameter import Parameter
+from ffgym.errors import FFGymError
+from ffgym.plant import Machine
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+_CYCLES = 0.05
+"""Step of a frequency as a share of itself; a frequency is looked for before, and only refined here."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Free:
+    """One number of a hypothesis that is fitted."""
+
+    name: str
+    part: int | None
+    """Which number of a vector."""
+    value: float
+    step: float
+    """A practical change, > 0."""
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Hypothesis:
+    """One effect on one joint, or on the machine."""
+
+    kind: type[Effect]
+    joint: str
+    """Empty for the machine as a whole."""
+    source: int | None
+    """Of an effect of one joint on another: the joint that causes it."""
+    values: Mapping[str, Array]
+    """Value of every parameter, () or (3,) each."""
+
+    @property
+    def label(self) -> str:
+        """Such as 'backlash on j2'."""
+        return f"{self.kind.name} on {self.joint}" if self.joint else self.kind.name
+
+    @property
+    def place(self) -> tuple[str, str, int | None]:
+        """What tells it from other hypotheses, whatever its values."""
+        return self.kind.name, self.joint, self.source
+
+    def effect(self, robot: RobotDescription) -> Effect:
+        """The effect, on its joint alone."""
+        known = self.kind.parameters()
+        full: dict[str, Any] = {}
+        for name, value in self.values.items():
+            p, shape = known[name], known[name].shape(robot.n_joints)
+            if p.per in ("machine", "vector"):
+                full[name] = value
+                continue
+            at = list(robot.joints).index(self.joint)
+            spread = np.full(shape, p.neutral if p.role == "size" else float(value))
+            if p.per == "pair":
+                spread[at, self.source] = value
+            else:
+                spread[at] = value
+            full[name] = spread
+        return self.kind(**full)
+
+    def on(self, machine: Machine) -> Machine:
+        """The machine with the effect."""
+        return Machine(
+            robot=machine.robot, effects=(*machine.effects, self.effect(machine.robot)), climate=machine.climate
+        )
+
+    def free(self) -> list[Free]:
+        """All numbers that are fitted: sizes, and shapes that are not a mere choice."""
+        found = []
+        for name, value in self.values.items():
+            p = self.kind.parameters()[name]
+            for part in range(3) if p.per == "vector" else (None,):
+                at = float(value if part is None else value[part])
+                found.append(_free(p, part, at))
+        return found
+
+    def moved(self, changes: Sequence[float]) -> Self:
+        """With each free number changed, within its bounds."""
+        values = {name: np.array(value, dtype=np.float64) for name, value in self.values.items()}
+        for free, change in zip(self.free(), changes, strict=True):
+            new = float(np.clip(free.value + change, free.low, free.high))
+            if free.part is None:
+                values[free.name] = np.array(new)
+            else:
+                values[free.name][free.part] = new
+        return replace(self, values=values)
+
+
+def _free(p: Parameter, part: int | None, value: float) -> Free:
+    if p.role == "size":
+        return Free(name=p.name, part=part, value=value, step=abs(step_of(p)), low=p.minimum, high=p.maximum)
+    if p.role == "phase":
+        return Free(name=p.name, part=part, value=value, step=0.5, low=-np.inf, high=np.inf)
+    if p.role == "cycles":
+        step = _CYCLES * max(abs(value), 1.0)
+        return Free(name=p.name, part=part, value=value, step=step, low=max(p.minimum, value - step), high=value + step)
+    low, high = max(p.minimum, p.low - (p.high - p.low)), min(p.maximum, p.high + (p.high - p.low))
+    return Free(name=p.name, part=part, value=value, step=0.1 * (p.high - p.low), low=low, high=high)
+
+
+def hypothesis_of(columns: Sequence[Column], sizes: Array, robot: RobotDescription) -> Hypothesis:
+    """A hypothesis from the columns of a candidate and what a linear fit gives them, in units of their parameters.
+
+    What spans a phase gives amplitude and phase; what spans a linear shape gives its mean, weighted by sizes.
+    """
+    kind, joint = columns[0].effect, columns[0].joint
+    values: dict[str, Array] = {}
+    for p in kind.parameters().values():
+        own = [(c, float(x)) for c, x in zip(columns, sizes, strict=True) if c.parameter == p.name]
+        if p.role == "size":
+            values[p.name] = _size(p, own)
+        else:
+            values[p.name] = _shape(p, columns, sizes)
+    if not values:
+        raise FFGymError(f"Effect {kind.name} has no parameters.")
+    source = columns[0].part if kind.parameters()[columns[0].parameter].per == "pair" else None
+    return Hypothesis(kind=kind, joint=joint, source=source, values=values)
+
+
+def _size(p: Parameter, own: list[tuple[Column, float]]) -> Array:
+    if p.per == "vector":
+        moved = np.array([sum(x for c, x in own if c.part == k) for k in range(3)])
+        return np.clip(p.neutral + moved, p.minimum, p.maximum)
+    phases = [c.shape["phase"] for c, _ in own if "phase" in c.shape]
+    total = float(np.hypot(*[x for _, x in own])) if len(phases) == 2 else sum(x for _, x in own)
+    return np.array(np.clip(p.neutral + total, p.minimum, p.maximum))
+
+
+def _shape(p: Parameter, columns: Sequence[Column], sizes: Array) -> Array:
+    """Value of a shape parameter: chosen, or what the fit says of the values that span it."""
+    neutral = np.full(3, _default(p)) if p.per == "vector" else np.array(_default(p))
+    if p.role == "phase":
+        return np.array(float(np.arctan2(sizes[1], sizes[0]))) if len(sizes) == 2 else neutral
+    known = [np.asarray(c.shape.get(p.name, neutral), dtype=np.float64) for c in columns]
+    if p.role != "span":
+        return known[0]
+    total = float(np.sum(sizes))
+    if abs(total) < 1e-12:
+        return neutral
+    mean = sum(x * value for x, value in zip(sizes, known, strict=True)) / total
+    return np.clip(mean, p.low, p.high)
+
+
+def _default(p: Parameter) -> float:
+    return p.default if p.default is not None else p.neutral

@@ -1,0 +1,163 @@
+"""Hypotheses fitted to a log by replaying the machine that they make: Gauss-Newton with calibration beside them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.diagnosis.calibration import Doubt
+from ffgym.diagnosis.evidence.screen import Priors, fitted
+from ffgym.diagnosis.evidence.stack import Blocks, Evidence, Values, evidence_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.tangents import tangents
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.measured import residual_rows
+from ffgym.diagnosis.replay.replay import Replay, predicted, replay
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.signatures.column import Parts
+from ffgym.plant import Machine
+from ffgym.types import Array, IntArray
+
+_ROUNDS = 4
+"""Gauss-Newton steps at most."""
+
+_ENOUGH = 0.01
+"""Relative gain of energy below which another step is not worth a replay."""
+
+_FAR = 3.0
+"""Practical steps that a number may move in one round."""
+
+_WIDE = 10.0
+"""Standard deviation of a number in practical steps: as good as free, but not without end."""
+
+_HALVINGS = 3
+"""Times that a step is halved if it makes things worse."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Setting:
+    """What all fits of a diagnosis share."""
+
+    log: Log
+    nominal: Machine
+    blocks: Blocks
+    weights: Values
+    calibration: Sequence[Parts]
+    """Columns per standard deviation."""
+    doubts: tuple[Doubt, ...]
+    """What those columns are."""
+    bound: float
+    """Standard deviations beyond which a calibration error is none."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """Hypotheses as the log has them."""
+
+    hypotheses: tuple[Hypothesis, ...]
+    run: Replay
+    residual: Mapping[Channel, Array]
+    """(R, M, C), calibration not taken off."""
+    columns: tuple[Parts, ...]
+    """Tangents of all free numbers, per practical step, in the order of the hypotheses."""
+    evidence: Evidence
+    """Of calibration columns, then tangents."""
+    priors: Priors
+    left: float
+    """Energy that calibration and hypotheses leave, of all rows."""
+
+    @property
+    def n_calibration(self) -> int:
+        """Columns of the calibration."""
+        return len(self.priors.low) - len(self.columns)
+
+    @property
+    def everything(self) -> IntArray:
+        """Places of all columns."""
+        return np.arange(len(self.priors.low))
+
+    @property
+    def calibration_only(self) -> IntArray:
+        """Places of the calibration's columns."""
+        return np.arange(self.n_calibration)
+
+
+def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, rounds: int = _ROUNDS) -> Fit:
+    """Fit hypotheses to a log, from the values that they have."""
+    best = evaluated(setting, hypotheses)
+    for _ in range(rounds if hypotheses else 0):
+        step = _step(best)
+        tried = best
+        for _ in range(_HALVINGS):
+            tried = evaluated(setting, _moved(best.hypotheses, step))
+            if tried.left < best.left:
+                break
+            step = 0.3 * step
+        if tried.left >= best.left:
+            break
+        gained = 1 - tried.left / best.left
+        best = tried
+        if gained < _ENOUGH:
+            break
+    return best
+
+
+def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Fit:
+    """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do."""
+    machine = setting.nominal
+    for hypothesis in hypotheses:
+        machine = hypothesis.on(machine)
+    run = replay(setting.log, machine)
+    residual = residual_rows(setting.log, predicted(run))
+    columns = tangents(run, setting.nominal, hypotheses) if hypotheses else []
+    both = [*setting.calibration, *columns]
+    evidence = evidence_of(setting.blocks, both, values_of(residual), setting.weights)
+    priors = _priors(setting, hypotheses)
+    n = len(setting.calibration)
+    places = np.arange(n)
+    x = fitted(evidence, places, priors)
+    gram, pull = evidence.gram.sum(axis=0)[:n, :n], evidence.moment.sum(axis=0)[:n, 0]
+    left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x)
+    return Fit(
+        hypotheses=tuple(hypotheses),
+        run=run,
+        residual=residual,
+        columns=tuple(columns),
+        evidence=evidence,
+        priors=priors,
+        left=left,
+    )
+
+
+def values_of(residual: Mapping[Channel, Array]) -> Values:
+    """Residuals (R, M, C) by component, (R, M, 1) each."""
+    return {(channel, k): rows[..., k : k + 1] for channel, rows in residual.items() for k in range(rows.shape[2])}
+
+
+def _priors(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
+    """Calibration in standard deviations; changes of free numbers in practical steps, within their bounds."""
+    n = len(setting.calibration)
+    free = [number for hypothesis in hypotheses for number in hypothesis.free()]
+    low = [max(-_FAR, (number.low - number.value) / number.step) for number in free]
+    high = [min(_FAR, (number.high - number.value) / number.step) for number in free]
+    return Priors(
+        precision=np.concatenate([np.ones(n), np.full(len(free), _WIDE**-2)]),
+        low=np.concatenate([np.full(n, -setting.bound), np.minimum(low, 0.0)]),
+        high=np.concatenate([np.full(n, setting.bound), np.maximum(high, 0.0)]),
+    )
+
+
+def _step(now: Fit) -> Array:
+    """Change of the free numbers, in practical steps."""
+    x = fitted(now.evidence, now.everything, now.priors)
+    step: Array = x[now.n_calibration :]
+    return step
+
+
+def _moved(hypotheses: Sequence[Hypothesis], step: Array) -> list[Hypothesis]:
+    found, at = [], 0
+    for hypothesis in hypotheses:
+        free = hypothesis.free()
+        found.append(hypothesis.moved([x * f.step for x, f in zip(step[at : at + len(free)], free, strict=True)]))
+        at += len(free)
+    return found

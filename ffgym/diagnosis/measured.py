@@ -1,0 +1,41 @@
+"""What was measured along a log, channel by channel, at the rows where residuals are taken."""
+
+import numpy as np
+
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.residual import Channel
+from ffgym.types import Array, BoolArray
+
+
+def measured_rows(log: Log) -> dict[Channel, Array]:
+    """Measured signals (R, M, C) through the log's low-pass; unknown tool positions are 0 there, and not valid."""
+    sampling = log.sampling
+    found: dict[Channel, Array] = {"torque": sampling(log.torque)}
+    if log.tool is not None:
+        found["tool"] = sampling(np.nan_to_num(log.tool))
+    if log.link is not None:
+        found["link"] = sampling(log.link)
+    if log.feedback is not None and log.reference is not None:
+        found["servo"] = sampling(log.feedback)
+    return found
+
+
+def valid_rows(log: Log) -> BoolArray:
+    """Rows that count in all channels, shape (R, M)."""
+    known = log.known
+    if log.tool is not None:
+        known = known & ~np.isnan(log.tool).any(axis=-1)
+    return log.sampling.valid(known)
+
+
+def residual_rows(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, Array]:
+    """Measured minus predicted (R, M, C); the servo's integral begins where nobody knows, so its mean is taken off."""
+    valid = valid_rows(log)
+    found = {}
+    for channel, rows in measured_rows(log).items():
+        rest = rows - prediction[channel]
+        if channel == "servo":
+            count = np.maximum(valid.sum(axis=0), 1)[:, None]
+            rest = rest - np.einsum("rmc,rm->mc", rest, valid.astype(np.float64)) / count
+        found[channel] = rest
+    return found

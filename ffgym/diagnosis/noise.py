@@ -1,0 +1,181 @@
+"""How large residuals are without any fault: the nominal model, replayed over its own simulation with the log's noise.
+
+Nothing of the residual that is diagnosed enters: noise is what the sensors show above the band in which machines move,
+and what replay and simulation differ by is seen where both are of the same model.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.log.reference import reference_of
+from ffgym.diagnosis.log.white import white_noise
+from ffgym.diagnosis.measured import residual_rows, valid_rows
+from ffgym.diagnosis.replay.replay import Replay, predicted, replay
+from ffgym.diagnosis.residual import Channel
+from ffgym.errors import FFGymError
+from ffgym.plant import Machine
+from ffgym.recordings import Recording
+from ffgym.simulation import Run, simulate
+from ffgym.types import Array
+
+_ROUNDING = 1e-12
+"""Relative differences of angles that are those of floating point."""
+
+_MULTIPLE, _MOST = 0.02, 0.99
+"""How near a change must be to a multiple of the smallest one, and how many must, for that to be the encoder's step."""
+
+DRAWS = 1
+"""Draws of the noise; an RMS over thousands of rows is known to some per cent from one."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Noise:
+    """White noise of each signal, standard deviations, shape (M, N), or (M, 3) for the tool."""
+
+    angle: Array
+    """Of `motor.position`, motor side [rad]."""
+    step: Array
+    """Of the encoder, motor side [rad]; 0 if it has none."""
+    torque: Array
+    """Of the acting motor torque, motor side [N m]."""
+    tool: Array | None
+    link: Array | None
+    feedback: Array | None
+
+
+def noise_of(log: Log) -> Noise:
+    """White noise of a log's signals, from what is above the band of motions."""
+    low_pass = log.sampling.motion_filter
+    raw = [_angles(log, recording) for recording in log.recordings]
+
+    def each(values: Array | None) -> Array | None:
+        if values is None:
+            return None
+        lengths = [len(recording) for recording in log.recordings]
+        return np.stack([white_noise(values[:n, i], low_pass, log.dt) for i, n in enumerate(lengths)])
+
+    torque = each(log.torque)
+    if torque is None:
+        raise FFGymError("The log has no torque.")
+    return Noise(
+        angle=np.stack([white_noise(angle, low_pass, log.dt) for angle in raw]),
+        step=np.stack([_steps(angle, recording) for angle, recording in zip(raw, log.recordings, strict=True)]),
+        torque=torque,
+        tool=each(log.tool),
+        link=each(log.link),
+        feedback=each(log.feedback),
+    )
+
+
+def _angles(log: Log, recording: Recording) -> Array:
+    angle = recording.joint_array("motor.position")
+    return log.robot.drive.motor_angle(angle) if recording.header.position_side == "link" else angle
+
+
+def _steps(angle: Array, recording: Recording) -> Array:
+    """Steps of the encoders: as the header says, else the smallest change if all changes are multiples of it."""
+    if recording.header.encoder_bits is not None:
+        return np.full(angle.shape[1], 2 * np.pi / 2**recording.header.encoder_bits)
+    return np.array([_step(angle[:, j]) for j in range(angle.shape[1])])
+
+
+def _step(angle: Array) -> float:
+    changes = np.abs(np.diff(angle))
+    changes = changes[changes > _ROUNDING * max(1.0, float(np.abs(angle).max()))]
+    if not len(changes):
+        return 0.0
+    step = float(changes.min())
+    multiples = changes / step
+    return step if np.mean(np.abs(multiples - np.round(multiples)) < _MULTIPLE) > _MOST else 0.0
+
+
+def faultless_recordings(log: Log, run: Replay) -> list[Recording]:
+    """What the nominal machine would have recorded, without noise.
+
+    With set-points, it is simulated under its controller; without, it moves as measured, and takes the torque it takes.
+    """
+    if log.reference is not None:
+        references = [reference_of(log.robot, recording) for recording in log.recordings]
+        machines = [run.machine.later(float(s)) for s in log.started]
+        return simulate([Run(reference=r) for r in references], machine=machines, record_dt=log.dt)
+    return [_as_moved(log, run, i) for i in range(len(log.recordings))]
+
+
+def _as_moved(log: Log, run: Replay, i: int) -> Recording:
+    recording, joints = log.recordings[i], log.robot.joints
+    n = len(recording)
+    angle = log.robot.drive.motor_angle(log.q)
+    columns = {"timestamp": recording.t}
+    for j, joint in enumerate(joints):
+        columns[f"motor.position.{joint}"] = angle[:n, i, j]
+        columns[f"motor.effort.{joint}"] = run.torque[:n, i, j]
+        if log.link is not None:
+            columns[f"link.position.{joint}"] = run.link_q[:n, i, j]
+    header = replace(recording.header, position_side="motor", torque_semantics="motor_side", hold="sampled")
+    return Recording(columns=columns, header=header)
+
+
+def noisy(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> Recording:
+    """An exact recording as the sensors of the i-th motion of a log would have it.
+
+    Angles are rounded to the steps of the encoder, which is no white noise where a motor stands.
+    """
+    header, joints = exact.header, exact.header.joints
+    columns = {}
+    for j, joint in enumerate(joints):
+        name = f"motor.position.{joint}"
+        columns[name] = _read(exact[name], float(noise.angle[i, j]), float(noise.step[i, j]), rng)
+        for family, size in (("motor.effort", noise.torque), ("feedback.effort", noise.feedback)):
+            if size is not None and exact.has(family):
+                columns[f"{family}.{joint}"] = exact[f"{family}.{joint}"] + rng.normal(
+                    scale=size[i, j], size=len(exact)
+                )
+        if noise.link is not None:
+            name = f"link.position.{joint}"
+            columns[name] = exact[name] + rng.normal(scale=noise.link[i, j], size=len(exact))
+    if noise.tool is not None:
+        for k, axis in enumerate("xyz"):
+            name = f"tcp.position.{axis}"
+            columns[name] = exact[name] + rng.normal(scale=noise.tool[i, k], size=len(exact))
+    return Recording(columns=dict(exact.columns) | columns, header=header)
+
+
+def _read(angle: Array, white: float, step: float, rng: np.random.Generator) -> Array:
+    """An angle as an encoder with steps reads it; white noise that is more than that of rounding comes before."""
+    more = np.sqrt(max(white**2 - step**2 / 12, 0.0))
+    seen = angle + rng.normal(scale=more, size=len(angle)) if more > 0 else angle
+    return np.round(seen / step) * step if step > 0 else seen
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Faultless:
+    """Residuals of a model without fault, with this log's noise."""
+
+    draws: Mapping[Channel, Array]
+    """(R, M, C, D) for D draws."""
+
+    def floor(self, log: Log) -> dict[Channel, Array]:
+        """RMS by channel, shape (M, C)."""
+        valid = valid_rows(log)
+        found = {}
+        for channel, draws in self.draws.items():
+            count = np.maximum(valid.sum(axis=0), 1)[:, None]
+            energy = np.einsum("rmcd,rm->mc", draws**2, valid.astype(np.float64)) / (count * draws.shape[3])
+            found[channel] = np.sqrt(energy)
+        return found
+
+
+def faultless_residuals(log: Log, exact: Sequence[Recording], machine: Machine, rng: np.random.Generator) -> Faultless:
+    """Residuals of the nominal model over its own recordings, with the noise of a log."""
+    noise = noise_of(log)
+    draws: dict[Channel, list[Array]] = {}
+    for _ in range(DRAWS):
+        seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(exact)]
+        one = log_of(log.robot, seen, like=log)
+        prediction = predicted(replay(one, machine))
+        for channel, rows in residual_rows(one, prediction).items():
+            draws.setdefault(channel, []).append(rows)
+    return Faultless(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()})

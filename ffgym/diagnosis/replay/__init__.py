@@ -1,0 +1,1 @@
+"""Measured motors drive a model."""

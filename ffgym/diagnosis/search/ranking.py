@@ -1,0 +1,88 @@
+"""Which candidates explain a residual on rows that they were not fitted to, and how much of that is chance."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
+from ffgym.diagnosis.evidence.screen import fitted, screen
+from ffgym.diagnosis.evidence.stack import Evidence
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, hypothesis_of
+from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.signatures.variant import STEP
+from ffgym.robot import RobotDescription
+from ffgym.types import Array, IntArray
+
+LEVEL = 0.99
+"""Share of faultless logs whose largest score lies below the threshold."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ranking:
+    """Scores of all candidates, in units of the energy of noise in one component."""
+
+    score: Array
+    """Mean of both splits, shape (C,)."""
+    by_halves: Array
+    by_motions: Array
+    order: IntArray
+    """Best first."""
+    threshold: float
+    """Largest score by chance."""
+    most: Array
+    """Score that each would have at the largest size that is plausible, shape (C,)."""
+
+    def is_significant(self, i: int) -> bool:
+        """Whether a candidate explains more than chance would."""
+        return bool(self.score[i] > self.threshold)
+
+
+def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray) -> Ranking:
+    """Rank candidates by what they remove from halves and motions that were left out.
+
+    Args:
+        evidence: of the log's residual first, then of those of faultless logs.
+        candidates: with the columns of the evidence.
+        calibration: places of columns that are fitted beside each candidate.
+    """
+    halves = screen(evidence, half_folds(evidence.blocks), calibration, candidates.groups, candidates.priors)
+    folds = motion_folds(evidence.blocks)
+    motions = screen(evidence, folds, calibration, candidates.groups, candidates.priors) if folds else halves
+    per = float(evidence.rows.sum()) / evidence.n_components
+    by_halves, by_motions = halves.gain / per, motions.gain / per
+    score = 0.5 * (by_halves + by_motions)
+    chance = score[:, 1:].max(axis=0) if score.shape[1] > 1 else np.zeros(1)
+    return Ranking(
+        score=score[:, 0],
+        by_halves=by_halves[:, 0],
+        by_motions=by_motions[:, 0],
+        order=np.argsort(-score[:, 0], kind="stable"),
+        threshold=_extreme(chance),
+        most=_largest(evidence, candidates, calibration) / per,
+    )
+
+
+def _largest(evidence: Evidence, candidates: Candidates, calibration: IntArray) -> Array:
+    """Energy that calibration cannot imitate of each candidate's loudest column, at the end of its range."""
+    gram = evidence.gram.sum(axis=0)
+    inner = gram[np.ix_(calibration, calibration)] + np.diag(candidates.priors.precision[calibration])
+    cross = gram[calibration]
+    own = np.diagonal(gram) - np.einsum("cp,cp->p", cross, np.linalg.solve(inner, cross))
+    return np.array([own[group.columns].max() / STEP**2 for group in candidates.groups])
+
+
+def _extreme(largest: Array) -> float:
+    """The LEVEL quantile of largest scores, by the distribution that largest values have (Gumbel's)."""
+    spread = max(float(np.std(largest)), 1e-12) * np.sqrt(6) / np.pi
+    middle = float(np.mean(largest)) - np.euler_gamma * spread
+    return float(max(middle - spread * np.log(-np.log(LEVEL)), largest.max()))
+
+
+def start_of(
+    evidence: Evidence, candidates: Candidates, i: int, calibration: IntArray, robot: RobotDescription
+) -> Hypothesis:
+    """The hypothesis that a candidate begins with: the linear fit beside the calibration."""
+    group = candidates.groups[i]
+    places = np.concatenate([calibration, group.columns])
+    sizes = fitted(evidence, places, candidates.priors)[len(calibration) :] * candidates.scale[group.columns]
+    return hypothesis_of(candidates.of(group), sizes, robot)

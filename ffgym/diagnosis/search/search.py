@@ -1,0 +1,143 @@
+"""The search: adopt what explains most, fit it by replaying, look again at what is left, drop what is not needed."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
+from ffgym.diagnosis.evidence.screen import left_by_block
+from ffgym.diagnosis.evidence.stack import Values, evidence_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, values_of
+from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.search.ranking import Ranking, ranked, start_of
+from ffgym.types import Array
+
+MOST = 4
+"""Causes that are named at most; a model that lacks more is better identified anew."""
+
+TRIED = 4
+"""Candidates that are fitted by replaying, in each round."""
+
+NEAR = 0.5
+"""Share of the best candidate's score from which on another is fitted, too."""
+
+EXPLAINS = 0.5
+"""Share of what is left above the noise that a cause must remove to be adopted; less is not its name."""
+
+FLOOR = 0.05
+"""Share of what is left that is worth a name at all."""
+
+SLACK = 0.02
+"""Share of the energy by which a hypothesis with more numbers must beat one with fewer."""
+
+Report = Callable[[str, float], None]
+"""Told what is done, and the share of the search that is done."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tried:
+    """A candidate, fitted."""
+
+    fit: Fit
+    left: Array
+    """Energy left in each block by fits to others, both splits in mean, shape (B,)."""
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The last one, that was tried."""
+        return self.fit.hypotheses[-1]
+
+    @property
+    def total(self) -> float:
+        """Energy left."""
+        return float(self.left.sum())
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Round:
+    """One look at what is left: candidates by score, and those that were fitted, best first."""
+
+    before: Tried
+    ranking: Ranking
+    tried: tuple[Tried, ...]
+    adopted: bool
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Found:
+    """What a search found."""
+
+    nominal: Tried
+    final: Tried
+    rounds: tuple[Round, ...]
+    rows: float
+    """Energy of noise alone."""
+
+
+def search(
+    setting: Setting, candidates: Candidates, faultless: Values, report: Report = lambda what, share: None
+) -> Found:
+    """Find the effects that explain a log."""
+    nominal = now = _judged(setting, ())
+    rounds: list[Round] = []
+    while len(now.fit.hypotheses) < MOST:
+        one = _round(setting, candidates, faultless, now, report)
+        rounds.append(one)
+        if not one.adopted:
+            break
+        now = _without_needless(setting, one.tried[0])
+    return Found(nominal=nominal, final=now, rounds=tuple(rounds), rows=float(now.fit.evidence.rows.sum()))
+
+
+def _round(setting: Setting, candidates: Candidates, faultless: Values, now: Tried, report: Report) -> Round:
+    """Rank, fit the best, and see whether the best of those is to be adopted."""
+    fixed = now.fit
+    own = [*candidates.parts[: fixed.n_calibration], *candidates.parts[fixed.n_calibration :]]
+    residual = values_of(fixed.residual)
+    together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
+    evidence = evidence_of(setting.blocks, own, together, setting.weights)
+    ranking = ranked(evidence, candidates, candidates.calibration)
+    taken = {hypothesis.place for hypothesis in fixed.hypotheses}
+    tried: list[Tried] = []
+    places: set[tuple[str, str, int | None]] = set()
+    best = ranking.score[ranking.order[0]]
+    for i in ranking.order:
+        if len(tried) == TRIED or not ranking.is_significant(i) or (tried and ranking.score[i] < NEAR * best):
+            break
+        start = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
+        if start.place in taken or start.place in places:
+            continue
+        places.add(start.place)
+        report(f"fitting {start.label}", len(tried) / TRIED)
+        tried.append(_judged(setting, (*fixed.hypotheses, start)))
+    tried.sort(key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
+    return Round(before=now, ranking=ranking, tried=tuple(tried), adopted=bool(tried) and _is_worth(now, tried[0]))
+
+
+def _is_worth(before: Tried, after: Tried) -> bool:
+    """Whether a cause explains enough of what is left above the noise."""
+    rows = float(before.fit.evidence.rows.sum())
+    above = max(before.total - rows, 0.0)
+    gained = before.total - after.total
+    return gained > FLOOR * before.total and gained > EXPLAINS * above
+
+
+def _judged(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Tried:
+    """Fit, then judge by blocks that were left out."""
+    found = fit(setting, hypotheses) if hypotheses else evaluated(setting, ())
+    halves, motions = half_folds(setting.blocks), motion_folds(setting.blocks)
+    left = [
+        left_by_block(found.evidence, folds, found.everything, found.priors) for folds in (halves, motions) if folds
+    ]
+    return Tried(fit=found, left=np.mean(left, axis=0))
+
+
+def _without_needless(setting: Setting, now: Tried) -> Tried:
+    """Drop causes that the others make up for."""
+    for i in range(len(now.fit.hypotheses) - 1):
+        fewer = _judged(setting, [h for k, h in enumerate(now.fit.hypotheses) if k != i])
+        if fewer.total <= now.total * (1 + FLOOR):
+            return _without_needless(setting, fewer)
+    return now

@@ -1,0 +1,1 @@
+"""Effects along a replay, as columns of a regression."""

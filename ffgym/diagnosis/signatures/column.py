@@ -1,0 +1,218 @@
+"""Columns of a regression: what one parameter of one effect on one joint would change in everything that is compared."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.diagnosis.replay.clocks import late
+from ffgym.diagnosis.replay.replay import Replay, servo_feedback, tool_path, tracked
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.signatures.difference import Change, Push, changes, misread_push, only_joint, push_of
+from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect
+from ffgym.effects import ClockEffect, Effect, NativeEffect, ResolverEffect, TrackerEffect
+from ffgym.robot import RigidArm
+from ffgym.types import Array
+
+_TOGETHER = 12
+"""Pushes on the springs that are solved for at once; chosen: as many as fit the cache with 84 s of six axes."""
+
+Parts = Mapping[tuple[Channel, int], Array]
+"""By channel and component, shape (R, M) each; what is not there does not change."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Column:
+    """Change of the predictions per unit of a parameter."""
+
+    effect: type[Effect]
+    joint: str
+    """Empty for the machine as a whole."""
+    parameter: str
+    part: int | None
+    """Which number of a vector, or which other joint of a pair."""
+    choice: int
+    """Columns of one effect, joint and choice belong together."""
+    span: int
+    """Which of the values that span a phase or the like."""
+    shape: Mapping[str, Array]
+    """Values of the shapes, of this joint or of the machine."""
+    parts: Parts
+
+
+def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> list[Column]:
+    """Columns of effects along a nominal replay; the same effect, joint and choice stand together."""
+    found: list[Column] = []
+    waiting: list[tuple[Variant, str, Push]] = []
+    jacobian = jacobian_of(run)
+
+    def solve() -> None:
+        for (variant, joint, _), change in zip(waiting, changes(run, [push for _, _, push in waiting]), strict=True):
+            found.append(_column(run, variant, joint, shown(run, change, jacobian)))
+        waiting.clear()
+
+    for kind in kinds:
+        for variant in variants(kind, run.robot, cycles):
+            if isinstance(variant.effect, TrackerEffect):
+                found += _tracker_columns(run, variant)
+            elif isinstance(variant.effect, ClockEffect):
+                found += _clock_columns(run, variant)
+            elif kind.side == "controller":
+                found += _servo_columns(run, variant)
+            elif kind.side == "motor" and not isinstance(variant.effect, ResolverEffect):
+                found += _motor_columns(run, variant)
+            else:
+                for joint, push in _pushes(run, variant):
+                    waiting.append((variant, joint, push))
+                    if len(waiting) == _TOGETHER:
+                        solve()
+    solve()
+    return found
+
+
+def machine_columns(run: Replay, effects: Sequence[tuple[str, Effect]], parameter: str, step: float) -> list[Column]:
+    """One column for each of several effects that act on the whole arm, per unit of `parameter`, `step` from null.
+
+    Args:
+        run: nominal replay.
+        effects: the joint that each is named after, and the effect.
+        parameter: what was moved.
+        step: by how much.
+    """
+    jacobian = jacobian_of(run)
+    pushes = [push_of(run, effect) for _, effect in effects]
+    return [
+        Column(
+            effect=type(effect),
+            joint=joint,
+            parameter=parameter,
+            part=None,
+            choice=0,
+            span=0,
+            shape={},
+            parts={key: values / step for key, values in shown(run, change, jacobian).items()},
+        )
+        for (joint, effect), change in zip(effects, changes(run, pushes), strict=True)
+    ]
+
+
+def _column(run: Replay, variant: Variant, joint: str, parts: Parts) -> Column:
+    """The column of a variant, per unit of its parameter."""
+    at = list(run.robot.joints).index(joint) if joint else None
+    shape = {name: value if at is None or value.ndim == 0 else value[at] for name, value in variant.shape.items()}
+    return Column(
+        effect=type(variant.effect),
+        joint=joint,
+        parameter=variant.parameter,
+        part=variant.part,
+        choice=variant.choice,
+        span=variant.span,
+        shape=shape,
+        parts={key: values / variant.step for key, values in parts.items()},
+    )
+
+
+def _motor_columns(run: Replay, variant: Variant) -> list[Column]:
+    """Of an effect before the gearbox: torque of its own motor, for all motors at once."""
+    push = push_of(run, variant.effect)
+    if push.motor is None:
+        return []
+    torque = run.log.sampling(push.motor)
+    return [_column(run, variant, run.robot.joints[j], {("torque", j): torque[..., j]}) for j in variant.joints]
+
+
+def _servo_columns(run: Replay, variant: Variant) -> list[Column]:
+    """Of an effect in the servo."""
+    effect, log = variant.effect, run.log
+    if log.feedback is None or log.reference is None or not isinstance(effect, NativeEffect):
+        return []
+    more = servo_feedback(log, effect.in_description(run.robot)) - servo_feedback(log, run.robot)
+    rows = log.sampling(more)
+    return [_column(run, variant, run.robot.joints[j], {("servo", j): rows[..., j]}) for j in variant.joints]
+
+
+def _clock_columns(run: Replay, variant: Variant) -> list[Column]:
+    """Of samples that are written late."""
+    parts = clock_parts(run, [], [variant.effect])
+    return [_column(run, variant, "", parts)] if parts else []
+
+
+def _tracker_columns(run: Replay, variant: Variant) -> list[Column]:
+    """Of an effect between the tool and its measurement."""
+    if run.log.tool is None:
+        return []
+    joints = run.robot.joints
+    exact = tool_path(run)
+    found = []
+    for joint in [joints[j] for j in variant.joints] or [""]:
+        effect = variant.effect if not joint else _on_one(variant, joint, run)
+        seen = tracked(run, with_effect(run.machine, effect)) - exact
+        rows = run.log.sampling(seen)
+        found.append(_column(run, variant, joint, {("tool", k): rows[..., k] for k in range(3)}))
+    return found
+
+
+def clock_parts(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) -> Parts:
+    """Change of the channels whose clocks are exchanged."""
+    found: dict[tuple[Channel, int], Array] = {}
+    of_channel: list[tuple[Channel, Array]] = [("torque", run.torque)]
+    if run.log.link is not None:
+        of_channel.append(("link", run.link_q))
+    for channel, values in of_channel:
+        before, after = late(values, channel, gone, run.log), late(values, channel, come, run.log)
+        if before is not after:
+            rows = run.log.sampling(after - before)
+            found |= {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
+    return found
+
+
+def _on_one(variant: Variant, joint: str, run: Replay) -> Effect:
+    """The effect of a variant on one joint alone."""
+    at = list(run.robot.joints).index(joint)
+    known = type(variant.effect).parameters()
+    values = variant.effect.values()
+    for name, p in known.items():
+        if p.role == "size" and p.per == "joint":
+            alone = np.full_like(values[name], p.neutral)
+            alone[at] = values[name][at]
+            values[name] = alone
+    return type(variant.effect)(**values)
+
+
+def _pushes(run: Replay, variant: Variant) -> list[tuple[str, Push]]:
+    """Pushes on the arm, one per joint that has the effect, or one of the whole machine."""
+    effect, joints = variant.effect, run.robot.joints
+    if isinstance(effect, ResolverEffect):
+        return [(joints[j], misread_push(run, effect, j)) for j in variant.joints]
+    push = push_of(run, effect)
+    return [(joints[j], only_joint(push, j)) for j in variant.joints] or [("", push)]
+
+
+def shown(run: Replay, change: Change, jacobian: Array | None) -> Parts:
+    """What a change shows in each channel that the log has."""
+    parts: dict[tuple[Channel, int], Array] = {}
+    for j in range(run.robot.n_joints):
+        parts["torque", j] = change.torque[..., j]
+        if run.log.link is not None:
+            parts["link", j] = change.link[..., j]
+    if jacobian is not None:
+        tool = np.matmul(jacobian, change.link[..., None])[..., 0]
+        parts |= {("tool", k): tool[..., k] for k in range(3)}
+    return parts
+
+
+def jacobian_of(run: Replay) -> Array | None:
+    """Of the tool by the joints, (R, M, 3, N); None without a tracker."""
+    if run.log.tool is None:
+        return None
+    q = run.link_q[run.log.sampling.at]
+    jacobian = RigidArm(run.robot).jacobian(q.reshape(-1, q.shape[-1]))[:, :3]
+    return jacobian.reshape(*q.shape[:2], 3, q.shape[-1])
+
+
+def together(columns: Sequence[Column]) -> dict[tuple[type[Effect], str, int], list[int]]:
+    """Places of columns that are one candidate: effect, joint, and shape that was chosen."""
+    found: dict[tuple[type[Effect], str, int], list[int]] = {}
+    for i, column in enumerate(columns):
+        found.setdefault((column.effect, column.joint, column.choice), []).append(i)
+    return found

@@ -1,0 +1,81 @@
+"""What changes in a replay if its machine is exchanged for one with other effects, to first order about the replay."""
+
+from collections.abc import Sequence
+
+from ffgym.diagnosis.replay.replay import Replay, servo_feedback, tracked
+from ffgym.diagnosis.signatures.column import Parts, clock_parts, jacobian_of, shown
+from ffgym.diagnosis.signatures.difference import Push, changes, moved, of_numbers
+from ffgym.effects import ClockEffect, NativeEffect, TorqueEffect, TrackerEffect
+from ffgym.effects.along import torques_along
+from ffgym.effects.effect import Effect
+from ffgym.plant import Machine
+from ffgym.types import Array
+
+
+def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
+    """Change of all predictions for each of several machines in place of that of the replay."""
+    pushes = [_push(run, machine) for machine in machines]
+    jacobian = jacobian_of(run)
+    found = []
+    for machine, change in zip(machines, changes(run, pushes), strict=True):
+        parts = dict(shown(run, change, jacobian))
+        gone, come = _exchange(run.machine, machine)
+        both = (*gone, *come)
+        if run.log.tool is not None and any(isinstance(effect, TrackerEffect) for effect in both):
+            seen = run.log.sampling(tracked(run, machine) - tracked(run, run.machine))
+            for k in range(3):
+                parts["tool", k] = parts.get(("tool", k), 0.0) + seen[..., k]
+        if any(isinstance(effect, ClockEffect) for effect in both):
+            for key, rows in clock_parts(run, gone, come).items():
+                parts[key] = parts.get(key, 0.0) + rows
+        if any(effect.side == "controller" for effect in both) and run.log.feedback is not None:
+            servo = run.log.sampling(servo_feedback(run.read, machine.physical) - servo_feedback(run.read, run.robot))
+            parts |= {("servo", j): servo[..., j] for j in range(run.robot.n_joints)}
+        found.append(parts)
+    return found
+
+
+def _exchange(before: Machine, after: Machine) -> tuple[list[Effect], list[Effect]]:
+    """Effects that go, and effects that come."""
+    gone = [effect for effect in before.effects if effect not in after.effects]
+    return gone, [effect for effect in after.effects if effect not in before.effects]
+
+
+def _push(run: Replay, machine: Machine) -> Push:
+    """What the exchange adds to the balance of torques."""
+    gone, come = _exchange(run.machine, machine)
+    total = Push()
+    if any(isinstance(effect, NativeEffect) for effect in (*gone, *come)):
+        total = of_numbers(run, machine.physical)
+    for sign, effects in ((-1.0, gone), (1.0, come)):
+        for effect in effects:
+            if isinstance(effect, TorqueEffect):
+                added = torques_along(effect, run.state, run.log.dt)
+                total = Push(
+                    motor=_plus(total.motor, added.motor, -sign),
+                    links=_plus(total.links, added.link, -sign),
+                    spring=_plus(total.spring, added.spring, sign),
+                )
+    if machine.resolver_effects != run.machine.resolver_effects:
+        total = _with_reading(run, machine, total)
+    return total
+
+
+def _with_reading(run: Replay, machine: Machine, total: Push) -> Push:
+    """With motors that truly were elsewhere, as another resolver read what was read."""
+    drive = run.robot.drive
+    angle, speed = run.state.motor_angle, run.state.motor_speed
+    was, is_now = run.machine.read_by_resolver(angle, speed), machine.read_by_resolver(angle, speed)
+    other = moved(run, drive.joint_angle(was[0] - is_now[0]), drive.joint_angle(was[1] - is_now[1]))
+    return Push(
+        motor=_plus(total.motor, other.motor, 1.0),
+        links=_plus(total.links, other.links, 1.0),
+        spring=total.spring,
+        joint_q=other.joint_q,
+    )
+
+
+def _plus(total: Array | None, more: Array | None, sign: float) -> Array | None:
+    if more is None:
+        return total
+    return sign * more if total is None else total + sign * more

@@ -1,0 +1,176 @@
+"""Small perturbations of a machine: each size parameter of an effect, by a practical step, in every shape to try."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from ffgym.effects import Effect
+from ffgym.effects.parameter import Parameter
+from ffgym.errors import FFGymError
+from ffgym.plant import Machine
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+STEP = 0.3
+"""Step as a share of what is plausible; chosen: large against rounding, small against where effects bend."""
+
+Cycles = Mapping[str, Sequence[float]]
+"""By joint: how often something periodic may repeat per motor turn, the most likely first."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Variant:
+    """A machine with a bit more of one parameter of one effect, on every joint that can have it."""
+
+    effect: Effect
+    """The effect by itself."""
+    parameter: str
+    part: int | None
+    """Which number of a vector, or the joint that causes it in a pair; None for one per joint or for the machine."""
+    step: float
+    """What `parameter` is away from its null value."""
+    shape: Mapping[str, Array]
+    """Values of its shapes, as the effect has them."""
+    joints: tuple[int, ...]
+    """Joints that have it, each a column of its own; empty for one column of the whole machine."""
+    choice: int
+    """Which of the shapes that are tried; columns of one choice belong together."""
+    span: int
+    """Which of the values that span a phase or the like."""
+
+
+def step_of(known: Parameter) -> float:
+    """Practical step of a size parameter away from its null value."""
+    null = known.neutral
+    towards = known.high if abs(known.high - null) >= abs(known.low - null) else known.low
+    return STEP * (towards - null)
+
+
+def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Iterator[Variant]:
+    """All variants of an effect on a robot; none if the robot cannot have it at all."""
+    known = kind.parameters()
+    joints = [j for j in range(robot.n_joints) if _can_have(kind, robot, j)]
+    per_joint = any(p.per in ("joint", "pair") for p in known.values() if p.role == "size")
+    if per_joint and not joints:
+        return
+    for choice, shape in enumerate(_shapes(known, robot, cycles)):
+        for size in (p for p in known.values() if p.role == "size"):
+            for span, fixed in enumerate(_spans(known, shape)):
+                for part in _parts(size, robot):
+                    values = {name: np.asarray(value, dtype=np.float64) for name, value in fixed.items()}
+                    values[size.name] = _size(size, robot, joints, part)
+                    effect = kind(**_complete(known, values, robot))
+                    yield Variant(
+                        effect=effect,
+                        parameter=size.name,
+                        part=part,
+                        step=step_of(size),
+                        shape={name: getattr(effect, name) for name in fixed},
+                        joints=_places(size, joints, part),
+                        choice=choice,
+                        span=span,
+                    )
+
+
+def with_effect(machine: Machine, effect: Effect) -> Machine:
+    """The machine with one more effect."""
+    return Machine(robot=machine.robot, effects=(*machine.effects, effect), climate=machine.climate)
+
+
+def _can_have(kind: type[Effect], robot: RobotDescription, joint: int) -> bool:
+    """Whether joint `joint` can have the effect: not one of elasticity on a rigid joint."""
+    return not (kind.needs_elasticity and bool(robot.drive.is_rigid[joint]))
+
+
+def _places(size: Parameter, joints: list[int], part: int | None) -> tuple[int, ...]:
+    if size.per == "joint":
+        return tuple(joints)
+    return tuple(j for j in joints if j != part) if size.per == "pair" else ()
+
+
+def _parts(size: Parameter, robot: RobotDescription) -> tuple[int | None, ...]:
+    if size.per == "vector":
+        return (0, 1, 2)
+    return tuple(range(robot.n_joints)) if size.per == "pair" else (None,)
+
+
+def _size(size: Parameter, robot: RobotDescription, joints: list[int], part: int | None) -> Array:
+    """The parameter a step away from its null value."""
+    shape = size.shape(robot.n_joints)
+    values = np.full(shape, size.neutral)
+    moved = size.neutral + step_of(size)
+    if size.per == "joint":
+        values[joints] = moved
+    elif size.per == "pair":
+        values[:, part] = moved
+        values[part, part] = size.neutral
+    elif size.per == "vector":
+        values[part] = moved
+    else:
+        values = np.asarray(moved)
+    return values
+
+
+def _shapes(known: Mapping[str, Parameter], robot: RobotDescription, cycles: Cycles) -> list[dict[str, Any]]:
+    """Values of shape parameters to try: every combination; frequencies differ from joint to joint."""
+    tried: list[list[tuple[str, Any]]] = []
+    for p in known.values():
+        if p.role == "shape" and p.tries:
+            tried.append([(p.name, value) for value in p.tries])
+        if p.role == "cycles":
+            count = max((len(cycles.get(joint, ())) for joint in robot.joints), default=0)
+            tried.append([(p.name, _cycles(p, robot, cycles, i)) for i in range(count)])
+    return [dict(combination) for combination in product(*tried)]
+
+
+def _cycles(p: Parameter, robot: RobotDescription, cycles: Cycles, i: int) -> Array:
+    """The i-th frequency of each joint, per motor turn, or per radian of the joint where that is the unit."""
+    values = []
+    for j, joint in enumerate(robot.joints):
+        likely = cycles.get(joint, ())
+        turn = likely[min(i, len(likely) - 1)] if likely else 1.0
+        values.append(turn * abs(robot.drive.gear_ratio[j]) if p.unit == "1/rad" else turn)
+    return np.clip(values, p.minimum, p.maximum)
+
+
+def _spans(known: Mapping[str, Parameter], shape: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The shape with each of the values that span its phases and other linear parameters."""
+    found = [dict(shape)]
+    for p in known.values():
+        if p.role == "phase":
+            found = [one | {p.name: phase} for one in found for phase in (0.0, np.pi / 2)]
+        elif p.role == "span":
+            found = found + [dict(shape) | {p.name: moved} for moved in _moved(p)]
+    return found
+
+
+def _moved(p: Parameter) -> list[Any]:
+    """A linear shape a step away from its default, in each of its directions."""
+    step = 0.5 * p.high
+    return [step * np.eye(3)[k] for k in range(3)] if p.per == "vector" else [step]
+
+
+def _complete(known: Mapping[str, Parameter], values: Mapping[str, Any], robot: RobotDescription) -> dict[str, Any]:
+    """All parameters: sizes that are not moved at their null value, for as many joints as the robot has."""
+    full: dict[str, Any] = {}
+    for p in known.values():
+        if p.name in values:
+            value = np.asarray(values[p.name])
+            full[p.name] = np.broadcast_to(value, p.shape(robot.n_joints)).copy() if p.per != "machine" else value
+        elif p.role == "size":
+            full[p.name] = np.full(p.shape(robot.n_joints), p.neutral)
+    return full
+
+
+def check_none_lost(effects: Sequence[Effect]) -> None:
+    """Check that every effect has a size.
+
+    Raises:
+        FFGymError: if one has none, so that no step would change anything.
+    """
+    for effect in effects:
+        if not any(p.role == "size" for p in type(effect).parameters().values()):
+            raise FFGymError(f"Effect {effect.name} has no parameter with a null value, so that it cannot be searched.")
