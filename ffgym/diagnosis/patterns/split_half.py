@@ -1,6 +1,6 @@
 """Tests of forms of dependence: fitted on one half of the rows, judged on the other, and the other way round."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,22 +30,30 @@ def tried(candidate: Fixed | Periodic, rows: Rows, values: Array, active: Sequen
     """
     open_to = [c for c in active if candidate.may_act_on(rows, c)]
     gain, p = np.zeros((len(rows.block_starts), values.shape[1])), np.ones((2, values.shape[1]))
+    if not open_to:
+        return Trial(candidate=candidate, gain=gain, p=p[0])
+    measured = values[:, open_to]
+    foretell = _foretelling(candidate, rows, measured)
     for judged in (0, 1):
         train, blocks = rows.half != judged, rows.block_half == judged
-        if open_to and train.any() and blocks.any():
-            measured = values[:, open_to]
-            foretold = _foretold(candidate, rows, measured, train)
+        if train.any() and blocks.any():
+            foretold = foretell(train)
             agreement, size = (rows.by_block(foretold * other)[blocks] for other in (measured, foretold))
             gain[np.ix_(blocks, open_to)] = 2 * agreement - size
             p[judged, open_to] = symmetric_test(_bounded(agreement, size, rows.by_block(measured**2)[blocks]))
     return Trial(candidate=candidate, gain=gain, p=np.minimum(1.0, 2 * p.min(axis=0)))
 
 
-def _foretold(candidate: Fixed | Periodic, rows: Rows, values: Array, train: BoolArray) -> Array:
-    """What a form that was fitted to some rows says of all, (R, C)."""
+def _foretelling(candidate: Fixed | Periodic, rows: Rows, values: Array) -> Callable[[BoolArray], Array]:
+    """What a form says of all rows (R, C) when it is fitted to some of them (R,)."""
     if isinstance(candidate, Fixed):
         columns = rows.centred(candidate.columns(rows))
-        return columns @ fit(columns[train], values[train])
+        return lambda train: columns @ fit(columns[train], values[train])
+    return lambda train: _waves(candidate, rows, values, train)
+
+
+def _waves(candidate: Periodic, rows: Rows, values: Array, train: BoolArray) -> Array:
+    """Sines (R, C) whose frequencies and amplitudes are those of some rows."""
     foretold = np.zeros_like(values)
     for c, frequency in enumerate(candidate.search(rows, values, train) or ()):
         columns = rows.centred(candidate.columns(rows, frequency))
