@@ -23,6 +23,10 @@ then within 2 e^-3 = 10 % of where it goes."""
 REVERSAL = 30.0
 """Travel up to which a motor counts as just turned, in the same unit; chosen: ten times presliding."""
 
+DWELL = 0.25
+"""Time from which a motor had stood before its move [s]; shorter stops are turns. Chosen: below the shortest rest of
+the protocols, 0.3 s, and above what slow sines take to turn."""
+
 SLOW = 2.0
 """Motor speed up to which motion is slow, in Stribeck velocities: e^-4 = 2 % of the Stribeck peak is left there."""
 
@@ -35,7 +39,7 @@ REGIMES: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "rest": f"motor slower than {REST:g} rad/s",
             "presliding": f"within {BRISTLES:g} f_s / sigma_0 of travel after the motor turned",
             "reversal": f"after that, within {REVERSAL:g} f_s / sigma_0",
-            "restart": f"within {REVERSAL:g} f_s / sigma_0 of travel after the motor had stood",
+            "restart": f"within {REVERSAL:g} f_s / sigma_0 of travel after the motor had stood for {DWELL:g} s",
             "slow": f"up to {SLOW:g} Stribeck velocities",
             "mid": "between slow and fast",
             "fast": "from where viscous friction is as large as Coulomb friction",
@@ -148,7 +152,7 @@ def _regimes(rows: LogRows, residual: Residual, j: int) -> dict[str, BoolArray]:
 
 def _motion_regimes(rows: LogRows, friction: LuGreParameters, j: int) -> dict[str, BoolArray]:
     """Each row in exactly one regime of motion."""
-    speed, travel, stood = np.abs(rows.speed[:, j]), rows.travel[:, j], rows.stood[:, j] > 0
+    speed, travel, stood = np.abs(rows.speed[:, j]), rows.travel[:, j], rows.stood[:, j] >= DWELL
     bristle = friction.static[j] / friction.bristle_stiffness[j]
     fast = friction.coulomb[j] / friction.viscous[j] if friction.viscous[j] > 0 else np.inf
     in_order = {
