@@ -26,6 +26,8 @@ def torques_along(effect: TorqueEffect, states: State, dt: float) -> Torques:
     memory = effect.initial_memory(first)
     if not memory.size:
         return effect.torques(states, effect.initial_memory(states), dt)[0]
+    if (at_once := effect.torques_over(states, dt)) is not None:
+        return at_once
     added, memory = effect.torques(first, memory, dt)
     found = [added]
     for state in each:

@@ -182,6 +182,13 @@ class TorqueEffect(Effect):
         Only elementwise arithmetic, so that a result does not depend on how many robots are computed together.
         """
 
+    def torques_over(self, states: State, dt: float) -> Torques | None:
+        """The same at T samples `dt` [s] apart at once, (T, ..., N), for an effect whose memory is a linear filter.
+
+        None for others, which must go from sample to sample.
+        """
+        return None
+
 
 class ResolverEffect(Effect):
     """An error of the motor's position sensor, which the servo acts on."""

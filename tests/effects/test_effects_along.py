@@ -5,6 +5,7 @@ import pytest
 
 from ffgym.control import joint_reference
 from ffgym.effects import EFFECTS, TorqueEffect, torques_along
+from ffgym.effects.along import samples
 from ffgym.paths import multisine
 from ffgym.simulation import Run, simulate
 from tests.effects.effect_samples import as_strong_as_plausible, state_of
@@ -47,6 +48,25 @@ def test_torques_along_a_recording_have_its_shape(name, irb4600, measured):
         assert torque.shape == states.motor_angle.shape
         assert np.isfinite(torque).all()
     assert max(np.abs(torque).max() for torque in given) > 1e-3
+
+
+@pytest.mark.parametrize("name", ["torque_delay", "flexible_load"])
+@pytest.mark.parametrize("share", [0.3, 1.0])
+def test_a_linear_memory_is_one_filter_over_the_whole_recording(name, share, irb4600, measured):
+    dt, states = measured
+    effect = as_strong_as_plausible(EFFECTS[name], irb4600, share=share)
+    at_once = effect.torques_over(states, dt)
+    each = list(samples(states))
+    memory, found = effect.initial_memory(each[0]), []
+    for state in each:
+        torques, memory = effect.torques(state, memory, dt)
+        found.append(torques)
+    for part in ("motor", "link"):
+        stepped = [getattr(torques, part) for torques in found]
+        if stepped[0] is None:
+            assert getattr(at_once, part) is None
+        else:
+            np.testing.assert_allclose(getattr(at_once, part), stepped, rtol=1e-9, atol=1e-11)
 
 
 def test_a_memory_is_carried_from_sample_to_sample(irb4600, measured):

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 import numpy as np
+from scipy.signal import lfilter
 
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameter import parameter
@@ -64,6 +65,25 @@ class TorqueDelay(TorqueEffect):
         given = due + (given - due) * keep
         later = np.concatenate([commands, given[..., None]], axis=-1)
         return Torques(motor=given - state.motor_torque), later
+
+    def torques_over(self, states: State, dt: float) -> Torques:
+        """See base class."""
+        commands = np.broadcast_to(states.motor_torque, states.motor_angle.shape)
+        given = np.empty_like(commands)
+        for j in range(commands.shape[-1]):
+            delay, lag = float(self.delay[j]), float(self.lag[j])
+            keep = np.exp(-dt / lag) if lag > 0 else 0.0
+            due = _earlier(commands[..., j], delay / dt)
+            given[..., j] = lfilter([1 - keep], [1, -keep], due, axis=0, zi=keep * due[:1])[0]
+        return Torques(motor=given - commands)
+
+
+def _earlier(commands: Array, steps: float) -> Array:
+    """Commands (T, ...) `steps` samples ago; before the first of them, that one."""
+    whole, part = int(np.floor(steps)), steps - np.floor(steps)
+    padded = np.concatenate([np.repeat(commands[:1], whole + 1, axis=0), commands])
+    one, before = padded[1 : len(commands) + 1], padded[: len(commands)]
+    return (1 - part) * one + part * before
 
 
 def _interpolated(commands: Array, steps: Array) -> Array:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 import numpy as np
+from scipy.signal import lfilter
 
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameter import parameter
@@ -79,6 +80,26 @@ class FlexibleLoad(TorqueEffect):
         place = place - pulled
         torque = self.inertia * (omega**2 * place + 2 * self.damping * omega * rate)
         return Torques(link=torque), np.stack([place, rate, speed], axis=-1)
+
+    def torques_over(self, states: State, dt: float) -> Torques:
+        """See base class."""
+        speed = np.broadcast_to(states.link_speed, states.motor_angle.shape)
+        acceleration = np.diff(speed, axis=0, prepend=speed[:1]) / dt
+        torque = np.zeros_like(acceleration)
+        for j in np.flatnonzero(self.inertia).tolist():
+            numerator, denominator = self._filter(j, dt)
+            torque[..., j] = lfilter(numerator, denominator, acceleration[..., j], axis=0)
+        return Torques(link=torque)
+
+    def _filter(self, j: int, dt: float) -> tuple[Array, Array]:
+        """Torque of joint j per acceleration of its link, as a discrete filter of second order."""
+        omega, damping = 2 * np.pi * self.frequency[j], self.damping[j]
+        step = np.stack(_swung(np.array([1.0, 0.0]), np.array([0.0, 1.0]), omega, damping, dt))  # place and rate
+        pulled = (step[:, 0] - [1.0, 0.0]) / omega**2
+        seen = self.inertia[j] * np.array([omega**2, 2 * damping * omega])
+        trace, determinant = np.trace(step), np.linalg.det(step)
+        numerator = np.array([seen @ pulled, seen @ step @ pulled - trace * (seen @ pulled)])
+        return numerator, np.array([1.0, -trace, determinant])
 
 
 def _swung(place: Array, rate: Array, omega: Array, damping: Array, dt: float) -> tuple[Array, Array]:
