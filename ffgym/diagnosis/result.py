@@ -16,6 +16,7 @@ class Size:
     """Size of a parameter with its interval."""
 
     name: str
+    """Of the parameter; then a dot and the axis of a vector, or the other joint of a pair."""
     value: float
     unit: str
     interval: tuple[float, float]

@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from ffgym.diagnosis.fit.hypothesis import Free, Hypothesis
 from ffgym.diagnosis.fit.refine import Fit
 from ffgym.diagnosis.result import Cause, Size
+from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
 RESAMPLES = 200
@@ -28,10 +30,11 @@ def causes_of(fit: Fit, gains: tuple[float, ...], rng: np.random.Generator) -> t
                     float(np.clip(free.value + free.step * low, free.low, free.high)),
                     float(np.clip(free.value + free.step * high, free.low, free.high)),
                 )
-                name = free.name if free.part is None else f"{free.name}.{'xyz'[free.part]}"
-                sizes.append(Size(name=name, value=free.value, unit=p.unit, interval=interval))
+                sizes.append(
+                    Size(name=_name(hypothesis, free, fit.run.robot), value=free.value, unit=p.unit, interval=interval)
+                )
             else:
-                fixed[free.name if free.part is None else f"{free.name}.{'xyz'[free.part]}"] = free.value
+                fixed[_name(hypothesis, free, fit.run.robot)] = free.value
         found.append(
             Cause(
                 effect=hypothesis.kind.name,
@@ -44,6 +47,13 @@ def causes_of(fit: Fit, gains: tuple[float, ...], rng: np.random.Generator) -> t
             )
         )
     return tuple(found)
+
+
+def _name(hypothesis: Hypothesis, free: Free, robot: RobotDescription) -> str:
+    """Name of a number: its parameter's, with the axis of a vector or the other joint of a pair behind a dot."""
+    if free.part is not None:
+        return f"{free.name}.{'xyz'[free.part]}"
+    return free.name if hypothesis.source is None else f"{free.name}.{robot.joints[hypothesis.source]}"
 
 
 def _resampled(fit: Fit, rng: np.random.Generator) -> Array:
