@@ -3,12 +3,14 @@
 import json
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.document import read_diagnosis, write_diagnosis
 from ffgym.diagnosis.extended import save_extended
+from ffgym.diagnosis.nominal import fitted_nominal
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.effects import Origin
 from ffgym.errors import FFGymError, check_whole
@@ -26,8 +28,8 @@ from ffgym.simulation.simulate import Progress
 PAUSE = 60.0
 """Between two sessions [s]; chosen: what it takes to start the next one."""
 
-Diagnose = Callable[[Machine, Sequence[Recording]], Diagnosis]
-"""What a model lacks, by recordings of the machine."""
+Diagnose = Callable[[Machine, Sequence[Recording], Calibration], Diagnosis]
+"""What a model lacks, by recordings of the machine, and how well the numbers of the model are known."""
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Something that takes its time: its title and the unit of its progress."""
@@ -43,6 +45,9 @@ class Plan:
     """What machine files call its robot: a built-in name, or the path of its description."""
     origins: tuple[Origin, ...] = ()
     """Where numbers of effects come from that it has already."""
+    fit: bool = False
+    """Whether the first recordings are used to fit masses, rotors and friction of the model before it is diagnosed, as
+    for a machine that is far from its description in many numbers at once."""
     protocols: tuple[str, ...] = ("diagnosis",)
     """What is recorded in each round, as for `ffgym record`."""
     rounds: int = 4
@@ -101,6 +106,7 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
     """
     rounds: list[Round] = []
     machine, origins, proposed, clock = plan.nominal, plan.origins, list[Protocol](), 0.0
+    calibration = Calibration()
     while len(rounds) < plan.rounds and not (rounds and rounds[-1].is_last):
         number = len(rounds) + 1
         place = folder / f"round_{number}"
@@ -109,7 +115,9 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
         recordings = _recorded(rig, plan, motions, place / "logs", number, stage)
         with stage(f"diagnosing, round {number}", "") as progress:
             progress(0, 1)
-            diagnosis = _diagnosed(place, machine, recordings, diagnose)
+            if plan.fit and not rounds:
+                machine, calibration = _fitted(machine, recordings)
+            diagnosis = _diagnosed(place, machine, recordings, calibration, diagnose)
             progress(1, 1)
         model = place / "extended.toml"
         machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins, recordings=recordings)
@@ -138,7 +146,15 @@ def _recorded(
     return read_folder(folder)
 
 
-def _diagnosed(place: Path, machine: Machine, recordings: Sequence[Recording], diagnose: Diagnose) -> Diagnosis:
+def _fitted(machine: Machine, recordings: Sequence[Recording]) -> tuple[Machine, Calibration]:
+    """The machine with masses, rotors and friction that predict recorded torques best, and how sure those are."""
+    fitted, calibration = fitted_nominal(machine.robot, recordings)
+    return replace(machine, robot=fitted.robot), calibration
+
+
+def _diagnosed(
+    place: Path, machine: Machine, recordings: Sequence[Recording], calibration: Calibration, diagnose: Diagnose
+) -> Diagnosis:
     """The diagnosis of a round: the one in its folder, if it is of these recordings and this model."""
     about = {
         "session": recordings[0].header.provenance["session"],
@@ -148,7 +164,7 @@ def _diagnosed(place: Path, machine: Machine, recordings: Sequence[Recording], d
     key, file = place / "diagnosed.json", place / "diagnosis.json"
     if key.exists() and file.exists() and _json(key) == about:
         return read_diagnosis(file)
-    diagnosis = diagnose(machine, recordings)
+    diagnosis = diagnose(machine, recordings, calibration)
     write_diagnosis(file, diagnosis)
     write_json(key, about)
     return diagnosis
