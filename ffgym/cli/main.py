@@ -41,6 +41,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     from ffgym.cli.demo import Demo
     from ffgym.cli.export import Export
     from ffgym.cli.identify import Identify
+    from ffgym.cli.improve import Improve
     from ffgym.cli.lffc import Lffc
     from ffgym.cli.log import Log
     from ffgym.cli.record import Record
@@ -54,6 +55,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         Annotated[Demo, tyro.conf.subcommand("demo")]
         | Annotated[Export, tyro.conf.subcommand("export")]
         | Annotated[Identify, tyro.conf.subcommand("identify")]
+        | Annotated[Improve, tyro.conf.subcommand("improve")]
         | Annotated[Lffc, tyro.conf.subcommand("lffc")]
         | Annotated[Log, tyro.conf.subcommand("log")]
         | Annotated[Record, tyro.conf.subcommand("record")]
@@ -64,7 +66,7 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Identify | Lffc | Log | Record | Reproduce | Robot | Simulate | Stability | Video
+    chosen: Demo | Export | Identify | Improve | Lffc | Log | Record | Reproduce | Robot | Simulate | Stability | Video
     chosen = tyro.cli(command, prog="ffgym", args=arguments, description=DESCRIPTION)
     chosen.run()
     return 0
