@@ -26,9 +26,8 @@ def base_torques(run: Replay) -> list[Parts]:
     taken, found, k = _rms(run.torque), [], 0
     for term in _TERMS:
         for part in term.columns(robot, motion):
-            for i in range(part.shape[1]):
-                if k + i in own:
-                    found.append(_parts(run, part[:, i].reshape(log.q.shape), taken))
+            columns = [part[:, i] for i in range(part.shape[1]) if k + i in own]
+            found += [_parts(run, column.reshape(log.q.shape), taken) for column in columns]
             k += part.shape[1]
     return [parts for parts in found if parts]
 

@@ -11,9 +11,11 @@ from ffgym.diagnosis.answer.sentence import sentence_of
 from ffgym.diagnosis.answer.sizes import causes_of
 from ffgym.diagnosis.answer.verdict import judged
 from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.fit.refine import evaluated
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.patterns.cycles import cycles_per_turn
+from ffgym.diagnosis.patterns.periodic import Amplitude
 from ffgym.diagnosis.prepare import Prepared, candidates_for, noise_for, prepared
 from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.residuals import residual_of
@@ -28,8 +30,9 @@ from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
-FREQUENCIES = 2
-"""Peaks per joint that are tried as the frequency of a periodic effect."""
+_LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("sign", 1))
+"""Peaks per joint that are tried as the frequency of a periodic effect, of the residual as it is and of that times the
+sign of the speed."""
 
 _APART = 0.2
 """Cycles per turn by which two such peaks differ at least."""
@@ -113,8 +116,9 @@ def _examined(
 ) -> Examined:
     setting = ready.setting
     kinds, not_judgeable = judgeable_kinds(log, machine)
-    first = without_calibration(setting, _nominal(ready))
-    cycles = _cycles(residual_of(log, _nominal(ready).run, first, ready.floor))
+    fitted = evaluated(setting, ())
+    first = without_calibration(setting, fitted)
+    cycles = _cycles(residual_of(log, fitted.run, first, ready.floor))
     report("computing what each effect would change", 0.1)
     candidates = candidates_for(ready, kinds, cycles)
     found = search(setting, candidates, noise_for(ready, rng), report)
@@ -146,12 +150,6 @@ def _examined(
     )
 
 
-def _nominal(ready: Prepared):  # type: ignore[no-untyped-def]
-    from ffgym.diagnosis.fit.refine import evaluated
-
-    return evaluated(ready.setting, ())
-
-
 def _quality(recordings: Sequence[Recording], robot: RobotDescription) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """What the quality gate flagged, and what it refused, in words."""
     flagged, refused = [], []
@@ -170,18 +168,18 @@ def _cycles(residual: Residual) -> Cycles:
     found: dict[str, list[float]] = {}
     for joint in residual.robot.joints:
         peaks: list[tuple[float, float]] = []
-        for amplitude in ("constant", "sign"):
+        for amplitude, count in _LOOKED_FOR:
             spectrum = cycles_per_turn(residual, "torque", joint, joint, amplitude=amplitude)
             if spectrum is not None:
-                peaks += _peaks(spectrum.frequency, spectrum.share)
+                peaks += _peaks(spectrum.frequency, spectrum.share, count)
         found[joint] = [frequency for _, frequency in sorted(peaks, reverse=True)]
     return found
 
 
-def _peaks(frequency: Array, share: Array) -> list[tuple[float, float]]:
+def _peaks(frequency: Array, share: Array, count: int) -> list[tuple[float, float]]:
     """The highest peaks of a spectrum, as share and frequency."""
     left, peaks = share.copy(), []
-    for _ in range(FREQUENCIES):
+    for _ in range(count):
         best = int(np.argmax(left))
         peaks.append((float(share[best]), float(frequency[best])))
         left[np.abs(frequency - frequency[best]) < _APART] = 0.0

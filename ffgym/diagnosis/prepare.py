@@ -9,9 +9,9 @@ from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
 from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.measured import valid_rows
+from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, faultless_recordings, faultless_residuals
-from ffgym.diagnosis.replay.replay import Replay, replay
+from ffgym.diagnosis.replay.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.search.surrogates import surrogates
@@ -28,8 +28,8 @@ class Prepared:
 
     setting: Setting
     run: Replay
-    """Of the nominal machine over its own motion: where motors move as measured, a wrong spring swings at a frequency of
-    its own, and what an effect changes would be seen through that swing."""
+    """Of the nominal machine over its own motion: where motors move as measured, a wrong spring swings at a frequency
+    of its own, and what an effect changes would be seen through that swing."""
     faultless: Faultless
     floor: Mapping[Channel, Array]
     """RMS of noise alone, (M, C)."""
@@ -37,9 +37,12 @@ class Prepared:
 
 def prepared(log: Log, nominal: Machine, calibration: Calibration, rng: np.random.Generator) -> Prepared:
     """Replay the nominal model, and find out what noise alone would leave."""
-    exact = faultless_recordings(log, replay(log, nominal))
-    run = replay(log_of(log.robot, exact, like=log), nominal)
-    faultless = faultless_residuals(log, exact, nominal, rng)
+    like = replay(log, nominal)
+    exact = faultless_recordings(log, like)
+    clean = log_of(log.robot, exact, like=log)
+    run = replay(clean, nominal)
+    bias = residual_rows(clean, predicted(run))
+    faultless = faultless_residuals(log, exact, bias, nominal, rng)
     floor = faultless.floor(log)
     weights = {(channel, c): 1 / rms[:, c] for channel, rms in floor.items() for c in range(rms.shape[1])}
     doubts = doubts_of(run, calibration)
@@ -50,6 +53,8 @@ def prepared(log: Log, nominal: Machine, calibration: Calibration, rng: np.rando
         weights=weights,
         calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in doubts],
         doubts=tuple(doubts),
+        like=like,
+        bias=bias,
         bound=BOUND,
     )
     return Prepared(setting=setting, run=run, faultless=faultless, floor=floor)

@@ -10,10 +10,11 @@ from ffgym.diagnosis.measured import measured_rows, valid_rows
 from ffgym.diagnosis.replay.replay import Replay
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
 from ffgym.effects import State
-from ffgym.types import Array
+from ffgym.types import Array, IntArray
 
 _AT_REST = 0.05
-"""Motor speed below which a motor stands [rad/s], motor side; below the Stribeck speed of gearboxes, 0.1 rad/s and more."""
+"""Motor speed below which a motor stands [rad/s], motor side; below the Stribeck speed of gearboxes, 0.1 rad/s and
+more."""
 
 
 def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Mapping[Channel, Array]) -> Residual:
@@ -34,7 +35,7 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
         motions.append(
             MotionResidual(
                 motion=name,
-                t=rows * log.dt,
+                t=log.t[rows],
                 valid=valid[:n, i],
                 measured={channel: measured[channel][:n, i] for channel in rest},
                 predicted={channel: measured[channel][:n, i] - rest[channel][:n, i] for channel in rest},
@@ -49,7 +50,7 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
     )
 
 
-def _state_at(state: State, rows: Array, i: int, log: Log) -> State:
+def _state_at(state: State, rows: IntArray, i: int, log: Log) -> State:
     """States at some samples of one motion, (R, N) each."""
     shape = log.q.shape
     return State(**{f.name: np.broadcast_to(getattr(state, f.name), shape)[rows, i] for f in fields(State)})

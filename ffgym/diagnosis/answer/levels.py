@@ -10,7 +10,7 @@ from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.residual import UNITS, Channel, components
 from ffgym.diagnosis.result import Level
 from ffgym.diagnosis.search.search import Found
-from ffgym.types import Array
+from ffgym.types import Array, BoolArray
 
 
 def without_calibration(setting: Setting, fit: Fit) -> dict[Channel, Array]:
@@ -56,6 +56,6 @@ def levels(setting: Setting, found: Found, floor: Mapping[Channel, Array]) -> tu
     return tuple(listed)
 
 
-def _mean_square(rows: Array, valid: Array) -> float:
+def _mean_square(rows: Array, valid: BoolArray) -> float:
     """RMS over valid rows."""
     return float(np.sqrt(np.mean(np.broadcast_to(rows, valid.shape)[valid] ** 2)))

@@ -71,13 +71,11 @@ def _gains(found: Found, above: float) -> tuple[float, ...]:
 def _rivals(found: Found, rng: np.random.Generator) -> tuple[Rival, ...]:
     """Candidates that were fitted in the place of a cause that stayed."""
     stayed = {hypothesis.place for hypothesis in found.final.fit.hypotheses}
-    listed = []
+    listed: list[Rival] = []
     for one in found.rounds:
-        if not one.adopted or one.tried[0].hypothesis.place not in stayed:
-            continue
-        best = one.tried[0]
-        for other in one.tried[1:]:
-            listed.append(_rival(one.before, best, other, found.rows, rng))
+        if one.adopted and one.tried[0].hypothesis.place in stayed:
+            best = one.tried[0]
+            listed += [_rival(one.before, best, other, found.rows, rng) for other in one.tried[1:]]
     return tuple(listed)
 
 

@@ -1,5 +1,6 @@
 """An effect on a joint with values for all its parameters: what a diagnosis tries, fits and names."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -137,7 +138,8 @@ def _size(p: Parameter, own: list[tuple[Column, float]]) -> Array:
         moved = np.array([sum(x for c, x in own if c.part == k) for k in range(3)])
         return np.clip(p.neutral + moved, p.minimum, p.maximum)
     phases = [c.shape["phase"] for c, _ in own if "phase" in c.shape]
-    total = float(np.hypot(*[x for _, x in own])) if len(phases) == 2 else sum(x for _, x in own)
+    sizes = [x for _, x in own]
+    total = math.hypot(*sizes) if len(phases) == 2 else sum(sizes)
     return np.array(np.clip(p.neutral + total, p.minimum, p.maximum))
 
 

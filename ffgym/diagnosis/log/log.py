@@ -65,6 +65,11 @@ class Log:
         return self.sampling.dt
 
     @property
+    def t(self) -> Array:
+        """Time since each motion began [s], shape (T,)."""
+        return np.arange(len(self.q), dtype=np.float64) * self.dt
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the motions."""
         return tuple(recording.header.segment for recording in self.recordings)

@@ -23,7 +23,7 @@ def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
     position = recording.joint_array("reference.position")
     q = position if recording.header.position_side == "link" else robot.drive.joint_angle(position)
     since = recording.t - recording.t[0]
-    t = dt * np.arange(int(np.floor(since[-1] / dt + 1e-6)) + 1)
+    t = dt * np.arange(int(np.floor(since[-1] / dt + 1e-6)) + 1, dtype=np.float64)
     curve = CubicSpline(since, q)
     return Reference(
         name=recording.header.segment,

@@ -13,7 +13,7 @@ _OF_MEDIAN = 1.4826
 
 
 def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
-    """Standard deviation of the white noise of signals (T, C) whose part above the low-pass is seen; robust to peaks."""
+    """Standard deviation of the white noise of signals (T, C), from what is above the low-pass; robust to peaks."""
     known = np.nan_to_num(values)
     rest = known - low_pass(known, dt)
     share = max(_LEAST, 1.0 - 2.0 * low_pass.cutoff * dt)

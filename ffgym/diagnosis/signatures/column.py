@@ -1,4 +1,4 @@
-"""Columns of a regression: what one parameter of one effect on one joint would change in everything that is compared."""
+"""Columns of a regression: what one parameter of one effect on one joint changes in all that is compared."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.diagnosis.replay.clocks import late
-from ffgym.diagnosis.replay.replay import Replay, servo_feedback, tool_path, tracked
+from ffgym.diagnosis.replay.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.difference import Change, Push, changes, misread_push, only_joint, push_of
+from ffgym.diagnosis.signatures.difference import Change, Push, changes, misread_on, misread_push, only_joint, push_of
 from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect
 from ffgym.effects import ClockEffect, Effect, NativeEffect, ResolverEffect, TrackerEffect
 from ffgym.robot import RigidArm
@@ -142,12 +142,12 @@ def _tracker_columns(run: Replay, variant: Variant) -> list[Column]:
     if run.log.tool is None:
         return []
     joints = run.robot.joints
-    exact = tool_path(run)
+    every = run.log.sampling.stride  # what a tracker errs by changes no faster than the tool moves
+    exact = tracked(run, run.machine, every)
     found = []
     for joint in [joints[j] for j in variant.joints] or [""]:
         effect = variant.effect if not joint else _on_one(variant, joint, run)
-        seen = tracked(run, with_effect(run.machine, effect)) - exact
-        rows = run.log.sampling(seen)
+        rows = tracked(run, with_effect(run.machine, effect), every) - exact
         found.append(_column(run, variant, joint, {("tool", k): rows[..., k] for k in range(3)}))
     return found
 
@@ -183,7 +183,8 @@ def _pushes(run: Replay, variant: Variant) -> list[tuple[str, Push]]:
     """Pushes on the arm, one per joint that has the effect, or one of the whole machine."""
     effect, joints = variant.effect, run.robot.joints
     if isinstance(effect, ResolverEffect):
-        return [(joints[j], misread_push(run, effect, j)) for j in variant.joints]
+        misread = misread_push(run, effect)
+        return [(joints[j], misread_on(run, misread, j)) for j in variant.joints]
     push = push_of(run, effect)
     return [(joints[j], only_joint(push, j)) for j in variant.joints] or [("", push)]
 

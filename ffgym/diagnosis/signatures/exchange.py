@@ -16,13 +16,14 @@ def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
     """Change of all predictions for each of several machines in place of that of the replay."""
     pushes = [_push(run, machine) for machine in machines]
     jacobian = jacobian_of(run)
-    found = []
+    found: list[Parts] = []
     for machine, change in zip(machines, changes(run, pushes), strict=True):
         parts = dict(shown(run, change, jacobian))
         gone, come = _exchange(run.machine, machine)
         both = (*gone, *come)
         if run.log.tool is not None and any(isinstance(effect, TrackerEffect) for effect in both):
-            seen = run.log.sampling(tracked(run, machine) - tracked(run, run.machine))
+            every = run.log.sampling.stride
+            seen = tracked(run, machine, every) - tracked(run, run.machine, every)
             for k in range(3):
                 parts["tool", k] = parts.get(("tool", k), 0.0) + seen[..., k]
         if any(isinstance(effect, ClockEffect) for effect in both):
