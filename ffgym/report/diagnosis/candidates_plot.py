@@ -1,4 +1,4 @@
-"""Causes and their rivals: what each explains of motions that were not used, beside what chance explains."""
+"""Causes and their rivals: what each explains of rows that were not used."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,7 @@ _ROOM = 0.14
 
 
 def candidates_figure(diagnosis: Diagnosis) -> "Figure":
-    """A bar for each cause and its strongest rivals, with the threshold; causes in the order of their adoption."""
+    """A bar for each cause and its strongest rivals; causes in the order of their adoption."""
     bars = _bars(diagnosis)
     with house_style():
         figure = new_figure(7.2, 0.28 * len(bars) + 1.2)
@@ -31,13 +31,11 @@ def candidates_figure(diagnosis: Diagnosis) -> "Figure":
         for row, (_, gain, kind) in enumerate(bars):
             axes.barh(row, max(gain, 0.0), height=0.72, label=kind, **_LOOKS[kind])
             axes.text(max(gain, 0.0) + 0.01, row, f"{gain:.0%}", va="center", fontsize=8)
-        if diagnosis.threshold > 0:
-            axes.axvline(diagnosis.threshold, color="black", linewidth=1.0, linestyle=":", label="reached by chance")
         axes.set_yticks(range(len(bars)), [name for name, _, _ in bars])
         axes.invert_yaxis()
         axes.set_xlim(0.0, max([1.0, *(gain for _, gain, _ in bars)]) + _ROOM)
         axes.grid(axis="y", visible=False)
-        axes.set_xlabel("share of the residual explained on motions that were not used")
+        axes.set_xlabel("share of the residual explained on rows that were not used")
         found = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
         legend_above(figure, list(found.values()), list(found))
     return figure
