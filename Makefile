@@ -1,7 +1,8 @@
 # make demo    set up, run the circle test on the built-in robot, print the tables, write report.html
 # make test    set up, run the tests            make test-all   the slow ones too
 # make check   format, lint, types, import rules
-# make bench   speed and memory of simulation and environments, against the bare engine; BENCH="--json FILE" passes options
+# make bench   speed and memory of simulation and environments, against the bare engine; BENCH="--json FILE" passes options;
+#               then a short exam of the diagnosis, docs/bench_diagnosis.md has the whole one
 # PYTHON=python3.12 chooses the interpreter of a new environment; CONSTRAINTS= installs the newest versions.
 
 PYTHON ?= python3
@@ -28,6 +29,7 @@ check: .venv/.dev
 
 bench: .venv/.dev
 	$(BIN)/python -m scripts.bench $(BENCH)
+	$(BIN)/ffgym bench-diagnosis --cases 1 --jobs 2
 
 format: .venv/.dev
 	$(BIN)/ruff format .

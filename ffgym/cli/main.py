@@ -38,6 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     import tyro
 
+    from ffgym.cli.bench_diagnosis import BenchDiagnosis
     from ffgym.cli.demo import Demo
     from ffgym.cli.export import Export
     from ffgym.cli.identify import Identify
@@ -52,7 +53,8 @@ def _run(arguments: Sequence[str] | None) -> int:
     from ffgym.cli.video import Video
 
     command = Annotated[
-        Annotated[Demo, tyro.conf.subcommand("demo")]
+        Annotated[BenchDiagnosis, tyro.conf.subcommand("bench-diagnosis")]
+        | Annotated[Demo, tyro.conf.subcommand("demo")]
         | Annotated[Export, tyro.conf.subcommand("export")]
         | Annotated[Identify, tyro.conf.subcommand("identify")]
         | Annotated[Improve, tyro.conf.subcommand("improve")]
@@ -66,7 +68,21 @@ def _run(arguments: Sequence[str] | None) -> int:
         | Annotated[Video, tyro.conf.subcommand("video")],
         tyro.conf.OmitSubcommandPrefixes,
     ]
-    chosen: Demo | Export | Identify | Improve | Lffc | Log | Record | Reproduce | Robot | Simulate | Stability | Video
+    chosen: (
+        BenchDiagnosis
+        | Demo
+        | Export
+        | Identify
+        | Improve
+        | Lffc
+        | Log
+        | Record
+        | Reproduce
+        | Robot
+        | Simulate
+        | Stability
+        | Video
+    )
     chosen = tyro.cli(command, prog="ffgym", args=arguments, description=DESCRIPTION)
     chosen.run()
     return 0

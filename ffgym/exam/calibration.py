@@ -6,9 +6,9 @@ from types import MappingProxyType
 import numpy as np
 
 from ffgym.effects import Effect
-from ffgym.effects.drive import TorqueOffset
 from ffgym.effects.measurement import ToolFrame
 from ffgym.robot import RobotDescription
+from ffgym.types import Array
 
 SPREAD = 0.005
 """Standard deviation of each number, as a share of it; chosen: a robot that was identified with care."""
@@ -23,7 +23,7 @@ TOOL_OFFSET = 15e-6
 def miscalibrated(robot: RobotDescription, rng: np.random.Generator) -> RobotDescription:
     """A robot like `robot` whose masses, rotors, friction, stiffness and damping all are a little different."""
 
-    def off(*shape: int) -> np.ndarray:
+    def off(*shape: int) -> Array:
         return 1 + SPREAD * rng.standard_normal(shape)
 
     n = robot.n_joints
@@ -45,10 +45,11 @@ def miscalibrated(robot: RobotDescription, rng: np.random.Generator) -> RobotDes
     )
 
 
-def offsets(robot: RobotDescription, rng: np.random.Generator) -> tuple[Effect, ...]:
-    """Offsets of current sensors and of the reflector."""
-    torque = TORQUE_OFFSET * robot.friction.coulomb * rng.standard_normal(robot.n_joints)
-    return (
-        TorqueOffset.on(robot, offset=torque),
-        ToolFrame.on(robot, offset=TOOL_OFFSET * rng.standard_normal(3)),
-    )
+def reflector_offset(robot: RobotDescription, rng: np.random.Generator) -> Effect:
+    """The reflector is not quite where it is believed to be."""
+    return ToolFrame.on(robot, offset=TOOL_OFFSET * rng.standard_normal(3))
+
+
+def current_offset(robot: RobotDescription, rng: np.random.Generator) -> Array:
+    """What current sensors show of no current, as torque, motor side [N m], shape (N,)."""
+    return TORQUE_OFFSET * robot.friction.coulomb * rng.standard_normal(robot.n_joints)

@@ -10,7 +10,8 @@ from ffgym.plant import Machine
 from ffgym.protocols import Protocol
 from ffgym.protocols.circles import Circles
 from ffgym.protocols.diagnosis import Diagnosis
-from ffgym.robot import RigidArm
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.types import Array
 
 Row = Literal[
     "clean",
@@ -48,6 +49,8 @@ class Case:
     """What is told of it: the nominal robot."""
     machine: Machine
     """Without what is hidden, but with the errors of calibration."""
+    current_offset: Array
+    """Of its current sensors, as torque, motor side [N m], shape (N,)."""
     hidden: tuple[Hidden, ...]
     """As large as they are plausible, until they are sized."""
     loudness: tuple[float, ...]
@@ -72,14 +75,18 @@ class Case:
         return replace(self.machine, effects=(*self.machine.effects, *(one.effect for one in hidden)))
 
     @property
-    def protocol(self) -> Protocol:
-        """What is recorded."""
-        if self.row in ("poor", "poor_clean"):
-            area = self.arm.robot.work_area
-            assert area is not None
-            return Circles(positions=(next(iter(area.positions)),), speeds=POOR_SPEEDS, pause=PAUSE)
-        return Diagnosis(pause=PAUSE)
+    def is_poor(self) -> bool:
+        """Whether its log is of small circles alone."""
+        return self.row in ("poor", "poor_clean")
 
     def generator(self, *more: int) -> np.random.Generator:
         """Randomness of its own, another one for other numbers."""
         return np.random.default_rng((*self.noise, *more))
+
+
+def protocol_of(robot: RobotDescription, *, poor: bool) -> Protocol:
+    """What is recorded: the first protocol of any diagnosis, or a log that shows little."""
+    area = robot.work_area
+    if not poor or area is None:
+        return Diagnosis(pause=PAUSE)
+    return Circles(positions=(next(iter(area.positions)),), speeds=POOR_SPEEDS, pause=PAUSE)

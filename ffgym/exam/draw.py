@@ -8,9 +8,9 @@ import numpy as np
 from ffgym.effects import EFFECTS
 from ffgym.effects.effect import Effect
 from ffgym.errors import check_choice, check_whole
-from ffgym.exam.calibration import miscalibrated, offsets
+from ffgym.exam.calibration import current_offset, miscalibrated, reflector_offset
 from ffgym.exam.case import ROWS, Case, Row
-from ffgym.exam.equations import OUTSIDERS, VARIANTS
+from ffgym.exam.equations import OUTSIDERS, VARIANTS, Variant
 from ffgym.exam.hidden import Hidden, drawn
 from ffgym.plant import Climate, Machine
 from ffgym.robot import RigidArm, RobotDescription, load_robot
@@ -29,6 +29,9 @@ AMBIENT, RISE, TIME_CONSTANT = 20.0, (19.0, 23.0), 900.0
 """Temperature of the room [degC], rise of joints in the end [K] and its time constant [s]; chosen: 5 to 20 min are
 known of industrial robots, and 14 K come about in the quarter of an hour of a session."""
 
+_NOT_HERE = ("link_clock",)
+"""Effects that the robot cannot have: it has no encoders behind its gearboxes."""
+
 PERIODIC: tuple[type[Effect], ...] = (
     EFFECTS["cogging"],
     EFFECTS["torque_ripple"],
@@ -43,12 +46,12 @@ PERIODIC: tuple[type[Effect], ...] = (
 COUNTS: Mapping[Row, int] = MappingProxyType(
     {
         "clean": 100,
-        "single": 3 * len(EFFECTS),
+        "single": 3 * (len(EFFECTS) - len(_NOT_HERE)),
         "foreign": 4 * len(VARIANTS),
         "outside": 3 * len(OUTSIDERS),
         "periodic": 2 * len(PERIODIC),
         "pair": 20,
-        "poor": len(EFFECTS),
+        "poor": len(EFFECTS) - len(_NOT_HERE),
         "poor_clean": 16,
         "no_tracker": 16,
         "no_temperature": 16,
@@ -77,13 +80,15 @@ def draw_case(row: Row, number: int, *, seed: int, arm: RigidArm | None = None) 
     arm = arm or RigidArm(load_robot(ROBOT))
     robot = arm.robot
     physical = miscalibrated(robot, rng)
-    machine = Machine(robot=physical, effects=offsets(robot, rng), climate=_climate(rng, robot.n_joints))
+    offset = current_offset(robot, rng)
+    machine = Machine(robot=physical, effects=(reflector_offset(robot, rng),), climate=_climate(rng, robot.n_joints))
     hidden = _hidden(row, number, seed, physical, rng)
     return Case(
         row=row,
         number=number,
         arm=arm,
         machine=machine,
+        current_offset=offset,
         hidden=hidden,
         loudness=_loudness(row, len(hidden), rng),
         noise=key,
@@ -111,7 +116,8 @@ def _hidden(row: Row, number: int, seed: int, robot: RobotDescription, rng: np.r
 
 
 def _kinds(row: Row) -> tuple[type[Effect], ...]:
-    library, variants = tuple(EFFECTS.values()), tuple(VARIANTS.values())
+    library = tuple(kind for name, kind in EFFECTS.items() if name not in _NOT_HERE)
+    variants = tuple(VARIANTS.values())
     by_row: dict[Row, tuple[type[Effect], ...]] = {
         "clean": (),
         "poor_clean": (),
@@ -127,7 +133,7 @@ def _kinds(row: Row) -> tuple[type[Effect], ...]:
 
 def _answer(kind: type[Effect]) -> str:
     """Name that a diagnosis should give to an effect of this kind."""
-    return getattr(kind, "variant_of", kind.name)
+    return kind.variant_of if issubclass(kind, Variant) else kind.name
 
 
 def _loudness(row: Row, count: int, rng: np.random.Generator) -> tuple[float, ...]:

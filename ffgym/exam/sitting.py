@@ -1,65 +1,127 @@
-"""Logs of an exam: the machine of a question makes its motions, and sensors measure them."""
+"""An exam is held: questions are handed out, answers marked, and each mark is kept as soon as it is there."""
 
-from collections.abc import Sequence
+import json
+import multiprocessing
+import signal
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from functools import cache, partial
+from pathlib import Path
 
-from ffgym.exam.case import Case
-from ffgym.plant import Machine
-from ffgym.protocols import Protocol, plan_session, record, usual_sensors
+from ffgym.diagnosis import diagnose
+from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.result import Diagnosis
+from ffgym.errors import FFGymError
+from ffgym.exam.case import Row
+from ffgym.exam.draw import ROBOT, draw_case
+from ffgym.exam.gain import gain_of
+from ffgym.exam.loudness import Paper, handed_out
+from ffgym.exam.marks import Mark, Outcome, marked, outcome
+from ffgym.exam.recording import recorded
+from ffgym.protocols import load_protocols
 from ffgym.recordings import Recording
-from ffgym.robot import RigidArm, RobotDescription
-from ffgym.simulation import Resolver, Sensor, SimulatedRig, TorqueSensor
+from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation.simulate import Progress
 
-RESOLVER_NOISE = 2e-5
-"""Standard deviation of the resolver's angle, motor side [rad]; chosen: about its step of 16 bit over sqrt 12."""
+Question = tuple[Row, int]
+"""Row and number."""
 
-TORQUE_NOISE = 0.03
-"""Of measured torques, as a share of the Coulomb torque, white at every row of 1 ms; chosen."""
+REPEATED = 25
+"""Every so many questions of a row are answered twice, to see whether the bytes are the same."""
 
-
-def sensors_of_exam(robot: RobotDescription) -> tuple[Sensor, ...]:
-    """Resolvers with noise, the tracker of the description, thermometers, and measured currents."""
-    resolver = Resolver(bits=robot.sensors.encoder_bits, noise=RESOLVER_NOISE)
-    others = [sensor for sensor in usual_sensors(robot) if not isinstance(sensor, Resolver)]
-    return (resolver, *others, TorqueSensor(noise=TORQUE_NOISE * robot.friction.coulomb))
+_LATER = 60.0
+"""Time after a poor log at which what it proposes is recorded [s]; chosen: what it takes to read the proposal."""
 
 
-def recorded(
-    arm: RigidArm,
-    machine: Machine,
-    protocols: Sequence[Protocol],
-    *,
-    seed: int,
-    start: float = 0.0,
-    lacks: Sequence[str] = (),
-    n_threads: int = 1,
-) -> list[Recording]:
-    """Recordings of protocols on a machine.
+@cache
+def arm_of_exam() -> RigidArm:
+    """The nominal robot."""
+    return RigidArm(load_robot(ROBOT))
+
+
+def answered(log: Sequence[Recording]) -> Diagnosis:
+    """The diagnosis of a log."""
+    return diagnose(arm_of_exam().robot, log)
+
+
+def examined(question: Question, *, seed: int) -> Mark:
+    """The mark of one question.
+
+    Raises:
+        FFGymError: if its log cannot be recorded or diagnosed; the message begins with the question.
+    """
+    row, number = question
+    try:
+        paper = handed_out(draw_case(row, number, seed=seed, arm=arm_of_exam()))
+        began = time.perf_counter()
+        answer = answered(paper.log)
+        seconds = time.perf_counter() - began
+        same = _bytes(answer) == _bytes(answered(paper.log)) if number % REPEATED == 0 else None
+        then = _resolved(paper, answer) if paper.case.is_poor else None
+        gain = gain_of(paper.case, answer.causes) if answer.verdict in ("named", "partly") else None
+    except FFGymError as error:
+        raise FFGymError(f"Question {row}-{number} of seed {seed}: {error}") from error
+    return marked(paper, answer, seconds=seconds, same_bytes=same, then=then, gain=gain)
+
+
+def _bytes(answer: Diagnosis) -> str:
+    return json.dumps(diagnosis_document(answer))
+
+
+def _resolved(paper: Paper, answer: Diagnosis) -> Outcome | None:
+    """What the diagnosis comes to with the motions that it proposes; None if it proposes none."""
+    if answer.separating_motion is None:
+        return None
+    case = paper.case
+    ends = [recording.header.meta["session_start"] + recording.t[-1] for recording in paper.log]
+    seed, start = int(case.generator(1).integers(2**32)), float(max(ends)) + _LATER
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder) / "proposed.toml"
+        place.write_text(answer.separating_motion.toml, encoding="utf-8")
+        protocols = load_protocols(place)
+        more = recorded(
+            case.arm,
+            case.complete,
+            protocols,
+            seed=seed,
+            current_offset=case.current_offset,
+            start=start,
+            lacks=case.lacks,
+        )
+    return outcome(answered([*paper.log, *more]), case.hidden)
+
+
+def hold(
+    questions: Sequence[Question], *, seed: int, jobs: int = 1, progress: Progress | None = None
+) -> Iterator[Mark]:
+    """Marks of questions as they come; their order depends on how long each takes.
 
     Args:
-        arm: what the controller knows of it.
-        machine: what it is.
-        protocols: what it does.
-        seed: of the sensors' noise.
-        start: when the first motion begins, since the machine was switched on [s].
-        lacks: families of columns that are left out.
-        n_threads: of the simulation.
+        questions: which.
+        seed: of the exam.
+        jobs: processes.
+        progress: called after each, with how many are done and how many there are.
+
+    Raises:
+        FFGymError: if one cannot be recorded or diagnosed.
     """
-    rig = SimulatedRig(arm=arm, machine=machine, sensors=sensors_of_exam(arm.robot), name="exam")
-    motions = plan_session(arm, protocols, start=start)
-    return [_without(recording, lacks) for recording in record(motions, rig, seed=seed, n_threads=n_threads)]
+    examine = partial(examined, seed=seed)
+    if jobs == 1:
+        yield from _counted(map(examine, questions), len(questions), progress)
+        return
+    context = multiprocessing.get_context("spawn")  # what the engine's threads hold is not copied
+    with context.Pool(jobs, initializer=_deaf) as pool:
+        yield from _counted(pool.imap_unordered(examine, questions), len(questions), progress)
 
 
-def log_of_case(case: Case, machine: Machine | None = None, *, n_threads: int = 1) -> list[Recording]:
-    """The log of a question, or of another machine in its place with the same noise."""
-    seed = int(case.generator().integers(2**32))
-    return recorded(
-        case.arm, machine or case.complete, [case.protocol], seed=seed, lacks=case.lacks, n_threads=n_threads
-    )
+def _deaf() -> None:
+    """Leave an interruption to the process that hands out the questions, which ends the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _without(recording: Recording, families: Sequence[str]) -> Recording:
-    left_out = tuple(f"{family}." for family in families)
-    if not left_out:
-        return recording
-    columns = {name: values for name, values in recording.columns.items() if not name.startswith(left_out)}
-    return Recording(columns=columns, header=recording.header)
+def _counted(marks: Iterator[Mark], total: int, progress: Progress | None) -> Iterator[Mark]:
+    for done, mark in enumerate(marks, start=1):
+        yield mark
+        if progress is not None:
+            progress(done, total)

@@ -34,7 +34,7 @@ class FloorVibration(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=(("time",),), frequency=float(self.frequency[joints.index(joint)]))
+        return Clue(words=("time",), frequency=float(self.frequency[joints.index(joint)]))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
@@ -56,7 +56,7 @@ class SwitchedLoad(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=(("time",),), frequency=float(self.frequency[joints.index(joint)]))
+        return Clue(words=("time",), frequency=float(self.frequency[joints.index(joint)]))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
@@ -79,7 +79,7 @@ class Shocks(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=(("time",),), frequency=float(1 / self.period[joints.index(joint)]))
+        return Clue(words=("time",), frequency=float(1 / self.period[joints.index(joint)]))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
@@ -101,7 +101,7 @@ class WanderingTorque(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=(("time",),))
+        return Clue(words=("time",))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
@@ -132,7 +132,7 @@ class RunningIn(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=(("time",),))
+        return Clue(words=("time",))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""

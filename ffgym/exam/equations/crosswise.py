@@ -41,7 +41,7 @@ class RubbingHose(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=((_other(self.share, joints, joint),), _ANGLE))
+        return Clue(words=_ANGLE, joint=_other(self.share, joints, joint))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
@@ -64,7 +64,7 @@ class StirredOil(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=((_other(self.share, joints, joint),), _SPEED))
+        return Clue(words=_SPEED, joint=_other(self.share, joints, joint))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
@@ -89,7 +89,7 @@ class SharedSeal(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=((_other(self.share, joints, joint),), _SPEED))
+        return Clue(words=_SPEED, joint=_other(self.share, joints, joint))
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
@@ -115,7 +115,7 @@ class DamagedTooth(Outsider):
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """See base class."""
-        return Clue(words=(_ANGLE,))
+        return Clue(words=_ANGLE, joint=joint)
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""

@@ -21,8 +21,10 @@ class Variant(Effect):
 class Clue:
     """What an answer must say of an effect that no library holds."""
 
-    words: tuple[tuple[str, ...], ...]
-    """Of each group at least one word must stand in the variable that a pattern names."""
+    words: tuple[str, ...]
+    """One of them must stand in the variable that a pattern names."""
+    joint: str | None = None
+    """Whose variable that is; None is nobody's, as time is."""
     frequency: float | None = None
     """[Hz], of a line in time; a multiple of it is right, too. None if there is none."""
 

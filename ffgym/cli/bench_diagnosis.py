@@ -1,0 +1,91 @@
+"""`ffgym bench-diagnosis`: an exam of the diagnosis, by seed: hidden effects, and whether they are found."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from ffgym.cli.outputs import check_outputs, provenance
+from ffgym.cli.progress import progress_bar
+from ffgym.errors import FFGymError, check_choice, check_whole
+from ffgym.exam.case import ROWS
+from ffgym.exam.draw import COUNTS, ROBOT
+from ffgym.exam.marks import Mark
+from ffgym.exam.results import read_marks, write_marks
+from ffgym.exam.sitting import Question, hold
+from ffgym.exam.table import table
+from ffgym.exam.text import figures_text, misses_text, outcomes_text
+from ffgym.files import write_json
+from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation import SimulatedRig
+
+_MOST = 10_000
+"""Most questions of a row; more are surely a slip."""
+
+
+@dataclass(frozen=True)
+class BenchDiagnosis:
+    """Hide effects in logs of a simulated robot, drawn by seed, diagnose them, and mark the answers."""
+
+    seed: int = 7
+    """Of the exam: what is hidden, where, how large, with which errors of calibration and noise."""
+    rows: tuple[str, ...] = ()
+    """Kinds of questions; none given is all: clean, single, foreign, outside, periodic, pair, poor, poor_clean,
+    no_tracker, no_temperature."""
+    cases: int | None = None
+    """Questions of each kind; none given is a whole exam, some hundred."""
+    out: Path | None = None
+    """Folder for the marks, one line for each question, as soon as it is answered. Those in it are not asked again."""
+    json: Path | None = None
+    """Also write every figure and mark to this file."""
+    jobs: int = 1
+    """Questions that are answered at the same time, each in a process of its own; marks are the same at any number."""
+
+    def run(self) -> None:
+        """Check, ask, mark, write, print."""
+        check_whole("--seed", self.seed, low=0)
+        check_whole("--jobs", self.jobs, low=1, high=1024)
+        check_outputs({"--json": self.json})
+        place = self._place()
+        questions = self._questions()
+        kept = [] if place is None else read_marks(place, self.seed)
+        known = {(mark.row, mark.number) for mark in kept}
+        asked = set(questions)
+        marks = [mark for mark in kept if (mark.row, mark.number) in asked]
+        todo = [question for question in questions if question not in known]
+        with progress_bar("diagnosing", "logs") as progress:
+            for mark in hold(todo, seed=self.seed, jobs=self.jobs, progress=progress):
+                marks.append(mark)
+                if place is not None:
+                    kept.append(mark)
+                    write_marks(place, self.seed, kept)
+        order = {question: k for k, question in enumerate(questions)}
+        self._tell(sorted(marks, key=lambda mark: order[mark.row, mark.number]))
+
+    def _questions(self) -> list[Question]:
+        """What is asked."""
+        rows = [check_choice("row of the exam", row, ROWS) for row in self.rows] or list(ROWS)
+        if self.cases is not None:
+            check_whole("--cases", self.cases, low=1, high=_MOST)
+        return [(row, k) for row in ROWS if row in rows for k in range(self.cases or COUNTS[row])]
+
+    def _place(self) -> Path | None:
+        """Where the marks are kept."""
+        if self.out is None:
+            return None
+        try:
+            self.out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FFGymError(f"{self.out}: cannot be made a folder: {error.strerror}; choose another place.") from error
+        place = self.out / f"seed_{self.seed}.jsonl"
+        check_outputs({"--out": place})
+        return place
+
+    def _tell(self, marks: Sequence[Mark]) -> None:
+        lines = table(marks)
+        print("\n\n".join(part for part in (figures_text(lines), outcomes_text(marks), misses_text(marks)) if part))
+        if self.json is not None:
+            physics = SimulatedRig(arm=RigidArm(load_robot(ROBOT))).fingerprint
+            origin = provenance("ffgym bench-diagnosis", self, ROBOT, physics, self.seed)
+            figures = [asdict(line) for line in lines]
+            write_json(self.json, origin | {"figures": figures, "marks": [asdict(mark) for mark in marks]})
+            print(f"\nnumbers: {self.json}")

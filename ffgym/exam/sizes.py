@@ -1,0 +1,81 @@
+"""Sizes and frequencies in an answer, beside the true ones."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from ffgym.diagnosis.result import Cause, Diagnosis
+from ffgym.exam.hidden import Hidden
+from ffgym.robot import RobotDescription
+
+_SHAPE = 0.1
+"""Relative error of a shape that is chosen beside the size beyond which sizes mean different things."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SizeMark:
+    """A size in an answer, and the true one, in the unit of the parameter."""
+
+    name: str
+    said: float
+    true: float
+    interval: tuple[float, float]
+    scale: float
+    """How far the true one is from null; of a vector its length."""
+
+    @property
+    def error(self) -> float:
+        """Relative."""
+        return abs(self.said - self.true) / self.scale
+
+    @property
+    def is_covered(self) -> bool:
+        """Whether the interval holds the true size."""
+        return self.interval[0] <= self.true <= self.interval[1]
+
+
+def _cause(hidden: Hidden, answer: Diagnosis) -> Cause | None:
+    """The cause that names what is hidden, if one does."""
+    same = [c for c in answer.causes if (c.effect, c.joint) == (hidden.answer, hidden.joint)]
+    return same[0] if same else None
+
+
+def marked_sizes(hidden: Hidden, answer: Diagnosis, robot: RobotDescription) -> list[SizeMark]:
+    """Sizes of an effect of the library that is named; none where another shape was chosen, or the equation differs."""
+    cause = _cause(hidden, answer)
+    if cause is None or hidden.is_foreign or not _same_shape(hidden, cause, robot):
+        return []
+    numbers, found = hidden.numbers(robot), []
+    for said in cause.parameters:
+        known = hidden.effect.parameters().get(said.name.partition(".")[0])
+        if known is None or known.null is None or said.name not in numbers:
+            continue
+        true = numbers[said.name]
+        off = getattr(hidden.effect, known.name) - known.null
+        scale = float(np.linalg.norm(off)) if known.per == "vector" else abs(true - known.null)
+        if scale > 0:
+            found.append(SizeMark(name=said.name, said=said.value, true=true, interval=said.interval, scale=scale))
+    return found
+
+
+def _same_shape(hidden: Hidden, cause: Cause, robot: RobotDescription) -> bool:
+    known, numbers = hidden.effect.parameters(), hidden.numbers(robot)
+    for name, value in cause.fixed.items():
+        parameter = known.get(name.partition(".")[0])
+        if parameter is None or parameter.null is not None or parameter.role in ("phase", "cycles"):
+            continue
+        if not np.allclose(value, numbers[name], rtol=_SHAPE, atol=0):
+            return False
+    return True
+
+
+def marked_cycles(hidden: Hidden, answer: Diagnosis, robot: RobotDescription) -> float | None:
+    """Cycles per motor turn in an answer less the true ones; None where nothing is periodic, or it is not named."""
+    cause, known = _cause(hidden, answer), hidden.effect.parameters()
+    name = next((p.name for p in known.values() if p.role == "cycles" and p.unit == "1"), None)
+    if cause is None or name is None:
+        return None
+    said = {p.name: p.value for p in cause.parameters} | cause.fixed
+    return float(said[name] - hidden.numbers(robot)[name]) if name in said else None
