@@ -168,8 +168,10 @@ class Faultless:
         return found
 
 
-def faultless_residuals(log: Log, exact: Sequence[Recording], machine: Machine, rng: np.random.Generator) -> Faultless:
-    """Residuals of the nominal model over its own recordings, with the noise of a log."""
+def faultless_residuals(
+    log: Log, exact: Sequence[Recording], bias: Mapping[Channel, Array], machine: Machine, rng: np.random.Generator
+) -> Faultless:
+    """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off."""
     noise = noise_of(log)
     draws: dict[Channel, list[Array]] = {}
     for _ in range(DRAWS):
@@ -177,5 +179,5 @@ def faultless_residuals(log: Log, exact: Sequence[Recording], machine: Machine, 
         one = log_of(log.robot, seen, like=log)
         prediction = predicted(replay(one, machine))
         for channel, rows in residual_rows(one, prediction).items():
-            draws.setdefault(channel, []).append(rows)
+            draws.setdefault(channel, []).append(rows - bias[channel])
     return Faultless(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()})

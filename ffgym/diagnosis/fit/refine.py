@@ -46,6 +46,10 @@ class Setting:
     """Columns per standard deviation."""
     doubts: tuple[Doubt, ...]
     """What those columns are."""
+    like: Replay | None
+    """Nominal replay of the log, whose parts serve other replays."""
+    bias: Mapping[Channel, Array]
+    """What replay and simulation of one model differ by, (R, M, C): steps of time; taken off every residual."""
     bound: float
     """Standard deviations beyond which a calibration error is none."""
 
@@ -107,8 +111,9 @@ def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Fit:
     machine = setting.nominal
     for hypothesis in hypotheses:
         machine = hypothesis.on(machine)
-    run = replay(setting.log, machine)
-    residual = residual_rows(setting.log, predicted(run))
+    run = replay(setting.log, machine, setting.like)
+    rows = residual_rows(setting.log, predicted(run))
+    residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
     columns = tangents(run, setting.nominal, hypotheses) if hypotheses else []
     both = [*setting.calibration, *columns]
     evidence = evidence_of(setting.blocks, both, values_of(residual), setting.weights)

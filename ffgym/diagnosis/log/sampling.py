@@ -55,6 +55,10 @@ class Sampling:
         """Time from one row to the next [s]."""
         return self.stride * self.dt
 
+    def coarser(self, every: int) -> "Sampling":
+        """The same rows from every n-th sample; `every` divides the stride."""
+        return Sampling(dt=every * self.dt, n_samples=-(-self.n_samples // every))
+
     @property
     def span(self) -> float:
         """Time after which a record has more samples than T [s]."""
@@ -76,7 +80,7 @@ class Sampling:
         half = self.half_length
         taps = firwin(2 * half + 1, self.cutoff, fs=1 / self.dt)
         bands = diags_array(
-            [np.full(self.n_samples, tap) for tap in taps],
+            np.repeat(taps[:, None], self.n_samples, axis=1),
             offsets=range(-half, half + 1),
             shape=(self.n_samples, self.n_samples),
         )
@@ -93,6 +97,6 @@ class Sampling:
         unknown = np.cumsum(np.pad(~known, ((1, 0), (0, 0))), axis=0)
         low, high = self.at - self.half_length, self.at + self.half_length + 1
         inside = (low >= 0) & (high <= self.n_samples)
-        count = unknown[np.minimum(high, self.n_samples)] - unknown[np.maximum(low, 0)]
+        count: IntArray = unknown[np.minimum(high, self.n_samples)] - unknown[np.maximum(low, 0)]
         rows: BoolArray = inside[:, None] & (count == 0)
         return rows

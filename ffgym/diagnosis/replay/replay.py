@@ -9,6 +9,7 @@ derivative of the motor angle is needed. An effect acts by its own code, as it d
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
 from ffgym.diagnosis.replay.clocks import late
 from ffgym.diagnosis.replay.link_terms import LinkTerms, link_terms
+from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.diagnosis.replay.springs import Deflection, Springs, resting
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import State, TorqueEffect, Torques, TrackerEffect
@@ -51,27 +53,50 @@ class Replay:
     torque: Array
     """Motor torque that the motion takes [N m], motor side."""
 
-    @property
+    @cached_property
+    def _coarse(self) -> dict[int, Springs]:
+        return {}
+
+    def coarse_springs(self, every: int) -> Springs:
+        """The springs at every n-th sample, made once."""
+        if every not in self._coarse:
+            self._coarse[every] = self.springs if every == 1 else self.springs.coarser(every)
+        return self._coarse[every]
+
+    @cached_property
     def link_q(self) -> Array:
         """Where the links are [rad], link side."""
         return self.log.q + self.deflection.angle
 
 
-def replay(log: Log, machine: Machine) -> Replay:
-    """Replay a log on a machine."""
+def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
+    """Replay a log on a machine.
+
+    Args:
+        log: motions.
+        machine: whose motors move so.
+        like: replay of the same log on another machine, of which is taken what is the same.
+    """
     robot = machine.physical
     read, log = log, _truly(log, machine)
-    links, rough = _links(log, robot)
+    if like is not None and (like.log is not log or not same_links(like.robot, robot)):
+        like = None
+    links, rough = (like.links, like.deflection.angle[0]) if like is not None else _links(log, robot)
     springs = Springs(
         mass=links.mass, stiffness=robot.drive.joint_stiffness, damping=robot.drive.joint_damping, dt=log.dt
     )
+    same_drive = like is not None and alike(like.robot.drive, robot.drive)
+    if like is not None and same_drive:
+        springs = like.springs
     bristles = along_speed(
         robot.friction, robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq), log.dt
     )
     state = state_of(log, machine, bristles)
-    on_arm = [effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null]
+    on_arm = _on_arm(machine)
     rigid_torque = links.torque(log.ddq)
-    if on_arm:
+    if like is not None and same_drive and not on_arm and not _on_arm(like.machine):
+        deflection = like.deflection
+    elif on_arm:
         deflection = _flown(springs, state, on_arm, -rigid_torque, rough, log.dt)
     else:
         bent = springs.bent_by(-rigid_torque[..., None])
@@ -105,6 +130,11 @@ def replay(log: Log, machine: Machine) -> Replay:
     )
 
 
+def _on_arm(machine: Machine) -> list[TorqueEffect]:
+    """Effects that depend on how joints bend."""
+    return [effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null]
+
+
 def predicted(run: Replay) -> dict[Channel, Array]:
     """What the log's channels would show, R rows each, through the log's low-pass."""
     log, sampling = run.log, run.log.sampling
@@ -121,33 +151,24 @@ def predicted(run: Replay) -> dict[Channel, Array]:
 
 def tool_path(run: Replay) -> Array:
     """Tool positions as a tracker would see them [m], (T, M, 3)."""
-    q = run.link_q
+    return tracked(run, run.machine)
+
+
+def tracked(run: Replay, machine: Machine, every: int = 1) -> Array:
+    """Tool positions of the replay as the tracker of another machine would see them [m], at every n-th sample."""
+    q = run.link_q[::every]
     position = RigidArm(run.robot).tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
-    return _tracked(run, run.machine, position)
-
-
-def tracked(run: Replay, machine: Machine) -> Array:
-    """Tool positions (T, M, 3) [m] as the tracker of another machine would see those of the replay."""
-    q = run.link_q
-    position = RigidArm(run.robot).tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
-    return _tracked(run, machine, position)
-
-
-def _tracked(run: Replay, machine: Machine, position: Array) -> Array:
     effects = [effect for effect in machine.effects if isinstance(effect, TrackerEffect)]
-    if not effects:
-        return position
-    seen, joints = position.copy(), run.robot.joints
-    for i, recording in enumerate(run.log.recordings):
-        n = len(recording)
-        columns = {"timestamp": recording.t}
+    for i, recording in enumerate(run.log.recordings) if effects else ():
+        n = -(-len(recording) // every)
+        columns = {"timestamp": recording.t[::every]}
         columns |= {f"tcp.position.{axis}": position[:n, i, k] for k, axis in enumerate("xyz")}
-        columns |= {f"link.position.{joint}": run.link_q[:n, i, j] for j, joint in enumerate(joints)}
-        exact = Recording(columns=columns, header=recording.header)
+        columns |= {f"link.position.{joint}": q[:n, i, j] for j, joint in enumerate(run.robot.joints)}
+        exact = Recording(columns=columns, header=replace(recording.header, phases=()))
         for effect in effects:
             exact = effect.measured(exact, run.robot)
-        seen[:n, i] = exact.vector("tcp.position")
-    return seen
+        position[:n, i] = exact.vector("tcp.position")
+    return position
 
 
 def servo_feedback(log: Log, robot: RobotDescription) -> Array:
@@ -171,7 +192,7 @@ def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:
     drive, friction = robot.drive, robot.friction
     stiff = np.where(drive.is_rigid, 0.0, drive.joint_stiffness)
     return State(
-        time=(np.arange(len(log.q)) * log.dt)[:, None, None],
+        time=log.t[:, None, None],
         motor_angle=drive.motor_angle(log.q),
         motor_speed=drive.motor_angle(log.dq),
         joint_angle=log.q,
@@ -310,7 +331,7 @@ def _behind(
 def _running(log: Log, machine: Machine) -> Array:
     """Time since the machine was switched on, or its session began [s], (T, M, 1)."""
     before = 0.0 if machine.climate is None else machine.climate.running_since
-    times: Array = before + log.started[:, None] + (np.arange(len(log.q)) * log.dt)[:, None, None]
+    times: Array = before + log.started[:, None] + log.t[:, None, None]
     return times
 
 
@@ -318,7 +339,7 @@ def _temperature(log: Log, machine: Machine) -> Array:
     """[degC], (T, M, N): measured, else by the machine's climate, else that of its default."""
     if log.temperature is not None:
         return log.temperature
-    climate, times = machine.climate or Climate(), np.arange(len(log.q)) * log.dt
+    climate, times = machine.climate or Climate(), log.t
     n = log.robot.n_joints
     if machine.climate is None:
         return climate.temperature(times, n)[:, None] + np.zeros((1, len(log.recordings), 1))

@@ -15,7 +15,8 @@ import numpy as np
 from ffgym.types import Array, IntArray
 
 _FIRST_REACH = 1e-4
-"""Deflection [rad] beyond that of linear springs in which a rest is looked for first; chosen: a third of an arc minute."""
+"""Deflection [rad] beyond that of linear springs in which a rest is looked for first; chosen: a third of an
+arc minute."""
 
 _DOUBLINGS, _HALVINGS = 12, 50
 """Of that reach, to 0.4 rad, and of the bracket, to less than rounding."""
@@ -64,27 +65,32 @@ class Springs:
         e = self.elastic
         inner = self.mass[:, :, e[:, None], e]
         diagonal = self.dt / 2 * self.damping[e] + self.dt**2 / 4 * self.stiffness[e]
-        inverse: Array = np.linalg.inv(inner + np.diag(diagonal))
-        return inverse
+        return np.linalg.inv(inner + np.diag(diagonal)).astype(np.float64, copy=False)
+
+    def coarser(self, every: int) -> "Springs":
+        """The same springs at every n-th sample."""
+        return Springs(mass=self.mass[::every], stiffness=self.stiffness, damping=self.damping, dt=every * self.dt)
 
     def bent_by(self, torque: Array) -> Deflection:
         """Deflections under `torque` [N m], shape (T, M, N, V), for V loads at once, settled at the first sample."""
-        e, dt = self.elastic, self.dt
-        shape = torque.shape
-        found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
+        e, dt, shape = self.elastic, self.dt, torque.shape
+        angle, rate, acceleration = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        found = Deflection(angle=angle, rate=rate, acceleration=acceleration)
         if not len(e):
             return found
-        load, inverse = np.ascontiguousarray(torque[:, :, e]), self._inverse
+        every = slice(None) if len(e) == shape[2] else e
+        load, inverse = torque[:, :, every], self._inverse
         stiffness, damping = self.stiffness[e, None], self.damping[e, None]
         x = load[0] / stiffness
-        rate, change = np.zeros_like(x), np.zeros_like(x)
-        found.angle[0][:, e] = x
+        speed, change = np.zeros_like(x), np.zeros_like(x)
+        angle[0][:, every] = x
         for k in range(1, shape[0]):
-            x = x + dt * rate + dt**2 / 4 * change
-            rate = rate + dt / 2 * change
-            change = inverse[k] @ (load[k] - damping * rate - stiffness * x)
-            x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
-            found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
+            x = x + dt * speed + dt**2 / 4 * change
+            speed = speed + dt / 2 * change
+            change = inverse[k] @ (load[k] - damping * speed - stiffness * x)
+            x = x + dt**2 / 4 * change
+            speed = speed + dt / 2 * change
+            angle[k][:, every], rate[k][:, every], acceleration[k][:, every] = x, speed, change
         return found
 
     def pushed_by(self, torque: Array, push: Push, start: Array) -> Deflection:
@@ -116,12 +122,12 @@ def resting(pull: Callable[[Array], Array], near: Array) -> Array:
     Backlash and hardening are steeper than a fixed-point iteration bears. In a gap, where nothing pulls, its middle is
     taken.
     """
-    reach = np.abs(near) + _FIRST_REACH
+    reach: Array = np.abs(near) + _FIRST_REACH
     low, high = near - reach, near + reach
     for _ in range(_DOUBLINGS):
         low = np.where(pull(low) > 0, low - reach, low)
         high = np.where(pull(high) < 0, high + reach, high)
-        reach = 2 * reach
+        reach *= 2
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         value = pull(middle)

@@ -1,21 +1,21 @@
 r"""What a small effect changes in a replay, to first order: the difference that a candidate would have to explain.
 
-Each effect acts along the nominal replay. What it adds on the motor side changes that motor's torque and nothing else, as
-the motors move as measured. What it adds behind the gearbox, a push p, bends the springs by
+Each effect acts along the nominal replay. What it adds on the motor side changes that motor's torque and nothing else,
+as the motors move as measured. What it adds behind the gearbox, a push p, bends the springs by
 
 .. math:: M \Delta\ddot\delta + d \Delta\dot\delta + K \Delta\delta = p
 
 which changes the load of the motors and the place of the tool.
 """
 
-from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.diagnosis.replay.bristles import along_speed
 from ffgym.diagnosis.replay.link_terms import link_terms
 from ffgym.diagnosis.replay.replay import Replay
+from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.effects import NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect
@@ -23,8 +23,8 @@ from ffgym.friction import LuGreParameters
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
-_OF_LINKS = ("bodies", "tool", "springs", "gravity", "kinematics")
-"""Parts of a description that decide what links ask for."""
+COARSE = 0.002
+"""Longest step of the springs [s]; chosen: 60 steps in a swing of 8 Hz, 12 at the cut-off of what is compared."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,6 +39,8 @@ class Push:
     """More torque of springs at the nominal deflection, link side [N m]."""
     joint_q: Array | None = None
     """How much further the gearbox output truly was than read, link side [rad]."""
+    joint_ddq: Array | None = None
+    """Its acceleration."""
 
 
 def push_of(run: Replay, effect: Effect) -> Push:
@@ -70,7 +72,7 @@ def of_numbers(run: Replay, other: RobotDescription) -> Push:
         )
         if np.any(stiffer) or np.any(damped):
             spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
-    if not all(alike(getattr(other, part), getattr(robot, part)) for part in _OF_LINKS):
+    if not same_links(other, robot):
         terms = link_terms(other, run.link_q, log.dq, log.dt)
         acceleration = log.ddq + run.deflection.acceleration
         links = terms.torque(acceleration) - run.links.torque(acceleration)
@@ -89,12 +91,19 @@ def _more(other: Array, nominal: Array) -> Array:
     return np.subtract(other, nominal, out=np.zeros_like(nominal), where=other != nominal)
 
 
-def misread_push(run: Replay, effect: ResolverEffect, joint: int) -> Push:
-    """Of a wrong reading at one motor, which truly moved otherwise."""
-    drive, alone = run.robot.drive, np.zeros(run.robot.n_joints)
-    alone[joint] = 1.0
+def misread_push(run: Replay, effect: ResolverEffect) -> Push:
+    """Of wrong readings at all motors, which truly moved otherwise; what they ask of the links is left to each."""
+    drive = run.robot.drive
     error = effect.error(run.state.motor_angle, run.state.motor_speed)
-    return moved(run, -drive.joint_angle(error.angle * alone), -drive.joint_angle(error.speed * alone))
+    return moved(run, -drive.joint_angle(error.angle), -drive.joint_angle(error.speed))
+
+
+def misread_on(run: Replay, misread: Push, joint: int) -> Push:
+    """Of the wrong reading at one motor alone."""
+    alone = only_joint(misread, joint)
+    if misread.joint_ddq is None:
+        return alone
+    return replace(alone, links=run.links.mass[..., joint] * misread.joint_ddq[..., joint, None])
 
 
 def moved(run: Replay, joint_q: Array, joint_dq: Array) -> Push:
@@ -106,6 +115,7 @@ def moved(run: Replay, joint_q: Array, joint_dq: Array) -> Push:
         motor=drive.rotor_inertia * drive.motor_angle(joint_ddq) + friction - run.bristles.torque,
         links=np.matmul(run.links.mass, joint_ddq[..., None])[..., 0],
         joint_q=joint_q,
+        joint_ddq=joint_ddq,
     )
 
 
@@ -121,36 +131,68 @@ class Change:
 
 def changes(run: Replay, pushes: list[Push]) -> list[Change]:
     """What each of several pushes changes; those behind the gearbox are solved for together."""
-    log, sampling = run.log, run.log.sampling
-    none = np.zeros_like(log.q)
     behind = [push for push in pushes if push.links is not None or push.spring is not None]
-    bent: dict[int, tuple[Array, Array, Array]] = {}
-    if behind:
-        load = [(none if p.spring is None else p.spring) - (none if p.links is None else p.links) for p in behind]
-        flown = run.springs.bent_by(np.stack(load, axis=-1))
-        for i, push in enumerate(behind):
-            bent[id(push)] = (flown.angle[..., i], flown.rate[..., i], flown.acceleration[..., i])
-    return [_change(run, push, bent.get(id(push))) for push in pushes] if sampling is not None else []
+    bent = _bent(run, behind)
+    return [_change(run, push, bent.get(id(push))) for push in pushes]
 
 
-def _change(run: Replay, push: Push, bent: tuple[Array, Array, Array] | None) -> Change:
-    log, drive = run.log, run.robot.drive
-    torque = np.zeros_like(log.q) if push.motor is None else push.motor
-    link = np.zeros_like(log.q) if push.joint_q is None else push.joint_q
+def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
+    """How pushes bend the springs: rows of the deflection (R, M, N) [rad] and of the torque that the joints then carry.
+
+    Solved at coarser samples than the replay: what is compared has no faster parts.
+    """
+    if not pushes:
+        return {}
+    every, none = _coarseness(run), np.zeros_like(run.log.q)
+    sampling, springs = run.log.sampling.coarser(every), run.coarse_springs(every)
+    load = np.stack(
+        [
+            _smoothed((none if p.spring is None else p.spring) - (0.0 if p.links is None else p.links), every)
+            for p in pushes
+        ],
+        axis=-1,
+    )
+    flown = springs.bent_by(load)
+    drive, state = run.robot.drive, run.state
+    carried = -(state.joint_stiffness[:, None] * flown.angle + state.joint_damping[:, None] * flown.rate)
+    if drive.is_rigid.any():
+        asked = np.einsum("tmij,tmjv->tmiv", springs.mass, flown.acceleration)
+        carried = np.where(drive.is_rigid[:, None], asked, carried)
+    angle, carried = sampling(flown.angle), sampling(carried)
+    return {id(push): (angle[..., i], carried[..., i]) for i, push in enumerate(pushes)}
+
+
+def _coarseness(run: Replay) -> int:
+    """Samples from one step of the springs to the next: a divisor of the rows' stride, at most COARSE apart."""
+    stride, dt = run.log.sampling.stride, run.log.dt
+    return max(n for n in range(1, stride + 1) if stride % n == 0 and (n == 1 or n * dt <= COARSE))
+
+
+def _smoothed(values: Array, every: int) -> Array:
+    """Means about every n-th sample."""
+    if every == 1:
+        return values
+    total = np.cumsum(np.pad(values, ((1, 0), (0, 0), (0, 0))), axis=0)
+    at = np.arange(0, len(values), every)
+    low, high = np.maximum(at - every // 2, 0), np.minimum(at + (every + 1) // 2, len(values))
+    means: Array = (total[high] - total[low]) / (high - low)[:, None, None]
+    return means
+
+
+def _change(run: Replay, push: Push, bent: tuple[Array, Array] | None) -> Change:
+    sampling, drive = run.log.sampling, run.robot.drive
+    rows = (len(sampling.at), *run.log.q.shape[1:])
+    torque = np.zeros(rows) if push.motor is None else sampling(push.motor)
+    link = np.zeros(rows) if push.joint_q is None else sampling(push.joint_q)
     if bent is not None:
-        angle, rate, acceleration = bent
-        rigid = drive.is_rigid
-        state = run.state
-        carried = -(state.joint_stiffness * angle + state.joint_damping * rate)
+        angle, carried = bent
         if push.spring is not None:
-            carried = carried + push.spring
-        if rigid.any():
-            asked = np.matmul(run.links.mass, acceleration[..., None])[..., 0]
-            asked = asked if push.links is None else asked + push.links
-            carried = np.where(rigid, asked, carried)
+            carried = carried + sampling(push.spring)
+        if push.links is not None and drive.is_rigid.any():
+            carried = carried + np.where(drive.is_rigid, sampling(push.links), 0.0)
         torque = torque + drive.motor_torque(carried)
         link = link + angle
-    return Change(torque=log.sampling(torque), link=log.sampling(link))
+    return Change(torque=torque, link=link)
 
 
 def only_joint(push: Push, joint: int) -> Push:
@@ -163,15 +205,6 @@ def only_joint(push: Push, joint: int) -> Push:
         alone[..., joint] = values[..., joint]
         return alone
 
-    return replace(push, motor=kept(push.motor), links=kept(push.links), spring=kept(push.spring))
-
-
-def alike(one: Any, other: Any) -> bool:
-    """Whether two parts of a description have the same numbers."""
-    if one is other:
-        return True
-    if is_dataclass(one) and is_dataclass(other) and type(one) is type(other):
-        return all(alike(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
-    if isinstance(one, tuple | list) and isinstance(other, tuple | list):
-        return len(one) == len(other) and all(alike(a, b) for a, b in zip(one, other, strict=True))
-    return bool(np.array_equal(one, other))
+    return replace(
+        push, motor=kept(push.motor), links=kept(push.links), spring=kept(push.spring), joint_q=kept(push.joint_q)
+    )
