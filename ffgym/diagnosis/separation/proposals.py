@@ -10,9 +10,6 @@ from ffgym.protocols.protocol import Protocol
 from ffgym.robot import RobotDescription
 from ffgym.robot.template.toml_text import text
 
-ROUND = "diagnosis"
-"""Protocol with a bit of everything."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Proposal:
@@ -37,8 +34,8 @@ class Proposal:
         return "\n".join(lines) + "\n"
 
     def is_advised(self, kinds: Sequence[type[Effect]]) -> bool:
-        """Whether it shows every regime, or one of the effects names its protocol as what tells it from its like."""
-        advised = {ROUND} | {protocol for kind in kinds for protocol in kind.separating_motions}
+        """Whether one of the effects names one of its protocols as what tells it from its like."""
+        advised = {protocol for kind in kinds for protocol in kind.separating_motions}
         return any(step["protocol"] in advised for step in self.steps)
 
 
@@ -94,7 +91,7 @@ def proposals(robot: RobotDescription, joints: Sequence[str]) -> list[Proposal]:
             "warm_up",
             {"times": [0.0, 600.0, 1800.0, 5400.0]},
         ),
-        one(ROUND, "every regime in a minute and a half", ROUND, {}),
+        one("diagnosis", "every regime in a minute and a half", "diagnosis", {}),
     ]
     if robot.work_area is not None and robot.tool is not None:
         sessions.append(
