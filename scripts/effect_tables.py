@@ -97,9 +97,7 @@ def _needs(effect: type[Effect]) -> str:
         for needed, text in ((effect.needs_elasticity, "elasticity"), (effect.needs_friction, "friction"))
         if needed
     ]
-    span = f"Logs that span less than {effect.least_span:g} s do not show it." if effect.least_span else ""
-    having = f"It acts only on joints that have {' and '.join(needs)}." if needs else ""
-    return " ".join(sentence for sentence in (having, span) if sentence)
+    return f"It acts only on joints that have {' and '.join(needs)}." if needs else ""
 
 
 def _in_table(equation: str) -> str:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.low_speed import judged_rows
 from ffgym.diagnosis.residual import Channel
 from ffgym.types import Array, BoolArray
 
@@ -14,7 +15,7 @@ def measured_rows(log: Log) -> dict[Channel, Array]:
     if log.tool is not None:
         found["tool"] = sampling(np.nan_to_num(log.tool))
     if log.link is not None:
-        found["link"] = sampling(log.link)
+        found["link"] = sampling(np.nan_to_num(log.link))
     if log.feedback is not None and log.reference is not None:
         found["servo"] = sampling(log.feedback)
     return found
@@ -28,13 +29,34 @@ def valid_rows(log: Log) -> BoolArray:
     return log.sampling.valid(known)
 
 
+def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
+    """Rows that count for each component, (R, M) each.
+
+    All valid ones, but those of torque at low speed where the model knows nothing of it, and none of an encoder that is
+    not there.
+    """
+    valid, judged = valid_rows(log), judged_rows(log)
+    found: dict[tuple[Channel, int], BoolArray] = {}
+    for channel, rows in measured_rows(log).items():
+        for c in range(rows.shape[2]):
+            found[channel, c] = valid & judged[..., c] if channel == "torque" else valid
+    if log.link is not None:
+        for c in np.flatnonzero(np.isnan(log.link).any(axis=(0, 1))).tolist():
+            found["link", c] = np.zeros_like(valid)
+    return found
+
+
 def residual_rows(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, Array]:
-    """Measured minus predicted (R, M, C); the servo's integral begins where nobody knows, so its mean is taken off."""
+    """Measured minus predicted (R, M, C).
+
+    The servo's integral begins where nobody knows, and an encoder counts from where nobody knows: their means are taken
+    off.
+    """
     valid = valid_rows(log)
     found = {}
     for channel, rows in measured_rows(log).items():
         rest = rows - prediction[channel]
-        if channel == "servo":
+        if channel in ("servo", "link"):
             count = np.maximum(valid.sum(axis=0), 1)[:, None]
             rest = rest - np.einsum("rmc,rm->mc", rest, valid.astype(np.float64)) / count
         found[channel] = rest

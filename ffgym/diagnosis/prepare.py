@@ -1,24 +1,27 @@
 """All that a diagnosis computes before it searches: replay, noise floor, and the columns of calibration and effects."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
+from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
 from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.measured import residual_rows, valid_rows
+from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, faultless_recordings, faultless_residuals
 from ffgym.diagnosis.replay.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.search.surrogates import surrogates
-from ffgym.diagnosis.signatures.column import columns_of
+from ffgym.diagnosis.signatures.column import Column, columns_of
 from ffgym.diagnosis.signatures.variant import Cycles
 from ffgym.effects import Effect
 from ffgym.plant import Machine
+from ffgym.recordings import Recording
+from ffgym.robot import ModelOptions
 from ffgym.types import Array
 
 
@@ -35,34 +38,90 @@ class Prepared:
     """RMS of noise alone, (M, C)."""
 
 
-def prepared(log: Log, nominal: Machine, calibration: Calibration, rng: np.random.Generator) -> Prepared:
+@dataclass(eq=False)
+class Memory:
+    """What logs of the same motions on the same nominal machine share, kept from one diagnosis to the next."""
+
+    key: bytes = b""
+    known: "NominalRun | None" = None
+    columns: dict[str, list[Column]] = field(default_factory=dict)
+    """Of effects, by their name."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NominalRun:
+    """The nominal machine over its own motion."""
+
+    exact: tuple[Recording, ...]
+    run: Replay
+    bias: Mapping[Channel, Array]
+    doubts: tuple[Doubt, ...]
+
+
+def prepared(
+    log: Log, nominal: Machine, calibration: Calibration, rng: np.random.Generator, memory: Memory | None = None
+) -> Prepared:
     """Replay the nominal model, and find out what noise alone would leave."""
     like = replay(log, nominal)
-    exact = faultless_recordings(log, like)
-    clean = log_of(log.robot, exact, like=log)
-    run = replay(clean, nominal)
-    bias = residual_rows(clean, predicted(run))
-    faultless = faultless_residuals(log, exact, bias, nominal, rng)
+    known = _known(log, like, calibration, memory)
+    faultless = faultless_residuals(log, known.exact, known.bias, nominal, rng)
     floor = faultless.floor(log)
-    weights = {(channel, c): 1 / rms[:, c] for channel, rms in floor.items() for c in range(rms.shape[1])}
-    doubts = doubts_of(run, calibration)
+    weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in counting_rows(log).items()}
     setting = Setting(
         log=log,
         nominal=nominal,
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
         weights=weights,
-        calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in doubts],
-        doubts=tuple(doubts),
+        calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in known.doubts],
+        doubts=known.doubts,
         like=like,
-        bias=bias,
+        bias=known.bias,
         bound=BOUND,
     )
-    return Prepared(setting=setting, run=run, faultless=faultless, floor=floor)
+    return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor)
 
 
-def candidates_for(ready: Prepared, kinds: Sequence[type[Effect]], cycles: Cycles) -> Candidates:
-    """Columns of effects beside those of the calibration."""
-    return candidates_of(ready.setting.doubts, columns_of(ready.run, kinds, cycles))
+def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | None) -> NominalRun:
+    """The nominal machine over its own motion, remembered if it is the same as the last time."""
+    key = _key(log, like.machine, calibration) if memory is not None else b""
+    if memory is not None and memory.known is not None and memory.key == key:
+        return memory.known
+    exact = faultless_recordings(log, like)
+    clean = log_of(log.robot, exact, like=log)
+    run = replay(clean, like.machine)
+    bias = residual_rows(clean, predicted(run))
+    known = NominalRun(exact=tuple(exact), run=run, bias=bias, doubts=tuple(doubts_of(run, calibration)))
+    if memory is not None and log.reference is not None:
+        memory.key, memory.known, memory.columns = key, known, {}
+    return known
+
+
+def _key(log: Log, machine: Machine, calibration: Calibration) -> bytes:
+    """What the nominal machine's own motion depends on; motions without set-points are never the same."""
+    digest = hashlib.sha256(repr((calibration, log.names, log.dt, log.robot.name)).encode())
+    digest.update(machine.physics(ModelOptions(looks=False)).encode())
+    digest.update(repr([log.tool is None, log.link is None, log.feedback is None]).encode())
+    for values in (*(log.reference or ()), log.started, log.temperature):
+        digest.update(b"-" if values is None else np.ascontiguousarray(values).tobytes())
+    return digest.digest()
+
+
+def candidates_for(
+    ready: Prepared, kinds: Sequence[type[Effect]], cycles: Cycles, memory: Memory | None = None
+) -> Candidates:
+    """Columns of effects beside those of the calibration; those that depend on no frequency are remembered."""
+    found: list[Column] = []
+    for kind in kinds:
+        periodic = any(p.role == "cycles" for p in kind.parameters().values())
+        kept = None if memory is None or periodic or memory.known is None else memory.columns
+        if kept is not None and kind.name in kept:
+            found += kept[kind.name]
+            continue
+        columns = columns_of(ready.run, [kind], cycles)
+        if kept is not None and memory is not None and memory.known is not None and memory.known.run is ready.run:
+            kept[kind.name] = columns
+        found += columns
+    return candidates_of(ready.setting.doubts, found)
 
 
 def noise_for(ready: Prepared, rng: np.random.Generator) -> Values:

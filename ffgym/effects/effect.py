@@ -59,9 +59,6 @@ class Effect(ABC):
     """Fields of the state without whose change it looks like a simpler effect."""
     needs_friction: ClassVar[bool] = False
     """Whether it acts on the friction of the motor."""
-    least_span: ClassVar[float] = 0.0
-    """Time from the first motion of a log to the end of its last that shows it, at least [s]; in less, what looks like
-    it is something else."""
 
     def __post_init__(self) -> None:
         given = {p.name: p.numbers(self.name, getattr(self, p.name)) for p in self.parameters().values()}

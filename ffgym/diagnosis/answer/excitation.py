@@ -32,7 +32,7 @@ def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
     """Why a log cannot show an effect at all; empty if it can."""
     if issubclass(kind, TrackerEffect) and log.tool is None:
         return "the log has no tracked tool position (tcp.position)"
-    if issubclass(kind, ClockEffect) and kind.families == ("link.position",) and log.link is None:
+    if issubclass(kind, ClockEffect) and "link.position" in kind.families and log.link is None:
         return "the log has no encoders behind the gearbox (link.position)"
     if (
         kind.side == "controller"

@@ -30,8 +30,8 @@ def loudness(setting: Setting, rest: Mapping[Channel, Array]) -> dict[tuple[Chan
     found = {}
     for channel, rows in rest.items():
         for c in range(rows.shape[2]):
-            weighted = (rows[:, :, c] * setting.weights[channel, c]) ** 2
-            found[channel, c] = float(np.sum(weighted * valid) / np.sum(valid))
+            weight = np.broadcast_to(setting.weights[channel, c], valid.shape) * valid
+            found[channel, c] = float(np.sum((rows[:, :, c] * weight) ** 2)) / max(int(np.count_nonzero(weight)), 1)
     return found
 
 

@@ -78,7 +78,10 @@ class Evidence:
 
 
 def evidence_of(blocks: Blocks, columns: Sequence[Parts], residuals: Values, weights: Values) -> Evidence:
-    """Sums for columns (R, M) per component, residuals (R, M, K), and weights (M,) per component."""
+    """Sums for columns (R, M) per component, residuals (R, M, K), and weights (M,) or (R, M) per component.
+
+    Rows of weight 0 do not count.
+    """
     n_blocks, n_columns = len(blocks), len(columns)
     n_residuals = next(iter(residuals.values())).shape[2]
     gram = np.zeros((n_blocks, n_columns, n_columns))
@@ -87,7 +90,8 @@ def evidence_of(blocks: Blocks, columns: Sequence[Parts], residuals: Values, wei
     order = [np.flatnonzero(blocks.of_row == b) for b in range(n_blocks)]
     for key, residual in residuals.items():
         have = [i for i, column in enumerate(columns) if key in column]
-        weight = weights[key][None, :, None]
+        weight = np.broadcast_to(weights[key], residual.shape[:2])[..., None]
+        counts = weight.ravel()
         flat_r = (residual * weight).reshape(-1, n_residuals)
         flat_a = (
             np.stack([columns[i][key] * weight[..., 0] for i in have], axis=-1).reshape(-1, len(have)) if have else None
@@ -95,7 +99,7 @@ def evidence_of(blocks: Blocks, columns: Sequence[Parts], residuals: Values, wei
         for b, of_block in enumerate(order):
             r = flat_r[of_block]
             energy[b] += np.einsum("rk,rk->k", r, r)
-            rows[b] += len(of_block)
+            rows[b] += np.count_nonzero(counts[of_block])
             if flat_a is not None:
                 a = flat_a[of_block]
                 gram[b][np.ix_(have, have)] += a.T @ a

@@ -27,7 +27,6 @@ class CoulombDrift(TorqueEffect):
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "slow_triangles")
     varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ("running",)
     needs_friction: ClassVar[bool] = True
-    least_span: ClassVar[float] = 300.0
 
     share: Array = parameter(
         "c, change in the end as a share of the Coulomb torque",

@@ -27,7 +27,6 @@ class ViscousDrift(TorqueEffect):
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "speed_ladder")
     varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ("running",)
     needs_friction: ClassVar[bool] = True
-    least_span: ClassVar[float] = 300.0
 
     share: Array = parameter(
         "c, share of viscous friction that is lost in the end",

@@ -1,0 +1,83 @@
+"""Nominal models fitted to the logs that are diagnosed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.nominal import LEAST_SHARE, filtering_for, fitted_nominal
+from ffgym.errors import FFGymError
+from ffgym.robot import RigidArm, load_draft, load_robot, motor_torque
+from tests.identification.rigid_body.recorded_arms import mistaken, recorded, rigid, swing
+
+
+@pytest.fixture(scope="module")
+def two_link():
+    return rigid(load_robot("two_link"))
+
+
+@pytest.fixture(scope="module")
+def paths(two_link):
+    return [swing(two_link, seed, duration=12.0) for seed in (1, 2)]
+
+
+@pytest.fixture(scope="module")
+def recordings(two_link, paths):
+    return [recorded(two_link, path, noise=0.01, seed=i, segment=f"m{i}") for i, path in enumerate(paths)]
+
+
+def left(machine, recording, path):
+    """RMS of what a machine leaves of the torque while all motors move, as a share of it, (N,)."""
+    torque = recording.joint_array("motor.effort")
+    moving = np.all(np.abs(path.dq) > 0.05, axis=1)
+    residual = torque - motor_torque(RigidArm(machine.robot), path.q, path.dq, path.ddq).total
+    return np.sqrt(np.mean(residual[moving] ** 2, axis=0) / np.mean(torque[moving] ** 2, axis=0))
+
+
+def test_wrong_numbers_of_a_description_are_replaced_by_those_that_the_logs_tell(two_link, paths, recordings):
+    wrong = mistaken(two_link)
+    machine, calibration = fitted_nominal(wrong, recordings)
+    for recording, path in zip(recordings, paths, strict=True):
+        assert np.all(left(machine, recording, path) < 0.03)
+        assert np.all(left(replace(machine, robot=wrong), recording, path) > 0.1)
+    assert calibration.share == LEAST_SHARE
+    assert machine.effects == ()
+
+
+def test_masses_need_not_be_known_at_all(two_link, paths, recordings):
+    draft = load_draft("two_link")
+    known = ("kinematics.", "drive.gear_ratio", "simulation.gravity")
+    draft = replace(draft, quantities={k: v for k, v in draft.quantities.items() if k.startswith(known)})
+    machine, _ = fitted_nominal(draft, recordings)
+    assert np.all(left(machine, recordings[0], paths[0]) < 0.05)
+
+
+def test_numbers_that_blocks_of_a_log_disagree_about_are_less_sure(two_link, paths):
+    """Friction that is other in each second widens its interval, and so what calibration leaves open."""
+    wild = np.random.default_rng(0).normal(size=(13, 2)) * 30 * two_link.friction.coulomb
+
+    def extra(path):
+        return wild[(path.t + 1e-9).astype(int)] * np.sign(path.dq)
+
+    noisy = [recorded(two_link, path, extra=extra, segment=f"m{i}") for i, path in enumerate(paths)]
+    _, calibration = fitted_nominal(two_link, noisy)
+    assert calibration.share > 2 * LEAST_SHARE
+
+
+def test_filters_fit_slow_logs_and_joints_that_bend(two_link, recordings):
+    elastic = load_robot("two_link")
+    assert filtering_for(elastic, recordings).parallel.cutoff == 5.0
+    assert filtering_for(two_link, recordings).parallel.cutoff > 5.0
+    slow = [replace_rows(recording, 25) for recording in recordings]
+    machine, _ = fitted_nominal(two_link, slow)
+    np.testing.assert_allclose(machine.robot.friction.viscous, two_link.friction.viscous, rtol=0.1)
+
+
+def replace_rows(recording, stride):
+    """Every so many rows of a recording."""
+    return type(recording)({c: v[::stride] for c, v in recording.columns.items()}, recording.header)
+
+
+def test_there_must_be_recordings(two_link):
+    with pytest.raises(FFGymError, match="no recordings"):
+        fitted_nominal(two_link, [])
