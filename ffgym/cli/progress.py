@@ -1,7 +1,7 @@
 """A progress bar on stderr that stays silent where nobody looks."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ffgym.simulation.simulate import Progress
@@ -19,3 +19,23 @@ def progress_bar(title: str, unit: str) -> Iterator[Progress]:
     with Bar(*columns, TimeRemainingColumn(), console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(title, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextmanager
+def stages_bar(title: str) -> Iterator[Callable[[str, float], None]]:
+    """Yield a function of (what is being done, share that is done) that draws a bar, if stderr is a terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bar
+
+    console = Console(file=sys.stderr)
+    columns = (BarColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Bar(*columns, console=console, disable=not console.is_terminal) as bar:
+        task, most = bar.add_task(title, total=1.0), 0.0
+
+        def tell(what: str, share: float) -> None:
+            nonlocal most
+            most = max(most, share)  # a search that looks again does not take back what is done
+            bar.update(task, completed=most, description=what)
+
+        yield tell

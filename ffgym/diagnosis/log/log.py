@@ -74,6 +74,11 @@ class Log:
         """Names of the motions."""
         return tuple(recording.header.segment for recording in self.recordings)
 
+    @property
+    def torque_alone(self) -> "Log":
+        """The log without the channels that show more than torque."""
+        return replace(self, tool=None, link=None, feedback=None, reference=None)
+
 
 def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log | None = None) -> Log:
     """Recordings of a robot, made ready; with the rows and channels of another log of the same motions, if given.

@@ -1,5 +1,8 @@
 """A diagnosis as plain text for a terminal, at most 120 columns wide."""
 
+from collections.abc import Sequence
+
+from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.report.circles.tables import Column, aligned, filled, shortened
 from ffgym.report.diagnosis.diagnosis_report import STANDS_OUT
@@ -44,6 +47,22 @@ def _levels(diagnosis: Diagnosis) -> str:
     ]
     fixed: list[Column] = [
         ("RMS of", [level.channel for level in levels]),
+        ("", [shortened(level.component) for level in levels]),
+    ]
+    return aligned(fixed, [columns])
+
+
+def format_closed_loop(levels: Sequence[LoopLevel]) -> str:
+    """How far both models are from the machine in closed loop, as a table."""
+    scale = [FINE[level.unit] for level in levels]
+    names = [("measured", "measured"), ("nominal model", "before"), ("extended model", "after")]
+    columns: list[Column] = [("unit", [unit for _, unit in scale])]
+    columns += [
+        (heading, [f"{factor * getattr(level, name):.3g}" for level, (factor, _) in zip(levels, scale, strict=True)])
+        for heading, name in names
+    ]
+    fixed: list[Column] = [
+        ("closed loop, RMS of", [level.quantity for level in levels]),
         ("", [shortened(level.component) for level in levels]),
     ]
     return aligned(fixed, [columns])

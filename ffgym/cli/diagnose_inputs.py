@@ -1,0 +1,95 @@
+"""What a diagnosis begins with: logs from files, folders or the package, and the nominal model by its name."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ffgym.cli.descriptions import described_robot
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
+from ffgym.diagnosis.nominal import fitted_nominal
+from ffgym.effects import Origin
+from ffgym.errors import FFGymError
+from ffgym.logs import read_logs
+from ffgym.plant import Machine, load_machine
+from ffgym.plant.machine_file import is_machine_file, origins_of, robot_reference
+from ffgym.recordings import Recording
+from ffgym.recordings.folder import read_folder
+from ffgym.robot import RobotDescription, RobotDraft, load_draft
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Nominal:
+    """The model that is diagnosed."""
+
+    machine: Machine
+    reference: str | Path
+    """What a machine file calls its robot: a built-in name, or the path of a description."""
+    origins: tuple[Origin, ...] = ()
+    """Of the effects that it has already."""
+    calibration: Calibration | None = None
+    """How sure its numbers are, if they were fitted to the logs."""
+
+
+def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescription) -> list[Recording]:
+    """Recordings in files and folders; the example logs if none is named.
+
+    A name that several motions have gets that of its folder or file before it.
+
+    Raises:
+        FFGymError: if one cannot be read.
+    """
+    if not paths:
+        return example_logs()
+    read = [(path, recording) for path in paths for recording in _read(path, columns, robot)]
+    names = [recording.header.segment for _, recording in read]
+    return [
+        _renamed(recording, path) if names.count(recording.header.segment) > 1 else recording
+        for path, recording in read
+    ]
+
+
+def nominal_named(name: str | None) -> Nominal:
+    """The machine of a machine file, or a robot without anything beside it; that of the example logs for None.
+
+    Raises:
+        FFGymError: if there is none of that name, or it cannot be read.
+    """
+    if name is None:
+        return Nominal(machine=Machine(robot=described_robot(EXAMPLE_ROBOT)), reference=EXAMPLE_ROBOT)
+    if is_machine_file(name):
+        return Nominal(machine=load_machine(name), reference=robot_reference(name), origins=origins_of(name))
+    return Nominal(machine=Machine(robot=described_robot(name)), reference=name)
+
+
+def draft_named(name: str | None) -> RobotDraft:
+    """What is known of a robot that may lack masses and friction, as they are fitted to its logs.
+
+    Raises:
+        FFGymError: if there is none of that name, or it cannot be read.
+    """
+    if name is not None and is_machine_file(name):
+        raise FFGymError(f"--fit {name}: is a machine file, whose numbers are known; give a robot or its description.")
+    return load_draft(name or EXAMPLE_ROBOT)
+
+
+def fitted(draft: RobotDraft, reference: str | Path, recordings: Sequence[Recording]) -> Nominal:
+    """Masses, rotors and friction that predict the torque of recordings best, as a nominal model.
+
+    Raises:
+        FFGymError: if recordings do not fit the robot, or do not tell its numbers.
+    """
+    known = draft if draft.missing else draft.complete()
+    machine, calibration = fitted_nominal(known, recordings)
+    return Nominal(machine=machine, reference=reference, calibration=calibration)
+
+
+def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Recording]:
+    if columns is None and path.is_dir():
+        return read_folder(path)
+    return read_logs(path, columns, robot=None if columns is None else robot)
+
+
+def _renamed(recording: Recording, path: Path) -> Recording:
+    header = replace(recording.header, segment=f"{path.stem}/{recording.header.segment}")
+    return Recording(columns=recording.columns, header=header)

@@ -1,0 +1,94 @@
+"""A first look: which effect before the gearbox would explain most of the torque, after some seconds.
+
+It replays once and simulates nothing, so that it knows neither how much chance explains nor what else would: good for
+the impatient, no verdict.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.diagnosis.answer.excitation import judgeable_kinds
+from ffgym.diagnosis.calibration import Calibration, doubts_of
+from ffgym.diagnosis.evidence.folds import half_folds
+from ffgym.diagnosis.evidence.screen import screen
+from ffgym.diagnosis.evidence.stack import Values, blocks_of, evidence_of
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.measured import residual_rows, valid_rows
+from ffgym.diagnosis.noise import noise_of
+from ffgym.diagnosis.replay.replay import Replay, predicted, replay
+from ffgym.diagnosis.search.candidates import Candidates, candidates_of
+from ffgym.diagnosis.signatures.column import columns_of
+from ffgym.effects import Effect, ResolverEffect
+from ffgym.plant import Machine
+from ffgym.types import Array
+
+STANDS_OUT = 0.2
+"""Share of the torque's residual above noise that an effect must explain to be spoken of; chosen: less is nothing to
+look forward to."""
+
+_LEAST = 1e-3
+"""Least noise of a torque as a share of its RMS: no model foretells torque better than to a per mille; chosen."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstLook:
+    """The effect that would explain most, if one stands out."""
+
+    effect: type[Effect] | None
+    joint: str
+    share: float
+    """Of the residual's energy above noise, on halves of motions that were not fitted."""
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        if self.effect is None:
+            return "First look, at torque alone: no effect before the gearbox stands out."
+        where = f" of {self.joint}" if self.joint else ""
+        return (
+            f"First look, at torque alone: {self.effect.title}{where} would explain {self.share:.0%} of what noise and "
+            f"calibration do not; rivals, chance and the arm are not looked at yet."
+        )
+
+
+def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLook:
+    """Screen the effects before the gearbox on the torque of a log."""
+    run = replay(log.torque_alone, nominal)
+    candidates = _candidates(run, nominal, calibration)
+    residual = residual_rows(run.log, predicted(run))["torque"]
+    values: Values = {("torque", j): residual[..., j : j + 1] for j in range(residual.shape[2])}
+    weights: Values = {("torque", j): 1 / column for j, column in enumerate(_torque_noise(run).T)}
+    blocks = blocks_of(valid_rows(run.log), log.sampling.row_dt)
+    if not len(blocks) or not candidates.groups:
+        return FirstLook(effect=None, joint="", share=0.0)
+    evidence = evidence_of(blocks, candidates.parts, values, weights)
+    seen = screen(evidence, half_folds(blocks), candidates.calibration, candidates.groups, candidates.priors)
+    best = int(np.argmax(seen.gain[:, 0]))
+    above = float(seen.left[0] - evidence.rows.sum())
+    share = float(seen.gain[best, 0]) / above if above > 0 else 0.0
+    if share < STANDS_OUT:
+        return FirstLook(effect=None, joint="", share=max(share, 0.0))
+    first = candidates.first(candidates.groups[best])
+    return FirstLook(effect=first.effect, joint=first.joint, share=min(share, 1.0))
+
+
+def _candidates(run: Replay, nominal: Machine, calibration: Calibration) -> Candidates:
+    """Effects whose columns take no arm."""
+    kinds, _ = judgeable_kinds(run.log, nominal)
+    plain = [kind for kind in kinds if kind.side == "motor" and not issubclass(kind, ResolverEffect)]
+    return candidates_of(doubts_of(run, calibration), columns_of(run, plain, {}))
+
+
+def _torque_noise(run: Replay) -> Array:
+    r"""RMS that white noise of torque and angle gives the residual, shape (M, N), motor side [N m].
+
+    Through a low-pass of cut-off :math:`f_c`, white noise :math:`\sigma` of samples :math:`\Delta t` apart keeps
+    :math:`\sigma \sqrt{2 f_c \Delta t}`, and its second derivative :math:`(2\pi)^2 \sigma \sqrt{2 f_c^5 \Delta t / 5}`.
+    """
+    noise, fc, dt = noise_of(run.log), run.log.sampling.cutoff, run.log.dt
+    torque = noise.torque * np.sqrt(2 * fc * dt)
+    acceleration = (2 * np.pi) ** 2 * noise.angle * np.sqrt(2 * fc**5 * dt / 5)
+    floor = _LEAST * np.sqrt(np.mean(run.torque**2, axis=0))
+    known: Array = np.hypot(torque, run.robot.drive.rotor_inertia * acceleration)
+    return np.maximum(known, np.maximum(floor, np.finfo(np.float64).tiny))
