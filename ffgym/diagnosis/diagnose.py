@@ -7,16 +7,18 @@ import numpy as np
 
 from ffgym.diagnosis.answer.excitation import judgeable_kinds, not_excited
 from ffgym.diagnosis.answer.levels import levels, loudness, without_calibration
+from ffgym.diagnosis.answer.next_motion import next_motion
 from ffgym.diagnosis.answer.sentence import sentence_of
 from ffgym.diagnosis.answer.sizes import causes_of
 from ffgym.diagnosis.answer.verdict import judged
 from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.first_look import FirstLook, first_look
 from ffgym.diagnosis.fit.refine import evaluated
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.patterns.cycles import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
-from ffgym.diagnosis.prepare import Prepared, candidates_for, noise_for, prepared
+from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for, noise_for, prepared
 from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.result import Diagnosis
@@ -59,6 +61,7 @@ def diagnose(
     calibration: Calibration | None = None,
     seed: int = 0,
     report: Report = lambda what, share: None,
+    memory: Memory | None = None,
 ) -> Diagnosis:
     """Diagnose logs of a machine.
 
@@ -68,11 +71,12 @@ def diagnose(
         calibration: how well the nominal numbers are known.
         seed: of resamples and of simulated noise.
         report: told what is done.
+        memory: kept from one diagnosis to the next, which is faster where many logs are of the same motions.
 
     Raises:
         FFGymError: if there is nothing to diagnose, or logs and robot do not fit.
     """
-    return examine(nominal, recordings, calibration=calibration, seed=seed, report=report).diagnosis
+    return examine(nominal, recordings, calibration=calibration, seed=seed, report=report, memory=memory).diagnosis
 
 
 def examine(
@@ -82,8 +86,20 @@ def examine(
     calibration: Calibration | None = None,
     seed: int = 0,
     report: Report = lambda what, share: None,
+    first: Callable[[FirstLook], None] | None = None,
+    memory: Memory | None = None,
 ) -> Examined:
-    """Diagnose logs of a machine, and keep what that was made from; arguments as `diagnose`."""
+    """Diagnose logs of a machine, and keep what that was made from.
+
+    Args:
+        nominal: see `diagnose`.
+        recordings: see there.
+        calibration: see there.
+        seed: see there.
+        report: see there.
+        first: told what stands out, soon and before anything is sure; None saves that time.
+        memory: see `diagnose`.
+    """
     machine = Machine.of(nominal)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     flagged, refused = _quality(recordings, machine.physical)
@@ -101,18 +117,23 @@ def examine(
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
     report("replaying the nominal model", 0.0)
     log = log_of(machine.physical, recordings)
-    ready = prepared(log, machine, calibration or Calibration(), rng)
-    return _examined(log, machine, ready, rng, report, flagged, provenance)
+    known = calibration or Calibration()
+    if first is not None:
+        first(first_look(log, machine, known))
+    ready = prepared(log, machine, known, rng, memory)
+    return _examined(log, machine, known, ready, rng, report, flagged, provenance, memory)
 
 
 def _examined(
     log: Log,
     machine: Machine,
+    calibration: Calibration,
     ready: Prepared,
     rng: np.random.Generator,
     report: Callable[[str, float], None],
     flagged: tuple[str, ...],
     provenance: Mapping[str, object],
+    memory: Memory | None,
 ) -> Examined:
     setting = ready.setting
     kinds, not_judgeable = judgeable_kinds(log, machine)
@@ -120,7 +141,7 @@ def _examined(
     first = without_calibration(setting, fitted)
     cycles = _cycles(residual_of(log, fitted.run, first, ready.floor))
     report("computing what each effect would change", 0.1)
-    candidates = candidates_for(ready, kinds, cycles)
+    candidates = candidates_for(ready, kinds, cycles, memory)
     found = search(setting, candidates, noise_for(ready, rng), report)
     rest = without_calibration(setting, found.final.fit)
     after = residual_of(log, found.final.fit.run, rest, ready.floor)
@@ -130,6 +151,8 @@ def _examined(
     report("looking at what is left", 0.95)
     patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
     causes = causes_of(found.final.fit, verdict.gains, rng)
+    if verdict.verdict == "ambiguous":
+        report("looking for a motion that tells rivals apart", 0.97)
     diagnosis = Diagnosis(
         verdict=verdict.verdict,
         sentence=sentence_of(verdict, causes, patterns, log.robot),
@@ -140,6 +163,7 @@ def _examined(
         patterns=patterns,
         not_excited=not_excited(found, candidates),
         not_judgeable=not_judgeable,
+        separating_motion=next_motion(found, verdict, machine, ready.floor, calibration),
         levels=levels(setting, found, ready.floor),
         threshold=found.rounds[0].ranking.threshold if found.rounds else 0.0,
         quality=flagged,

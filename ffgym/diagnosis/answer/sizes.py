@@ -57,12 +57,17 @@ def _name(hypothesis: Hypothesis, free: Free, robot: RobotDescription) -> str:
 
 
 def _resampled(fit: Fit, rng: np.random.Generator) -> Array:
-    """Changes of all free numbers, in practical steps, of resampled blocks, shape (B, P)."""
+    """Changes of all free numbers, in practical steps, shape (B, P).
+
+    Blocks of rows are resampled for what noise and motions leave open, and calibration errors drawn for what nobody
+    knows of the nominal numbers, which a size is relative to.
+    """
     gram, moment = fit.evidence.gram, fit.evidence.moment[:, :, 0]
-    n, prior = len(gram), np.diag(fit.priors.precision)
+    n, precision, doubts = len(gram), fit.priors.precision, fit.n_calibration
     found = []
     for _ in range(RESAMPLES):
         counts = np.bincount(rng.integers(n, size=n), minlength=n).astype(np.float64)
-        x = np.linalg.solve(np.einsum("b,bpq->pq", counts, gram) + prior, counts @ moment)
-        found.append(x[fit.n_calibration :])
+        drawn = np.concatenate([rng.normal(size=doubts), np.zeros(len(precision) - doubts)])
+        pull = counts @ moment + precision * drawn
+        found.append(np.linalg.solve(np.einsum("b,bpq->pq", counts, gram) + np.diag(precision), pull)[doubts:])
     return np.array(found)

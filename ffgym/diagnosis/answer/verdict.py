@@ -43,7 +43,7 @@ def judged(found: Found, loud_before: Loudness, loud_after: Loudness, rng: np.ra
     """What a search comes to."""
     above = max(found.nominal.total - found.rows, 1e-9)
     removed = (found.nominal.total - found.final.total) / above
-    gains = _gains(found, above)
+    gains = _gains(found)
     rivals = _rivals(found, rng)
     worst = max(loud_after.values())
     verdict: Verdict
@@ -58,12 +58,13 @@ def judged(found: Found, loud_before: Loudness, loud_after: Loudness, rng: np.ra
     return Judged(verdict=verdict, gains=gains, removed=float(removed), rivals=rivals)
 
 
-def _gains(found: Found, above: float) -> tuple[float, ...]:
-    """Share of energy that each cause removed when it was adopted."""
+def _gains(found: Found) -> tuple[float, ...]:
+    """Share that each cause removed of the energy above the noise that was there when it was adopted."""
     by_place: dict[tuple[str, str, int | None], float] = {}
     for one in found.rounds:
         if one.adopted:
             best = one.tried[0]
+            above = max(one.before.total - found.rows, 1e-9)
             by_place[best.hypothesis.place] = float((one.before.total - best.total) / above)
     return tuple(by_place.get(h.place, 0.0) for h in found.final.fit.hypotheses)
 

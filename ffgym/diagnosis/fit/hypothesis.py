@@ -90,6 +90,19 @@ class Hypothesis:
                 found.append(_free(p, part, at))
         return found
 
+    def scaled(self, factor: float) -> Self:
+        """With all sizes as many times as far from their null values."""
+        known = self.kind.parameters()
+        values = {
+            name: np.clip(
+                known[name].neutral + factor * (value - known[name].neutral), known[name].minimum, known[name].maximum
+            )
+            if known[name].role == "size"
+            else value
+            for name, value in self.values.items()
+        }
+        return replace(self, values=values)
+
     def moved(self, changes: Sequence[float]) -> Self:
         """With each free number changed, within its bounds."""
         values = {name: np.array(value, dtype=np.float64) for name, value in self.values.items()}

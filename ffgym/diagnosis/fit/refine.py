@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.screen import Priors, fitted
@@ -29,6 +30,15 @@ _FAR = 3.0
 
 _WIDE = 10.0
 """Standard deviation of a number in practical steps: as good as free, but not without end."""
+
+_SIZES = (0.6, 1.0, 1.5, 2.2, 3.3)
+"""Multiples of the size of a linear fit at which effects of springs are tried first."""
+
+_SOUGHT, _FINE = (-0.3, 0.3), 0.005
+"""Logarithms of the factors between which a size is sought along a line, and how finely."""
+
+_SMALL = 0.02
+"""Change, in practical steps, below which a fit has come to rest."""
 
 _HALVINGS = 3
 """Times that a step is halved if it makes things worse."""
@@ -86,43 +96,99 @@ class Fit:
         return np.arange(self.n_calibration)
 
 
-def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, rounds: int = _ROUNDS) -> Fit:
-    """Fit hypotheses to a log, from the values that they have."""
-    best = evaluated(setting, hypotheses)
-    for _ in range(rounds if hypotheses else 0):
+def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = False) -> Fit:
+    """Fit hypotheses to a log, from the values that they have.
+
+    Args:
+        setting: the log and what all fits share.
+        hypotheses: the last of them is the newest.
+        begun: whether its values are good already; else they are those of a linear fit.
+    """
+    best = evaluated(setting, hypotheses if begun else _well_begun(setting, hypotheses))
+    for _ in range(_ROUNDS if hypotheses else 0):
         step = _step(best)
-        tried = best
+        left = np.inf
         for _ in range(_HALVINGS):
-            tried = evaluated(setting, _moved(best.hypotheses, step))
-            if tried.left < best.left:
+            left = left_by(setting, _moved(best.hypotheses, step))
+            if left < best.left:
                 break
             step = 0.3 * step
-        if tried.left >= best.left:
+        if left >= best.left:
             break
-        gained = 1 - tried.left / best.left
-        best = tried
-        if gained < _ENOUGH:
+        gained = 1 - left / best.left
+        best = evaluated(setting, _moved(best.hypotheses, step))
+        if gained < _ENOUGH and float(np.max(np.abs(step))) < _SMALL:
             break
     return best
 
 
-def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Fit:
-    """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do."""
+def polished(setting: Setting, found: Fit) -> Fit:
+    """A fit with the size of its newest hypothesis sought along a line where it acts on springs, then fitted again.
+
+    There slopes lead to the truth only from very near; a line search needs no slopes.
+    """
+    if not found.hypotheses or not _on_springs(found.hypotheses[-1]):
+        return found
+    *others, last = found.hypotheses
+
+    def left(log_factor: float) -> float:
+        return left_by(setting, [*others, last.scaled(float(np.exp(log_factor)))])
+
+    best = minimize_scalar(left, bounds=_SOUGHT, method="bounded", options={"xatol": _FINE})
+    if best.fun >= found.left:
+        return found
+    return fit(setting, [*others, last.scaled(float(np.exp(best.x)))], begun=True)
+
+
+def _on_springs(hypothesis: Hypothesis) -> bool:
+    return hypothesis.kind.needs_elasticity and hypothesis.kind.side == "link"
+
+
+def _well_begun(setting: Setting, hypotheses: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """With the newest hypothesis at the best of several sizes where it acts on springs.
+
+    An arm that is driven at its motors swings sharply, so that only models near the truth are led to it by slopes.
+    """
+    first = list(hypotheses)
+    if not first or not _on_springs(first[-1]):
+        return first
+    tries = [[*first[:-1], first[-1].scaled(factor)] for factor in _SIZES]
+    return min(tries, key=lambda one: left_by(setting, one))
+
+
+def left_by(setting: Setting, hypotheses: Sequence[Hypothesis]) -> float:
+    """Energy that calibration and hypotheses with the values that they have leave, of all rows."""
+    _, residual = _residual(setting, hypotheses)
+    return _left(
+        evidence_of(setting.blocks, setting.calibration, values_of(residual), setting.weights), _priors(setting, ())
+    )
+
+
+def _left(evidence: Evidence, priors: Priors) -> float:
+    """Energy that the columns of the calibration, which come first, leave."""
+    n = len(priors.low)
+    x = fitted(evidence, np.arange(n), priors)
+    gram, pull = evidence.gram.sum(axis=0)[:n, :n], evidence.moment.sum(axis=0)[:n, 0]
+    return float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x)
+
+
+def _residual(setting: Setting, hypotheses: Sequence[Hypothesis]) -> tuple[Replay, dict[Channel, Array]]:
+    """Replay of the machine with all hypotheses, and its residual (R, M, C)."""
     machine = setting.nominal
     for hypothesis in hypotheses:
         machine = hypothesis.on(machine)
     run = replay(setting.log, machine, setting.like)
     rows = residual_rows(setting.log, predicted(run))
-    residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
+    return run, {channel: values - setting.bias[channel] for channel, values in rows.items()}
+
+
+def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Fit:
+    """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do."""
+    run, residual = _residual(setting, hypotheses)
     columns = tangents(run, setting.nominal, hypotheses) if hypotheses else []
-    both = [*setting.calibration, *columns]
-    evidence = evidence_of(setting.blocks, both, values_of(residual), setting.weights)
+    evidence = evidence_of(setting.blocks, [*setting.calibration, *columns], values_of(residual), setting.weights)
+    left = _left(evidence, _priors(setting, ()))
     priors = _priors(setting, hypotheses)
-    n = len(setting.calibration)
-    places = np.arange(n)
-    x = fitted(evidence, places, priors)
-    gram, pull = evidence.gram.sum(axis=0)[:n, :n], evidence.moment.sum(axis=0)[:n, 0]
-    left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x)
     return Fit(
         hypotheses=tuple(hypotheses),
         run=run,

@@ -9,7 +9,7 @@ from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import left_by_block
 from ffgym.diagnosis.evidence.stack import Values, evidence_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, values_of
+from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking, ranked, start_of
 from ffgym.types import Array
@@ -17,7 +17,7 @@ from ffgym.types import Array
 MOST = 4
 """Causes that are named at most; a model that lacks more is better identified anew."""
 
-TRIED = 4
+TRIED = 3
 """Candidates that are fitted by replaying, in each round."""
 
 NEAR = 0.5
@@ -28,6 +28,9 @@ EXPLAINS = 0.5
 
 FLOOR = 0.05
 """Share of what is left that is worth a name at all."""
+
+QUIET = 1.05
+"""Energy left, in units of the noise's, from which on a fit may gain from being finer."""
 
 SLACK = 0.02
 """Share of the energy by which a hypothesis with more numbers must beat one with fewer."""
@@ -87,7 +90,7 @@ def search(
         rounds.append(one)
         if not one.adopted:
             break
-        now = _without_needless(setting, one.tried[0])
+        now = _without_needless(setting, _polished(setting, one.tried[0]))
     return Found(nominal=nominal, final=now, rounds=tuple(rounds), rows=float(now.fit.evidence.rows.sum()))
 
 
@@ -124,9 +127,21 @@ def _is_worth(before: Tried, after: Tried) -> bool:
     return gained > FLOOR * before.total and gained > EXPLAINS * above
 
 
+def _polished(setting: Setting, adopted: Tried) -> Tried:
+    """The adopted cause, fitted more finely if there is anything left to explain."""
+    if adopted.fit.left < QUIET * float(adopted.fit.evidence.rows.sum()):
+        return adopted
+    finer = polished(setting, adopted.fit)
+    return adopted if finer is adopted.fit else _scored(setting, finer)
+
+
 def _judged(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Tried:
     """Fit, then judge by blocks that were left out."""
-    found = fit(setting, hypotheses) if hypotheses else evaluated(setting, ())
+    return _scored(setting, fit(setting, hypotheses) if hypotheses else evaluated(setting, ()))
+
+
+def _scored(setting: Setting, found: Fit) -> Tried:
+    """A fit with what it leaves in blocks that were left out."""
     halves, motions = half_folds(setting.blocks), motion_folds(setting.blocks)
     left = [
         left_by_block(found.evidence, folds, found.everything, found.priors) for folds in (halves, motions) if folds
