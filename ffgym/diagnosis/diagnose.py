@@ -6,13 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.diagnosis.answer.excitation import judgeable_kinds, not_excited
-from ffgym.diagnosis.answer.levels import levels, loudness, without_calibration
+from ffgym.diagnosis.answer.levels import levels
 from ffgym.diagnosis.answer.next_motion import next_motion
 from ffgym.diagnosis.answer.sentence import sentence_of
 from ffgym.diagnosis.answer.sizes import causes_of
 from ffgym.diagnosis.answer.verdict import judged
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.first_look import FirstLook, first_look
+from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.refine import evaluated
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.patterns import find_patterns
@@ -147,7 +148,7 @@ def _examined(
     after = residual_of(log, found.final.fit.run, rest, ready.floor)
     before = residual_of(log, found.nominal.fit.run, without_calibration(setting, found.nominal.fit), ready.floor)
     loud = loudness(setting, rest)
-    verdict = judged(found, loudness(setting, first), loud, rng)
+    verdict = judged(setting, found, loudness(setting, first), loud, rng)
     report("looking at what is left", 0.95)
     patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
     causes = causes_of(found.final.fit, verdict.gains, rng)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache, partial
 from pathlib import Path
 
-from ffgym.diagnosis import diagnose
+from ffgym.diagnosis import Memory, diagnose
 from ffgym.diagnosis.document import diagnosis_document
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.errors import FFGymError
@@ -42,7 +42,13 @@ def arm_of_exam() -> RigidArm:
 
 def answered(log: Sequence[Recording]) -> Diagnosis:
     """The diagnosis of a log."""
-    return diagnose(arm_of_exam().robot, log)
+    return diagnose(arm_of_exam().robot, log, memory=_memory())
+
+
+@cache
+def _memory() -> Memory:
+    """What questions of one process share: most are of the same motions."""
+    return Memory()
 
 
 def examined(question: Question, *, seed: int) -> Mark:

@@ -49,7 +49,7 @@ def _tied(found: Found, judged: Judged) -> list[Sequence[Hypothesis]]:
         if not one.adopted or one.tried[0].hypothesis.place not in stayed:
             continue
         best = stayed[one.tried[0].hypothesis.place]
-        ties = {(r.effect, r.joint) for r in judged.rivals if r.tied and r.against == best.kind.name}
+        ties = {(r.effect, r.joint) for r in judged.rivals if r.tied and r.against == best.label}
         others = [t.hypothesis for t in one.tried[1:] if (t.hypothesis.kind.name, t.hypothesis.joint) in ties]
         if others:
             groups.append((best, *others))

@@ -1,13 +1,13 @@
 """The verdict: how much causes explain, what ties with them, and what is left."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.fit.leftover import Loudness, explained, touched
+from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.result import Rival, Verdict
-from ffgym.diagnosis.search.search import Found, Tried
+from ffgym.diagnosis.search.search import Found, Tried, share_removed
 from ffgym.types import Array
 
 NAMED = 0.9
@@ -24,8 +24,6 @@ TIED = 0.05
 
 RESAMPLES = 500
 
-Loudness = Mapping[tuple[Channel, int], float]
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Judged:
@@ -39,12 +37,22 @@ class Judged:
     rivals: tuple[Rival, ...]
 
 
-def judged(found: Found, loud_before: Loudness, loud_after: Loudness, rng: np.random.Generator) -> Judged:
-    """What a search comes to."""
-    above = max(found.nominal.total - found.rows, 1e-9)
-    removed = (found.nominal.total - found.final.total) / above
-    gains = _gains(found)
-    rivals = _rivals(found, rng)
+def judged(
+    setting: Setting, found: Found, loud_before: Loudness, loud_after: Loudness, rng: np.random.Generator
+) -> Judged:
+    """What a search comes to.
+
+    Args:
+        setting: the log.
+        found: by the search.
+        loud_before: energy of the nominal residual over that of noise, by component.
+        loud_after: the same with the causes.
+        rng: resamples blocks.
+    """
+    where = touched(setting, list(found.final.fit.columns))
+    removed = explained(loud_before, loud_after, where) if where else 0.0
+    gains = _gains(setting, found)
+    rivals = _rivals(setting, found, rng)
     worst = max(loud_after.values())
     verdict: Verdict
     if not found.final.fit.hypotheses:
@@ -58,32 +66,28 @@ def judged(found: Found, loud_before: Loudness, loud_after: Loudness, rng: np.ra
     return Judged(verdict=verdict, gains=gains, removed=float(removed), rivals=rivals)
 
 
-def _gains(found: Found) -> tuple[float, ...]:
+def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
     """Share that each cause removed of the energy above the noise that was there when it was adopted."""
     by_place: dict[tuple[str, str, int | None], float] = {}
     for one in found.rounds:
         if one.adopted:
-            best = one.tried[0]
-            above = max(one.before.total - found.rows, 1e-9)
-            by_place[best.hypothesis.place] = float((one.before.total - best.total) / above)
+            by_place[one.tried[0].hypothesis.place] = share_removed(setting, one.before, one.tried[0])
     return tuple(by_place.get(h.place, 0.0) for h in found.final.fit.hypotheses)
 
 
-def _rivals(found: Found, rng: np.random.Generator) -> tuple[Rival, ...]:
+def _rivals(setting: Setting, found: Found, rng: np.random.Generator) -> tuple[Rival, ...]:
     """Candidates that were fitted in the place of a cause that stayed."""
     stayed = {hypothesis.place for hypothesis in found.final.fit.hypotheses}
-    listed: list[Rival] = []
-    for one in found.rounds:
-        if one.adopted and one.tried[0].hypothesis.place in stayed:
-            best = one.tried[0]
-            listed += [_rival(one.before, best, other, found.rows, rng) for other in one.tried[1:]]
-    return tuple(listed)
+    return tuple(
+        _rival(setting, one.before, one.tried[0], other, rng)
+        for one in found.rounds
+        if one.adopted and one.tried[0].hypothesis.place in stayed
+        for other in one.tried[1:]
+    )
 
 
-def _rival(before: Tried, best: Tried, other: Tried, rows: float, rng: np.random.Generator) -> Rival:
-    above = max(before.total - rows, 1e-9)
+def _rival(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> Rival:
     tied = _ties(best.left, other.left, rng)
-    gain = float((before.total - other.total) / above)
     reason = (
         "explains the log as well: these motions cannot tell both apart"
         if tied
@@ -92,9 +96,9 @@ def _rival(before: Tried, best: Tried, other: Tried, rows: float, rng: np.random
     return Rival(
         effect=other.hypothesis.kind.name,
         joint=other.hypothesis.joint,
-        held_out_gain=gain,
+        held_out_gain=share_removed(setting, before, other),
         tied=tied,
-        against=best.hypothesis.kind.name,
+        against=best.hypothesis.label,
         reason=reason,
     )
 

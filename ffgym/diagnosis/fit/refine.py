@@ -165,11 +165,11 @@ def left_by(setting: Setting, hypotheses: Sequence[Hypothesis]) -> float:
 
 
 def _left(evidence: Evidence, priors: Priors) -> float:
-    """Energy that the columns of the calibration, which come first, leave."""
+    """Energy that the columns of the calibration, which come first, leave, with what their prior says of them."""
     n = len(priors.low)
     x = fitted(evidence, np.arange(n), priors)
     gram, pull = evidence.gram.sum(axis=0)[:n, :n], evidence.moment.sum(axis=0)[:n, 0]
-    return float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x)
+    return float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x + priors.precision[:n] @ x**2)
 
 
 def _residual(setting: Setting, hypotheses: Sequence[Hypothesis]) -> tuple[Replay, dict[Channel, Array]]:

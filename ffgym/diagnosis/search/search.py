@@ -9,6 +9,7 @@ from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import left_by_block
 from ffgym.diagnosis.evidence.stack import Values, evidence_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.leftover import explained, loudness, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking, ranked, start_of
@@ -26,8 +27,8 @@ NEAR = 0.5
 EXPLAINS = 0.5
 """Share of what is left above the noise that a cause must remove to be adopted; less is not its name."""
 
-FLOOR = 0.05
-"""Share of what is left that is worth a name at all."""
+NEEDED = 0.05
+"""Share of the energy that a cause must keep away beside the others, else it is dropped."""
 
 QUIET = 1.05
 """Energy left, in units of the noise's, from which on a fit may gain from being finer."""
@@ -116,15 +117,21 @@ def _round(setting: Setting, candidates: Candidates, faultless: Values, now: Tri
         report(f"fitting {start.label}", len(tried) / TRIED)
         tried.append(_judged(setting, (*fixed.hypotheses, start)))
     tried.sort(key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
-    return Round(before=now, ranking=ranking, tried=tuple(tried), adopted=bool(tried) and _is_worth(now, tried[0]))
+    return Round(
+        before=now, ranking=ranking, tried=tuple(tried), adopted=bool(tried) and _is_worth(setting, now, tried[0])
+    )
 
 
-def _is_worth(before: Tried, after: Tried) -> bool:
-    """Whether a cause explains enough of what is left above the noise."""
-    rows = float(before.fit.evidence.rows.sum())
-    above = max(before.total - rows, 0.0)
-    gained = before.total - after.total
-    return gained > FLOOR * before.total and gained > EXPLAINS * above
+def share_removed(setting: Setting, before: Tried, after: Tried) -> float:
+    """Share of the energy above the noise that the newest cause removes where it acts, by fits to all rows."""
+    own = after.fit.columns[-len(after.hypothesis.free()) :]
+    loud = [loudness(setting, without_calibration(setting, one.fit)) for one in (before, after)]
+    return explained(loud[0], loud[1], touched(setting, list(own)))
+
+
+def _is_worth(setting: Setting, before: Tried, after: Tried) -> bool:
+    """Whether a cause explains enough of what is left above the noise, and holds on rows that were left out."""
+    return after.total < before.total and share_removed(setting, before, after) > EXPLAINS
 
 
 def _polished(setting: Setting, adopted: Tried) -> Tried:
@@ -153,6 +160,6 @@ def _without_needless(setting: Setting, now: Tried) -> Tried:
     """Drop causes that the others make up for."""
     for i in range(len(now.fit.hypotheses) - 1):
         fewer = _judged(setting, [h for k, h in enumerate(now.fit.hypotheses) if k != i])
-        if fewer.total <= now.total * (1 + FLOOR):
+        if fewer.total <= now.total * (1 + NEEDED):
             return _without_needless(setting, fewer)
     return now

@@ -1,0 +1,57 @@
+"""What a fit leaves, component by component."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ffgym.diagnosis.evidence.screen import fitted
+from ffgym.diagnosis.fit.refine import Fit, Setting
+from ffgym.diagnosis.measured import valid_rows
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.signatures.column import Parts
+from ffgym.types import Array
+
+_TOUCHED = 0.01
+"""Share of a column's energy, weighted by the noise, from which on it touches a component."""
+
+Loudness = Mapping[tuple[Channel, int], float]
+"""Energy over that of noise alone, by component."""
+
+
+def without_calibration(setting: Setting, fit: Fit) -> dict[Channel, Array]:
+    """Residuals (R, M, C) of a fit, less what calibration errors within their bounds explain."""
+    sizes = fitted(fit.evidence, fit.everything, fit.priors)[: fit.n_calibration]
+    rest = {channel: rows.copy() for channel, rows in fit.residual.items()}
+    for column, size in zip(setting.calibration, sizes, strict=True):
+        for (channel, c), rows in column.items():
+            if channel in rest:
+                rest[channel][:, :, c] -= size * rows
+    return rest
+
+
+def loudness(setting: Setting, rest: Mapping[Channel, Array]) -> Loudness:
+    """Energy of a residual over that of noise alone, by component."""
+    valid = valid_rows(setting.log).astype(np.float64)
+    found = {}
+    for channel, rows in rest.items():
+        for c in range(rows.shape[2]):
+            weight = np.broadcast_to(setting.weights[channel, c], valid.shape) * valid
+            found[channel, c] = float(np.sum((rows[:, :, c] * weight) ** 2)) / max(int(np.count_nonzero(weight)), 1)
+    return found
+
+
+def touched(setting: Setting, columns: list[Parts]) -> set[tuple[Channel, int]]:
+    """Components in which columns have energy that counts."""
+    energy: dict[tuple[Channel, int], float] = {}
+    for column in columns:
+        for key, rows in column.items():
+            weight = np.broadcast_to(setting.weights[key], rows.shape)
+            energy[key] = energy.get(key, 0.0) + float(np.sum((weight * rows) ** 2))
+    most = sum(energy.values())
+    return {key for key, value in energy.items() if value > _TOUCHED * most}
+
+
+def explained(before: Loudness, after: Loudness, where: set[tuple[Channel, int]]) -> float:
+    """Share of the energy above the noise in some components that is no longer there."""
+    above = sum(max(before[key] - 1.0, 0.0) for key in where)
+    return (sum(before[key] for key in where) - sum(after[key] for key in where)) / max(above, 1e-9)
