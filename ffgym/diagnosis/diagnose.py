@@ -12,33 +12,22 @@ from ffgym.diagnosis.answer.sentence import sentence_of
 from ffgym.diagnosis.answer.sizes import causes_of
 from ffgym.diagnosis.answer.verdict import judged
 from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
-from ffgym.diagnosis.fit.refine import evaluated
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.patterns import find_patterns
-from ffgym.diagnosis.patterns.cycles import cycles_per_turn
-from ffgym.diagnosis.patterns.periodic import Amplitude
-from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for, noise_for, prepared
+from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
 from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.diagnosis.search.search import Report, search
-from ffgym.diagnosis.signatures.variant import Cycles
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
 from ffgym.provenance import versions
 from ffgym.quality import check_quality
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
-
-_LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("sign", 1))
-"""Peaks per joint that are tried as the frequency of a periodic effect, of the residual as it is and of that times the
-sign of the speed."""
-
-_APART = 0.2
-"""Cycles per turn by which two such peaks differ at least."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -138,12 +127,9 @@ def _examined(
 ) -> Examined:
     setting = ready.setting
     kinds, not_judgeable = judgeable_kinds(log, machine)
-    fitted = evaluated(setting, ())
-    first = without_calibration(setting, fitted)
-    cycles = _cycles(residual_of(log, fitted.run, first, ready.floor))
     report("computing what each effect would change", 0.1)
-    candidates = candidates_for(ready, kinds, cycles, memory)
-    found = search(setting, candidates, noise_for(ready, rng), report)
+    found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), report)
+    first = without_calibration(setting, found.nominal.fit)
     rest = without_calibration(setting, found.final.fit)
     after = residual_of(log, found.final.fit.run, rest, ready.floor)
     before = residual_of(log, found.nominal.fit.run, without_calibration(setting, found.nominal.fit), ready.floor)
@@ -162,7 +148,7 @@ def _examined(
         causes=causes,
         rivals=verdict.rivals,
         patterns=patterns,
-        not_excited=not_excited(found, candidates),
+        not_excited=not_excited(found),
         not_judgeable=not_judgeable,
         separating_motion=next_motion(found, verdict, machine, ready.floor, calibration),
         levels=levels(setting, found, ready.floor),
@@ -186,26 +172,3 @@ def _quality(recordings: Sequence[Recording], robot: RobotDescription) -> tuple[
             elif finding.verdict == "flagged":
                 flagged.append(text)
     return tuple(flagged), tuple(refused)
-
-
-def _cycles(residual: Residual) -> Cycles:
-    """Frequencies at which each joint's residual repeats per motor turn, the strongest first."""
-    found: dict[str, list[float]] = {}
-    for joint in residual.robot.joints:
-        peaks: list[tuple[float, float]] = []
-        for amplitude, count in _LOOKED_FOR:
-            spectrum = cycles_per_turn(residual, "torque", joint, joint, amplitude=amplitude)
-            if spectrum is not None:
-                peaks += _peaks(spectrum.frequency, spectrum.share, count)
-        found[joint] = [frequency for _, frequency in sorted(peaks, reverse=True)]
-    return found
-
-
-def _peaks(frequency: Array, share: Array, count: int) -> list[tuple[float, float]]:
-    """The highest peaks of a spectrum, as share and frequency."""
-    left, peaks = share.copy(), []
-    for _ in range(count):
-        best = int(np.argmax(left))
-        peaks.append((float(share[best]), float(frequency[best])))
-        left[np.abs(frequency - frequency[best]) < _APART] = 0.0
-    return peaks

@@ -56,6 +56,8 @@ def residual_rows(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, A
     found = {}
     for channel, rows in measured_rows(log).items():
         rest = rows - prediction[channel]
+        if channel == "link" and log.link is not None:
+            rest = np.where(np.isnan(log.link).any(axis=(0, 1)), 0.0, rest)
         if channel in ("servo", "link"):
             count = np.maximum(valid.sum(axis=0), 1)[:, None]
             rest = rest - np.einsum("rmc,rm->mc", rest, valid.astype(np.float64)) / count

@@ -27,8 +27,8 @@ _ROUNDING = 1e-12
 _MULTIPLE, _MOST = 0.02, 0.99
 """How near a change must be to a multiple of the smallest one, and how many must, for that to be the encoder's step."""
 
-DRAWS = 1
-"""Draws of the noise; an RMS over thousands of rows is known to some per cent from one."""
+DRAWS = 2
+"""Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

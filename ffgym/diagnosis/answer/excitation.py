@@ -4,7 +4,6 @@ import numpy as np
 
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.result import Unjudged
-from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.search import Found
 from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, TrackerEffect
 from ffgym.plant import Machine
@@ -68,11 +67,11 @@ def _span(log: Log, machine: Machine, name: str) -> float:
     return float(np.max(np.ptp(seen, axis=0)))
 
 
-def not_excited(found: Found, candidates: Candidates) -> tuple[Unjudged, ...]:
+def not_excited(found: Found) -> tuple[Unjudged, ...]:
     """Effects that would not show even at the largest plausible size, joint by joint."""
     if not found.rounds:
         return ()
-    ranking = found.rounds[0].ranking
+    ranking, candidates = found.rounds[0].ranking, found.rounds[0].candidates
     listed: dict[tuple[str, str], bool] = {}
     for group, most in zip(candidates.groups, ranking.most, strict=True):
         column = candidates.first(group)

@@ -4,14 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.fit.leftover import Loudness, explained, touched
+from ffgym.diagnosis.fit.leftover import Loudness, removed, touched
 from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.result import Rival, Verdict
-from ffgym.diagnosis.search.search import Found, Tried, share_removed
+from ffgym.diagnosis.search.search import Found, Tried, removed_by
 from ffgym.types import Array
 
 NAMED = 0.9
 """Share of the energy above the noise that causes must remove to be named without reserve..."""
+
+HALF = 0.5
+"""Share of what was left, where it acts, that each cause must remove to be named without reserve."""
 
 QUIET = 2.0
 """...or what they may leave in every component, in units of the noise's energy."""
@@ -50,7 +53,7 @@ def judged(
         rng: resamples blocks.
     """
     where = touched(setting, list(found.final.fit.columns))
-    removed = explained(loud_before, loud_after, where) if where else 0.0
+    share = removed(loud_before, loud_after, where).of_excess if where else 0.0
     gains = _gains(setting, found)
     rivals = _rivals(setting, found, rng)
     worst = max(loud_after.values())
@@ -59,11 +62,11 @@ def judged(
         verdict = "unknown" if worst > LOUD else "none"
     elif any(rival.tied for rival in rivals):
         verdict = "ambiguous"
-    elif removed >= NAMED or worst <= QUIET:
+    elif (share >= NAMED or worst <= QUIET) and min(gains) >= HALF:
         verdict = "named"
     else:
         verdict = "partly"
-    return Judged(verdict=verdict, gains=gains, removed=float(removed), rivals=rivals)
+    return Judged(verdict=verdict, gains=gains, removed=float(share), rivals=rivals)
 
 
 def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
@@ -71,7 +74,7 @@ def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
     by_place: dict[tuple[str, str, int | None], float] = {}
     for one in found.rounds:
         if one.adopted:
-            by_place[one.tried[0].hypothesis.place] = share_removed(setting, one.before, one.tried[0])
+            by_place[one.tried[0].hypothesis.place] = removed_by(setting, one.before, one.tried[0]).of_excess
     return tuple(by_place.get(h.place, 0.0) for h in found.final.fit.hypotheses)
 
 
@@ -96,7 +99,7 @@ def _rival(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.r
     return Rival(
         effect=other.hypothesis.kind.name,
         joint=other.hypothesis.joint,
-        held_out_gain=share_removed(setting, before, other),
+        held_out_gain=removed_by(setting, before, other).of_excess,
         tied=tied,
         against=best.hypothesis.label,
         reason=reason,

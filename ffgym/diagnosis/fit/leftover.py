@@ -1,6 +1,7 @@
 """What a fit leaves, component by component."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -51,7 +52,20 @@ def touched(setting: Setting, columns: list[Parts]) -> set[tuple[Channel, int]]:
     return {key for key, value in energy.items() if value > _TOUCHED * most}
 
 
-def explained(before: Loudness, after: Loudness, where: set[tuple[Channel, int]]) -> float:
-    """Share of the energy above the noise in some components that is no longer there."""
-    above = sum(max(before[key] - 1.0, 0.0) for key in where)
-    return (sum(before[key] for key in where) - sum(after[key] for key in where)) / max(above, 1e-9)
+@dataclass(frozen=True, kw_only=True)
+class Removed:
+    """What is no longer there in some components."""
+
+    of_excess: float
+    """Share of the energy above the noise."""
+    of_all: float
+    """Share of all energy, noise included."""
+    excess: float
+    """Share of all energy that was above the noise."""
+
+
+def removed(before: Loudness, after: Loudness, where: set[tuple[Channel, int]]) -> Removed:
+    """What a cause removes from components `where`."""
+    gone = sum(before[key] - after[key] for key in where)
+    above, total = max(sum(before[key] - 1.0 for key in where), 0.0), sum(before[key] for key in where)
+    return Removed(of_excess=gone / max(above, 1e-9), of_all=gone / max(total, 1e-9), excess=above / max(total, 1e-9))

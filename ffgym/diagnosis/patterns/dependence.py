@@ -10,10 +10,10 @@ from ffgym.diagnosis.patterns.rows import Rows
 from ffgym.types import Array, IntArray
 
 MOST_ROWS = 400
-"""Rows that are compared with each other; chosen: their pairs take a millisecond per shift."""
+"""Rows that are compared with each other; chosen: their pairs take a millisecond per shuffle."""
 
 DRAWS = 60
-"""Shifts of the residual; chosen: mean and spread of their largest scores are then known to a tenth."""
+"""Shuffles of the residual; chosen: mean and spread of their largest scores are then known to a tenth."""
 
 _VARIABLES: tuple[Variable, ...] = ("angle", "speed", "acceleration", "load")
 
@@ -30,12 +30,12 @@ class Dependence:
 
 
 def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator) -> Dependence | None:
-    """The variable that values (R,) depend on most surely; None if shifted values do as well with probability `level`.
+    """The variable that values (R,) depend on most surely; None if shuffled values do as well with probability `level`.
 
     All variables, for the residual and for its size (noise may grow), are tested at once: the largest of their
-    standardised covariances must be rare among those of shifts, which follow the law of largest values. One row of each
-    block is used. Rows are shifted within their motion, so that neither what differs between motions nor what wanders
-    with time is a dependence.
+    standardised covariances must be rare among those of shuffles, which follow the law of largest values. One row of
+    each block is used, and rows are shuffled within their motion, so that what differs between motions is no
+    dependence. A residual that wanders is not to be tested so: whatever moves slowly looks like it.
 
     Reference:
         Szekely, Rizzo, Bakirov (2007), Annals of Statistics 35(6), 2769-2794.
@@ -45,7 +45,7 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     motion = rows.motion[kept]
     distances = np.stack([_distances(_ranks(getattr(rows.did, v)[kept, j], motion)).ravel() for v, j in names])
     kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
-    orders = [np.arange(len(kept)), *(_shifted(motion, rng) for _ in range(DRAWS))]
+    orders = [np.arange(len(kept)), *(_shuffled(motion, rng) for _ in range(DRAWS))]
     covariance = np.stack([_covariances(distances, kinds[:, order][:, :, order]) for order in orders])
     null = covariance[1:]
     spread = null.std(axis=0)
@@ -73,11 +73,9 @@ def _covariances(distances: Array, kinds: Array) -> Array:
     return covariances
 
 
-def _shifted(motion: IntArray, rng: np.random.Generator) -> IntArray:
-    """Order of rows in which those of each motion begin elsewhere, so that what wanders with time stays as it is."""
-    starts = np.flatnonzero(np.diff(motion, prepend=-1))
-    counts = np.diff([*starts, len(motion)])
-    return np.concatenate([a + np.roll(np.arange(n), rng.integers(n)) for a, n in zip(starts, counts, strict=True)])
+def _shuffled(motion: IntArray, rng: np.random.Generator) -> IntArray:
+    """Order of rows in which those of each motion are shuffled among themselves."""
+    return np.lexsort([rng.random(len(motion)), motion])
 
 
 def _ranks(values: Array, motion: IntArray) -> Array:

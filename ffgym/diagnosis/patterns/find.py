@@ -40,7 +40,7 @@ class _Found:
 
 @dataclass(frozen=True, kw_only=True)
 class _Levels:
-    """Probabilities that single tests may have by chance, so that half of FALSE_ALARMS goes to either kind."""
+    """Probabilities that single tests may have by chance, so that FALSE_ALARMS is not exceeded by all together."""
 
     form: float
     dependence: float
@@ -59,7 +59,7 @@ def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern
     tests = sum(form.may_act_on(rows, c) for rows in enough for form in forms for c in range(len(rows.components)))
     levels = _Levels(
         form=FALSE_ALARMS / 2 / max(tests, 1),
-        dependence=FALSE_ALARMS / 2 / max(sum(len(rows.components) for rows in enough), 1),
+        dependence=FALSE_ALARMS / 4 / max(sum(len(rows.components) for rows in enough), 1),
     )
     found = [one for rows in enough for one in _of_channel(rows, forms, levels, rng)]
     return tuple(one.pattern for one in sorted(found, key=lambda one: -one.strength))
@@ -130,7 +130,7 @@ def _part(candidate: Fixed | Periodic, rows: Rows, values: Array) -> tuple[float
 
 def _catch_all(rows: Rows, values: Array, c: int, level: float, rng: np.random.Generator) -> _Found | None:
     """What a component depends on that no form explains."""
-    form = dependence(rows, values, level, rng) or wandering(rows, values, level)
+    form = wandering(rows, values, level) or dependence(rows, values, level, rng)
     if form is None:
         return None
     pattern = Pattern(

@@ -9,7 +9,7 @@ from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import left_by_block
 from ffgym.diagnosis.evidence.stack import Values, evidence_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.leftover import explained, loudness, touched, without_calibration
+from ffgym.diagnosis.fit.leftover import Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking, ranked, start_of
@@ -24,8 +24,11 @@ TRIED = 3
 NEAR = 0.5
 """Share of the best candidate's score from which on another is fitted, too."""
 
-EXPLAINS = 0.5
-"""Share of what is left above the noise that a cause must remove to be adopted; less is not its name."""
+EXPLAINS = 0.25
+"""Share of what is left above the noise, where it acts, that a cause must remove to be adopted."""
+
+FLOOR = 0.05
+"""Share of all energy where it acts, noise included, that must lie above the noise, and that a cause must remove."""
 
 NEEDED = 0.05
 """Share of the energy that a cause must keep away beside the others, else it is dropped."""
@@ -64,6 +67,7 @@ class Round:
     """One look at what is left: candidates by score, and those that were fitted, best first."""
 
     before: Tried
+    candidates: Candidates
     ranking: Ranking
     tried: tuple[Tried, ...]
     adopted: bool
@@ -81,13 +85,23 @@ class Found:
 
 
 def search(
-    setting: Setting, candidates: Candidates, faultless: Values, report: Report = lambda what, share: None
+    setting: Setting,
+    candidates: Callable[[Fit], Candidates],
+    faultless: Values,
+    report: Report = lambda what, share: None,
 ) -> Found:
-    """Find the effects that explain a log."""
+    """Find the effects that explain a log.
+
+    Args:
+        setting: the log.
+        candidates: effects to try beside those of a fit; frequencies are looked for in what it leaves.
+        faultless: residuals of faultless logs, (R, M, K) by component.
+        report: told what is done.
+    """
     nominal = now = _judged(setting, ())
     rounds: list[Round] = []
     while len(now.fit.hypotheses) < MOST:
-        one = _round(setting, candidates, faultless, now, report)
+        one = _round(setting, candidates(now.fit), faultless, now, report)
         rounds.append(one)
         if not one.adopted:
             break
@@ -98,10 +112,9 @@ def search(
 def _round(setting: Setting, candidates: Candidates, faultless: Values, now: Tried, report: Report) -> Round:
     """Rank, fit the best, and see whether the best of those is to be adopted."""
     fixed = now.fit
-    own = [*candidates.parts[: fixed.n_calibration], *candidates.parts[fixed.n_calibration :]]
     residual = values_of(fixed.residual)
     together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
-    evidence = evidence_of(setting.blocks, own, together, setting.weights)
+    evidence = evidence_of(setting.blocks, candidates.parts, together, setting.weights)
     ranking = ranked(evidence, candidates, candidates.calibration)
     taken = {hypothesis.place for hypothesis in fixed.hypotheses}
     tried: list[Tried] = []
@@ -117,21 +130,21 @@ def _round(setting: Setting, candidates: Candidates, faultless: Values, now: Tri
         report(f"fitting {start.label}", len(tried) / TRIED)
         tried.append(_judged(setting, (*fixed.hypotheses, start)))
     tried.sort(key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
-    return Round(
-        before=now, ranking=ranking, tried=tuple(tried), adopted=bool(tried) and _is_worth(setting, now, tried[0])
-    )
+    adopted = bool(tried) and _is_worth(setting, now, tried[0])
+    return Round(before=now, candidates=candidates, ranking=ranking, tried=tuple(tried), adopted=adopted)
 
 
-def share_removed(setting: Setting, before: Tried, after: Tried) -> float:
-    """Share of the energy above the noise that the newest cause removes where it acts, by fits to all rows."""
+def removed_by(setting: Setting, before: Tried, after: Tried) -> Removed:
+    """What the newest cause removes where it acts, by fits to all rows."""
     own = after.fit.columns[-len(after.hypothesis.free()) :]
     loud = [loudness(setting, without_calibration(setting, one.fit)) for one in (before, after)]
-    return explained(loud[0], loud[1], touched(setting, list(own)))
+    return removed(loud[0], loud[1], touched(setting, list(own)))
 
 
 def _is_worth(setting: Setting, before: Tried, after: Tried) -> bool:
     """Whether a cause explains enough of what is left above the noise, and holds on rows that were left out."""
-    return after.total < before.total and share_removed(setting, before, after) > EXPLAINS
+    gone = removed_by(setting, before, after)
+    return after.total < before.total and gone.of_excess > EXPLAINS and min(gone.of_all, gone.excess) > FLOOR
 
 
 def _polished(setting: Setting, adopted: Tried) -> Tried:

@@ -52,7 +52,10 @@ def step_of(known: Parameter) -> float:
 def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Iterator[Variant]:
     """All variants of an effect on a robot; none if the robot cannot have it at all."""
     known = kind.parameters()
-    joints = [j for j in range(robot.n_joints) if _can_have(kind, robot, j)]
+    repeats = any(p.role == "cycles" for p in known.values())
+    joints = [
+        j for j, joint in enumerate(robot.joints) if _can_have(kind, robot, j) and (cycles.get(joint) or not repeats)
+    ]
     per_joint = any(p.per in ("joint", "pair") for p in known.values() if p.role == "size")
     if per_joint and not joints:
         return

@@ -1,0 +1,77 @@
+"""Which effects are tried: all of the library, those that repeat with the motor angle as often as the residual does."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ffgym.diagnosis.fit.leftover import loudness, without_calibration
+from ffgym.diagnosis.fit.refine import Fit
+from ffgym.diagnosis.patterns.cycles import cycles_per_turn
+from ffgym.diagnosis.patterns.periodic import Amplitude
+from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for
+from ffgym.diagnosis.residuals import residual_of
+from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.signatures.variant import Cycles
+from ffgym.effects import Effect
+from ffgym.types import Array
+
+_LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("sign", 1))
+"""Peaks per joint that are tried as the frequency of a periodic effect, of the residual as it is and of that times the
+sign of the speed."""
+
+_LOUD = 1.1
+"""Energy over that of noise from which on a joint's torque may have a period in it."""
+
+_APART = 0.2
+"""Cycles per turn by which two such peaks differ at least."""
+
+
+class Choice:
+    """Effects to try: those that repeat with the motor angle at the frequencies that a residual has."""
+
+    def __init__(self, ready: Prepared, kinds: Sequence[type[Effect]], memory: Memory | None) -> None:
+        self._ready, self._kinds, self._memory = ready, kinds, memory
+        self._tried: Cycles | None = None
+        self._made: Candidates | None = None
+
+    def __call__(self, fit: Fit) -> Candidates:
+        """Candidates beside those of a fit."""
+        cycles = self._cycles(fit)
+        if self._made is None or self._tried is None or not _are_among(cycles, self._tried):
+            self._tried = cycles
+            self._made = candidates_for(self._ready, self._kinds, cycles, self._memory)
+        return self._made
+
+    def _cycles(self, fit: Fit) -> Cycles:
+        """Frequencies at which the torque of each loud joint repeats per motor turn, the strongest first."""
+        setting = self._ready.setting
+        rest = without_calibration(setting, fit)
+        loud, residual = loudness(setting, rest), residual_of(setting.log, fit.run, rest, self._ready.floor)
+        found: dict[str, list[float]] = {}
+        for j, joint in enumerate(residual.robot.joints):
+            peaks: list[tuple[float, float]] = []
+            for amplitude, count in _LOOKED_FOR if loud["torque", j] > _LOUD else ():
+                spectrum = cycles_per_turn(residual, "torque", joint, joint, amplitude=amplitude)
+                if spectrum is not None:
+                    peaks += _peaks(spectrum.frequency, spectrum.share, count)
+            found[joint] = [frequency for _, frequency in sorted(peaks, reverse=True)]
+        return found
+
+
+def _are_among(cycles: Cycles, tried: Cycles) -> bool:
+    """Whether all frequencies have been tried, nearly."""
+    return all(
+        any(abs(frequency - known) < _APART for known in tried.get(joint, ()))
+        for joint, frequencies in cycles.items()
+        for frequency in frequencies
+    )
+
+
+def _peaks(frequency: Array, share: Array, count: int) -> list[tuple[float, float]]:
+    """The highest peaks of a spectrum, as share and frequency."""
+    left, peaks = share.copy(), []
+    for _ in range(count):
+        best = int(np.argmax(left))
+        peaks.append((float(share[best]), float(frequency[best])))
+        left[np.abs(frequency - frequency[best]) < _APART] = 0.0
+    return peaks
