@@ -40,7 +40,8 @@ class _Found:
 
 @dataclass(frozen=True, kw_only=True)
 class _Levels:
-    """Probabilities that single tests may have by chance, so that FALSE_ALARMS is not exceeded by all together."""
+    """Probabilities that single tests may have by chance, so that FALSE_ALARMS is not exceeded by all together:
+    half of it for forms, a quarter each for the two catch-alls."""
 
     form: float
     dependence: float
