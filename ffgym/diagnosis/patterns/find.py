@@ -40,8 +40,7 @@ class _Found:
 
 @dataclass(frozen=True, kw_only=True)
 class _Levels:
-    """Probabilities that single tests may have by chance, so that FALSE_ALARMS is not exceeded by all together:
-    half of it for forms, a quarter each for the two catch-alls."""
+    """Probabilities that single tests may have by chance: half of FALSE_ALARMS for forms, a quarter per catch-all."""
 
     form: float
     dependence: float
