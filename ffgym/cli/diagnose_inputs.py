@@ -85,6 +85,8 @@ def fitted(draft: RobotDraft, reference: str | Path, recordings: Sequence[Record
 
 
 def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Recording]:
+    if not path.exists():
+        raise FFGymError(f"{path}: there is no such log. Check the path; it is relative to {Path.cwd()}.")
     if columns is None and path.is_dir():
         return read_folder(path)
     return read_logs(path, columns, robot=None if columns is None else robot)

@@ -40,6 +40,7 @@ def _run(arguments: Sequence[str] | None) -> int:
 
     from ffgym.cli.bench_diagnosis import BenchDiagnosis
     from ffgym.cli.demo import Demo
+    from ffgym.cli.diagnose import Diagnose
     from ffgym.cli.export import Export
     from ffgym.cli.identify import Identify
     from ffgym.cli.improve import Improve
@@ -55,6 +56,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     command = Annotated[
         Annotated[BenchDiagnosis, tyro.conf.subcommand("bench-diagnosis")]
         | Annotated[Demo, tyro.conf.subcommand("demo")]
+        | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
         | Annotated[Export, tyro.conf.subcommand("export")]
         | Annotated[Identify, tyro.conf.subcommand("identify")]
         | Annotated[Improve, tyro.conf.subcommand("improve")]
@@ -71,6 +73,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     chosen: (
         BenchDiagnosis
         | Demo
+        | Diagnose
         | Export
         | Identify
         | Improve
