@@ -44,6 +44,8 @@ class Log:
     """[rad/s]."""
     ddq: Array
     """[rad/s^2]."""
+    trembling: Array
+    """Half the band in which the reading of a motor that stands moves, shape (M, N), link side [rad]."""
     slip_dq: Array
     """Speed that moves the bristles of friction: `dq` where a motor moves, 0 where only its reading does [rad/s]."""
     torque: Array
@@ -104,6 +106,9 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log |
     known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
     for i, recording in enumerate(recordings):
         known[ends : len(recording) - ends, i] = True
+    trembling = np.stack([_trembling(robot, recording, low_pass) for recording in recordings])
+    if like is not None:
+        trembling = like.trembling  # so that what the band does to reversals is the same in both
     found = Log(
         robot=robot,
         recordings=tuple(recordings),
@@ -113,7 +118,8 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log |
         q=padded([q for q, _, _ in motions]),
         dq=padded([dq for _, dq, _ in motions], hold=False),
         ddq=padded([ddq for _, _, ddq in motions], hold=False),
-        slip_dq=padded([_slip(robot, *both, low_pass) for both in zip(recordings, motions, strict=True)], hold=False),
+        trembling=trembling,
+        slip_dq=padded([_slip(m[0], w, sampling.dt) for m, w in zip(motions, trembling, strict=True)], hold=False),
         torque=padded([acting_torque(robot, recording) for recording in recordings]),
         tool=where_all("tcp.position", _tracked) if robot.tool is not None else None,
         link=where_all("link.position", lambda r: r.joint_array("link.position")),
@@ -137,15 +143,18 @@ def _with_channels_of(log: Log, like: Log) -> Log:
     )
 
 
-def _slip(
-    robot: RobotDescription, recording: Recording, motion: tuple[Array, Array, Array], low_pass: LowPass
-) -> Array:
-    """Speed (T, N) of an angle without the noise of its reading."""
+def _trembling(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> Array:
+    """Half the band (N,) in which the filtered reading of a motor that stands moves, behind the gearbox [rad]."""
     raw, dt = recording.joint_array("motor.position"), recording.dt
     angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
     passed = np.sqrt(min(1.0, 2 * low_pass.cutoff * dt))
-    still = without_trembling(motion[0], _TREMBLING * passed * white_noise(angle, low_pass, dt))
-    slip: Array = np.gradient(still, dt, axis=0)
+    width: Array = _TREMBLING * passed * white_noise(angle, low_pass, dt)
+    return width
+
+
+def _slip(q: Array, width: Array, dt: float) -> Array:
+    """Speed (T, N) of an angle without the noise of its reading."""
+    slip: Array = np.gradient(without_trembling(q, width), dt, axis=0)
     return slip
 
 

@@ -57,7 +57,7 @@ def candidates_of(doubts: Sequence[Doubt], columns: Sequence[Column]) -> Candida
     scale = np.array([*(doubt.sigma for doubt in doubts), *steps])
     n, total = len(doubts), len(doubts) + len(columns)
     groups = []
-    for places in together(columns).values():
+    for places in together(columns):
         first = columns[places[0]]
         p = first.effect.parameters()[first.parameter]
         groups.append(Candidate(columns=np.array(places) + n, one_sided=len(places) == 1 and p.minimum == p.null))

@@ -211,9 +211,11 @@ def jacobian_of(run: Replay) -> Array | None:
     return jacobian.reshape(*q.shape[:2], 3, q.shape[-1])
 
 
-def together(columns: Sequence[Column]) -> dict[tuple[type[Effect], str, int], list[int]]:
-    """Places of columns that are one candidate: effect, joint, and shape that was chosen."""
-    found: dict[tuple[type[Effect], str, int], list[int]] = {}
+def together(columns: Sequence[Column]) -> list[list[int]]:
+    """Places of columns that are one candidate: of one effect, joint and shape, and for a pair of one other joint."""
+    found: dict[tuple[type[Effect], str, int, int | None], list[int]] = {}
     for i, column in enumerate(columns):
-        found.setdefault((column.effect, column.joint, column.choice), []).append(i)
-    return found
+        pair = column.effect.parameters()[column.parameter].per == "pair"
+        key = (column.effect, column.joint, column.choice, column.part if pair else None)
+        found.setdefault(key, []).append(i)
+    return list(found.values())
