@@ -71,7 +71,7 @@ def rig(arm):
 def plan(arm, tmp_path_factory):
     protocol = tmp_path_factory.mktemp("protocol") / "short.toml"
     protocol.write_text(SHORT, encoding="utf-8")
-    return Plan(nominal=Machine(robot=arm.robot), robot=arm.robot.name, protocols=(str(protocol),))
+    return Plan(nominal=Machine(robot=arm.robot), robot=arm.robot.name, protocols=(str(protocol),), n_threads=1)
 
 
 def run(rig, plan, folder, diagnose):
