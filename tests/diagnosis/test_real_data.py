@@ -1,0 +1,118 @@
+"""Diagnoses of recorded machines: what their publications and plain least squares say must be named, and nothing else.
+
+They need the published recordings, see FFGYM_DATA.
+"""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ffgym.control import joint_reference
+from ffgym.diagnosis import diagnose
+from ffgym.diagnosis.nominal import fitted_nominal
+from ffgym.effects import EFFECTS
+from ffgym.logs import read_log
+from ffgym.paths import multisine
+from ffgym.plant import Machine
+from ffgym.recordings import Recording
+from ffgym.robot import load_robot
+from ffgym.simulation import Run, simulate
+
+needs_data = pytest.mark.skipif(
+    not os.environ.get("FFGYM_DATA"), reason="set FFGYM_DATA to the folder with the published recordings"
+)
+
+
+def published(folder, file, columns):
+    """A recording without set-points, which published controllers do not follow as the description's servo would."""
+    recording = read_log(Path(os.environ["FFGYM_DATA"]) / folder / file, columns)
+    kept = {name: values for name, values in recording.columns.items() if not name.startswith("reference.")}
+    return Recording(kept, recording.header)
+
+
+def every_fourth(recording):
+    """A quarter of the rows, which is enough for friction: 250 Hz of 1 kHz."""
+    return Recording({name: values[::4] for name, values in recording.columns.items()}, recording.header)
+
+
+def causes(diagnosis):
+    return {(cause.effect, cause.joint): cause for cause in diagnosis.causes}
+
+
+def value(cause, name):
+    """A size with its interval."""
+    (size,) = [size for size in cause.parameters if size.name == name]
+    return size.value, size.interval
+
+
+@needs_data
+@pytest.mark.slow
+@pytest.mark.parametrize("run", ["emps_id", "emps_pulses"])
+def test_friction_of_the_ball_screw_depends_on_direction_and_no_offset_or_drift_is_named(run):
+    diagnosis = diagnose(load_robot("ball_screw"), [every_fourth(published("emps", f"{run}.npz", "emps"))])
+    found = causes(diagnosis)
+    assert diagnosis.verdict in ("named", "partly")
+    size, (low, high) = value(found["asymmetry", "x"], "viscous")
+    assert low < size < high
+    assert size == pytest.approx(-0.18, abs=0.02)  # 166.7 forwards, 240.4 N s/m backwards; least squares
+    assert not {effect for effect, _ in found} & {"torque_offset", "viscous_drift", "coulomb_drift"}
+
+
+@needs_data
+@pytest.mark.parametrize("run", ["A", pytest.param("C", marks=pytest.mark.slow)])
+def test_link_encoders_of_the_kr300_are_three_milliseconds_late_and_it_has_no_backlash(run):
+    recording = published("kuka_kr300_2020", f"{run}.npz", "kuka_kr300_2020")
+    machine, _ = fitted_nominal(load_robot("kuka_kr300_r2500"), [recording])
+    diagnosis = diagnose(machine, [recording])
+    found = causes(diagnosis)
+    latency, (low, high) = value(found["link_clock", ""], "latency")
+    assert low < latency < high
+    assert 2.6e-3 < latency < 3.1e-3
+    assert not {effect for effect, _ in found} & {"backlash", "wrist_coupling"}
+    assert not [j for effect, j in found if effect == "load_friction" and j in ("a4", "a5", "a6")]
+
+
+def as_logged(recording, rng, *families):
+    """What such a machine's log has: some families at 250 Hz, with noise of encoders and current sensors."""
+    columns = {"timestamp": recording.t[::4]}
+    for family, noise in zip(families, (2e-5, 0.01, 1e-6), strict=False):
+        names = [f"{family}.{joint}" for joint in recording.header.joints]
+        columns |= {name: recording[name][::4] + rng.normal(scale=noise, size=len(recording.t[::4])) for name in names}
+    return Recording(columns, recording.header)
+
+
+@pytest.fixture(scope="module")
+def swing():
+    """Both joints of a small arm swing to and fro at several frequencies."""
+    robot = load_robot("two_link")
+    centre = robot.kinematics.range.mean(axis=1)
+    amplitude, phases = np.array([[0.2, 0.25], [0.06, 0.08]]), np.array([[0.0, 1.5], [2.0, 0.5]])
+    return joint_reference(robot, multisine(centre, amplitude, [0.4, 0.9], phases, 6.0, ramp=1.0, dwell=0.2))
+
+
+def test_late_link_encoders_are_told_from_a_gap_without_published_recordings(swing):
+    robot = swing.robot
+    machine = Machine(robot=robot, effects=(EFFECTS["link_clock"].on(robot, latency=0.003),))
+    recording = simulate([Run(reference=swing)], machine=machine, n_threads=1)[0]
+    log = as_logged(recording, np.random.default_rng(0), "motor.position", "motor.effort", "link.position")
+    diagnosis = diagnose(robot, [log])
+    assert diagnosis.verdict == "named"
+    assert set(causes(diagnosis)) == {("link_clock", "")}
+    assert value(causes(diagnosis)["link_clock", ""], "latency")[0] == pytest.approx(0.003, rel=0.05)
+
+
+def test_friction_that_depends_on_direction_is_no_offset_without_published_recordings(swing):
+    """The model knows no friction at low speed, so that standstill does not judge it; as those of recorded machines."""
+    robot = swing.robot
+    plain = replace(robot, friction=replace(robot.friction, static=robot.friction.coulomb))
+    machine = Machine(
+        robot=plain, effects=(EFFECTS["asymmetry"].on(plain, robot.joints[0], coulomb=0.0, viscous=-0.18),)
+    )
+    recording = simulate([Run(reference=swing)], machine=machine, n_threads=1)[0]
+    log = as_logged(recording, np.random.default_rng(0), "motor.position", "motor.effort")
+    found = causes(diagnose(plain, [log]))
+    assert set(found) == {("asymmetry", robot.joints[0])}
+    assert value(found["asymmetry", robot.joints[0]], "viscous")[0] == pytest.approx(-0.18, abs=0.02)
