@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
@@ -17,12 +17,15 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.search.surrogates import surrogates
 from ffgym.diagnosis.signatures.column import Column, columns_of
-from ffgym.diagnosis.signatures.variant import Cycles
-from ffgym.effects import Effect
+from ffgym.diagnosis.signatures.variant import Cycles, variants
+from ffgym.effects import Effect, State, TorqueEffect, Torques
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 from ffgym.types import Array
+
+_WARMER = 10.0
+"""Change of temperature with which it is tried whether an effect depends on it [K]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -83,9 +86,12 @@ def prepared(
 
 def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | None) -> NominalRun:
     """The nominal machine over its own motion, remembered if it is the same as the last time."""
-    key = _key(log, like.machine, calibration) if memory is not None else b""
+    key = _key(log, like, calibration) if memory is not None else b""
     if memory is not None and memory.known is not None and memory.key == key:
-        return memory.known
+        known = memory.known
+        return replace(
+            known, run=replace(known.run, state=replace(known.run.state, temperature=like.state.temperature))
+        )
     exact = faultless_recordings(log, like)
     clean = log_of(log.robot, exact, like=log)
     run = replay(clean, like.machine)
@@ -96,12 +102,13 @@ def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | No
     return known
 
 
-def _key(log: Log, machine: Machine, calibration: Calibration) -> bytes:
+def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:
     """What the nominal machine's own motion depends on; motions without set-points are never the same."""
     digest = hashlib.sha256(repr((calibration, log.names, log.dt, log.robot.name)).encode())
-    digest.update(machine.physics(ModelOptions(looks=False)).encode())
+    digest.update(like.machine.physics(ModelOptions(looks=False)).encode())
     digest.update(repr([log.tool is None, log.link is None, log.feedback is None]).encode())
-    for values in (*(log.reference or ()), log.started, log.temperature):
+    hot = log.temperature if any(reads_temperature(effect, like) for effect in like.machine.torque_effects) else None
+    for values in (*(log.reference or ()), log.started, hot):
         digest.update(b"-" if values is None else np.ascontiguousarray(values).tobytes())
     return digest.digest()
 
@@ -112,16 +119,36 @@ def candidates_for(
     """Columns of effects beside those of the calibration; those that depend on no frequency are remembered."""
     found: list[Column] = []
     for kind in kinds:
-        periodic = any(p.role == "cycles" for p in kind.parameters().values())
-        kept = None if memory is None or periodic or memory.known is None else memory.columns
+        kept = memory.columns if memory is not None and _is_lasting(kind, ready) else None
         if kept is not None and kind.name in kept:
             found += kept[kind.name]
             continue
         columns = columns_of(ready.run, [kind], cycles)
-        if kept is not None and memory is not None and memory.known is not None and memory.known.run is ready.run:
+        if kept is not None:
             kept[kind.name] = columns
         found += columns
     return candidates_of(ready.setting.doubts, found)
+
+
+def _is_lasting(kind: type[Effect], ready: Prepared) -> bool:
+    """Whether columns of an effect are the same for all logs of the same motions: no frequency, no temperature."""
+    if ready.setting.log.reference is None or any(p.role == "cycles" for p in kind.parameters().values()):
+        return False
+    some = next(variants(kind, ready.run.robot, {}), None)
+    return some is None or not reads_temperature(some.effect, ready.run)
+
+
+def reads_temperature(effect: Effect, run: Replay) -> bool:
+    """Whether an effect depends on temperature, tried in the middle of a replay."""
+    if not isinstance(effect, TorqueEffect):
+        return False
+    shape = run.state.motor_angle.shape
+    middle = State(**{f.name: np.broadcast_to(getattr(run.state, f.name), shape)[shape[0] // 2] for f in fields(State)})
+    here = effect.torques(middle, effect.initial_memory(middle), run.log.dt)[0]
+    warmer = effect.torques(
+        replace(middle, temperature=middle.temperature + _WARMER), effect.initial_memory(middle), run.log.dt
+    )[0]
+    return not all(np.array_equal(getattr(here, f.name), getattr(warmer, f.name)) for f in fields(Torques))
 
 
 def noise_for(ready: Prepared, rng: np.random.Generator) -> Values:
