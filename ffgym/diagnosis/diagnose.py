@@ -57,7 +57,7 @@ def diagnose(
 
     Args:
         nominal: what the simulation believes.
-        recordings: of motions with different names, sampled alike; see `ffgym record --protocol diagnosis`.
+        recordings: of motions with different names, sampled alike; see `ffgym record ROBOT diagnosis`.
         calibration: how well the nominal numbers are known.
         seed: of resamples and of simulated noise.
         report: told what is done.

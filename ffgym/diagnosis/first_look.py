@@ -44,7 +44,10 @@ class FirstLook:
     def sentence(self) -> str:
         """For people."""
         if self.effect is None:
-            return "First look, at torque alone: no effect before the gearbox stands out."
+            return (
+                "First look, at torque alone: no effect before the gearbox stands out. What repeats with the turn of a "
+                "motor, and the arm, are not looked at yet."
+            )
         where = f" of {self.joint}" if self.joint else ""
         return (
             f"First look, at torque alone: {self.effect.title}{where} would explain {self.share:.0%} of what noise and "

@@ -6,9 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from ffgym.cli.bench_diagnosis import BenchDiagnosis
 from ffgym.cli.demo import Demo
+from ffgym.cli.diagnose import Diagnose
 from ffgym.cli.export import Export
 from ffgym.cli.identify import Identify
+from ffgym.cli.improve import Improve
 from ffgym.cli.lffc import Lffc
 from ffgym.cli.log import Log
 from ffgym.cli.main import main
@@ -20,7 +23,22 @@ from ffgym.cli.stability import Stability
 from ffgym.cli.video import Video
 
 ROOT = Path(__file__).parent.parent.parent
-COMMANDS = (Demo, Export, Identify, Lffc, Log, Record, Reproduce, Robot, Simulate, Stability, Video)
+COMMANDS = (
+    BenchDiagnosis,
+    Demo,
+    Diagnose,
+    Export,
+    Identify,
+    Improve,
+    Lffc,
+    Log,
+    Record,
+    Reproduce,
+    Robot,
+    Simulate,
+    Stability,
+    Video,
+)
 
 
 def documented():

@@ -1,0 +1,131 @@
+"""`ffgym diagnose` on the command line: what it refuses, what it writes, and what it names on logs of one axis."""
+
+import json
+
+import pytest
+
+from ffgym.cli.diagnose import Diagnose
+from ffgym.cli.main import main
+from ffgym.diagnosis.document import read_diagnosis
+from ffgym.effects import EFFECTS
+from ffgym.plant import Machine, load_machine, save_machine
+from ffgym.robot import load_robot
+
+SHORT = """
+[[step]]
+protocol = "excitation"
+count = 2
+base = 0.2
+periods = 1
+"""
+"""Protocol file: two short motions, one of which can check the other."""
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory):
+    """Recordings of an axis whose motor cogs, at 4 ms."""
+    folder = tmp_path_factory.mktemp("cogging")
+    robot = load_robot("one_axis")
+    hidden = EFFECTS["cogging"].on(robot, "j1", amplitude=0.05, cycles=6.0, phase=0.4)
+    machine = save_machine(Machine(robot=robot, effects=(hidden,)), folder / "cell.toml", title="cell", source="a test")
+    (folder / "short.toml").write_text(SHORT, encoding="utf-8")
+    session = [str(machine), str(folder / "short.toml"), "--out", str(folder / "logs"), "--record-dt-ms", "4"]
+    assert main(["record", *session, "--threads", "1"]) == 0
+    return folder / "logs"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["logs"], "--robot ROBOT"),
+        (["--fit"], "--robot ROBOT"),
+        (["nowhere", "--robot", "one_axis"], "there is no such log"),
+        (["logs", "--robot", "nobody"], "Unknown robot 'nobody'"),
+        (["logs", "--robot", "workcell:thesis"], "has no description"),
+        (["--columns", "map.toml"], "--columns has no effect on the example logs"),
+        (["--calibration", "2"], "--calibration = 2.0 is out of range"),
+        (["--seed", "-1"], "--seed"),
+        (["--out", "file"], "cannot be made a folder"),
+        (["--json", "numbers.txt"], "must end in .json"),
+    ],
+)
+def test_what_cannot_be_diagnosed_is_refused_in_one_line(arguments, says, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    assert main(["diagnose", *arguments]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert says in line
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_the_model_that_is_read_is_not_written_over(logs, tmp_path, capsys):
+    machine = save_machine(
+        Machine(robot=load_robot("one_axis")), tmp_path / "extended.toml", title="as built", source="a test"
+    )
+    before = machine.read_bytes()
+    assert main(["diagnose", str(logs), "--robot", str(machine), "--out", str(tmp_path)]) == 1
+    assert "would be lost" in capsys.readouterr().err
+    assert machine.read_bytes() == before
+
+
+def test_a_hidden_cause_is_named_and_written_with_its_machine(logs, tmp_path, capsys):
+    out, numbers = tmp_path / "found", tmp_path / "numbers.json"
+    out.mkdir()
+    (out / "next.toml").write_text("of an earlier diagnosis", encoding="utf-8")
+    assert main(["diagnose", str(logs), "--robot", "one_axis", "--out", str(out), "--json", str(numbers)]) == 0
+    told = capsys.readouterr()
+    assert told.out.startswith("named: ")
+    assert "cogging of j1" in told.out
+    assert "not judgeable: load friction" in told.out
+    assert f"--robot {out / 'extended.toml'}" in told.out
+    assert told.err.startswith("First look")
+    assert sorted(path.name for path in out.iterdir()) == ["diagnosis.json", "extended.toml", "report.html"]
+    (effect,) = load_machine(out / "extended.toml").effects
+    assert effect.name == "cogging"
+    assert effect.amplitude[0] == pytest.approx(0.05, rel=0.1)
+    assert numbers.read_bytes() == (out / "diagnosis.json").read_bytes()
+    assert read_diagnosis(numbers).provenance["command"] == "ffgym diagnose"
+    assert json.loads(numbers.read_text(encoding="utf-8"))["provenance"]["config"]["robot"] == "one_axis"
+
+
+@pytest.mark.slow
+def test_the_extended_model_explains_the_logs_and_the_same_input_gives_the_same_bytes(logs, tmp_path, capsys):
+    texts = []
+    for name in ("first", "second"):
+        out = tmp_path / name
+        assert main(["diagnose", str(logs), "--robot", "one_axis", "--out", str(out), "--validate", str(logs)]) == 0
+        texts.append([path.read_bytes() for path in sorted(out.iterdir())])
+    assert texts[0] == texts[1]
+    assert "closed loop, RMS of" in capsys.readouterr().out
+    assert main(["diagnose", str(logs), "--robot", str(tmp_path / "first" / "extended.toml")]) == 0
+    assert capsys.readouterr().out.startswith("none: ")
+
+
+def test_logs_of_another_robot_are_insufficient_and_no_error(logs, tmp_path, capsys):
+    numbers = tmp_path / "numbers.json"
+    assert main(["diagnose", str(logs), "--robot", "two_link", "--json", str(numbers)]) == 0
+    assert capsys.readouterr().out.startswith("insufficient: ")
+    assert read_diagnosis(numbers).causes == ()
+
+
+def test_motions_of_the_same_name_are_told_apart_by_their_folders(logs):
+    from ffgym.cli.diagnose_inputs import logs_from
+
+    (first, *_) = sorted(logs.glob("*.npz"))
+    names = [recording.header.segment for recording in logs_from((logs, first), None, load_robot("one_axis"))]
+    assert len(set(names)) == 3
+    assert names[0].startswith("logs/")
+    assert names[2].startswith(f"{first.stem}/")
+
+
+def test_the_next_step_is_a_command_wherever_there_is_one():
+    from ffgym.diagnosis import Diagnosis
+
+    def after(verdict):
+        return Diagnose(logs=(), robot="one_axis")._next(
+            Diagnosis(verdict=verdict, sentence="", robot="one_axis", motions=())
+        )
+
+    assert "ffgym diagnose OTHER_LOGS" in after("named")
+    assert "ffgym log check" in after("insufficient")
+    assert "ffgym record --list" in after("unknown")
