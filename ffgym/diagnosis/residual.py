@@ -41,7 +41,7 @@ class MotionResidual:
     motor_acceleration: Array
     """[rad/s^2], motor side, shape (R, N)."""
     since_reversal: Array
-    """Travel of each motor since it last turned [rad], motor side, >= 0, shape (R, N)."""
+    """Travel of each motor since it last turned or started after a rest [rad], motor side, >= 0, shape (R, N)."""
     at_rest_for: Array
     """How long each motor has stood when its present move began [s]; 0 if it only turned; shape (R, N)."""
 

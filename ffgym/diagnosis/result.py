@@ -138,7 +138,8 @@ class Diagnosis:
     separating_motion: SeparatingMotion | None = None
     levels: tuple[Level, ...] = ()
     threshold: float = 0.0
-    """Score that a perfect model reaches by chance in one of a hundred logs like this one."""
+    """Energy that the best effect removes by chance in one of a hundred logs of a perfect model, on rows that were not
+    used; 1 is the energy of noise in one component. Effects are tried whose score is larger. No share."""
     quality: tuple[str, ...] = ()
     """What the quality gate flagged or refused."""
     provenance: dict[str, Any] = field(default_factory=dict)
