@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.diagnosis.replay.replay import Replay
+from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Parts
 from ffgym.identification.rigid_body.arm_terms import Bodies
 from ffgym.identification.rigid_body.base import base_parameters

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.diagnosis.replay.replay import Replay
+from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Column, columns_of, machine_columns
 from ffgym.effects import Effect, NativeEffect
 from ffgym.effects.drive import TorqueOffset

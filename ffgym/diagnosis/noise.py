@@ -13,7 +13,7 @@ from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.reference import reference_of
 from ffgym.diagnosis.log.white import white_noise
 from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay.replay import Replay, predicted, replay
+from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine

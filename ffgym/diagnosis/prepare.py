@@ -12,7 +12,7 @@ from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, faultless_recordings, faultless_residuals
-from ffgym.diagnosis.replay.replay import Replay, predicted, replay
+from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.search.surrogates import surrogates

@@ -17,7 +17,7 @@ import numpy as np
 
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay.replay import predicted, replay
+from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.exam.case import Case, protocol_of
 from ffgym.exam.hidden import Hidden

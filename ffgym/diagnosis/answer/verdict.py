@@ -11,13 +11,13 @@ from ffgym.diagnosis.search.search import Found, Tried, removed_by
 from ffgym.types import Array
 
 NAMED = 0.9
-"""Share of the energy above the noise that causes must remove to be named without reserve..."""
+"""Share of the energy above the noise that causes must remove in each component to be named without reserve..."""
 
 HALF = 0.5
 """Share of what was left, where it acts, that each cause must remove to be named without reserve."""
 
 QUIET = 2.0
-"""...or what they may leave in every component, in units of the noise's energy."""
+"""...or what they may leave there, in units of the noise's energy."""
 
 LOUD = 1.5
 """Energy from which on a component has something in it that noise does not explain."""
@@ -62,11 +62,16 @@ def judged(
         verdict = "unknown" if worst > LOUD else "none"
     elif any(rival.tied for rival in rivals):
         verdict = "ambiguous"
-    elif (share >= NAMED or worst <= QUIET) and min(gains) >= HALF:
+    elif _is_explained(loud_before, loud_after) and min(gains) >= HALF:
         verdict = "named"
     else:
         verdict = "partly"
     return Judged(verdict=verdict, gains=gains, removed=float(share), rivals=rivals)
+
+
+def _is_explained(before: Loudness, after: Loudness) -> bool:
+    """Whether no component is left with something that no cause explains."""
+    return all(after[key] <= QUIET or before[key] - after[key] >= NAMED * (before[key] - 1.0) for key in after)
 
 
 def _gains(setting: Setting, found: Found) -> tuple[float, ...]:

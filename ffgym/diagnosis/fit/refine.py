@@ -13,7 +13,7 @@ from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.replay.replay import Replay, predicted, replay
+from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.column import Parts
 from ffgym.plant import Machine

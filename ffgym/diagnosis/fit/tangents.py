@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.replay.replay import Replay
+from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Parts
 from ffgym.diagnosis.signatures.exchange import exchanged
 from ffgym.effects import Effect

@@ -13,19 +13,17 @@ from functools import cached_property
 
 import numpy as np
 
-from ffgym.control import servo_torque
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
-from ffgym.diagnosis.replay.clocks import late
+from ffgym.diagnosis.replay.flight import arm_effects, flown, plus, summed
 from ffgym.diagnosis.replay.link_terms import LinkTerms, link_terms
 from ffgym.diagnosis.replay.sameness import alike, same_links
-from ffgym.diagnosis.replay.springs import Deflection, Springs, resting
-from ffgym.diagnosis.residual import Channel
-from ffgym.effects import State, TorqueEffect, Torques, TrackerEffect
-from ffgym.effects.along import samples, torques_along
-from ffgym.plant import Climate, Machine
-from ffgym.recordings import Recording
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.diagnosis.replay.springs import Deflection, Springs
+from ffgym.diagnosis.replay.states import bent_state, loaded_state, state_of
+from ffgym.effects import State, TorqueEffect
+from ffgym.effects.along import torques_along
+from ffgym.plant import Machine
+from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
 _PASSES = 2
@@ -92,12 +90,12 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
         robot.friction, robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq), log.dt
     )
     state = state_of(log, machine, bristles)
-    on_arm = _on_arm(machine)
+    on_arm = arm_effects(machine)
     rigid_torque = links.torque(log.ddq)
-    if like is not None and same_drive and not on_arm and not _on_arm(like.machine):
+    if like is not None and same_drive and not on_arm and not arm_effects(like.machine):
         deflection = like.deflection
     elif on_arm:
-        deflection = _flown(springs, state, on_arm, -rigid_torque, rough, log.dt)
+        deflection = flown(springs, state, on_arm, -rigid_torque, rough, log.dt)
     else:
         bent = springs.bent_by(-rigid_torque[..., None])
         deflection = Deflection(
@@ -114,7 +112,7 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
     motor = added.motor
     for of_motor in _in_order(machine):
         state = replace(state, motor_torque=torque if motor is None else torque - motor)
-        motor = _plus(motor, torques_along(of_motor, state, log.dt).motor)
+        motor = plus(motor, torques_along(of_motor, state, log.dt).motor)
     torque = torque if motor is None else torque - motor
     return Replay(
         read=read,
@@ -128,131 +126,6 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
         state=replace(state, motor_torque=torque),
         torque=torque,
     )
-
-
-def _on_arm(machine: Machine) -> list[TorqueEffect]:
-    """Effects that depend on how joints bend."""
-    return [effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null]
-
-
-def predicted(run: Replay) -> dict[Channel, Array]:
-    """What the log's channels would show, R rows each, through the log's low-pass."""
-    log, sampling = run.log, run.log.sampling
-    effects = run.machine.effects
-    found: dict[Channel, Array] = {"torque": sampling(late(run.torque, "torque", effects, log))}
-    if log.tool is not None:
-        found["tool"] = sampling(tool_path(run))
-    if log.link is not None:
-        found["link"] = sampling(late(run.link_q, "link", effects, log))
-    if log.feedback is not None and log.reference is not None:
-        found["servo"] = sampling(servo_feedback(run.read, run.robot))
-    return found
-
-
-def tool_path(run: Replay) -> Array:
-    """Tool positions as a tracker would see them [m], (T, M, 3)."""
-    return tracked(run, run.machine)
-
-
-def tracked(run: Replay, machine: Machine, every: int = 1) -> Array:
-    """Tool positions of the replay as the tracker of another machine would see them [m], at every n-th sample."""
-    q = run.link_q[::every]
-    position = RigidArm(run.robot).tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
-    effects = [effect for effect in machine.effects if isinstance(effect, TrackerEffect)]
-    for i, recording in enumerate(run.log.recordings) if effects else ():
-        n = -(-len(recording) // every)
-        columns = {"timestamp": recording.t[::every]}
-        columns |= {f"tcp.position.{axis}": position[:n, i, k] for k, axis in enumerate("xyz")}
-        columns |= {f"link.position.{joint}": q[:n, i, j] for j, joint in enumerate(run.robot.joints)}
-        exact = Recording(columns=columns, header=replace(recording.header, phases=()))
-        for effect in effects:
-            exact = effect.measured(exact, run.robot)
-        position[:n, i] = exact.vector("tcp.position")
-    return position
-
-
-def servo_feedback(log: Log, robot: RobotDescription) -> Array:
-    """Feedback torque of the documented servo on the measured error [N m], motor side, (T, M, N).
-
-    The integral is that since the motion began; what it held before is a constant that nobody recorded.
-    """
-    if log.reference is None:
-        raise ValueError("the log has no set-points")
-    position, rate = log.reference
-    error = position - robot.drive.motor_angle(log.q)
-    error_rate = rate - robot.drive.motor_angle(log.dq)
-    steps = 0.5 * log.dt * (error[1:] + error[:-1])
-    integral = np.concatenate([np.zeros_like(error[:1]), np.cumsum(steps, axis=0)])
-    return servo_torque(robot.servo, error, error_rate, integral).u_fb
-
-
-def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:
-    """States along the measured motion, before anything is known of springs and loads."""
-    robot, none = machine.physical, np.zeros_like(log.q)
-    drive, friction = robot.drive, robot.friction
-    stiff = np.where(drive.is_rigid, 0.0, drive.joint_stiffness)
-    return State(
-        time=log.t[:, None, None],
-        motor_angle=drive.motor_angle(log.q),
-        motor_speed=drive.motor_angle(log.dq),
-        joint_angle=log.q,
-        joint_speed=log.dq,
-        deflection=none,
-        deflection_rate=none,
-        load=none,
-        load_at_motor=none,
-        joint_stiffness=stiff,
-        joint_damping=np.where(drive.is_rigid, 0.0, drive.joint_damping),
-        friction_sign=bristles.sign,
-        coulomb=friction.coulomb,
-        static=friction.static,
-        viscous=friction.viscous,
-        stribeck_velocity=friction.stribeck_velocity,
-        feedback_torque=none if log.feedback is None else log.feedback,
-        motor_torque=none,
-        peak_torque=drive.peak_torque,
-        temperature=_temperature(log, machine),
-        running=_running(log, machine),
-    )
-
-
-def bent_state(state: State, bent: Deflection, robot: RobotDescription) -> State:
-    """States with the deflections of the joints, and what their springs alone carry."""
-    load = -(state.joint_stiffness * bent.angle + state.joint_damping * bent.rate)
-    return replace(
-        state,
-        deflection=bent.angle,
-        deflection_rate=bent.rate,
-        load=load,
-        load_at_motor=robot.drive.motor_torque(load),
-    )
-
-
-def loaded_state(state: State, added: Torques, robot: RobotDescription) -> State:
-    """States whose load has what effects add to the springs."""
-    if added.spring is None:
-        return state
-    load = state.load + added.spring
-    return replace(state, load=load, load_at_motor=robot.drive.motor_torque(load))
-
-
-def summed(effects: list[TorqueEffect], state: State, dt: float) -> Torques:
-    """Torques of several effects together; each of them sees the load of the springs alone."""
-    total = Torques()
-    for effect in effects:
-        added = torques_along(effect, state, dt)
-        total.motor, total.spring, total.link = (
-            _plus(total.motor, added.motor),
-            _plus(total.spring, added.spring),
-            _plus(total.link, added.link),
-        )
-    return total
-
-
-def _plus(total: Array | None, more: Array | None) -> Array | None:
-    if more is None:
-        return total
-    return more if total is None else total + more
 
 
 def _in_order(machine: Machine) -> list[TorqueEffect]:
@@ -284,63 +157,3 @@ def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:
         bent[..., elastic] = -links.torque(log.ddq)[..., elastic] / robot.drive.joint_stiffness[elastic]
         links = link_terms(robot, log.q + bent, log.dq, log.dt)
     return links, bent[0]
-
-
-def _flown(
-    springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
-) -> Deflection:
-    """Deflections with effects that depend on them, from the rest in which they balance the load."""
-    each = list(samples(state))
-    memories: list[Array] = []
-
-    def at(k: int, angle: Array, rate: Array) -> State:
-        now = each[k]
-        now.deflection, now.deflection_rate = angle, rate
-        now.load = -(now.joint_stiffness * angle + now.joint_damping * rate)
-        return now
-
-    def pull(angle: Array) -> Array:
-        """What is left of the balance at rest; grows with the deflection."""
-        now = at(0, angle, np.zeros_like(angle))
-        return springs.finite_stiffness * angle - torque[0] - _behind(effects, now, dt)[0]
-
-    rest = resting(pull, start)
-    first = at(0, rest, np.zeros_like(rest))
-    memories.extend(effect.initial_memory(first) for effect in effects)
-
-    def push(k: int, angle: Array, rate: Array) -> Array:
-        total, memories[:] = _behind(effects, at(k, angle, rate), dt, memories)
-        return total
-
-    return springs.pushed_by(torque, push, rest)
-
-
-def _behind(
-    effects: list[TorqueEffect], now: State, dt: float, memories: list[Array] | None = None
-) -> tuple[Array, list[Array]]:
-    """What effects add behind the gearbox, link side, and what they remember then; None is relaxed."""
-    total, later = np.zeros_like(now.deflection), []
-    for i, effect in enumerate(effects):
-        added, memory = effect.torques(now, effect.initial_memory(now) if memories is None else memories[i], dt)
-        later.append(memory)
-        for part in (added.spring, added.link):
-            total = total if part is None else total + part
-    return total, later
-
-
-def _running(log: Log, machine: Machine) -> Array:
-    """Time since the machine was switched on, or its session began [s], (T, M, 1)."""
-    before = 0.0 if machine.climate is None else machine.climate.running_since
-    times: Array = before + log.started[:, None] + log.t[:, None, None]
-    return times
-
-
-def _temperature(log: Log, machine: Machine) -> Array:
-    """[degC], (T, M, N): measured, else by the machine's climate, else that of its default."""
-    if log.temperature is not None:
-        return log.temperature
-    climate, times = machine.climate or Climate(), log.t
-    n = log.robot.n_joints
-    if machine.climate is None:
-        return climate.temperature(times, n)[:, None] + np.zeros((1, len(log.recordings), 1))
-    return np.stack([climate.at(climate.running_since + s).temperature(times, n) for s in log.started], axis=1)

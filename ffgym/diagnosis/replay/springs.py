@@ -119,8 +119,8 @@ class Springs:
 def resting(pull: Callable[[Array], Array], near: Array) -> Array:
     """Deflections at which `pull`, which grows with the deflection of its own joint, is 0; by bisection, (M, N).
 
-    Backlash and hardening are steeper than a fixed-point iteration bears. In a gap, where nothing pulls, its middle is
-    taken.
+    Backlash and hardening are steeper than a fixed-point iteration bears. In a gap, where nothing pulls, a place in it
+    is taken, `near` itself if that is one.
     """
     reach: Array = np.abs(near) + _FIRST_REACH
     low, high = near - reach, near + reach

@@ -21,7 +21,7 @@ from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import valid_rows
-from ffgym.diagnosis.replay.replay import replay
+from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.column import Parts
 from ffgym.diagnosis.signatures.exchange import exchanged

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.replay.clocks import late
-from ffgym.diagnosis.replay.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.difference import Change, Push, changes, misread_on, misread_push, only_joint, push_of
 from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.bristles import along_speed
 from ffgym.diagnosis.replay.link_terms import link_terms
-from ffgym.diagnosis.replay.replay import Replay
 from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.effects import NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.effects.along import torques_along

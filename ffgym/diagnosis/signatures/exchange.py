@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ffgym.diagnosis.replay.replay import Replay, servo_feedback, tracked
+from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.signatures.column import Parts, clock_parts, jacobian_of, shown
 from ffgym.diagnosis.signatures.difference import Push, changes, moved, of_numbers
 from ffgym.effects import ClockEffect, NativeEffect, TorqueEffect, TrackerEffect

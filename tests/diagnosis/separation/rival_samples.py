@@ -7,7 +7,7 @@ import numpy as np
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay.replay import predicted, replay
+from ffgym.diagnosis.replay import predicted, replay
 from ffgym.effects import EFFECTS
 from ffgym.effects.parameter import Parameter
 from ffgym.plant import Machine

@@ -1,0 +1,67 @@
+"""What the channels of a log would show of a replay."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ffgym.control import servo_torque
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.replay.clocks import late
+from ffgym.diagnosis.replay.replay import Replay
+from ffgym.diagnosis.residual import Channel
+from ffgym.effects import TrackerEffect
+from ffgym.plant import Machine
+from ffgym.recordings import Recording
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.types import Array
+
+
+def predicted(run: Replay) -> dict[Channel, Array]:
+    """What the log's channels would show, R rows each, through the log's low-pass."""
+    log, sampling = run.log, run.log.sampling
+    effects = run.machine.effects
+    found: dict[Channel, Array] = {"torque": sampling(late(run.torque, "torque", effects, log))}
+    if log.tool is not None:
+        found["tool"] = sampling(tool_path(run))
+    if log.link is not None:
+        found["link"] = sampling(late(run.link_q, "link", effects, log))
+    if log.feedback is not None and log.reference is not None:
+        found["servo"] = sampling(servo_feedback(run.read, run.robot))
+    return found
+
+
+def tool_path(run: Replay) -> Array:
+    """Tool positions as a tracker would see them [m], (T, M, 3)."""
+    return tracked(run, run.machine)
+
+
+def tracked(run: Replay, machine: Machine, every: int = 1) -> Array:
+    """Tool positions of the replay as the tracker of another machine would see them [m], at every n-th sample."""
+    q = run.link_q[::every]
+    position = RigidArm(run.robot).tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
+    effects = [effect for effect in machine.effects if isinstance(effect, TrackerEffect)]
+    for i, recording in enumerate(run.log.recordings) if effects else ():
+        n = -(-len(recording) // every)
+        columns = {"timestamp": recording.t[::every]}
+        columns |= {f"tcp.position.{axis}": position[:n, i, k] for k, axis in enumerate("xyz")}
+        columns |= {f"link.position.{joint}": q[:n, i, j] for j, joint in enumerate(run.robot.joints)}
+        exact = Recording(columns=columns, header=replace(recording.header, phases=()))
+        for effect in effects:
+            exact = effect.measured(exact, run.robot)
+        position[:n, i] = exact.vector("tcp.position")
+    return position
+
+
+def servo_feedback(log: Log, robot: RobotDescription) -> Array:
+    """Feedback torque of the documented servo on the measured error [N m], motor side, (T, M, N).
+
+    The integral is that since the motion began; what it held before is a constant that nobody recorded.
+    """
+    if log.reference is None:
+        raise ValueError("the log has no set-points")
+    position, rate = log.reference
+    error = position - robot.drive.motor_angle(log.q)
+    error_rate = rate - robot.drive.motor_angle(log.dq)
+    steps = 0.5 * log.dt * (error[1:] + error[:-1])
+    integral = np.concatenate([np.zeros_like(error[:1]), np.cumsum(steps, axis=0)])
+    return servo_torque(robot.servo, error, error_rate, integral).u_fb

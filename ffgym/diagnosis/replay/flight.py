@@ -1,0 +1,76 @@
+"""Joints that bend under effects which depend on how they bend."""
+
+import numpy as np
+
+from ffgym.diagnosis.replay.springs import Deflection, Springs, resting
+from ffgym.effects import State, TorqueEffect, Torques
+from ffgym.effects.along import samples, torques_along
+from ffgym.plant import Machine
+from ffgym.types import Array
+
+
+def arm_effects(machine: Machine) -> list[TorqueEffect]:
+    """Effects that depend on how joints bend."""
+    return [effect for effect in machine.torque_effects if effect.side == "link" and not effect.is_null]
+
+
+def summed(effects: list[TorqueEffect], state: State, dt: float) -> Torques:
+    """Torques of several effects together; each of them sees the load of the springs alone."""
+    total = Torques()
+    for effect in effects:
+        added = torques_along(effect, state, dt)
+        total.motor, total.spring, total.link = (
+            plus(total.motor, added.motor),
+            plus(total.spring, added.spring),
+            plus(total.link, added.link),
+        )
+    return total
+
+
+def plus(total: Array | None, more: Array | None) -> Array | None:
+    """Sum of what there is; None is nothing."""
+    if more is None:
+        return total
+    return more if total is None else total + more
+
+
+def flown(
+    springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
+) -> Deflection:
+    """Deflections with effects that depend on them, from the rest in which they balance the load."""
+    each = list(samples(state))
+    memories: list[Array] = []
+
+    def at(k: int, angle: Array, rate: Array) -> State:
+        now = each[k]
+        now.deflection, now.deflection_rate = angle, rate
+        now.load = -(now.joint_stiffness * angle + now.joint_damping * rate)
+        return now
+
+    def pull(angle: Array) -> Array:
+        """What is left of the balance at rest; grows with the deflection."""
+        now = at(0, angle, np.zeros_like(angle))
+        return springs.finite_stiffness * angle - torque[0] - _behind(effects, now, dt)[0]
+
+    rest = resting(pull, start)
+    first = at(0, rest, np.zeros_like(rest))
+    memories.extend(effect.initial_memory(first) for effect in effects)
+
+    def push(k: int, angle: Array, rate: Array) -> Array:
+        total, memories[:] = _behind(effects, at(k, angle, rate), dt, memories)
+        return total
+
+    return springs.pushed_by(torque, push, rest)
+
+
+def _behind(
+    effects: list[TorqueEffect], now: State, dt: float, memories: list[Array] | None = None
+) -> tuple[Array, list[Array]]:
+    """What effects add behind the gearbox, link side, and what they remember then; None is relaxed."""
+    total, later = np.zeros_like(now.deflection), []
+    for i, effect in enumerate(effects):
+        added, memory = effect.torques(now, effect.initial_memory(now) if memories is None else memories[i], dt)
+        later.append(memory)
+        for part in (added.spring, added.link):
+            total = total if part is None else total + part
+    return total, later

@@ -1,0 +1,81 @@
+"""States of a machine along measured motions, as effects see them."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.replay.bristles import Bristles
+from ffgym.diagnosis.replay.springs import Deflection
+from ffgym.effects import State, Torques
+from ffgym.plant import Climate, Machine
+from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+
+def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:
+    """States along the measured motion, before anything is known of springs and loads."""
+    robot, none = machine.physical, np.zeros_like(log.q)
+    drive, friction = robot.drive, robot.friction
+    stiff = np.where(drive.is_rigid, 0.0, drive.joint_stiffness)
+    return State(
+        time=log.t[:, None, None],
+        motor_angle=drive.motor_angle(log.q),
+        motor_speed=drive.motor_angle(log.dq),
+        joint_angle=log.q,
+        joint_speed=log.dq,
+        deflection=none,
+        deflection_rate=none,
+        load=none,
+        load_at_motor=none,
+        joint_stiffness=stiff,
+        joint_damping=np.where(drive.is_rigid, 0.0, drive.joint_damping),
+        friction_sign=bristles.sign,
+        coulomb=friction.coulomb,
+        static=friction.static,
+        viscous=friction.viscous,
+        stribeck_velocity=friction.stribeck_velocity,
+        feedback_torque=none if log.feedback is None else log.feedback,
+        motor_torque=none,
+        peak_torque=drive.peak_torque,
+        temperature=_temperature(log, machine),
+        running=_running(log, machine),
+    )
+
+
+def bent_state(state: State, bent: Deflection, robot: RobotDescription) -> State:
+    """States with the deflections of the joints, and what their springs alone carry."""
+    load = -(state.joint_stiffness * bent.angle + state.joint_damping * bent.rate)
+    return replace(
+        state,
+        deflection=bent.angle,
+        deflection_rate=bent.rate,
+        load=load,
+        load_at_motor=robot.drive.motor_torque(load),
+    )
+
+
+def loaded_state(state: State, added: Torques, robot: RobotDescription) -> State:
+    """States whose load has what effects add to the springs."""
+    if added.spring is None:
+        return state
+    load = state.load + added.spring
+    return replace(state, load=load, load_at_motor=robot.drive.motor_torque(load))
+
+
+def _running(log: Log, machine: Machine) -> Array:
+    """Time since the machine was switched on, or its session began [s], (T, M, 1)."""
+    before = 0.0 if machine.climate is None else machine.climate.running_since
+    times: Array = before + log.started[:, None] + log.t[:, None, None]
+    return times
+
+
+def _temperature(log: Log, machine: Machine) -> Array:
+    """[degC], (T, M, N): measured, else by the machine's climate, else that of its default."""
+    if log.temperature is not None:
+        return log.temperature
+    climate, times = machine.climate or Climate(), log.t
+    n = log.robot.n_joints
+    if machine.climate is None:
+        return climate.temperature(times, n)[:, None] + np.zeros((1, len(log.recordings), 1))
+    return np.stack([climate.at(climate.running_since + s).temperature(times, n) for s in log.started], axis=1)
