@@ -81,8 +81,10 @@ class _Fitted:
 
     train: Array
     test: Array
-    train_moment: Array
+    train_pull: Array
+    """Moments of the residual as it is, shape (P, K)."""
     test_moment: Array
+    """Moments of what the calibration leaves, shape (P, K)."""
     free: IntArray
     inverse_cross: Array
     """V of all columns, shape (F, P)."""
@@ -93,7 +95,7 @@ class _Fitted:
         c, f = candidate.columns, self.free
         v = self.inverse_cross[:, c]
         inner = self.train[np.ix_(c, c)] - v.T @ self.train[np.ix_(f, c)] + np.diag(np.full(len(c), _WIDE**-2))
-        pull = self.train_moment[c] - v.T @ self.train_moment[f]
+        pull = self.train_pull[c] - v.T @ self.train_pull[f]
         x = np.linalg.solve(inner, pull)
         if candidate.one_sided:
             x = np.maximum(x, 0.0)
@@ -115,7 +117,7 @@ def _fit(evidence: Evidence, fold: Fold, columns: IntArray, precision: Array, re
     return _Fitted(
         train=train,
         test=test,
-        train_moment=pull - train @ x,
+        train_pull=pull,
         test_moment=held_out - test @ x,
         free=columns,
         inverse_cross=cho_solve(factor, train[columns]),

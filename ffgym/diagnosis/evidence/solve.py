@@ -1,12 +1,17 @@
 """Least squares with priors and bounds, from sums."""
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.optimize import lsq_linear
 
 from ffgym.types import Array
 
 _ROUNDS = 12
-"""Rounds in which parameters that leave their bounds are held there; more have never been needed."""
+"""Rounds in which all parameters that leave their bounds are held there at once, which is fast but may go in circles;
+then they are held one by one."""
+
+_ONE_BY_ONE = 20
+"""Steps per parameter of the slower method at most; it takes about one."""
 
 
 def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Array) -> Array:
@@ -30,6 +35,14 @@ def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Arra
         slope = moment - full @ x
         back = ~free & (((x <= low) & (slope > 0)) | ((x >= high) & (slope < 0)))
         if not out.any() and not back.any():
-            break
+            return x
         free = (free & ~out) | back
+    return _one_by_one(full, moment, low, high)
+
+
+def _one_by_one(full: Array, moment: Array, low: Array, high: Array) -> Array:
+    """The same minimum, by a method that always ends."""
+    root = cholesky(full)
+    target = solve_triangular(root, moment, trans="T")
+    x: Array = lsq_linear(root, target, (low, high), method="bvls", max_iter=_ONE_BY_ONE * len(moment)).x
     return x

@@ -1,0 +1,106 @@
+"""Scores from sums are those of fits to the rows themselves."""
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
+from ffgym.diagnosis.evidence.screen import Candidate, Priors, fitted, left_by_block, screen
+from ffgym.diagnosis.evidence.stack import blocks_of, evidence_of
+
+ROW_DT = 0.02
+N_CALIBRATION, N_COLUMNS = 3, 6
+CALIBRATION = np.arange(N_CALIBRATION)
+CANDIDATES = (
+    Candidate(columns=np.array([3]), one_sided=False),
+    Candidate(columns=np.array([4, 5]), one_sided=False),
+    Candidate(columns=np.array([5]), one_sided=True),
+)
+WIDE = 10.0
+
+
+@pytest.fixture(scope="module")
+def problem():
+    """Rows of columns (C, R, M) and residuals (R, M, K) of one component, their sums and priors."""
+    rng = np.random.default_rng(0)
+    rows = (400, 3)
+    columns = rng.normal(size=(N_COLUMNS, *rows)) * 0.05
+    residual = columns[4][..., None] * [30.0, 0.0, 0.0] + 0.3 * columns[0][..., None] + rng.normal(size=(*rows, 3))
+    valid = np.ones(rows, dtype=bool)
+    valid[:5] = False
+    blocks = blocks_of(valid, ROW_DT)
+    key = ("torque", 0)
+    evidence = evidence_of(blocks, [{key: c} for c in columns], {key: residual}, {key: valid.astype(float)})
+    priors = Priors(
+        precision=np.array([1.0] * N_CALIBRATION + [WIDE**-2] * (N_COLUMNS - N_CALIBRATION)),
+        low=np.array([-3.0] * N_CALIBRATION + [-np.inf] * 3),
+        high=np.array([3.0] * N_CALIBRATION + [np.inf] * 3),
+    )
+    return columns, residual, blocks, evidence, priors
+
+
+def rows_of(blocks, chosen):
+    """Rows of some blocks."""
+    return np.isin(blocks.of_row, np.flatnonzero(chosen))
+
+
+def brute(problem, fold, places, k):
+    """Energy left in what is left out by a fit with priors to the other rows."""
+    columns, residual, blocks, _, priors = problem
+    train, test = rows_of(blocks, fold.train), rows_of(blocks, fold.test)
+    a = columns[places][:, train].T
+    stacked = np.vstack([a, np.diag(np.sqrt(priors.precision[places]))])
+    x = np.linalg.lstsq(stacked, np.concatenate([residual[train, k], np.zeros(len(places))]), rcond=None)[0]
+    return np.sum((residual[test, k] - columns[places][:, test].T @ x) ** 2), x
+
+
+@pytest.mark.parametrize("split", [half_folds, motion_folds])
+def test_held_out_gains_are_those_of_fits_to_the_rows(problem, split):
+    _, _, blocks, evidence, priors = problem
+    folds = split(blocks)
+    found = screen(evidence, folds, CALIBRATION, CANDIDATES, priors)
+    for k in range(3):
+        before = sum(brute(problem, fold, CALIBRATION, k)[0] for fold in folds)
+        assert found.left[k] == pytest.approx(before)
+        for i in (0, 1):
+            places = np.concatenate([CALIBRATION, CANDIDATES[i].columns])
+            after = sum(brute(problem, fold, places, k)[0] for fold in folds)
+            assert found.gain[i, k] == pytest.approx(before - after, abs=1e-6 * before)
+
+
+def test_a_candidate_of_one_sign_gains_nothing_where_the_other_would_help(problem):
+    columns, _, blocks, evidence, priors = problem
+    key = ("torque", 0)
+    weights = {key: (blocks.of_row >= 0).astype(float)}
+    for sign, helps in ((1.0, True), (-1.0, False)):
+        residual = {key: sign * 20 * columns[5][..., None]}
+        found = screen(
+            evidence_of(blocks, [{key: c} for c in columns], residual, weights),
+            half_folds(blocks),
+            CALIBRATION,
+            CANDIDATES,
+            priors,
+        )
+        assert (found.gain[2, 0] > 0) == helps
+        assert found.gain[1, 0] > 0
+    assert evidence.n_components == 1
+
+
+def test_energy_left_by_block_adds_up_to_that_of_all_that_was_left_out(problem):
+    _, _, blocks, evidence, priors = problem
+    folds = half_folds(blocks)
+    left = left_by_block(evidence, folds, CALIBRATION, priors)
+    assert left.sum() == pytest.approx(sum(brute(problem, fold, CALIBRATION, 0)[0] for fold in folds))
+
+
+def test_calibration_at_its_bound_comes_back_when_the_cause_joins(problem):
+    """The residual is all of candidate 1; a calibration column that looks like it must not keep its share."""
+    columns, _, blocks, _, priors = problem
+    columns = columns.copy()
+    columns[0] = columns[4] + 0.1 * columns[0]
+    key, weights = ("torque", 0), {("torque", 0): (blocks.of_row >= 0).astype(float)}
+    rng = np.random.default_rng(1)
+    residual = {key: 60 * columns[4][..., None] + 0.1 * rng.normal(size=(*columns.shape[1:], 1))}
+    evidence = evidence_of(blocks, [{key: c} for c in columns], residual, weights)
+    assert fitted(evidence, CALIBRATION, priors)[0] == priors.high[0]
+    found = screen(evidence, half_folds(blocks), CALIBRATION, CANDIDATES, priors)
+    assert found.gain[1, 0] > 0.99 * found.left[0]
