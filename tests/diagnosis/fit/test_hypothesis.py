@@ -1,0 +1,73 @@
+"""What a linear fit says becomes an effect with values, and stays within what is possible."""
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, hypothesis_of
+from ffgym.diagnosis.signatures.column import Column
+from ffgym.diagnosis.signatures.variant import variants
+from ffgym.effects import EFFECTS
+from ffgym.robot import load_robot
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot("two_link")
+
+
+def columns_for(kind, robot, joint):
+    """The columns that the search would make of an effect on one joint, without what they show."""
+    cycles = {name: [2.0] for name in robot.joints}
+    return [
+        Column(
+            effect=kind,
+            joint=joint,
+            parameter=v.parameter,
+            part=v.part,
+            choice=v.choice,
+            span=v.span,
+            shape={name: np.asarray(value).ravel()[0] for name, value in v.shape.items()},
+            parts={},
+        )
+        for v in variants(kind, robot, cycles)
+        if v.choice == 0
+    ]
+
+
+def test_a_sine_and_a_cosine_become_amplitude_and_phase(robot):
+    kind, amplitude, phase = EFFECTS["cogging"], 0.03, 1.1
+    columns = columns_for(kind, robot, "elbow" if "elbow" in robot.joints else robot.joints[1])
+    assert len(columns) == 2
+    found = hypothesis_of(columns, amplitude * np.array([np.cos(phase), np.sin(phase)]), robot)
+    assert float(found.values["amplitude"]) == pytest.approx(amplitude)
+    assert float(found.values["phase"]) == pytest.approx(phase)
+    effect = found.effect(robot)
+    np.testing.assert_allclose(effect.amplitude, [0.0, amplitude])
+
+
+def test_sizes_become_the_effect_on_its_joint_alone(robot):
+    columns = columns_for(EFFECTS["coulomb_level"], robot, robot.joints[0])
+    effect = hypothesis_of(columns, np.array([0.2]), robot).effect(robot)
+    np.testing.assert_allclose(effect.change, [0.2, 0.0])
+
+
+@pytest.mark.parametrize(
+    "name", ["load_friction", "coulomb_level", "joint_stiffness", "backlash", "payload", "cogging"]
+)
+@pytest.mark.parametrize("change", [-1e6, -0.1, 0.0, 0.1, 1e6])
+def test_a_moved_hypothesis_stays_within_its_bounds_and_can_be_built(name, change, robot):
+    kind = EFFECTS[name]
+    values = {n: np.array(_usual(p)) for n, p in kind.parameters().items()}
+    joint = robot.joints[0] if any(p.per == "joint" for p in kind.parameters().values()) else ""
+    begun = Hypothesis(kind=kind, joint=joint, source=None, values=values)
+    moved = begun.moved([change] * len(begun.free()))
+    for before, after in zip(begun.free(), moved.free(), strict=True):
+        assert before.low <= after.value <= before.high
+        assert after.value == pytest.approx(np.clip(before.value + change, before.low, before.high))
+    moved.effect(robot)
+
+
+def _usual(p):
+    value = p.neutral + 0.1 * (p.high - p.neutral) if p.role == "size" else p.default
+    value = p.low if value is None else value
+    return np.full(3, value) if p.per == "vector" else value

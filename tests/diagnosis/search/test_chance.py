@@ -1,0 +1,54 @@
+"""Faultless logs: noise in ever new order, and the score that chance reaches."""
+
+import numpy as np
+
+from ffgym.diagnosis.evidence.stack import blocks_of
+from ffgym.diagnosis.search.ranking import _extreme
+from ffgym.diagnosis.search.surrogates import DRAWS, surrogates
+
+ROW_DT = 0.01
+
+
+def made(calibration=()):
+    rng = np.random.default_rng(0)
+    draws = {"torque": rng.normal(size=(600, 2, 1, 2))}
+    valid = np.ones((600, 2), dtype=bool)
+    blocks = blocks_of(valid, ROW_DT)
+    return draws, blocks, surrogates(draws, blocks, calibration, np.random.default_rng(1))["torque", 0]
+
+
+def test_each_block_of_a_faultless_log_is_one_of_the_replays_or_its_negative():
+    draws, blocks, found = made()
+    assert found.shape == (600, 2, DRAWS)
+    for b in range(len(blocks)):
+        rows = blocks.of_row == b
+        for k in range(DRAWS):
+            kinds = [sign * draws["torque"][rows][:, 0, d] for sign in (1, -1) for d in (0, 1)]
+            assert any(np.array_equal(found[rows, k], one) for one in kinds)
+
+
+def test_blocks_keep_their_spectrum():
+    draws, blocks, found = made()
+    rows = blocks.of_row == 0
+    known = [np.abs(np.fft.rfft(draws["torque"][rows][:, 0, d])) for d in (0, 1)]
+    spectrum = np.abs(np.fft.rfft(found[rows, 7]))
+    assert any(np.allclose(spectrum, one) for one in known)
+
+
+def test_errors_of_calibration_are_drawn_with_their_deviation():
+    column = {("torque", 0): np.full((600, 2), 50.0)}
+    _, _, without = made()
+    _, _, drawn = made([column])
+    errors = (drawn - drawn.mean(axis=2, keepdims=True)).mean(axis=(0, 1)) / 50.0
+    assert 0.7 < np.std(errors) < 1.3
+    assert np.std(without.mean(axis=(0, 1))) < 5.0
+
+
+def test_chance_exceeds_the_threshold_about_once_in_a_hundred():
+    """Largest of many scores in each of as many faultless logs as are drawn, and one more."""
+    rng = np.random.default_rng(2)
+    alarms = 0
+    for _ in range(2000):
+        largest = rng.chisquare(1, size=(DRAWS + 1, 40)).max(axis=1)
+        alarms += largest[-1] > _extreme(largest[:-1])
+    assert 0.002 < alarms / 2000 < 0.025
