@@ -64,7 +64,7 @@ def listed():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("defect", listed())
+@pytest.mark.parametrize("defect", [*listed()])
 def test_no_defect_of_a_log_is_taken_for_a_fault_of_the_machine(defect):
     recording = damaged(defect)
     if recording is None:
