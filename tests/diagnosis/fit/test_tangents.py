@@ -1,0 +1,54 @@
+"""Tangents of a fitted machine are difference quotients of its replays."""
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.tangents import tangents
+from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.measured import valid_rows
+from ffgym.diagnosis.replay.channels import predicted
+from ffgym.diagnosis.replay.replay import replay
+from ffgym.effects import EFFECTS
+from tests.diagnosis.replay.replay_samples import nominal, recorded
+
+VALUES = {"coulomb_level": {"change": 0.2}, "cable_pull": {}, "torque_constant": {"change": 0.03}}
+
+
+@pytest.fixture(scope="module")
+def log():
+    return log_of(nominal().robot, list(recorded({"nominal": nominal()}).values()))
+
+
+def hypotheses():
+    found = []
+    for name, given in VALUES.items():
+        known = EFFECTS[name].parameters()
+        values = {
+            n: np.array(given.get(n, p.default if p.default is not None else p.neutral)) for n, p in known.items()
+        }
+        found.append(Hypothesis(kind=EFFECTS[name], joint=nominal().robot.joints[0], source=None, values=values))
+    return found
+
+
+def test_tangents_are_difference_quotients_of_replays(log):
+    all_of_them = hypotheses()
+    machine = nominal()
+    for one in all_of_them:
+        machine = one.on(machine)
+    run = replay(log, machine)
+    columns, at = tangents(run, nominal(), all_of_them), 0
+    now, inside = predicted(run), valid_rows(log)
+    for i, one in enumerate(all_of_them):
+        for k, free in enumerate(one.free()):
+            share = 0.02
+            moved = one.moved([share * free.step if n == k else 0.0 for n in range(len(one.free()))])
+            other = nominal()
+            for j, hypothesis in enumerate(all_of_them):
+                other = (moved if j == i else hypothesis).on(other)
+            then = predicted(replay(log, other))
+            quotient = (then["torque"] - now["torque"])[..., 0][inside] / share
+            column = columns[at]["torque", 0][inside]
+            at += 1
+            assert np.abs(column - quotient).max() <= 0.1 * np.abs(quotient).max() + 1e-9, (one.label, free.name)
+    assert at == len(columns)

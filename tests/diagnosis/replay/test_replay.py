@@ -1,0 +1,83 @@
+"""A replay of a simulated log gives what was simulated."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.measured import measured_rows, valid_rows
+from ffgym.diagnosis.replay import predicted, replay
+from ffgym.effects import EFFECTS
+from ffgym.plant import Machine
+from tests.diagnosis.replay.replay_samples import left, nominal, recorded, small, with_effect
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return recorded({"nominal": nominal()})["nominal"]
+
+
+@pytest.fixture(scope="module")
+def log(recording):
+    return log_of(nominal().robot, [recording])
+
+
+@pytest.mark.parametrize(("channel", "share"), [("torque", 5e-3), ("tool", 1e-3), ("link", 1e-3), ("servo", 0.15)])
+def test_the_nominal_machine_leaves_hardly_anything_of_its_own_motion(channel, share, recording):
+    log, rest = left([recording], nominal())
+    inside = valid_rows(log)
+    signal = measured_rows(log)[channel][inside]
+    size = np.sqrt(np.mean((signal - signal.mean(axis=0)) ** 2))
+    assert np.sqrt(np.mean(rest[channel][inside] ** 2)) < share * size
+
+
+def test_what_another_replay_shares_changes_nothing(log):
+    robot = nominal().robot
+    first = replay(log, nominal())
+    for name in ("coulomb_level", "backlash", "payload", "resolver_ripple"):
+        machine = with_effect(small(EFFECTS[name], robot, share=0.3))
+        alone, helped = replay(log, machine), replay(log, machine, first)
+        np.testing.assert_allclose(alone.torque, helped.torque, rtol=0, atol=1e-10, err_msg=name)
+        np.testing.assert_allclose(alone.link_q, helped.link_q, rtol=0, atol=1e-12, err_msg=name)
+
+
+def test_other_springs_are_replayed_with_shared_poses_of_the_links_to_second_order(log):
+    machine = with_effect(small(EFFECTS["joint_stiffness"], nominal().robot, share=0.3))
+    first = replay(log, nominal())
+    alone, helped = replay(log, machine), replay(log, machine, first)
+    change = np.abs(alone.torque - first.torque).max()
+    assert 0 < np.abs(alone.torque - helped.torque).max() < 0.05 * change
+
+
+def test_an_effect_without_size_changes_nothing(log):
+    exact = predicted(replay(log, nominal()))
+    for name in ("load_friction", "backlash", "torque_ripple", "tracker_clock", "payload"):
+        null = small(EFFECTS[name], nominal().robot, share=0.0)
+        for channel, rows in predicted(replay(log, with_effect(null))).items():
+            np.testing.assert_allclose(rows, exact[channel], rtol=0, atol=1e-9, err_msg=name)
+
+
+def test_motions_side_by_side_are_replayed_as_each_alone(recording, log):
+    shorter = recording.slice(end=0.8)
+    other = replace(shorter, header=replace(shorter.header, segment="short"))
+    both = replay(log_of(nominal().robot, [recording, other]), nominal())
+    np.testing.assert_allclose(both.torque[:, 0], replay(log, nominal()).torque[:, 0], atol=1e-9)
+
+
+def test_an_arm_in_a_gap_begins_where_the_plant_lets_it_hang():
+    for name, share in (("hardening", 0.3), ("backlash", 0.5)):
+        machine = with_effect(small(EFFECTS[name], nominal().robot, share=share))
+        log = log_of(nominal().robot, [recorded({name: machine})[name]])
+        assert log.link is not None
+        hangs = log.link[0, 0] - log.q[0, 0]
+        run = replay(log, machine)
+        np.testing.assert_allclose(run.deflection.angle[0, 0], hangs, atol=2e-2 * np.abs(hangs).max(), err_msg=name)
+
+
+def test_a_payload_lowers_the_tool_and_takes_torque(log):
+    laden = Machine(robot=log.robot, effects=(EFFECTS["payload"].on(log.robot, mass=2.0),))
+    empty, full = predicted(replay(log, nominal())), predicted(replay(log, laden))
+    first = int(np.argmax(valid_rows(log)[:, 0]))
+    assert full["tool"][first, 0, 2] < empty["tool"][first, 0, 2]
+    assert np.abs(full["torque"]).mean() > np.abs(empty["torque"]).mean()

@@ -1,0 +1,100 @@
+"""Driven springs against a stiff solver, and the rest of an arm that hangs in them."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from ffgym.diagnosis.replay.springs import Springs, resting
+
+MASS = np.array([[8.0, 1.5], [1.5, 2.0]])
+STIFFNESS = np.array([2e4, 1e4])
+DAMPING = np.array([20.0, 8.0])
+DT = 0.0005
+
+
+def springs(n, stiffness=STIFFNESS):
+    return Springs(mass=np.broadcast_to(MASS, (n, 1, 2, 2)), stiffness=stiffness, damping=DAMPING, dt=DT)
+
+
+def load(t):
+    return np.stack([50 + 30 * np.sin(9 * t), 20 * np.cos(17 * t)], axis=-1)
+
+
+@pytest.fixture(scope="module")
+def solved():
+    """Deflection (T, 2) by a solver of high order."""
+    t = DT * np.arange(1600)
+
+    def slope(at, y):
+        return np.concatenate([y[2:], np.linalg.solve(MASS, load(at) - DAMPING * y[2:] - STIFFNESS * y[:2])])
+
+    start = np.concatenate([load(0.0) / STIFFNESS, np.zeros(2)])
+    return t, solve_ivp(slope, (0, t[-1]), start, t_eval=t, rtol=1e-9, atol=1e-12).y.T
+
+
+def test_springs_bend_as_a_solver_of_high_order_says(solved):
+    t, expected = solved
+    found = springs(len(t)).bent_by(load(t)[:, None, :, None])
+    size = np.abs(expected[:, :2]).max()
+    assert np.abs(found.angle[:, 0, :, 0] - expected[:, :2]).max() < 2e-3 * size
+    assert np.abs(found.rate[:, 0, :, 0] - expected[:, 2:]).max() < 5e-3 * np.abs(expected[:, 2:]).max()
+
+
+def test_the_error_falls_with_the_square_of_the_step(solved):
+    t, expected = solved
+    fine = springs(len(t))
+
+    def error(every):
+        found = fine.coarser(every).bent_by(load(t[::every])[:, None, :, None])
+        return np.abs(found.angle[:, 0, :, 0] - expected[::every, :2]).max()
+
+    assert 3.0 < error(4) / error(2) < 5.0
+
+
+def test_many_loads_at_once_bend_as_each_alone(solved):
+    t, _ = solved
+    one = springs(len(t)).bent_by(load(t)[:, None, :, None])
+    both = springs(len(t)).bent_by(np.stack([load(t), -2 * load(t)], axis=-1)[:, None])
+    np.testing.assert_allclose(both.angle[..., 0], one.angle[..., 0], atol=1e-15)
+    np.testing.assert_allclose(both.angle[..., 1], -2 * one.angle[..., 0], atol=1e-14)
+
+
+def test_a_constant_load_stays_at_rest():
+    found = springs(200).bent_by(np.broadcast_to(np.array([50.0, -20.0])[:, None], (200, 1, 2, 1)))
+    np.testing.assert_allclose(found.angle[-1, 0, :, 0], [50.0 / 2e4, -20.0 / 1e4], rtol=1e-9)
+    np.testing.assert_allclose(found.rate, 0.0, atol=1e-12)
+
+
+def test_rigid_joints_do_not_bend():
+    found = springs(100, np.array([np.inf, 1e4])).bent_by(load(DT * np.arange(100))[:, None, :, None])
+    assert not found.angle[:, :, 0].any()
+    assert found.angle[:, :, 1].any()
+
+
+def test_a_push_that_is_a_spring_is_a_stiffer_spring(solved):
+    t, _ = solved
+    more = np.array([3e3, 0.0])
+    n, torque = len(t), load(t)[:, None]
+    stiffer = springs(n, STIFFNESS + more).bent_by(torque[..., None])
+    pushed = springs(n).pushed_by(torque, lambda k, angle, rate: -more * angle, torque[0] / (STIFFNESS + more))
+    size = np.abs(stiffer.angle).max()
+    assert np.abs(pushed.angle - stiffer.angle[..., 0]).max() < 5e-3 * size
+
+
+@pytest.mark.parametrize("stiffness", [1e3, 1e9])
+def test_the_rest_balances_a_spring_that_hardens(stiffness):
+    cubic, load_at_rest = 1e15, np.array([[120.0, -5.0]])
+    rest = resting(lambda x: stiffness * x + cubic * x**3 - load_at_rest, np.zeros((1, 2)))
+    np.testing.assert_allclose(stiffness * rest + cubic * rest**3, load_at_rest, rtol=1e-9)
+
+
+@pytest.mark.parametrize("near", [-2e-3, 0.0, 5e-4, 1e-2])
+def test_without_load_the_rest_is_within_the_gap(near):
+    gap, off = 3e-4, 1e-4
+
+    def pull(x):
+        return 1e5 * np.where(np.abs(x - off) > gap, x - off - gap * np.sign(x - off), 0.0)
+
+    rest = resting(pull, np.full((1, 1), near))
+    assert abs(float(rest[0, 0]) - off) <= gap
+    assert resting(pull, np.full((1, 1), off)) == pytest.approx(off)
