@@ -1,4 +1,4 @@
-"""`ffgym demo`: the circle test of the thesis with any feed-forward agents, as tables and as a report page."""
+"""`ffgym demo`: the circle test of the thesis with any feed-forward agents, and a diagnosis; as tables and as pages."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -6,8 +6,11 @@ from pathlib import Path
 from agents.catalogue import CATALOGUE
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
+from ffgym.diagnosis import Diagnosis, examine
+from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
 from ffgym.envs.rigs import is_workcell, rig_of
-from ffgym.files import write_json
+from ffgym.files import write_json, write_text
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Rig, SimulatedRig
@@ -21,12 +24,12 @@ from ffgym.studies import (
 )
 
 SEED = 0
-"""Of the noise of a workcell's sensors."""
+"""Of the noise of a workcell's sensors, and of what a diagnosis draws."""
 
 
 @dataclass(frozen=True)
 class Demo:
-    """Run the 36 circles with feed-forward agents; print the tables; write the report."""
+    """Run the 36 circles with feed-forward agents, and diagnose the example logs; print the tables; write the pages."""
 
     agents: tuple[str, ...] = ("none", "lugre_static", "lugre_dynamic")
     """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on
@@ -36,7 +39,7 @@ class Demo:
     robot: str = "irb4600_60_205"
     """Built-in robot, a path to a description that ends in .toml, or workcell:<name or seed>."""
     report: Path = Path("report.html")
-    """Report page to write."""
+    """Report page to write; that of the diagnosis is beside it, its name ends in _diagnosis.html."""
     json: Path | None = None
     """Also write every number to this file."""
     positions: tuple[str, ...] = ()
@@ -45,11 +48,14 @@ class Demo:
     """TCP speeds."""
     threads: int = 0
     """Threads of the simulation, 0 for all cores; results are the same at any number."""
+    diagnosis: bool = True
+    """End with a diagnosis of the example logs: those of a machine that has two faults."""
 
     def run(self) -> None:
-        """Simulate, write, print."""
+        """Simulate, write, print; then diagnose."""
         need_extra("The demo", "matplotlib", "jinja2", "rich")
-        check_outputs({"--report": self.report, "--json": self.json})
+        places = {"--report": self.report, "--json": self.json}
+        check_outputs(places | ({"--report, of the diagnosis": self._diagnosis_page} if self.diagnosis else {}))
         check_laws(self.agents, "--agents")
         from ffgym.report import format_one_axis, format_text, write_report
 
@@ -57,14 +63,39 @@ class Demo:
         one_axis = self._one_axis(load_robot("one_axis"))
         info = self.provenance(circles)
         page = write_report(self.report, circles, one_axis, info)  # files first: nobody may read what is printed
+        rows = [asdict(cell) for cell in circles.cells]
+        numbers = info | {"rows": rows, "one_axis": [asdict(result) for result in one_axis.results]}
         if self.json is not None:
-            rows = [asdict(cell) for cell in circles.cells]
-            write_json(self.json, info | {"rows": rows, "one_axis": [asdict(result) for result in one_axis.results]})
+            write_json(self.json, numbers)
         print(format_text(circles))
         print(format_one_axis(one_axis))
-        print(f"report: {page}")
+        print(f"report: {page}", flush=True)
+        if self.diagnosis:
+            numbers["diagnosis"] = diagnosis_document(self._diagnose())
+            if self.json is not None:
+                write_json(self.json, numbers)
         if self.json is not None:
             print(f"numbers: {self.json}")
+
+    @property
+    def _diagnosis_page(self) -> Path:
+        return self.report.with_name(f"{self.report.stem}_diagnosis.html")
+
+    def _diagnose(self) -> Diagnosis:
+        """What the nominal model of the example logs lacks: a page, and the findings in print."""
+        from ffgym.cli.progress import stages_bar
+        from ffgym.report.diagnosis import DiagnosisReport, format_findings, render_diagnosis_page
+
+        with stages_bar("diagnosing the example logs") as tell:
+            examined = examine(load_robot(EXAMPLE_ROBOT), example_logs(), seed=SEED, report=tell)
+        diagnosis = examined.diagnosis
+        after = examined.after if diagnosis.causes else None
+        page = DiagnosisReport(diagnosis=diagnosis, before=examined.before, after=after)
+        write_text(self._diagnosis_page, render_diagnosis_page(page))
+        print(f"\nDiagnosis of the example logs, recordings of a machine like {EXAMPLE_ROBOT}:")
+        print(format_findings(diagnosis))
+        print(f"diagnosis: {self._diagnosis_page}")
+        return diagnosis
 
     def _circles(self, rig: Rig) -> CircleStudy:
         from ffgym.cli.progress import progress_bar

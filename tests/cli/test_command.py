@@ -10,9 +10,12 @@ import pytest
 from ffgym.cli.demo import Demo
 from ffgym.cli.export import Export
 from ffgym.cli.main import main
+from ffgym.diagnosis import Examined
+from ffgym.diagnosis.document import diagnosis_document
 from ffgym.errors import FFGymError
 from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
 from ffgym.version import __version__
+from tests.diagnosis.result_samples import full_diagnosis
 
 ROW_KEYS = {
     "agent", "plant", "position", "radius_mm", "speed_mm_s", "rms_mm", "max_mm", "rms_3d_mm", "max_3d_mm",
@@ -27,7 +30,7 @@ def demo(tmp_path_factory):
     pytest.importorskip("ffgym.report")
     arguments = ["--positions", "p1", "--speeds-mm-s", "100", "--report", "page.html", "--json", "numbers.json"]
     arguments = [str(folder / a) if a.endswith(("html", "json")) and "-" not in a else a for a in arguments]
-    assert main(["demo", *arguments]) == 0
+    assert main(["demo", "--no-diagnosis", *arguments]) == 0
     return folder
 
 
@@ -141,7 +144,8 @@ def test_a_process_returns_the_exit_code(tmp_path):
 
 def test_the_demo_on_a_workcell_says_so_and_names_the_seed_of_its_sensors(tmp_path, capsys):
     arguments = ["--positions", "p1", "--speeds-mm-s", "100", "--agents", "none", "--json", str(tmp_path / "n.json")]
-    assert main(["demo", "--robot", "workcell:thesis", *arguments, "--report", str(tmp_path / "r.html")]) == 0
+    arguments += ["--report", str(tmp_path / "r.html"), "--no-diagnosis"]
+    assert main(["demo", "--robot", "workcell:thesis", *arguments]) == 0
     assert "machine: thesis" in " ".join(capsys.readouterr().out.split())
     assert "machine: thesis" in (tmp_path / "r.html").read_text(encoding="utf-8")
     assert json.loads((tmp_path / "n.json").read_text())["seed"] == 0
@@ -152,6 +156,49 @@ def test_the_demo_runs_every_position_and_speed_by_default():
     assert Demo().speeds_mm_s == (10.0, 40.0, 100.0)
     assert replace(Demo(), robot="one_axis").robot == load_robot("one_axis").name
     assert __version__
+
+
+@pytest.fixture
+def one_finding(monkeypatch):
+    """A diagnosis that finds something at once."""
+    found = full_diagnosis()
+    examined = Examined(diagnosis=found, before=None, after=None, machine=None, nominal=None)
+    monkeypatch.setattr("ffgym.cli.demo.examine", lambda *arguments, **options: examined)
+    return found
+
+
+def test_the_demo_ends_with_a_diagnosis_on_a_page_in_print_and_in_the_numbers(one_finding, tmp_path, capsys):
+    pytest.importorskip("ffgym.report")
+    arguments = ["--positions", "p1", "--speeds-mm-s", "100", "--agents", "none", "--report", str(tmp_path / "r.html")]
+    assert main(["demo", *arguments, "--json", str(tmp_path / "n.json")]) == 0
+    told = " ".join(capsys.readouterr().out.split())
+    assert f"{one_finding.verdict}: {one_finding.sentence}" in told
+    assert f"diagnosis: {tmp_path / 'r_diagnosis.html'}" in told
+    assert one_finding.sentence in (tmp_path / "r_diagnosis.html").read_text(encoding="utf-8")
+    numbers = json.loads((tmp_path / "n.json").read_text(encoding="utf-8"))
+    assert numbers["diagnosis"] == json.loads(json.dumps(diagnosis_document(one_finding)))
+    assert len(numbers["rows"]) == 3
+
+
+def test_the_page_of_the_diagnosis_is_checked_before_anything_runs(tmp_path, capsys):
+    pytest.importorskip("ffgym.report")
+    (tmp_path / "r_diagnosis.html").mkdir()
+    assert main(["demo", "--report", str(tmp_path / "r.html")]) == 1
+    assert "r_diagnosis.html" in capsys.readouterr().err
+    assert not (tmp_path / "r.html").exists()
+
+
+@pytest.mark.slow
+def test_the_whole_demo_names_both_faults_of_the_example_logs(tmp_path, capsys):
+    pytest.importorskip("ffgym.report")
+    arguments = ["--positions", "p1", "--speeds-mm-s", "100", "--report", str(tmp_path / "r.html")]
+    assert main(["demo", *arguments, "--json", str(tmp_path / "n.json")]) == 0
+    found = json.loads((tmp_path / "n.json").read_text(encoding="utf-8"))["diagnosis"]
+    assert found["verdict"] in ("named", "partly")
+    assert [(cause["effect"], cause["joint"]) for cause in found["causes"]][:2] == [
+        ("load_friction", "j2"),
+        ("torque_ripple", "j5"),
+    ]
 
 
 def test_report_and_numbers_need_two_files(tmp_path, monkeypatch, capsys):
@@ -169,6 +216,7 @@ def test_the_demo_runs_the_agents_and_parameters_it_is_given(tmp_path, irb4600):
     halves = [v / 2 for v in values]
     wrong.write_text(table.format("coulomb", halves) + table.format("static", halves), encoding="utf-8")
     shared = ["demo", "--positions", "p1", "--speeds-mm-s", "100", "--report", str(tmp_path / "r.html")]
+    shared.append("--no-diagnosis")
     rows = {}
     for name, more in {"own": [], "wrong": ["--parameters", str(wrong)]}.items():
         arguments = [*shared, "--agents", "none", "lugre_static", "--json", str(tmp_path / f"{name}.json"), *more]

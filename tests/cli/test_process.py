@@ -24,7 +24,7 @@ def wait_until_it_simulates(pid):
 
 
 def test_a_reader_that_has_seen_enough_loses_nothing(tmp_path):
-    demo = [*COMMAND, "demo", "--positions", "p1", "--speeds-mm-s", "100", "--json", "n.json"]
+    demo = [*COMMAND, "demo", "--no-diagnosis", "--positions", "p1", "--speeds-mm-s", "100", "--json", "n.json"]
     with subprocess.Popen(demo, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         process.stdout.close()

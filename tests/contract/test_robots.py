@@ -193,5 +193,5 @@ def test_commands_run_it(name, tmp_path, monkeypatch, capsys):
     assert played.returncode == 0, played.stdout + played.stderr
     if robot.work_area is not None:
         position = next(iter(robot.work_area.positions))
-        demo = ["demo", "--robot", name, "--positions", position, *small]
+        demo = ["demo", "--no-diagnosis", "--robot", name, "--positions", position, *small]
         assert main(demo) == 0, capsys.readouterr().err

@@ -12,12 +12,7 @@ from ffgym.report.diagnosis.words import place_of, size_text, title_of, together
 
 def format_diagnosis(diagnosis: Diagnosis) -> str:
     """Verdict, causes with sizes, ties, patterns, what is left, what was not judged, what to record next."""
-    parts = [filled(f"{diagnosis.verdict}: {diagnosis.sentence}")]
-    for cause in diagnosis.causes:
-        where = f" of {cause.joint}" if cause.joint else ""
-        sizes = "; ".join(size_text(size) for size in cause.parameters)
-        gain = f"explains {cause.held_out_gain:.0%} on motions that were not used"
-        parts.append(filled(f"cause: {title_of(cause.effect)}{where} ({cause.code}): {sizes}; {gain}"))
+    parts = [format_findings(diagnosis)]
     ties = [rival for rival in diagnosis.rivals if rival.tied]
     parts += [filled(f"cannot be excluded: {place_of(tie.effect, tie.joint)}: {tie.reason}") for tie in ties]
     parts += [filled(f"pattern: {pattern.message}") for pattern in diagnosis.patterns]
@@ -30,6 +25,17 @@ def format_diagnosis(diagnosis: Diagnosis) -> str:
         first, second = diagnosis.separating_motion.between
         protocol = diagnosis.separating_motion.protocol
         parts.append(filled(f"record next: {protocol}, to tell {first} from {second}"))
+    return "\n".join(parts)
+
+
+def format_findings(diagnosis: Diagnosis) -> str:
+    """The verdict in one sentence, and the causes with their sizes."""
+    parts = [filled(f"{diagnosis.verdict}: {diagnosis.sentence}")]
+    for cause in diagnosis.causes:
+        where = f" of {cause.joint}" if cause.joint else ""
+        sizes = "; ".join(size_text(size) for size in cause.parameters)
+        gain = f"explains {cause.held_out_gain:.0%} on motions that were not used"
+        parts.append(filled(f"cause: {title_of(cause.effect)}{where} ({cause.code}): {sizes}; {gain}"))
     return "\n".join(parts)
 
 
