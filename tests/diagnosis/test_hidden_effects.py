@@ -64,9 +64,10 @@ NAMED = {
     "hysteresis": ("torsional_hysteresis", "j1", {"lost_motion": 8e-5, "width": 3e-4}),
     "warm-up": ("temperature_friction", "j2", {"viscous": 0.6, "coulomb": 0.0, "breakaway": 0.0, "scale": 25.0}),
     "shear thinning, another equation": ("vogel_oil", "j3", {"share": 0.5, "vogel": 900.0}),
+    "slip elements, another equation": ("maxwell_slip", "j6", {"share": 0.8, "travel": 0.03}),
     "efficiency, another equation": ("directional_efficiency", "j2", {"share": 0.05, "ratio": 1.4, "slow": 0.3}),
 }
-QUICK = ("load friction", "cogging", "efficiency, another equation")
+QUICK = ("load friction", "cogging", "slip elements, another equation")
 
 
 @pytest.mark.parametrize(
@@ -76,7 +77,8 @@ def test_what_is_hidden_is_named_with_its_joint(what, question, answer, irb4600)
     name, joint, values = NAMED[what]
     one = hidden(irb4600, name, joint, **values)
     found = answer(question(2 + list(NAMED).index(what), one))
-    assert outcome(found, [one]) == "right", found.sentence
+    wanted = ("right", "tie") if "another equation" in what else ("right",)
+    assert outcome(found, [one]) in wanted, found.sentence
 
 
 @pytest.mark.slow

@@ -115,6 +115,21 @@ class Hypothesis:
         return replace(self, values=values)
 
 
+def machine_with(nominal: Machine, hypotheses: Sequence[Hypothesis]) -> Machine | None:
+    """The machine that has all hypotheses; None if none can be so, e.g. with less breakaway than Coulomb torque."""
+    return machine_of(nominal, [*nominal.effects, *(h.effect(nominal.robot) for h in hypotheses)])
+
+
+def machine_of(like: Machine, effects: Sequence[Effect]) -> Machine | None:
+    """The same robot with other effects; None if it cannot be so."""
+    try:
+        machine = Machine(robot=like.robot, effects=tuple(effects), climate=like.climate)
+        _ = machine.physical
+    except FFGymError:
+        return None
+    return machine
+
+
 def _free(p: Parameter, part: int | None, value: float) -> Free:
     if p.role == "size":
         return Free(name=p.name, part=part, value=value, step=abs(step_of(p)), low=p.minimum, high=p.maximum)

@@ -9,13 +9,14 @@ from scipy.optimize import minimize_scalar
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.screen import Priors, fitted
 from ffgym.diagnosis.evidence.stack import Blocks, Evidence, Values, evidence_of
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.column import Parts
+from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.types import Array, IntArray
 
@@ -158,6 +159,8 @@ def _well_begun(setting: Setting, hypotheses: Sequence[Hypothesis]) -> list[Hypo
 
 def left_by(setting: Setting, hypotheses: Sequence[Hypothesis]) -> float:
     """Energy that calibration and hypotheses with the values that they have leave, of all rows."""
+    if machine_with(setting.nominal, hypotheses) is None:
+        return np.inf
     _, residual = _residual(setting, hypotheses)
     return _left(
         evidence_of(setting.blocks, setting.calibration, values_of(residual), setting.weights), _priors(setting, ())
@@ -174,9 +177,9 @@ def _left(evidence: Evidence, priors: Priors) -> float:
 
 def _residual(setting: Setting, hypotheses: Sequence[Hypothesis]) -> tuple[Replay, dict[Channel, Array]]:
     """Replay of the machine with all hypotheses, and its residual (R, M, C)."""
-    machine = setting.nominal
-    for hypothesis in hypotheses:
-        machine = hypothesis.on(machine)
+    machine = machine_with(setting.nominal, hypotheses)
+    if machine is None:
+        raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")
     run = replay(setting.log, machine, setting.like)
     rows = residual_rows(setting.log, predicted(run))
     return run, {channel: values - setting.bias[channel] for channel, values in rows.items()}

@@ -1,13 +1,12 @@
 """How predictions change with each number of a fitted hypothesis, about where it is now."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Parts
 from ffgym.diagnosis.signatures.exchange import exchanged
-from ffgym.effects import Effect
+from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 
 _SHARE = 0.05
@@ -22,21 +21,31 @@ def tangents(run: Replay, before: Machine, hypotheses: Sequence[Hypothesis]) -> 
         before: the machine without them.
         hypotheses: in the order in which the machine has them.
     """
-    robot = before.robot
-    effects = [h.effect(robot) for h in hypotheses]
-    machines, signs = [], []
+    machines, steps = [], []
     for i, hypothesis in enumerate(hypotheses):
-        for k, free in enumerate(hypothesis.free()):
-            inside = free.value + _SHARE * free.step <= free.high
-            sign = 1.0 if inside else -1.0
-            changes = [0.0] * len(hypothesis.free())
-            changes[k] = sign * _SHARE * free.step
-            moved = hypothesis.moved(changes).effect(robot)
-            machines.append(_with(before, [moved if j == i else e for j, e in enumerate(effects)]))
-            signs.append(sign * _SHARE)
-    parts = exchanged(replace(run, machine=_with(before, effects)), machines)
-    return [{key: values / sign for key, values in one.items()} for one, sign in zip(parts, signs, strict=True)]
+        for k in range(len(hypothesis.free())):
+            machine, step = _beside(run.machine, len(before.effects) + i, hypothesis, k)
+            machines.append(machine)
+            steps.append(step)
+    parts = exchanged(run, machines)
+    return [{key: values / step for key, values in one.items()} for one, step in zip(parts, steps, strict=True)]
 
 
-def _with(machine: Machine, effects: Sequence[Effect]) -> Machine:
-    return Machine(robot=machine.robot, effects=(*machine.effects, *effects), climate=machine.climate)
+def _beside(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tuple[Machine, float]:
+    """The machine with number `k` of the hypothesis at `place` a bit higher, or lower if need be; and by how much.
+
+    Raises:
+        FFGymError: if it can be neither.
+    """
+    free = hypothesis.free()
+    for step in (_SHARE, -_SHARE):
+        changes = [0.0] * len(free)
+        changes[k] = step * free[k].step
+        if not free[k].low <= free[k].value + changes[k] <= free[k].high:
+            continue
+        effects = list(machine.effects)
+        effects[place] = hypothesis.moved(changes).effect(machine.robot)
+        beside = machine_of(machine, effects)
+        if beside is not None:
+            return beside, step
+    raise FFGymError(f"{free[k].name} of {hypothesis.label} = {free[k].value:g} can be neither higher nor lower.")

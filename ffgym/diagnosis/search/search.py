@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import left_by_block
 from ffgym.diagnosis.evidence.stack import Values, evidence_of
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
 from ffgym.diagnosis.fit.leftover import Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
@@ -35,6 +35,9 @@ NEEDED = 0.05
 
 QUIET = 1.05
 """Energy left, in units of the noise's, from which on a fit may gain from being finer."""
+
+_HALVINGS = 4
+"""Times that a linear fit is halved until a machine can be so."""
 
 SLACK = 0.02
 """Share of the energy by which a hypothesis with more numbers must beat one with fewer."""
@@ -123,8 +126,9 @@ def _round(setting: Setting, candidates: Candidates, faultless: Values, now: Tri
     for i in ranking.order:
         if len(tried) == TRIED or not ranking.is_significant(i) or (tried and ranking.score[i] < NEAR * best):
             break
-        start = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
-        if start.place in taken or start.place in places:
+        linear = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
+        start = _possible(setting, fixed.hypotheses, linear)
+        if start is None or start.place in taken or start.place in places:
             continue
         places.add(start.place)
         report(f"fitting {start.label}", len(tried) / TRIED)
@@ -132,6 +136,15 @@ def _round(setting: Setting, candidates: Candidates, faultless: Values, now: Tri
     tried.sort(key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
     adopted = bool(tried) and _is_worth(setting, now, tried[0])
     return Round(before=now, candidates=candidates, ranking=ranking, tried=tuple(tried), adopted=adopted)
+
+
+def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis) -> Hypothesis | None:
+    """A hypothesis as large as a machine can have it, at most as it is; None if none can, however little of it."""
+    for _ in range(_HALVINGS):
+        if machine_with(setting.nominal, (*others, start)) is not None:
+            return start
+        start = start.scaled(0.5)
+    return None
 
 
 def removed_by(setting: Setting, before: Tried, after: Tried) -> Removed:
@@ -172,7 +185,10 @@ def _scored(setting: Setting, found: Fit) -> Tried:
 def _without_needless(setting: Setting, now: Tried) -> Tried:
     """Drop causes that the others make up for."""
     for i in range(len(now.fit.hypotheses) - 1):
-        fewer = _judged(setting, [h for k, h in enumerate(now.fit.hypotheses) if k != i])
+        others = [h for k, h in enumerate(now.fit.hypotheses) if k != i]
+        if machine_with(setting.nominal, others) is None:
+            continue
+        fewer = _judged(setting, others)
         if fewer.total <= now.total * (1 + NEEDED):
             return _without_needless(setting, fewer)
     return now

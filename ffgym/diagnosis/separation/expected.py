@@ -96,7 +96,11 @@ def foresee(
     run = replay(log, nominal)
     shown: list[Parts] = list(exchanged(run, [cause.on(nominal) for cause in causes]))
     doubts = doubts_of(run, calibration)
-    own = [(i, column) for i, cause in enumerate(causes) for column in tangents(run, nominal, [cause])]
+    own = [
+        (i, column)
+        for i, cause in enumerate(causes)
+        for column in tangents(replace(run, machine=cause.on(nominal)), nominal, [cause])
+    ]
     columns = [*shown, *(doubt.column.parts for doubt in doubts), *(column for _, column in own)]
     weights = {(c, k): np.full(len(log.names), 1 / x) for c, rms in noise.items() for k, x in enumerate(rms)}
     known = [{key: rows for key, rows in column.items() if key in weights} for column in columns]
