@@ -1,0 +1,58 @@
+"""The same logs give the same diagnosis, to the byte; what is remembered of logs before changes hardly anything."""
+
+import json
+
+import numpy as np
+import pytest
+
+from ffgym.control import joint_reference
+from ffgym.diagnosis import Memory, diagnose
+from ffgym.diagnosis.document import diagnosis_document
+from ffgym.effects import EFFECTS
+from ffgym.paths import multisine
+from ffgym.plant import Machine
+from ffgym.simulation import Resolver, Run, TorqueSensor, simulate
+
+
+def logs(robot, *effects, seed):
+    """Two short motions of one axis, with noise."""
+    paths = [
+        multisine([0.0], np.full((2, 1), 8.0), [0.4, 1.1], np.full((2, 1), phase), 4.0, name=f"sines {phase}")
+        for phase in (0.0, 1.5)
+    ]
+    sensors = (Resolver(bits=16), TorqueSensor(noise=np.array([0.01])))
+    runs = [Run(reference=joint_reference(robot, path)) for path in paths]
+    machine = Machine(robot=robot, effects=effects)
+    return simulate(runs, machine=machine, sensors=sensors, seed=seed, record_dt=0.004, n_threads=1)
+
+
+def as_text(diagnosis):
+    return json.dumps(diagnosis_document(diagnosis), sort_keys=True)
+
+
+@pytest.fixture(scope="module")
+def faulty(one_axis):
+    return logs(one_axis, EFFECTS["coulomb_level"].on(one_axis, change=0.25), seed=1)
+
+
+@pytest.fixture(scope="module")
+def alone(one_axis, faulty):
+    return diagnose(one_axis, faulty)
+
+
+def test_the_same_logs_give_the_same_bytes(one_axis, faulty, alone):
+    assert as_text(diagnose(one_axis, faulty)) == as_text(alone)
+    assert as_text(diagnose(one_axis, faulty, memory=Memory())) == as_text(alone)
+
+
+def test_what_is_remembered_of_another_log_changes_no_cause_and_its_size_by_less_than_its_interval(
+    one_axis, faulty, alone
+):
+    """Both logs have their own noise, to which the band of standing motors is made, but one is that of the memory."""
+    memory = Memory()
+    diagnose(one_axis, logs(one_axis, seed=2), memory=memory)
+    helped = diagnose(one_axis, faulty, memory=memory)
+    assert (helped.verdict, [c.effect for c in helped.causes]) == (alone.verdict, [c.effect for c in alone.causes])
+    (one,), (other,) = helped.causes[0].parameters, alone.causes[0].parameters
+    assert one.value == pytest.approx(other.value, abs=0.05 * (other.interval[1] - other.interval[0]))
+    assert other.interval[0] < 0.25 < other.interval[1]
