@@ -13,6 +13,9 @@ from scripts.format_tables import filled
 from scripts.robot_tables import page
 
 ROOT = Path(__file__).parent.parent
+WITH_COMMANDS = ("your_robot.md", "identify.md", "diagnose.md")
+"""Tutorials whose blocks need their commands: test_tutorial_with_commands."""
+
 EXECUTED = [
     "README.md",
     "docs/identification.md",
@@ -32,10 +35,7 @@ EXECUTED = [
     "docs/agents/residual_torque.md",
     "docs/agents/narx.md",
     *sorted(
-        str(p.relative_to(ROOT))
-        for p in (ROOT / "docs" / "tutorials").glob("*.md")
-        if p.name
-        not in ("your_robot.md", "identify.md")  # their blocks need their commands: test_tutorial_with_commands
+        str(p.relative_to(ROOT)) for p in (ROOT / "docs" / "tutorials").glob("*.md") if p.name not in WITH_COMMANDS
     ),
 ]
 

@@ -82,6 +82,17 @@ def test_the_page_leads_from_a_machine_to_feed_forward_with_its_friction(tmp_pat
     }
 
 
+def test_the_page_leads_from_a_faulty_machine_to_its_extended_model(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    assert follow("diagnose.md", tmp_path, capsys).count("bash") == 4
+    assert {path.name for path in (tmp_path / "found").iterdir()} == {
+        "report.html",
+        "diagnosis.json",
+        "extended.toml",
+    }
+
+
 def test_an_excerpt_that_is_not_printed_is_noticed():
     check_printed("law | 0.30\nfound: a, ...", "x\nlaw  | 0.301 1.0\nfound: a, b")
     with pytest.raises(AssertionError):
