@@ -16,7 +16,7 @@ from ffgym.diagnosis.evidence.stack import Values, blocks_of, evidence_of
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.noise import noise_of
-from ffgym.diagnosis.replay.replay import Replay, predicted, replay
+from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.effects import Effect, ResolverEffect

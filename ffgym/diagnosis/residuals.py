@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import measured_rows, valid_rows
 from ffgym.diagnosis.moves import since_move
-from ffgym.diagnosis.replay.replay import Replay
+from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
 from ffgym.effects import State
 from ffgym.types import Array, IntArray
