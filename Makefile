@@ -1,4 +1,4 @@
-# make demo    set up, run the circle test on the built-in robot, print the tables, write report.html
+# make demo    set up, run the circle test on the built-in robot, print the tables, write report.html; diagnose the example logs
 # make test    set up, run the tests            make test-all   the slow ones too
 # make check   format, lint, types, import rules
 # make bench   speed and memory of simulation and environments, against the bare engine; BENCH="--json FILE" passes options;
