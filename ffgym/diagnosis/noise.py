@@ -100,8 +100,15 @@ def faultless_recordings(log: Log, run: Replay) -> list[Recording]:
     if log.reference is not None:
         references = [reference_of(log.robot, recording) for recording in log.recordings]
         machines = [run.machine.later(float(s)) for s in log.started]
-        return simulate([Run(reference=r) for r in references], machine=machines, record_dt=log.dt)
+        exact = simulate([Run(reference=r) for r in references], machine=machines, record_dt=log.dt)
+        return [_with_columns_of(one, recording) for one, recording in zip(exact, log.recordings, strict=True)]
     return [_as_moved(log, run, i) for i in range(len(log.recordings))]
+
+
+def _with_columns_of(exact: Recording, like: Recording) -> Recording:
+    """A recording with no more columns than another: what one must be derived from, the other must, too."""
+    columns = {name: values for name, values in exact.columns.items() if name in like.columns}
+    return Recording(columns=columns, header=exact.header)
 
 
 def _as_moved(log: Log, run: Replay, i: int) -> Recording:
