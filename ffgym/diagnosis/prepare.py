@@ -108,7 +108,7 @@ def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:
     digest.update(like.machine.physics(ModelOptions(looks=False)).encode())
     digest.update(repr([log.tool is None, log.link is None, log.feedback is None]).encode())
     hot = log.temperature if any(reads_temperature(effect, like) for effect in like.machine.torque_effects) else None
-    for values in (*(log.reference or ()), log.started, hot):
+    for values in (*(log.reference or ()), log.started, log.trembling, hot):
         digest.update(b"-" if values is None else np.ascontiguousarray(values).tobytes())
     return digest.digest()
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.fit.hypothesis import Free, Hypothesis
 from ffgym.diagnosis.fit.refine import Fit
 from ffgym.diagnosis.result import Cause, Size
@@ -60,14 +61,15 @@ def _resampled(fit: Fit, rng: np.random.Generator) -> Array:
     """Changes of all free numbers, in practical steps, shape (B, P).
 
     Blocks of rows are resampled for what noise and motions leave open, and calibration errors drawn for what nobody
-    knows of the nominal numbers, which a size is relative to.
+    knows of the nominal numbers, which a size is relative to; all stay within their bounds, as in the fit.
     """
-    gram, moment = fit.evidence.gram, fit.evidence.moment[:, :, 0]
-    n, precision, doubts = len(gram), fit.priors.precision, fit.n_calibration
+    gram, moment, priors = fit.evidence.gram, fit.evidence.moment[:, :, 0], fit.priors
+    n, doubts = len(gram), fit.n_calibration
     found = []
     for _ in range(RESAMPLES):
         counts = np.bincount(rng.integers(n, size=n), minlength=n).astype(np.float64)
-        drawn = np.concatenate([rng.normal(size=doubts), np.zeros(len(precision) - doubts)])
-        pull = counts @ moment + precision * drawn
-        found.append(np.linalg.solve(np.einsum("b,bpq->pq", counts, gram) + np.diag(precision), pull)[doubts:])
+        drawn = np.concatenate([rng.normal(size=doubts), np.zeros(len(priors.low) - doubts)])
+        pull = counts @ moment + priors.precision * drawn
+        x = bounded(np.einsum("b,bpq->pq", counts, gram), pull, priors.precision, priors.low, priors.high)
+        found.append(x[doubts:])
     return np.array(found)

@@ -20,6 +20,9 @@ _SAME_PERIOD = 0.01
 _TREMBLING = 3.0
 """Half the band in which a reading may move while the motor stands, in standard deviations of its noise."""
 
+_PER_OCTAVE = 2
+"""Widths of that band in an octave: so coarse that it is mostly the same in all logs of one machine."""
+
 _GAP = 5
 """Sample periods of the tracker over which its position is interpolated; chosen: a lost sample or some."""
 
@@ -148,8 +151,10 @@ def _trembling(robot: RobotDescription, recording: Recording, low_pass: LowPass)
     raw, dt = recording.joint_array("motor.position"), recording.dt
     angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
     passed = np.sqrt(min(1.0, 2 * low_pass.cutoff * dt))
-    width: Array = _TREMBLING * passed * white_noise(angle, low_pass, dt)
-    return width
+    width = _TREMBLING * passed * white_noise(angle, low_pass, dt)
+    steps = np.round(_PER_OCTAVE * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))
+    rounded: Array = np.where(width > 0, 2.0 ** (steps / _PER_OCTAVE), 0.0)
+    return rounded
 
 
 def _slip(q: Array, width: Array, dt: float) -> Array:
