@@ -1,6 +1,7 @@
 """Which effects are tried: all of the library, those that repeat with the motor angle as often as the residual does."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -8,9 +9,10 @@ from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.refine import Fit
 from ffgym.diagnosis.patterns.cycles import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
-from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for
+from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for, repeats
 from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.diagnosis.signatures.variant import Cycles
 from ffgym.effects import Effect
 from ffgym.types import Array
@@ -39,8 +41,14 @@ class Choice:
         cycles = self._cycles(fit)
         if self._made is None or self._tried is None or not _are_among(cycles, self._tried):
             self._tried = cycles
-            self._made = candidates_for(self._ready, self._kinds, cycles, self._memory)
+            periodic = [kind for kind in self._kinds if repeats(kind)]
+            self._made = self._lasting.beside(columns_of(self._ready.run, periodic, cycles))
         return self._made
+
+    @cached_property
+    def _lasting(self) -> Candidates:
+        """Those that depend on no frequency."""
+        return candidates_for(self._ready, self._kinds, self._memory)
 
     def _cycles(self, fit: Fit) -> Cycles:
         """Frequencies at which the torque of each loud joint repeats per motor turn, the strongest first."""

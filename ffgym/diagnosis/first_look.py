@@ -12,7 +12,7 @@ from ffgym.diagnosis.answer.excitation import judgeable_kinds
 from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.evidence.folds import half_folds
 from ffgym.diagnosis.evidence.screen import screen
-from ffgym.diagnosis.evidence.stack import Values, blocks_of, evidence_of
+from ffgym.diagnosis.evidence.stack import Blocks, Values, blocks_of
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.noise import noise_of
@@ -58,14 +58,14 @@ class FirstLook:
 def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLook:
     """Screen the effects before the gearbox on the torque of a log."""
     run = replay(log.torque_alone, nominal)
-    candidates = _candidates(run, nominal, calibration)
     residual = residual_rows(run.log, predicted(run))["torque"]
     values: Values = {("torque", j): residual[..., j : j + 1] for j in range(residual.shape[2])}
     weights: Values = {("torque", j): 1 / column for j, column in enumerate(_torque_noise(run).T)}
     blocks = blocks_of(valid_rows(run.log), log.sampling.row_dt)
+    candidates = _candidates(run, nominal, calibration, blocks, weights)
     if not len(blocks) or not candidates.groups:
         return FirstLook(effect=None, joint="", share=0.0)
-    evidence = evidence_of(blocks, candidates.parts, values, weights)
+    evidence = candidates.stack.evidence(values)
     seen = screen(evidence, half_folds(blocks), candidates.calibration, candidates.groups, candidates.priors)
     best = int(np.argmax(seen.gain[:, 0]))
     above = float(seen.left[0] - evidence.rows.sum())
@@ -76,11 +76,11 @@ def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLoo
     return FirstLook(effect=first.effect, joint=first.joint, share=min(share, 1.0))
 
 
-def _candidates(run: Replay, nominal: Machine, calibration: Calibration) -> Candidates:
+def _candidates(run: Replay, nominal: Machine, calibration: Calibration, blocks: Blocks, weights: Values) -> Candidates:
     """Effects whose columns take no arm."""
     kinds, _ = judgeable_kinds(run.log, nominal)
     plain = [kind for kind in kinds if kind.side == "motor" and not issubclass(kind, ResolverEffect)]
-    return candidates_of(doubts_of(run, calibration), columns_of(run, plain, {}))
+    return candidates_of(doubts_of(run, calibration), columns_of(run, plain, {}), blocks, weights)
 
 
 def _torque_noise(run: Replay) -> Array:

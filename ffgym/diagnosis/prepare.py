@@ -17,7 +17,7 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.search.surrogates import surrogates
 from ffgym.diagnosis.signatures.column import Column, columns_of
-from ffgym.diagnosis.signatures.variant import Cycles, variants
+from ffgym.diagnosis.signatures.variant import variants
 from ffgym.effects import Effect, State, TorqueEffect, Torques
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
@@ -113,26 +113,30 @@ def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:
     return digest.digest()
 
 
-def candidates_for(
-    ready: Prepared, kinds: Sequence[type[Effect]], cycles: Cycles, memory: Memory | None = None
-) -> Candidates:
-    """Columns of effects beside those of the calibration; those that depend on no frequency are remembered."""
-    found: list[Column] = []
-    for kind in kinds:
-        kept = memory.columns if memory is not None and _is_lasting(kind, ready) else None
-        if kept is not None and kind.name in kept:
-            found += kept[kind.name]
-            continue
-        columns = columns_of(ready.run, [kind], cycles)
-        if kept is not None:
-            kept[kind.name] = columns
-        found += columns
-    return candidates_of(ready.setting.doubts, found)
+def candidates_for(ready: Prepared, kinds: Sequence[type[Effect]], memory: Memory | None = None) -> Candidates:
+    """Effects that depend on no frequency, beside calibration errors; what other logs share is remembered."""
+    lasting = [kind for kind in kinds if not repeats(kind)]
+    shared = [kind for kind in lasting if memory is not None and _is_shared(kind, ready)]
+    known = {} if memory is None else memory.columns
+    new = [kind for kind in lasting if kind not in shared or kind.name not in known]
+    found: dict[str, list[Column]] = {kind.name: [] for kind in new}
+    for column in columns_of(ready.run, new, {}):
+        found[column.effect.name].append(column)
+    if memory is not None:
+        memory.columns |= {kind.name: found[kind.name] for kind in shared if kind.name in found}
+    columns = [column for kind in lasting for column in (found | known if kind in shared else found)[kind.name]]
+    setting = ready.setting
+    return candidates_of(setting.doubts, columns, setting.blocks, setting.weights)
 
 
-def _is_lasting(kind: type[Effect], ready: Prepared) -> bool:
-    """Whether columns of an effect are the same for all logs of the same motions: no frequency, no temperature."""
-    if ready.setting.log.reference is None or any(p.role == "cycles" for p in kind.parameters().values()):
+def repeats(kind: type[Effect]) -> bool:
+    """Whether an effect repeats with the motor angle, at a frequency that must be looked for."""
+    return any(p.role == "cycles" for p in kind.parameters().values())
+
+
+def _is_shared(kind: type[Effect], ready: Prepared) -> bool:
+    """Whether columns of an effect are the same for all logs of the same motions: they depend on no temperature."""
+    if ready.setting.log.reference is None:
         return False
     some = next(variants(kind, ready.run.robot, {}), None)
     return some is None or not reads_temperature(some.effect, ready.run)

@@ -30,6 +30,9 @@ Question = tuple[Row, int]
 REPEATED = 25
 """Every so many questions of a row are answered twice, to see whether the bytes are the same."""
 
+LOUD = 10.0
+"""Loudness from which on the gain of an answer is demanded, and computed."""
+
 _LATER = 60.0
 """Time after a poor log at which what it proposes is recorded [s]; chosen: what it takes to read the proposal."""
 
@@ -65,7 +68,8 @@ def examined(question: Question, *, seed: int) -> Mark:
         seconds = time.perf_counter() - began
         same = _bytes(answer) == _bytes(answered(paper.log)) if number % REPEATED == 0 else None
         then = _resolved(paper, answer) if paper.case.is_poor else None
-        gain = gain_of(paper.case, answer.causes) if answer.verdict in ("named", "partly") else None
+        is_loud = min(paper.loudness, default=0.0) >= LOUD
+        gain = gain_of(paper.case, answer.causes) if is_loud and answer.verdict in ("named", "partly") else None
     except FFGymError as error:
         raise FFGymError(f"Question {row}-{number} of seed {seed}: {error}") from error
     return marked(paper, answer, seconds=seconds, same_bytes=same, then=then, gain=gain)

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from ffgym.exam.loudness import added_energy
+from ffgym.exam.loudness import yardstick_of
+
+ROW_DT = 0.02
 
 
 @pytest.fixture
@@ -12,32 +14,41 @@ def noise():
     rng = np.random.default_rng(0)
     rows = rng.normal(size=(400, 2, 2)) * np.array([1.0, 10.0])[:, None]
     rows[300:, 0] = 0.0  # the first motion is shorter
-    return {"torque": rows}
+    return rows
 
 
-def test_as_much_as_the_noise_is_one(noise):
-    without = {"torque": np.zeros_like(noise["torque"])}
-    assert added_energy(noise, without, noise) == pytest.approx(1.0)
+@pytest.fixture
+def valid(noise):
+    return np.any(noise != 0, axis=2)
 
 
-def test_energy_grows_with_the_square_of_the_size(noise):
-    without = {"torque": np.ones_like(noise["torque"])}
-    double = {"torque": 1 + 2 * noise["torque"]}
-    assert added_energy(double, without, noise) == pytest.approx(4.0)
+@pytest.fixture
+def yardstick(noise, valid):
+    return yardstick_of({"torque": noise}, valid, ROW_DT)
 
 
-def test_the_loudest_component_counts(noise):
-    without = {"torque": np.zeros_like(noise["torque"])}
-    one = noise["torque"] * np.array([3.0, 0.0])
-    assert added_energy({"torque": one}, without, noise) == pytest.approx(9.0)
+def test_as_much_as_the_noise_is_one(noise, yardstick):
+    assert yardstick.energy({"torque": noise}) == pytest.approx(1.0)
 
 
-def test_what_a_quiet_motion_shows_is_not_drowned_by_a_noisy_one(noise):
-    without = {"torque": np.zeros_like(noise["torque"])}
-    heard = noise["torque"] * np.array([10.0, 0.0])[:, None]
-    assert added_energy({"torque": heard}, without, noise) == pytest.approx(100 * 300 / 700)
+def test_energy_grows_with_the_square_of_the_size(noise, yardstick):
+    assert yardstick.energy({"torque": 2 * noise}) == pytest.approx(4.0)
 
 
-def test_a_channel_that_the_log_lacks_does_not_count(noise):
-    without = {"torque": np.zeros_like(noise["torque"])}
-    assert added_energy({"torque": noise["torque"]}, without, noise | {"tool": noise["torque"]}) == pytest.approx(1.0)
+def test_the_loudest_component_counts(noise, yardstick):
+    assert yardstick.energy({"torque": noise * np.array([3.0, 0.0])}) == pytest.approx(9.0)
+
+
+def test_what_a_quiet_motion_shows_is_not_drowned_by_a_noisy_one(noise, yardstick):
+    heard = noise * np.array([10.0, 0.0])[:, None]
+    assert yardstick.energy({"torque": heard}) == pytest.approx(100 * 300 / 700)
+
+
+def test_what_calibration_may_be_wrong_by_is_not_heard_but_what_is_more_than_that_is(noise, valid):
+    doubt = valid * np.sin(np.arange(400))[:, None]
+    calibrated = yardstick_of({"torque": noise}, valid, ROW_DT, [{("torque", 0): doubt}])
+    plain = yardstick_of({"torque": noise}, valid, ROW_DT)
+    for size, left in ((2.0, 0.0), (13.0, 10.0)):  # three standard deviations are the most
+        error = {"torque": np.stack([size * doubt, np.zeros_like(doubt)], axis=-1)}
+        rest = {"torque": np.stack([left * doubt, np.zeros_like(doubt)], axis=-1)}
+        assert calibrated.energy(error) == pytest.approx(plain.energy(rest), abs=1e-3)

@@ -12,7 +12,7 @@ and what the candidate removes from the blocks that were left out is
 of their residual moments m' after the calibration alone. Only sums enter, for the log and for noise alike.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,75 +63,110 @@ def screen(
     n_residuals = evidence.moment.shape[2]
     gain, left = np.zeros((len(candidates), n_residuals)), np.zeros(n_residuals)
     log, noise = slice(0, 1), slice(1, n_residuals)
-    for fold in folds:
-        precision = _as_prior(evidence, fold, calibration, priors)
-        for residuals, fitted in (
-            (log, _fit(evidence, fold, calibration, precision, log)),
-            (noise, _fit(evidence, fold, calibration, priors.precision[calibration], noise)),
+    alike = _alike(candidates)
+    for train, test in _sums(evidence, folds):
+        for residuals, precision in (
+            (log, _as_prior(train, calibration, priors)),
+            (noise, priors.precision[calibration]),
         ):
+            if residuals.start == residuals.stop:
+                continue
+            fitted = _fit(train.of(residuals), test.of(residuals), calibration, precision)
             left[residuals] += fitted.left
-            for i, candidate in enumerate(candidates):
-                gain[i, residuals] += fitted.gain_of(candidate)
+            for chosen, columns, one_sided in alike:
+                gain[chosen, residuals] += fitted.gains(columns, one_sided)
     return Screened(gain=gain, left=left)
+
+
+def _alike(candidates: Sequence[Candidate]) -> list[tuple[IntArray, IntArray, BoolArray]]:
+    """Candidates with equally many columns together: their places, their columns (C, S), and which have one sign."""
+    sizes = np.array([len(candidate.columns) for candidate in candidates])
+    found = []
+    for size in np.unique(sizes):
+        places = np.flatnonzero(sizes == size)
+        chosen = [candidates[int(i)] for i in places]
+        columns = np.stack([candidate.columns for candidate in chosen])
+        found.append((places, columns, np.array([candidate.one_sided for candidate in chosen])))
+    return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sums:
+    """Of some blocks."""
+
+    gram: Array
+    moment: Array
+    energy: Array
+
+    def of(self, residuals: slice) -> "_Sums":
+        """Those of some residuals."""
+        return _Sums(gram=self.gram, moment=self.moment[:, residuals], energy=self.energy[residuals])
+
+
+def _sums(evidence: Evidence, folds: Sequence[Fold]) -> Iterator[tuple[_Sums, _Sums]]:
+    """Of what each fold fits to and judges by; blocks that are always in or out together are summed once."""
+    member = np.array([rows for fold in folds for rows in (fold.train, fold.test)])
+    kinds, of_block = np.unique(member, axis=1, return_inverse=True)
+    together = [of_block.ravel() == k for k in range(kinds.shape[1])]
+    gram, moment, energy = (
+        np.stack([values[blocks].sum(axis=0) for blocks in together])
+        for values in (evidence.gram, evidence.moment, evidence.energy)
+    )
+
+    def summed(chosen: BoolArray) -> _Sums:
+        return _Sums(
+            gram=gram[chosen].sum(axis=0), moment=moment[chosen].sum(axis=0), energy=energy[chosen].sum(axis=0)
+        )
+
+    for train, test in zip(kinds[::2], kinds[1::2], strict=True):
+        yield summed(train), summed(test)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Fitted:
-    """Calibration fitted to a fold's training blocks, and what it leaves there and in those left out."""
+    """Calibration fitted to a fold's training blocks; what all columns are beside it, there and in what is left out."""
 
-    train: Array
-    test: Array
-    train_pull: Array
-    """Moments of the residual as it is, shape (P, K)."""
-    test_moment: Array
-    """Moments of what the calibration leaves, shape (P, K)."""
-    free: IntArray
-    inverse_cross: Array
-    """V of all columns, shape (F, P)."""
+    inner: Array
+    """S without the prior, shape (P, P)."""
+    size: Array
+    """W, shape (P, P)."""
+    pull: Array
+    """Shape (P, K)."""
+    held_out: Array
+    """w, shape (P, K)."""
     left: Array
 
-    def gain_of(self, candidate: Candidate) -> Array:
-        """Energy that a candidate removes from the blocks left out, shape (K,)."""
-        c, f = candidate.columns, self.free
-        v = self.inverse_cross[:, c]
-        inner = self.train[np.ix_(c, c)] - v.T @ self.train[np.ix_(f, c)] + np.diag(np.full(len(c), _WIDE**-2))
-        pull = self.train_pull[c] - v.T @ self.train_pull[f]
-        x = np.linalg.solve(inner, pull)
-        if candidate.one_sided:
-            x = np.maximum(x, 0.0)
-        w = self.test_moment[c] - v.T @ self.test_moment[f]
-        cross = v.T @ self.test[np.ix_(f, c)]
-        size = self.test[np.ix_(c, c)] - cross - cross.T + v.T @ self.test[np.ix_(f, f)] @ v
-        gained: Array = 2 * np.einsum("ck,ck->k", x, w) - np.einsum("ck,ck->k", x, size @ x)
+    def gains(self, columns: IntArray, one_sided: BoolArray) -> Array:
+        """Energy that candidates with `columns` (C, S) remove from the blocks left out, shape (C, K)."""
+        rows, others = columns[:, :, None], columns[:, None, :]
+        x = np.linalg.solve(self.inner[rows, others] + _WIDE**-2 * np.eye(columns.shape[1]), self.pull[columns])
+        x[one_sided] = np.maximum(x[one_sided], 0.0)
+        gained: Array = np.sum(x * (2 * self.held_out[columns] - np.matmul(self.size[rows, others], x)), axis=1)
         return gained
 
 
-def _fit(evidence: Evidence, fold: Fold, columns: IntArray, precision: Array, residuals: slice) -> _Fitted:
-    train, test = evidence.gram[fold.train].sum(axis=0), evidence.gram[fold.test].sum(axis=0)
-    pull = evidence.moment[fold.train][:, :, residuals].sum(axis=0)
-    held_out = evidence.moment[fold.test][:, :, residuals].sum(axis=0)
-    factor = cho_factor(train[np.ix_(columns, columns)] + np.diag(precision))
-    x = np.zeros_like(pull)
-    x[columns] = cho_solve(factor, pull[columns])
-    energy = evidence.energy[fold.test][:, residuals].sum(axis=0)
+def _fit(train: _Sums, test: _Sums, columns: IntArray, precision: Array) -> _Fitted:
+    factor = cho_factor(train.gram[np.ix_(columns, columns)] + np.diag(precision))
+    x = np.zeros_like(train.moment)
+    x[columns] = cho_solve(factor, train.moment[columns])
+    v = cho_solve(factor, train.gram[columns])
+    rest = test.moment - test.gram @ x
+    cross = v.T @ test.gram[columns]
     return _Fitted(
-        train=train,
-        test=test,
-        train_pull=pull,
-        test_moment=held_out - test @ x,
-        free=columns,
-        inverse_cross=cho_solve(factor, train[columns]),
-        left=energy - 2 * np.einsum("pk,pk->k", x, held_out) + np.einsum("pk,pk->k", x, test @ x),
+        inner=train.gram - v.T @ train.gram[columns],
+        size=test.gram - cross - cross.T + v.T @ test.gram[np.ix_(columns, columns)] @ v,
+        pull=train.moment - v.T @ train.moment[columns],
+        held_out=rest - v.T @ rest[columns],
+        left=test.energy - np.sum(x * (test.moment + rest), axis=0),
     )
 
 
-def _as_prior(evidence: Evidence, fold: Fold, columns: IntArray, priors: Priors) -> Array:
+def _as_prior(fold: _Sums, columns: IntArray, priors: Priors) -> Array:
     """Precisions under which calibration errors that would leave their bounds come to lie at them, shape (F,).
 
     They stay as soft as that when a candidate joins, and come back from their bounds if it takes over.
     """
-    train = evidence.gram[fold.train].sum(axis=0)[np.ix_(columns, columns)]
-    pull = evidence.moment[fold.train][:, columns, 0].sum(axis=0)
+    train, pull = fold.gram[np.ix_(columns, columns)], fold.moment[columns, 0]
     precision = priors.precision[columns]
     x = bounded(train, pull, precision, priors.low[columns], priors.high[columns])
     slope = pull - train @ x - precision * x

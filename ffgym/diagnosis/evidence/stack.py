@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -35,6 +36,19 @@ class Blocks:
 
     def __len__(self) -> int:
         return len(self.motion)
+
+    @cached_property
+    def order(self) -> IntArray:
+        """Places, in (R, M) laid out flat, of the rows that are of blocks: one block after the other."""
+        flat = self.of_row.ravel()
+        places = np.argsort(flat, kind="stable")
+        return places[np.count_nonzero(flat < 0) :]
+
+    @cached_property
+    def slices(self) -> list[slice]:
+        """Where the rows of each block lie in that order."""
+        ends = np.cumsum(np.bincount(self.of_row[self.of_row >= 0], minlength=len(self)))
+        return [slice(int(start), int(end)) for start, end in zip((0, *ends[:-1]), ends, strict=True)]
 
 
 def blocks_of(valid: BoolArray, row_dt: float) -> Blocks:
@@ -77,31 +91,83 @@ class Evidence:
     """Components of all channels."""
 
 
-def evidence_of(blocks: Blocks, columns: Sequence[Parts], residuals: Values, weights: Values) -> Evidence:
-    """Sums for columns (R, M) per component, residuals (R, M, K), and weights (M,) or (R, M) per component.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Columns:
+    """Weighted columns in one component, rows in the order of their blocks."""
 
-    Rows of weight 0 do not count.
-    """
-    n_blocks, n_columns = len(blocks), len(columns)
-    n_residuals = next(iter(residuals.values())).shape[2]
-    gram = np.zeros((n_blocks, n_columns, n_columns))
-    moment = np.zeros((n_blocks, n_columns, n_residuals))
-    energy, rows = np.zeros((n_blocks, n_residuals)), np.zeros(n_blocks)
-    order = [np.flatnonzero(blocks.of_row == b) for b in range(n_blocks)]
-    for key, residual in residuals.items():
-        have = [i for i, column in enumerate(columns) if key in column]
-        weight = np.broadcast_to(weights[key], residual.shape[:2])[..., None]
-        counts = weight.ravel()
-        flat_r = (residual * weight).reshape(-1, n_residuals)
-        flat_a = (
-            np.stack([columns[i][key] * weight[..., 0] for i in have], axis=-1).reshape(-1, len(have)) if have else None
+    at: IntArray
+    """Their places among all columns."""
+    rows: Array
+    """Shape (S, len(at))."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stack:
+    """Weighted columns with their products, made once for many residuals."""
+
+    blocks: Blocks
+    weights: Values
+    """(M,) or (R, M) per component; rows of weight 0 do not count."""
+    parts: Mapping[tuple[Channel, int], tuple[_Columns, ...]]
+    gram: Array
+    """A^T A, shape (B, P, P)."""
+
+    def beside(self, columns: Sequence[Parts], scale: Array | None = None) -> "Stack":
+        """These columns first, then `columns`, (R, M) per component each, times `scale` (len(columns),)."""
+        n, more = self.gram.shape[1], len(columns)
+        gram = np.zeros((len(self.blocks), n + more, n + more))
+        gram[:, :n, :n] = self.gram
+        parts = dict(self.parts)
+        for key, weight in self.weights.items():
+            have = [i for i, column in enumerate(columns) if key in column]
+            if not have:
+                continue
+            rows = np.stack([self._in_order(columns[i][key] * weight) for i in have], axis=-1)
+            if scale is not None:
+                rows *= scale[have]
+            new = _Columns(at=n + np.array(have), rows=rows)
+            for old in (*parts.get(key, ()), new):
+                self._add_products(gram, old, new)
+            parts[key] = (*parts.get(key, ()), new)
+        return Stack(blocks=self.blocks, weights=self.weights, parts=parts, gram=gram)
+
+    def evidence(self, residuals: Values) -> Evidence:
+        """Sums with residuals (R, M, K) per component."""
+        n_residuals = next(iter(residuals.values())).shape[2]
+        moment = np.zeros((len(self.blocks), self.gram.shape[1], n_residuals))
+        energy, counted = np.zeros((len(self.blocks), n_residuals)), np.zeros(len(self.blocks))
+        for key, residual in residuals.items():
+            weight = np.broadcast_to(self.weights[key], residual.shape[:2])
+            flat, counts = self._in_order(residual * weight[..., None]), self._in_order(weight)
+            for b, own in enumerate(self.blocks.slices):
+                r = flat[own]
+                energy[b] += np.einsum("rk,rk->k", r, r)
+                counted[b] += np.count_nonzero(counts[own])
+                for columns in self.parts.get(key, ()):
+                    moment[b, columns.at] += columns.rows[own].T @ r
+        return Evidence(
+            blocks=self.blocks,
+            gram=self.gram,
+            moment=moment,
+            energy=energy,
+            rows=counted,
+            n_components=len(residuals),
         )
-        for b, of_block in enumerate(order):
-            r = flat_r[of_block]
-            energy[b] += np.einsum("rk,rk->k", r, r)
-            rows[b] += np.count_nonzero(counts[of_block])
-            if flat_a is not None:
-                a = flat_a[of_block]
-                gram[b][np.ix_(have, have)] += a.T @ a
-                moment[b][have] += a.T @ r
-    return Evidence(blocks=blocks, gram=gram, moment=moment, energy=energy, rows=rows, n_components=len(residuals))
+
+    def _in_order(self, rows: Array) -> Array:
+        """Rows (R, M, ...) that are of blocks, one block after the other, (S, ...)."""
+        ordered: Array = rows.reshape(-1, *rows.shape[2:])[self.blocks.order]
+        return ordered
+
+    def _add_products(self, gram: Array, old: _Columns, new: _Columns) -> None:
+        """Products of two sets of columns, which may be the same one."""
+        products = np.stack([old.rows[own].T @ new.rows[own] for own in self.blocks.slices])
+        gram[:, old.at[:, None], new.at] += products
+        if old is not new:
+            gram[:, new.at[:, None], old.at] += products.transpose(0, 2, 1)
+
+
+def stack_of(blocks: Blocks, columns: Sequence[Parts], weights: Values, scale: Array | None = None) -> Stack:
+    """Columns (R, M) per component, weighted by (M,) or (R, M) per component, times `scale` (len(columns),)."""
+    none = Stack(blocks=blocks, weights=weights, parts={}, gram=np.zeros((len(blocks), 0, 0)))
+    return none.beside(columns, scale)

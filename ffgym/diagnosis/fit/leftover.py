@@ -64,8 +64,15 @@ class Removed:
     """Share of all energy that was above the noise."""
 
 
-def removed(before: Loudness, after: Loudness, where: set[tuple[Channel, int]]) -> Removed:
-    """What a cause removes from components `where`."""
-    gone = sum(before[key] - after[key] for key in where)
+def removed(
+    before: Loudness, after: Loudness, where: set[tuple[Channel, int]], allowed: Loudness | None = None
+) -> Removed:
+    """What a cause removes from components `where`, beyond what is `allowed` for in each of them."""
+    gone = sum(_beyond(before[key] - after[key], 0.0 if allowed is None else allowed[key]) for key in where)
     above, total = max(sum(before[key] - 1.0 for key in where), 0.0), sum(before[key] for key in where)
     return Removed(of_excess=gone / max(above, 1e-9), of_all=gone / max(total, 1e-9), excess=above / max(total, 1e-9))
+
+
+def _beyond(gone: float, allowed: float) -> float:
+    """What is gone more than `allowed` for; nothing is allowed for what has come."""
+    return gone if gone < 0 else max(gone - allowed, 0.0)

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.screen import Priors, fitted
-from ffgym.diagnosis.evidence.stack import Blocks, Evidence, Values, evidence_of
+from ffgym.diagnosis.evidence.stack import Blocks, Evidence, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import Log
@@ -63,6 +64,11 @@ class Setting:
     """What replay and simulation of one model differ by, (R, M, C): steps of time; taken off every residual."""
     bound: float
     """Standard deviations beyond which a calibration error is none."""
+
+    @cached_property
+    def stack(self) -> Stack:
+        """The calibration's columns, weighted."""
+        return stack_of(self.blocks, self.calibration, self.weights)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -162,9 +168,7 @@ def left_by(setting: Setting, hypotheses: Sequence[Hypothesis]) -> float:
     if machine_with(setting.nominal, hypotheses) is None:
         return np.inf
     _, residual = _residual(setting, hypotheses)
-    return _left(
-        evidence_of(setting.blocks, setting.calibration, values_of(residual), setting.weights), _priors(setting, ())
-    )
+    return _left(setting.stack.evidence(values_of(residual)), _priors(setting, ()))
 
 
 def _left(evidence: Evidence, priors: Priors) -> float:
@@ -189,7 +193,7 @@ def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Fit:
     """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do."""
     run, residual = _residual(setting, hypotheses)
     columns = tangents(run, setting.nominal, hypotheses) if hypotheses else []
-    evidence = evidence_of(setting.blocks, [*setting.calibration, *columns], values_of(residual), setting.weights)
+    evidence = setting.stack.beside(columns).evidence(values_of(residual))
     left = _left(evidence, _priors(setting, ()))
     priors = _priors(setting, hypotheses)
     return Fit(

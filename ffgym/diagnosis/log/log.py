@@ -48,7 +48,7 @@ class Log:
     ddq: Array
     """[rad/s^2]."""
     trembling: Array
-    """Half the band in which the reading of a motor that stands moves, shape (M, N), link side [rad]."""
+    """Half the band in which the reading of a motor that stands moves, shape (N,), link side [rad]."""
     slip_dq: Array
     """Speed that moves the bristles of friction: `dq` where a motor moves, 0 where only its reading does [rad/s]."""
     torque: Array
@@ -109,20 +109,20 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log |
     known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
     for i, recording in enumerate(recordings):
         known[ends : len(recording) - ends, i] = True
-    trembling = np.stack([_trembling(robot, recording, low_pass) for recording in recordings])
-    if like is not None:
-        trembling = like.trembling  # so that what the band does to reversals is the same in both
+    q = padded([q for q, _, _ in motions])
+    # that of another log, if given, so that what the band does to reversals is the same in both
+    trembling = _trembling(robot, recordings, low_pass) if like is None else like.trembling
     found = Log(
         robot=robot,
         recordings=tuple(recordings),
         sampling=sampling,
         started=np.array([_started(recording) for recording in recordings]),
         known=known,
-        q=padded([q for q, _, _ in motions]),
+        q=q,
         dq=padded([dq for _, dq, _ in motions], hold=False),
         ddq=padded([ddq for _, _, ddq in motions], hold=False),
         trembling=trembling,
-        slip_dq=padded([_slip(m[0], w, sampling.dt) for m, w in zip(motions, trembling, strict=True)], hold=False),
+        slip_dq=np.gradient(without_trembling(q, trembling), sampling.dt, axis=0),
         torque=padded([acting_torque(robot, recording) for recording in recordings]),
         tool=where_all("tcp.position", _tracked) if robot.tool is not None else None,
         link=where_all("link.position", lambda r: r.joint_array("link.position")),
@@ -146,21 +146,21 @@ def _with_channels_of(log: Log, like: Log) -> Log:
     )
 
 
-def _trembling(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> Array:
-    """Half the band (N,) in which the filtered reading of a motor that stands moves, behind the gearbox [rad]."""
-    raw, dt = recording.joint_array("motor.position"), recording.dt
-    angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
-    passed = np.sqrt(min(1.0, 2 * low_pass.cutoff * dt))
-    width = _TREMBLING * passed * white_noise(angle, low_pass, dt)
+def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pass: LowPass) -> Array:
+    """Half the band (N,) in which the filtered reading of a motor that stands moves, behind the gearbox [rad].
+
+    A resolver has one noise: that in the middle of all motions, of which some shake in the band of the noise.
+    """
+    noise = []
+    for recording in recordings:
+        raw = recording.joint_array("motor.position")
+        angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
+        passed = np.sqrt(min(1.0, 2 * low_pass.cutoff * recording.dt))
+        noise.append(passed * white_noise(angle, low_pass, recording.dt))
+    width = _TREMBLING * np.median(noise, axis=0)
     steps = np.round(_PER_OCTAVE * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))
     rounded: Array = np.where(width > 0, 2.0 ** (steps / _PER_OCTAVE), 0.0)
     return rounded
-
-
-def _slip(q: Array, width: Array, dt: float) -> Array:
-    """Speed (T, N) of an angle without the noise of its reading."""
-    slip: Array = np.gradient(without_trembling(q, width), dt, axis=0)
-    return slip
 
 
 def _check(robot: RobotDescription, recordings: Sequence[Recording]) -> None:

@@ -26,7 +26,7 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
 
 
 def without_trembling(angle: Array, width: Array) -> Array:
-    """Angles (T, N) that follow a signal only where it leaves a band of half `width` (N,) about them.
+    """Angles (T, ..., N) that follow a signal only where it leaves a band of half `width` (N,) about them.
 
     A motor that stands is read with noise, whose speed would shake the bristles of its friction loose; a real motor
     stands. In motion the angle lags by the width, and its speed is that of the signal.

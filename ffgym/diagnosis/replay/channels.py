@@ -12,7 +12,7 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.effects import TrackerEffect
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
 
@@ -38,7 +38,7 @@ def tool_path(run: Replay) -> Array:
 def tracked(run: Replay, machine: Machine, every: int = 1) -> Array:
     """Tool positions of the replay as the tracker of another machine would see them [m], at every n-th sample."""
     q = run.link_q[::every]
-    position = RigidArm(run.robot).tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
+    position = run.arm.tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
     effects = [effect for effect in machine.effects if isinstance(effect, TrackerEffect)]
     for i, recording in enumerate(run.log.recordings) if effects else ():
         n = -(-len(recording) // every)

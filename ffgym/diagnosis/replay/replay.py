@@ -23,7 +23,7 @@ from ffgym.diagnosis.replay.states import bent_state, loaded_state, state_of
 from ffgym.effects import State, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.plant import Machine
-from ffgym.robot import RobotDescription
+from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array
 
 _PASSES = 2
@@ -65,6 +65,18 @@ class Replay:
     def link_q(self) -> Array:
         """Where the links are [rad], link side."""
         return self.log.q + self.deflection.angle
+
+    @cached_property
+    def arm(self) -> RigidArm:
+        """The links of the robot."""
+        return RigidArm(self.robot)
+
+    @cached_property
+    def tool_jacobian(self) -> Array:
+        """Of the tool's place by the joints at the rows that are compared, (R, M, 3, N)."""
+        q = self.link_q[self.log.sampling.at]
+        jacobian = self.arm.jacobian(q.reshape(-1, q.shape[-1]))[:, :3]
+        return jacobian.reshape(*q.shape[:2], 3, q.shape[-1])
 
 
 def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:

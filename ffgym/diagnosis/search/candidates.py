@@ -7,7 +7,8 @@ import numpy as np
 
 from ffgym.diagnosis.calibration import BOUND, Doubt
 from ffgym.diagnosis.evidence.screen import Candidate, Priors
-from ffgym.diagnosis.signatures.column import Column, Parts, together
+from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
+from ffgym.diagnosis.signatures.column import Column, together
 from ffgym.diagnosis.signatures.variant import step_of
 from ffgym.types import Array, IntArray
 
@@ -27,20 +28,13 @@ class Candidates:
     scale: Array
     """Standard deviation or step of each column, in its parameter's unit, shape (P,)."""
     priors: Priors
+    stack: Stack
+    """Of all columns, scaled."""
 
     @property
     def calibration(self) -> IntArray:
         """Places of the calibration's columns."""
         return np.arange(len(self.doubts))
-
-    @property
-    def parts(self) -> list[Parts]:
-        """All columns, scaled."""
-        plain = [*(doubt.column for doubt in self.doubts), *self.columns]
-        return [
-            {key: rows * scale for key, rows in column.parts.items()}
-            for column, scale in zip(plain, self.scale, strict=True)
-        ]
 
     def first(self, group: Candidate) -> Column:
         """A column of a candidate: all have its effect and joint."""
@@ -50,23 +44,43 @@ class Candidates:
         """All columns of a candidate."""
         return [self.columns[int(i) - len(self.doubts)] for i in group.columns]
 
+    def beside(self, columns: Sequence[Column]) -> "Candidates":
+        """These, and those that other columns make."""
+        scale = np.array([abs(step_of(c.effect.parameters()[c.parameter])) for c in columns])
+        wide, endless = np.full(len(columns), _WIDE**-2), np.full(len(columns), np.inf)
+        return Candidates(
+            doubts=self.doubts,
+            columns=(*self.columns, *columns),
+            groups=(*self.groups, *_groups(columns, len(self.scale))),
+            scale=np.concatenate([self.scale, scale]),
+            priors=Priors(
+                precision=np.concatenate([self.priors.precision, wide]),
+                low=np.concatenate([self.priors.low, -endless]),
+                high=np.concatenate([self.priors.high, endless]),
+            ),
+            stack=self.stack.beside([column.parts for column in columns], scale),
+        )
 
-def candidates_of(doubts: Sequence[Doubt], columns: Sequence[Column]) -> Candidates:
-    """All columns in one order."""
-    steps = [abs(step_of(c.effect.parameters()[c.parameter])) for c in columns]
-    scale = np.array([*(doubt.sigma for doubt in doubts), *steps])
-    n, total = len(doubts), len(doubts) + len(columns)
+
+def candidates_of(doubts: Sequence[Doubt], columns: Sequence[Column], blocks: Blocks, weights: Values) -> Candidates:
+    """Candidates that columns make, beside calibration errors; weighted as evidence is."""
+    sigma, bound = np.array([doubt.sigma for doubt in doubts]), np.full(len(doubts), BOUND)
+    none = Candidates(
+        doubts=tuple(doubts),
+        columns=(),
+        groups=(),
+        scale=sigma,
+        priors=Priors(precision=np.ones(len(doubts)), low=-bound, high=bound),
+        stack=stack_of(blocks, [doubt.column.parts for doubt in doubts], weights, sigma),
+    )
+    return none.beside(columns)
+
+
+def _groups(columns: Sequence[Column], n: int) -> list[Candidate]:
+    """Columns that are adopted together, which lie behind `n` others."""
     groups = []
     for places in together(columns):
         first = columns[places[0]]
         p = first.effect.parameters()[first.parameter]
         groups.append(Candidate(columns=np.array(places) + n, one_sided=len(places) == 1 and p.minimum == p.null))
-    low = np.concatenate([np.full(n, -BOUND), np.full(total - n, -np.inf)])
-    precision = np.concatenate([np.ones(n), np.full(total - n, _WIDE**-2)])
-    return Candidates(
-        doubts=tuple(doubts),
-        columns=tuple(columns),
-        groups=tuple(groups),
-        scale=scale,
-        priors=Priors(precision=precision, low=low, high=-low),
-    )
+    return groups

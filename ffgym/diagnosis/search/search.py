@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import left_by_block
-from ffgym.diagnosis.evidence.stack import Values, evidence_of
+from ffgym.diagnosis.evidence.stack import Values
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
 from ffgym.diagnosis.fit.leftover import Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
@@ -29,6 +29,11 @@ EXPLAINS = 0.25
 
 FLOOR = 0.05
 """Share of all energy where it acts, noise included, that must lie above the noise, and that a cause must remove."""
+
+INEXACT = 0.1
+"""Share of what the causes before removed from a component that another one must remove beyond: no equation is exact,
+and what is left of a cause that was adopted in another form is no cause of its own. What may be left of one that is
+named."""
 
 NEEDED = 0.05
 """Share of the energy that a cause must keep away beside the others, else it is dropped."""
@@ -104,7 +109,7 @@ def search(
     nominal = now = _judged(setting, ())
     rounds: list[Round] = []
     while len(now.fit.hypotheses) < MOST:
-        one = _round(setting, candidates(now.fit), faultless, now, report)
+        one = _round(setting, candidates(now.fit), faultless, nominal, now, report)
         rounds.append(one)
         if not one.adopted:
             break
@@ -112,12 +117,14 @@ def search(
     return Found(nominal=nominal, final=now, rounds=tuple(rounds), rows=float(now.fit.evidence.rows.sum()))
 
 
-def _round(setting: Setting, candidates: Candidates, faultless: Values, now: Tried, report: Report) -> Round:
+def _round(
+    setting: Setting, candidates: Candidates, faultless: Values, nominal: Tried, now: Tried, report: Report
+) -> Round:
     """Rank, fit the best, and see whether the best of those is to be adopted."""
     fixed = now.fit
     residual = values_of(fixed.residual)
     together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
-    evidence = evidence_of(setting.blocks, candidates.parts, together, setting.weights)
+    evidence = candidates.stack.evidence(together)
     ranking = ranked(evidence, candidates, candidates.calibration)
     taken = {hypothesis.place for hypothesis in fixed.hypotheses}
     tried: list[Tried] = []
@@ -134,7 +141,7 @@ def _round(setting: Setting, candidates: Candidates, faultless: Values, now: Tri
         report(f"fitting {start.label}", len(tried) / TRIED)
         tried.append(_judged(setting, (*fixed.hypotheses, start)))
     tried.sort(key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
-    adopted = bool(tried) and _is_worth(setting, now, tried[0])
+    adopted = bool(tried) and _is_worth(setting, nominal, now, tried[0])
     return Round(before=now, candidates=candidates, ranking=ranking, tried=tuple(tried), adopted=adopted)
 
 
@@ -147,16 +154,23 @@ def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis)
     return None
 
 
-def removed_by(setting: Setting, before: Tried, after: Tried) -> Removed:
-    """What the newest cause removes where it acts, by fits to all rows."""
+def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | None = None) -> Removed:
+    """What the newest cause removes where it acts, by fits to all rows.
+
+    Beyond what inexact causes before it would leave, if the `nominal` model is given, from which those were taken.
+    """
     own = after.fit.columns[-len(after.hypothesis.free()) :]
-    loud = [loudness(setting, without_calibration(setting, one.fit)) for one in (before, after)]
-    return removed(loud[0], loud[1], touched(setting, list(own)))
+    loud, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (before, after))
+    allowed = None
+    if nominal is not None:
+        first = loudness(setting, without_calibration(setting, nominal.fit))
+        allowed = {key: INEXACT * max(first[key] - value, 0.0) for key, value in loud.items()}
+    return removed(loud, then, touched(setting, list(own)), allowed)
 
 
-def _is_worth(setting: Setting, before: Tried, after: Tried) -> bool:
+def _is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> bool:
     """Whether a cause explains enough of what is left above the noise, and holds on rows that were left out."""
-    gone = removed_by(setting, before, after)
+    gone = removed_by(setting, before, after, nominal)
     return after.total < before.total and gone.of_excess > EXPLAINS and min(gone.of_all, gone.excess) > FLOOR
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
 from ffgym.diagnosis.evidence.solve import bounded
-from ffgym.diagnosis.evidence.stack import blocks_of, evidence_of
+from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import Log, log_of
@@ -106,7 +106,7 @@ def foresee(
     known = [{key: rows for key, rows in column.items() if key in weights} for column in columns]
     shape = (len(log.sampling.at), len(log.names), 1)
     blocks = blocks_of(valid_rows(log), log.sampling.row_dt)
-    evidence = evidence_of(blocks, known, {key: np.zeros(shape) for key in weights}, weights)
+    evidence = stack_of(blocks, known, weights).evidence({key: np.zeros(shape) for key in weights})
     by_motion = [evidence.gram[blocks.motion == m].sum(axis=0) for m in range(len(log.names))]
     return Foreseen(
         gram=np.stack(by_motion),

@@ -11,11 +11,11 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.difference import Change, Push, changes, misread_on, misread_push, only_joint, push_of
 from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect
 from ffgym.effects import ClockEffect, Effect, NativeEffect, ResolverEffect, TrackerEffect
-from ffgym.robot import RigidArm
 from ffgym.types import Array
 
-_TOGETHER = 12
-"""Pushes on the springs that are solved for at once; chosen: as many as fit the cache with 84 s of six axes."""
+_TOGETHER = 24
+"""Pushes on the springs that are solved for at once; chosen: more gain little, and each array of them takes 50 MB for
+84 s of six axes."""
 
 Parts = Mapping[tuple[Channel, int], Array]
 """By channel and component, shape (R, M) each; what is not there does not change."""
@@ -44,11 +44,10 @@ def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> li
     """Columns of effects along a nominal replay; the same effect, joint and choice stand together."""
     found: list[Column] = []
     waiting: list[tuple[Variant, str, Push]] = []
-    jacobian = jacobian_of(run)
 
     def solve() -> None:
         for (variant, joint, _), change in zip(waiting, changes(run, [push for _, _, push in waiting]), strict=True):
-            found.append(_column(run, variant, joint, shown(run, change, jacobian)))
+            found.append(_column(run, variant, joint, shown(run, change)))
         waiting.clear()
 
     for kind in kinds:
@@ -79,7 +78,6 @@ def machine_columns(run: Replay, effects: Sequence[tuple[str, Effect]], paramete
         parameter: what was moved.
         step: by how much.
     """
-    jacobian = jacobian_of(run)
     pushes = [push_of(run, effect) for _, effect in effects]
     return [
         Column(
@@ -90,7 +88,7 @@ def machine_columns(run: Replay, effects: Sequence[tuple[str, Effect]], paramete
             choice=0,
             span=0,
             shape={},
-            parts={key: values / step for key, values in shown(run, change, jacobian).items()},
+            parts={key: values / step for key, values in shown(run, change).items()},
         )
         for (joint, effect), change in zip(effects, changes(run, pushes), strict=True)
     ]
@@ -189,26 +187,17 @@ def _pushes(run: Replay, variant: Variant) -> list[tuple[str, Push]]:
     return [(joints[j], only_joint(push, j)) for j in variant.joints] or [("", push)]
 
 
-def shown(run: Replay, change: Change, jacobian: Array | None) -> Parts:
+def shown(run: Replay, change: Change) -> Parts:
     """What a change shows in each channel that the log has."""
     parts: dict[tuple[Channel, int], Array] = {}
     for j in range(run.robot.n_joints):
         parts["torque", j] = change.torque[..., j]
         if run.log.link is not None:
             parts["link", j] = change.link[..., j]
-    if jacobian is not None:
-        tool = np.matmul(jacobian, change.link[..., None])[..., 0]
+    if run.log.tool is not None:
+        tool = np.matmul(run.tool_jacobian, change.link[..., None])[..., 0]
         parts |= {("tool", k): tool[..., k] for k in range(3)}
     return parts
-
-
-def jacobian_of(run: Replay) -> Array | None:
-    """Of the tool by the joints, (R, M, 3, N); None without a tracker."""
-    if run.log.tool is None:
-        return None
-    q = run.link_q[run.log.sampling.at]
-    jacobian = RigidArm(run.robot).jacobian(q.reshape(-1, q.shape[-1]))[:, :3]
-    return jacobian.reshape(*q.shape[:2], 3, q.shape[-1])
 
 
 def together(columns: Sequence[Column]) -> list[list[int]]:

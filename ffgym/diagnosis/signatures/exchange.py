@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
-from ffgym.diagnosis.signatures.column import Parts, clock_parts, jacobian_of, shown
+from ffgym.diagnosis.signatures.column import Parts, clock_parts, shown
 from ffgym.diagnosis.signatures.difference import Push, changes, moved, of_numbers
 from ffgym.effects import ClockEffect, NativeEffect, TorqueEffect, TrackerEffect
 from ffgym.effects.along import torques_along
@@ -15,10 +15,9 @@ from ffgym.types import Array
 def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
     """Change of all predictions for each of several machines in place of that of the replay."""
     pushes = [_push(run, machine) for machine in machines]
-    jacobian = jacobian_of(run)
     found: list[Parts] = []
     for machine, change in zip(machines, changes(run, pushes), strict=True):
-        parts = dict(shown(run, change, jacobian))
+        parts = dict(shown(run, change))
         gone, come = _exchange(run.machine, machine)
         both = (*gone, *come)
         if run.log.tool is not None and any(isinstance(effect, TrackerEffect) for effect in both):

@@ -5,7 +5,7 @@ import pytest
 
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import Candidate, Priors, fitted, left_by_block, screen
-from ffgym.diagnosis.evidence.stack import blocks_of, evidence_of
+from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
 
 ROW_DT = 0.02
 N_CALIBRATION, N_COLUMNS = 3, 6
@@ -29,7 +29,7 @@ def problem():
     valid[:5] = False
     blocks = blocks_of(valid, ROW_DT)
     key = ("torque", 0)
-    evidence = evidence_of(blocks, [{key: c} for c in columns], {key: residual}, {key: valid.astype(float)})
+    evidence = stack_of(blocks, [{key: c} for c in columns], {key: valid.astype(float)}).evidence({key: residual})
     priors = Priors(
         precision=np.array([1.0] * N_CALIBRATION + [WIDE**-2] * (N_COLUMNS - N_CALIBRATION)),
         low=np.array([-3.0] * N_CALIBRATION + [-np.inf] * 3),
@@ -74,7 +74,7 @@ def test_a_candidate_of_one_sign_gains_nothing_where_the_other_would_help(proble
     for sign, helps in ((1.0, True), (-1.0, False)):
         residual = {key: sign * 20 * columns[5][..., None]}
         found = screen(
-            evidence_of(blocks, [{key: c} for c in columns], residual, weights),
+            stack_of(blocks, [{key: c} for c in columns], weights).evidence(residual),
             half_folds(blocks),
             CALIBRATION,
             CANDIDATES,
@@ -100,7 +100,7 @@ def test_calibration_at_its_bound_comes_back_when_the_cause_joins(problem):
     key, weights = ("torque", 0), {("torque", 0): (blocks.of_row >= 0).astype(float)}
     rng = np.random.default_rng(1)
     residual = {key: 60 * columns[4][..., None] + 0.1 * rng.normal(size=(*columns.shape[1:], 1))}
-    evidence = evidence_of(blocks, [{key: c} for c in columns], residual, weights)
+    evidence = stack_of(blocks, [{key: c} for c in columns], weights).evidence(residual)
     assert fitted(evidence, CALIBRATION, priors)[0] == priors.high[0]
     found = screen(evidence, half_folds(blocks), CALIBRATION, CANDIDATES, priors)
     assert found.gain[1, 0] > 0.99 * found.left[0]

@@ -61,7 +61,7 @@ def test_an_effect_without_size_changes_nothing(log):
 def test_motions_side_by_side_are_replayed_as_each_alone(recording, log):
     shorter = recording.slice(end=0.8)
     other = replace(shorter, header=replace(shorter.header, segment="short"))
-    both = replay(log_of(nominal().robot, [recording, other]), nominal())
+    both = replay(log_of(nominal().robot, [recording, other], like=log), nominal())
     np.testing.assert_allclose(both.torque[:, 0], replay(log, nominal()).torque[:, 0], atol=1e-9)
 
 
