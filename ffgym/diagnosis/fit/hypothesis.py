@@ -138,7 +138,8 @@ def _free(p: Parameter, part: int | None, value: float) -> Free:
     if p.role == "cycles":
         step = _CYCLES * max(abs(value), 1.0)
         return Free(name=p.name, part=part, value=value, step=step, low=max(p.minimum, value - step), high=value + step)
-    low, high = max(p.minimum, p.low - (p.high - p.low)), min(p.maximum, p.high + (p.high - p.low))
+    # beyond its plausible range a shape makes of an effect another one: a drift of a second is a level
+    low, high = min(p.low, value), max(p.high, value)
     return Free(name=p.name, part=part, value=value, step=0.1 * (p.high - p.low), low=low, high=high)
 
 

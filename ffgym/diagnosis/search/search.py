@@ -30,6 +30,10 @@ EXPLAINS = 0.25
 FLOOR = 0.05
 """Share of all energy where it acts, noise included, that must lie above the noise, and that a cause must remove."""
 
+TOGETHER = 0.5
+"""Share of what is above the noise, where they act, that all causes together must remove, else none of them is one:
+something else is there, which each of them imitates a little."""
+
 INEXACT = 0.1
 """Share of what the causes before removed from a component that another one must remove beyond: no equation is exact,
 and what is left of a cause that was adopted in another form is no cause of its own. What may be left of one that is
@@ -114,7 +118,8 @@ def search(
         if not one.adopted:
             break
         now = _without_needless(setting, _polished(setting, one.tried[0]))
-    return Found(nominal=nominal, final=now, rounds=tuple(rounds), rows=float(now.fit.evidence.rows.sum()))
+    final = now if _explains_most(setting, nominal, now) else nominal
+    return Found(nominal=nominal, final=final, rounds=tuple(rounds), rows=float(now.fit.evidence.rows.sum()))
 
 
 def _round(
@@ -172,6 +177,14 @@ def _is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> 
     """Whether a cause explains enough of what is left above the noise, and holds on rows that were left out."""
     gone = removed_by(setting, before, after, nominal)
     return after.total < before.total and gone.of_excess > EXPLAINS and min(gone.of_all, gone.excess) > FLOOR
+
+
+def _explains_most(setting: Setting, nominal: Tried, now: Tried) -> bool:
+    """Whether all causes together explain most of what is where they act."""
+    if not now.fit.hypotheses:
+        return True
+    first, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (nominal, now))
+    return removed(first, then, touched(setting, list(now.fit.columns))).of_excess >= TOGETHER
 
 
 def _polished(setting: Setting, adopted: Tried) -> Tried:
