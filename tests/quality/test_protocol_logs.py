@@ -71,3 +71,33 @@ def test_a_torque_that_is_late_is_seen_in_a_fast_sine():
     alone = {name: values for name, values in recording.columns.items() if "effort" not in name}
     found = check_quality(Recording(alone | late, recording.header), arm().robot).problems
     assert {finding.check for finding in found} == {"torque_lag"}
+
+
+@cache
+def logs_of_one_axis() -> tuple[Recording, ...]:
+    """Whose friction turns round over fifty times the angle of the joints of a robot: it has no gearbox."""
+    bare = RigidArm(load_robot("one_axis"))
+    rig = SimulatedRig(arm=bare, sensors=(Resolver(bits=16), TorqueSensor(noise=0.03 * bare.robot.friction.coulomb)))
+    return tuple(record(plan_session(bare, [PROTOCOLS["diagnosis"]()]), rig, record_dt=1e-3))
+
+
+def lag_of(recording: Recording, late: float = 0.0):
+    """What is said of the delay of its torque, if that comes `late` [s]."""
+    rows = round(late / recording.dt)
+    names = [name for name in recording.columns if "effort" in name]
+    columns = {
+        name: np.r_[recording[name][:1].repeat(rows), recording[name][: len(recording) - rows]] for name in names
+    }
+    (finding,) = check_quality(recording.with_columns(columns), load_robot(recording.header.robot)).of("torque_lag")
+    return finding
+
+
+def test_friction_that_turns_round_slowly_is_no_late_torque():
+    for recording in logs_of_one_axis():
+        assert lag_of(recording).verdict == "ok", recording.header.segment
+
+
+def test_torque_of_another_clock_is_refused_and_flagged_where_a_slow_motion_hides_how_late_it_is():
+    verdicts = {recording.header.segment: lag_of(recording, late=0.11).verdict for recording in logs_of_one_axis()}
+    assert verdicts.pop("diagnosis.slow_triangle") in ("flagged", "refused")
+    assert set(verdicts.values()) == {"refused"}, verdicts

@@ -1,0 +1,105 @@
+"""What the torque of a joint may be made of if nothing but its motion is known: positions, accelerations, friction."""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import final
+
+import numpy as np
+
+from ffgym.quality.check import NotJudgedError
+from ffgym.quality.log import RESTING, Log
+from ffgym.types import Array
+
+_PERIOD = 0.004
+"""Time [s] over which rows are averaged first; delays are judged from some of them on."""
+
+_TRAVELS = (1e-3, 4e-3, 1.6e-2, 6.4e-2)
+"""Angles of the motor [rad] over which friction may turn round, as e^-1; 3e-3 to 2e-2 in robots, 8e-3 in an axis
+without a gearbox."""
+
+_SLOW = (1 / 100, 1 / 30, 1 / 10, 1 / 3)
+"""Shares of a joint's largest speed within which friction may be more, or less, than above."""
+
+_TINY = 1e-10
+"""Share of the largest energy in one direction of several columns below which it is rounding."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class TorqueParts:
+    """Motion and torque at R rows, averaged over `_PERIOD`; N joints."""
+
+    t: Array
+    """[s], shape (R,)."""
+    q: Array
+    """[rad or m, link side], shape (R, N)."""
+    dq: Array
+    ddq: Array
+    torque: Array
+    """As recorded, shape (R, N)."""
+    gear_ratio: Array
+    """Shape (N,)."""
+
+    @cached_property
+    def common(self) -> Array:
+        """Constants, positions and accelerations of all joints, of which gravity and inertia are made, (R, K)."""
+        return np.column_stack([np.ones(len(self.q)), self.q, np.sin(self.q), np.cos(self.q), self.ddq])
+
+    def speed(self, j: int) -> Array:
+        """Speed of joint `j` over its largest, (R,)."""
+        return np.asarray(self.dq[:, j] / max(np.abs(self.dq[:, j]).max(), np.finfo(np.float64).tiny))
+
+    def sliding(self, j: int) -> Array:
+        """Friction of joint `j` where it slides: the sign of its speed, smoothly, (R,)."""
+        return np.asarray(np.tanh(self.speed(j) / RESTING))
+
+    def friction(self, j: int) -> Array:
+        """Parts of the friction of joint `j`: its speed, and bristles of any length, stronger when slow (R, F)."""
+        speed, bristles = self.speed(j)[:, None], self._bristles[:, j]
+        slow = [bristles * np.exp(-np.abs(speed) / share) for share in _SLOW]
+        return np.column_stack([speed, bristles, *slow])
+
+    @cached_property
+    def _bristles(self) -> Array:
+        """Friction of size 1 that turns round over each of `_TRAVELS`, (R, N, L).
+
+        Reference:
+            Dahl (1968), A solid friction model, Aerospace Corporation TOR-0158(3107-18)-1.
+        """
+        turned = (np.diff(self.q, axis=0, prepend=self.q[:1]) * np.abs(self.gear_ratio))[..., None]
+        ways, keeps = np.sign(turned), np.exp(-np.abs(turned) / _TRAVELS)
+        bent, now = np.empty(keeps.shape), np.zeros(keeps.shape[1:])
+        for row, (way, keep) in enumerate(zip(ways, keeps, strict=True)):
+            now = way + (now - way) * keep
+            bent[row] = now
+        return bent
+
+
+@lru_cache(maxsize=4)
+def torque_parts(log: Log) -> TorqueParts:
+    """Motion and torque of a log.
+
+    Raises:
+        NotJudgedError: if they are not in it, or it is too short.
+    """
+    if log.smooth_q is None or log.dq is None or log.ddq is None or not log.recording.has("motor.effort"):
+        raise NotJudgedError("motor.effort or all positions are missing")
+    every = log.rows(_PERIOD)
+    count = len(log.t) // every
+    if count < 100 or not log.excited.any():
+        raise NotJudgedError("the log is too short, or no joint moves")
+
+    def means(values: Array) -> Array:
+        return np.asarray(values[: count * every].reshape(count, every, -1).mean(axis=1))
+
+    torque = log.recording.joint_array("motor.effort")
+    ratio = np.asarray(log.recording.header.gear_ratio)
+    return TorqueParts(means(log.t)[:, 0], means(log.smooth_q), means(log.dq), means(log.ddq), means(torque), ratio)
+
+
+def orthonormal(columns: Array) -> Array:
+    """Orthonormal columns (R, K') that span those of `columns` (R, K), each taken at its own size."""
+    scaled = columns / np.maximum(np.abs(columns).max(axis=0), np.finfo(np.float64).tiny)
+    energy, directions = np.linalg.eigh(scaled.T @ scaled)
+    kept = energy > _TINY * energy[-1]
+    return np.asarray(scaled @ (directions[:, kept] / np.sqrt(energy[kept])))
