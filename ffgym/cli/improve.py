@@ -17,7 +17,10 @@ from ffgym.protocols import load_protocols
 from ffgym.robot import load_robot
 
 PAGE, NUMBERS = "improvement.html", "improvement.json"
-"""What is written beside the rounds."""
+"""What is written beside the rounds, with the page's pictures."""
+
+DPI = 100
+"""Pixels per inch of the pictures."""
 
 
 @dataclass(frozen=True)
@@ -32,8 +35,8 @@ class Improve:
     out: Path | None = None
     """Folder for recordings, diagnoses, models and the comparison; what is complete in it is not made again."""
     fit: bool = False
-    """Fit masses, rotors and friction to the first recordings before the model is diagnosed: for a machine that is far
-    from its description in many numbers at once."""
+    """Fit all numbers of the model to the first recordings before it is diagnosed: for a machine that is far from its
+    description in many at once."""
     protocols: tuple[str, ...] = ("diagnosis",)
     """What is recorded in each round, as for ffgym record; what a diagnosis proposes is added to the next round."""
     rounds: int = 4
@@ -55,7 +58,8 @@ class Improve:
     def run(self) -> None:
         """Check, run, write, print."""
         folder = self._check()
-        from ffgym.improvement import Plan, format_improvement, improve, render_improvement
+        from ffgym.improvement import Plan, format_improvement, improve, improvement_figures, render_improvement
+        from ffgym.report import save_figure
 
         rig = rig_of(self.rig)
         reference, nominal = self._nominal()
@@ -86,6 +90,8 @@ class Improve:
         numbers = self.json or folder / NUMBERS
         write_text(folder / PAGE, render_improvement(result, info))
         write_json(numbers, info | result.document())
+        for each in improvement_figures(result):
+            save_figure(each.figure, folder / f"{each.name}.png", DPI)
         print(format_improvement(result))
         for what, place in (("report", folder / PAGE), ("model", result.rounds[-1].model), ("numbers", numbers)):
             print(f"{what}: {place}")

@@ -20,6 +20,8 @@ IDENTIFIED = "lugre_identified"
 """The same with friction that was identified from the first round's recordings."""
 BENT = "elastic_identified"
 """Elastic feed-forward with that friction."""
+FITTED = "fitted"
+"""The nominal model with all numbers fitted to the first round's recordings, before any diagnosis."""
 MODEL = "model"
 """Feed-forward from the last extended model; that of an earlier round has its number behind it."""
 
@@ -52,6 +54,9 @@ def contenders(rig: Rig, plan: Plan, rounds: Sequence[Round], identified: RobotD
         Contender(name="elastic", title="elastic, nominal", law=bent),
         Contender(name=BENT, title="elastic, identified friction", law=told),
     ]
+    if plan.fit:
+        law = model_law(rounds[0].before, rig.arm, FITTED)
+        found.append(Contender(name=FITTED, title="nominal model, all numbers fitted", law=law))
     grown = [each for each in rounds if each.diagnosis.causes] or rounds[-1:]
     for each in grown:
         name = MODEL if each is grown[-1] else f"{MODEL}_{each.number}"

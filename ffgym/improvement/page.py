@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
+from ffgym.improvement.contenders import BASELINE, MODEL
 from ffgym.improvement.improve import Improvement
 from ffgym.improvement.text import change, verdict_of
 from ffgym.report import ReportFigure
+from ffgym.report.circles.paths_plot import paths_caption, paths_figure
 from ffgym.report.diagnosis.words import size_text, title_of
 from ffgym.report.html import embedded, provenance_lines, render
 from ffgym.report.learning.agents_plot import agents_figure
@@ -33,7 +35,7 @@ def render_improvement(improvement: Improvement, info: Mapping[str, Any]) -> str
         rounds=[_shown(each) for each in improvement.rounds],
         speeds=list(dict.fromkeys(score.speed_mm_s for score in scores)),
         rows=[(title, [(score, change(score)) for score in own]) for title, own in rows],
-        figure=embedded(_figure(improvement)),
+        figures=[embedded(each) for each in improvement_figures(improvement)],
         provenance=provenance_lines(info),
     )
 
@@ -51,7 +53,16 @@ def _shown(each: Any) -> dict[str, Any]:
     return {"round": each, "diagnosis": each.diagnosis, "causes": causes, "protocols": ", ".join(each.protocols)}
 
 
-def _figure(improvement: Improvement) -> ReportFigure:
+def improvement_figures(improvement: Improvement) -> list[ReportFigure]:
+    """What laws leave, and the path of the tool before and after.
+
+    Raises:
+        FFGymError: if matplotlib is missing.
+    """
+    return [_laws(improvement), _paths(improvement)]
+
+
+def _laws(improvement: Improvement) -> ReportFigure:
     scores = improvement.gain.scores
     speeds = list(dict.fromkeys(score.speed_mm_s for score in scores))
     errors = {
@@ -65,4 +76,15 @@ def _figure(improvement: Improvement) -> ReportFigure:
         caption=f"Mean RMS path error, logarithmic; circles at each speed: {scores[0].circles}. No round recorded one "
         "at these places or of these sizes.",
         figure=agents_figure(errors, speeds),
+    )
+
+
+def _paths(improvement: Improvement) -> ReportFigure:
+    study = improvement.gain.study.only(laws=[BASELINE, MODEL])
+    return ReportFigure(
+        name="paths",
+        title="Path of the tool, dynamic LuGre with nominal parameters and the extended model",
+        thesis="",
+        caption=paths_caption(study),
+        figure=paths_figure(study),
     )

@@ -3,19 +3,20 @@
 import json
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.document import read_diagnosis, write_diagnosis
 from ffgym.diagnosis.extended import save_extended
-from ffgym.diagnosis.nominal import fitted_nominal
+from ffgym.diagnosis.nominal import LEAST_SHARE
 from ffgym.diagnosis.result import Diagnosis
+from ffgym.diagnosis.tuning import tuned
 from ffgym.effects import Origin
 from ffgym.errors import FFGymError, check_whole
 from ffgym.files import read_text, write_json, write_text
-from ffgym.plant import Machine
+from ffgym.plant import Machine, load_machine, save_machine
 from ffgym.plant.machine_file import origins_of
 from ffgym.protocols import Protocol, SessionMotion, load_protocols, plan_session, record_into
 from ffgym.provenance import versions
@@ -46,8 +47,8 @@ class Plan:
     origins: tuple[Origin, ...] = ()
     """Where numbers of effects come from that it has already."""
     fit: bool = False
-    """Whether the first recordings are used to fit masses, rotors and friction of the model before it is diagnosed, as
-    for a machine that is far from its description in many numbers at once."""
+    """Whether all numbers of the model are fitted to the first recordings before it is diagnosed, as for a machine that
+    is far from its description in many at once."""
     protocols: tuple[str, ...] = ("diagnosis",)
     """What is recorded in each round, as for `ffgym record`."""
     rounds: int = 4
@@ -76,8 +77,9 @@ class Round:
     """Time that the machine moved [s]."""
     logs: Path
     """Folder of the recordings."""
+    before: Machine
+    """The model that was diagnosed: that of the round before, or the fitted one."""
     diagnosis: Diagnosis
-    """Against the model of the round before."""
     machine: Machine
     """The model from now on."""
     model: Path
@@ -113,14 +115,18 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
         protocols = [protocol for name in plan.protocols for protocol in load_protocols(name)]
         motions = plan_session(rig.arm, [*protocols, *proposed], start=clock)
         recordings = _recorded(rig, plan, motions, place / "logs", number, stage)
+        if plan.fit and not rounds:
+            with stage("fitting all numbers", "") as progress:
+                progress(0, 1)
+                machine, calibration = _fitted(place, plan, recordings), Calibration.of_share(LEAST_SHARE)
+                progress(1, 1)
+        before = machine
         with stage(f"diagnosing, round {number}", "") as progress:
             progress(0, 1)
-            if plan.fit and not rounds:
-                machine, calibration = _fitted(machine, recordings)
-            diagnosis = _diagnosed(place, machine, recordings, calibration, diagnose)
+            diagnosis = _diagnosed(place, before, recordings, calibration, diagnose)
             progress(1, 1)
         model = place / "extended.toml"
-        machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins, recordings=recordings)
+        machine = save_extended(model, diagnosis, before, robot=plan.robot, origins=origins, recordings=recordings)
         origins, clock = origins_of(model), motions[-1].end + PAUSE
         proposed = _proposed(diagnosis, place)
         rounds.append(
@@ -129,6 +135,7 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
                 protocols=tuple(dict.fromkeys(motion.protocol for motion in motions)),
                 seconds=sum(motion.reference.duration for motion in motions),
                 logs=place / "logs",
+                before=before,
                 diagnosis=diagnosis,
                 machine=machine,
                 model=model,
@@ -146,28 +153,38 @@ def _recorded(
     return read_folder(folder)
 
 
-def _fitted(machine: Machine, recordings: Sequence[Recording]) -> tuple[Machine, Calibration]:
-    """The machine with masses, rotors and friction that predict recorded torques best, and how sure those are."""
-    fitted, calibration = fitted_nominal(machine.robot, recordings)
-    return replace(machine, robot=fitted.robot), calibration
+def _fitted(place: Path, plan: Plan, recordings: Sequence[Recording]) -> Machine:
+    """The nominal model with numbers that predict recordings best: those in the folder, if they are of these."""
+    key, file, about = place / "fitted.json", place / "fitted.toml", _about(plan.nominal, recordings)
+    if not (key.exists() and file.exists() and _json(key) == about):
+        title = f"{plan.nominal.robot.title}, fitted by ffgym improve"
+        source = "fitted to the recordings of the first round"
+        fitted = tuned(plan.nominal, recordings)
+        save_machine(fitted, file, title=title, source=source, robot=plan.robot, origins=plan.origins)
+        write_json(key, about)
+    return load_machine(file)
 
 
 def _diagnosed(
     place: Path, machine: Machine, recordings: Sequence[Recording], calibration: Calibration, diagnose: Diagnose
 ) -> Diagnosis:
     """The diagnosis of a round: the one in its folder, if it is of these recordings and this model."""
-    about = {
-        "session": recordings[0].header.provenance["session"],
-        "model": machine.physics(ModelOptions(looks=False)),
-        "versions": versions(),
-    }
-    key, file = place / "diagnosed.json", place / "diagnosis.json"
+    key, file, about = place / "diagnosed.json", place / "diagnosis.json", _about(machine, recordings)
     if key.exists() and file.exists() and _json(key) == about:
         return read_diagnosis(file)
     diagnosis = diagnose(machine, recordings, calibration)
     write_diagnosis(file, diagnosis)
     write_json(key, about)
     return diagnosis
+
+
+def _about(machine: Machine, recordings: Sequence[Recording]) -> dict[str, Any]:
+    """What a fit or a diagnosis depends on."""
+    return {
+        "session": recordings[0].header.provenance["session"],
+        "model": machine.physics(ModelOptions(looks=False)),
+        "versions": versions(),
+    }
 
 
 def _json(path: Path) -> Any:

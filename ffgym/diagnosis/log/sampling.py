@@ -1,6 +1,6 @@
 """Every signal, measured or predicted, through the same low-pass without delay, at few enough rows."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -34,6 +34,8 @@ class Sampling:
     """Sample period of the recordings [s]."""
     n_samples: int
     """T, of the longest motion."""
+    highest: float = CUTOFF
+    """Low-pass of what is compared at most [Hz]."""
 
     @property
     def motion_filter(self) -> LowPass:
@@ -43,7 +45,7 @@ class Sampling:
     @property
     def cutoff(self) -> float:
         """Low-pass of what is compared [Hz]."""
-        return min(CUTOFF, _OF_SAMPLE_RATE[1] / self.dt)
+        return min(self.highest, _OF_SAMPLE_RATE[1] / self.dt)
 
     @property
     def stride(self) -> int:
@@ -57,7 +59,7 @@ class Sampling:
 
     def coarser(self, every: int) -> "Sampling":
         """The same rows from every n-th sample; `every` divides the stride."""
-        return Sampling(dt=every * self.dt, n_samples=-(-self.n_samples // every))
+        return replace(self, dt=every * self.dt, n_samples=-(-self.n_samples // every))
 
     @property
     def span(self) -> float:

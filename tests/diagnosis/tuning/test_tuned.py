@@ -1,0 +1,69 @@
+"""Models whose numbers are all wrong at once: fitted to recordings together."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.tuning import tuned
+from ffgym.diagnosis.tuning.numbers import Breakaway
+from ffgym.effects import EFFECTS
+from ffgym.errors import FFGymError
+from ffgym.plant import Machine
+from ffgym.protocols import load_protocols, plan_session
+from ffgym.protocols.record import record
+from ffgym.robot import RigidArm
+from ffgym.simulation import SimulatedRig, sensors_of
+
+
+@pytest.fixture(scope="module")
+def described(one_axis):
+    """The one-axis model as somebody wrote it down who measured nothing."""
+    friction, drive = one_axis.friction, one_axis.drive
+    rise = 0.6 * (friction.static - friction.coulomb)
+    return replace(
+        one_axis,
+        friction=replace(
+            friction.scaled(viscous=1.5, bristle_stiffness=0.7),
+            coulomb=0.7 * friction.coulomb,
+            static=0.7 * friction.coulomb + rise,
+        ),
+        drive=replace(drive, rotor_inertia=0.8 * drive.rotor_inertia),
+    )
+
+
+@pytest.fixture(scope="module")
+def recordings(one_axis, described):
+    """Of the one-axis model under a controller for what was written down."""
+    rig = SimulatedRig(arm=RigidArm(described), machine=Machine(robot=one_axis), sensors=sensors_of(one_axis))
+    motions = plan_session(rig.arm, load_protocols("diagnosis"))
+    return list(record([motions[i] for i in (0, 1, 4)], rig, n_threads=1))
+
+
+def ratios(found, truth):
+    """Numbers of one robot over those of another."""
+    friction = ("coulomb", "static", "viscous", "bristle_stiffness")
+    numbers = [float(getattr(found.friction, name)[0] / getattr(truth.friction, name)[0]) for name in friction]
+    return np.array([*numbers, float(found.drive.rotor_inertia[0] / truth.drive.rotor_inertia[0])])
+
+
+def test_all_numbers_are_found_together(one_axis, described, recordings):
+    found = tuned(Machine(robot=described), recordings)
+    assert np.all(np.abs(ratios(described, one_axis) - 1) > 0.1)
+    *friction, rotor = ratios(found.robot, one_axis)
+    assert friction == pytest.approx(np.ones(4), abs=0.05)
+    assert 0.8 < rotor < 1.05  # of a swinging arm: torque hardly tells its rotor from its links
+
+
+def test_effects_stay_as_they_are_and_numbers_are_those_beside_them(one_axis, described, recordings):
+    offset = EFFECTS["torque_offset"].on(one_axis, offset=0.05)
+    found = tuned(Machine(robot=described, effects=(offset,)), recordings)
+    assert found.effects == (offset,)
+    assert ratios(found.robot, one_axis)[:4] == pytest.approx(np.ones(4), abs=0.05)
+
+
+def test_breakaway_torque_never_falls_below_the_coulomb_torque(one_axis):
+    lowest = Breakaway(level=np.array([-0.95]), velocity=np.array([0.0])).in_description(one_axis)
+    assert np.all(lowest.friction.static >= lowest.friction.coulomb)
+    with pytest.raises(FFGymError, match=r"at least -0\.95"):
+        Machine(robot=one_axis, effects=(Breakaway(level=np.array([-1.2]), velocity=np.array([0.0])),))
