@@ -165,7 +165,7 @@ def _quality(recordings: Sequence[Recording], robot: RobotDescription) -> tuple[
     """What the quality gate flagged, and what it refused, in words."""
     flagged, refused = [], []
     for recording in recordings:
-        for finding in check_quality(recording, robot).findings:
+        for finding in check_quality(recording, robot, ("diagnosis",)).findings:
             text = f"{recording.header.segment}: {finding.message}"
             if finding.verdict == "refused":
                 refused.append(text)

@@ -70,7 +70,7 @@ def check_quality(
         findings += found
         if any(finding.verdict == "refused" for finding in found):
             stopped = stage
-    findings += need_findings(log, needs)
+    findings += need_findings(log, needs, findings)
     return QualityReport(
         robot=recording.header.robot,
         segment=recording.header.segment,

@@ -1,6 +1,6 @@
 """What a log is to be used for, and what it must have for that."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import final
@@ -25,6 +25,8 @@ class Need:
     """Whether the header must say what the torque is."""
     least: Mapping[str, float] = field(default_factory=dict)
     """Figures of coverage that at least one joint must reach, by name."""
+    sound: tuple[str, ...] = ()
+    """Checks that must not even be flagged."""
     why: str
 
 
@@ -63,13 +65,29 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
             least={"load_span": 0.05},
             why="gravity and load-dependent friction need a load that changes by some percent of the peak torque",
         ),
+        "diagnosis": Need(
+            columns=("motor.position", "motor.effort"),
+            torque=True,
+            sound=(
+                *("dropped_samples", "clock_jitter", "clock_drift", "repeated_rows"),
+                *("coarse", "encoder_steps", "spike"),
+                *("tracker_scale", "tracker_motion", "tracker_frame", "tracker_lag"),
+            ),
+            why="what is uneven, coarser than its noise, or of another frame or time would be taken for a fault of the "
+            "machine",
+        ),
     }
 )
 """Uses of a log by name."""
 
 
-def need_findings(log: Log, needs: Iterable[str]) -> tuple[Finding, ...]:
+def need_findings(log: Log, needs: Iterable[str], others: Sequence[Finding]) -> tuple[Finding, ...]:
     """What a log lacks for its uses: refused if no joint serves, flagged for joints that do not.
+
+    Args:
+        log: what is judged.
+        needs: names of uses.
+        others: what checks found, of which some uses bear less.
 
     Raises:
         FFGymError: if a use is unknown.
@@ -77,7 +95,7 @@ def need_findings(log: Log, needs: Iterable[str]) -> tuple[Finding, ...]:
     found: list[Finding] = []
     for name in needs:
         need = NEEDS[check_choice("need", name, list(NEEDS))]
-        found += _columns(log, name, need) or _coverage(log, name, need) or [_met(name)]
+        found += _columns(log, name, need) or _flaws(name, need, others) or _coverage(log, name, need) or [_met(name)]
     return tuple(found)
 
 
@@ -95,6 +113,12 @@ def _columns(log: Log, name: str, need: Need) -> list[Finding]:
         )
         return [_refused(name, text, ("motor.effort",))]
     return []
+
+
+def _flaws(name: str, need: Need, others: Sequence[Finding]) -> list[Finding]:
+    """What the use does not bear, although others do."""
+    flagged = [finding for finding in others if finding.verdict == "flagged" and finding.check in need.sound]
+    return [_refused(name, f"For {name}: {finding.message}", finding.columns) for finding in flagged]
 
 
 def _refused(name: str, message: str, columns: tuple[str, ...] = ()) -> Finding:

@@ -16,11 +16,12 @@ def markdown_table() -> str:
 
 def needs_table() -> str:
     """All uses, as printed in docs/quality.md."""
-    lines = ["| need | columns | at least, on one joint | why |", "|---|---|---|---|"]
+    lines = ["| need | columns | at least, on one joint | not even flagged | why |", "|---|---|---|---|---|"]
     for name, need in NEEDS.items():
         columns = ", ".join(f"`{column}`" for column in need.columns)
         least = ", ".join(f"{figure} {value:g}" for figure, value in need.least.items())
-        lines.append(f"| `{name}` | {columns} | {least} | {need.why} |")
+        sound = ", ".join(f"`{check}`" for check in need.sound)
+        lines.append(f"| `{name}` | {columns} | {least} | {sound} | {need.why} |")
     return "\n".join(lines)
 
 

@@ -37,15 +37,25 @@ def _permutation(log: Log) -> Iterator[Seen]:
     if len(joints) < 2:
         raise NotJudgedError("fewer than two joints move")
     cost = np.array([[_left(model, i, j) for j in joints] for i in joints])
-    _, chosen = linear_sum_assignment(cost)
+    chosen = linear_sum_assignment(cost)[1].tolist()
+    own = np.diag(cost)
+    gains = np.where(own > np.log(_MISFIT), own - cost[np.arange(len(own)), chosen], 0.0)
     for row, column in enumerate(chosen):
-        gain = float(cost[row, row] - cost[row, column]) if cost[row, row] > np.log(_MISFIT) else 0.0
+        gain = float(gains[_exchanged(chosen, row)].min())  # all of them have changed places, or none
         name, other = (f"motor.effort.{log.joints[joints[k]]}" for k in (row, column))
         message = (
             f"{name} is explained {np.exp(gain):.3g} times as well by the motion of joint {log.joints[joints[column]]} "
             "as by that of its own, must be less than 2. Give the columns the names of their joints."
         )
         yield Seen(value=gain, message=message, columns=(name, other), joint=log.joints[joints[row]])
+
+
+def _exchanged(chosen: list[int], row: int) -> list[int]:
+    """Rows that have changed places with `row`: it, the row it is like, the row that one is like, and so on."""
+    found = [row]
+    while chosen[found[-1]] != row:
+        found.append(chosen[found[-1]])
+    return found
 
 
 _MISFIT = 0.35
@@ -110,7 +120,8 @@ TORQUE = (
         unit="1",
         flag=float(np.log(2.0)),
         refuse=float(np.log(2.0)),
-        why="judged where a joint's own description leaves more than 35 %, as assignment of all torques to all joints",
+        why="judged where own descriptions leave more than 35 %, as assignment of all torques to all joints; a payload "
+        "that is not described makes one torque like another, but not that one like the first",
         judge=_permutation,
     ),
     Check(

@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ffgym.effects import EFFECTS
 from ffgym.errors import FFGymError
 from ffgym.logs import read_logs
 from ffgym.motions import list_motions, load_motion
+from ffgym.plant import Machine
 from ffgym.quality import check_quality
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, builtin_robots, load_robot
@@ -82,6 +84,15 @@ def test_a_machine_that_differs_from_its_description_is_no_fault_of_its_log(seed
     machine = replace(nominal, friction=friction, drive=drive, bodies=bodies)
     reference = load_motion(RigidArm(machine), "multisine").reference
     recording = simulate([Run(reference=reference)], sensors=sensors_of(machine), seed=seed)[0]
+    assert objections(recording, nominal) == []
+
+
+def test_a_payload_that_is_not_described_is_no_permutation():
+    """With 60 kg more, the torque of the elbow is like what the shoulder needs; that of the shoulder is its own."""
+    nominal = described("irb4600_60_205", "sine")
+    machine = Machine(robot=nominal, effects=(EFFECTS["payload"].on(nominal, mass=60.0),))
+    reference = load_motion(RigidArm(nominal), "sine").reference
+    recording = simulate([Run(reference=reference)], machine=machine, sensors=sensors_of(nominal))[0]
     assert objections(recording, nominal) == []
 
 

@@ -77,6 +77,17 @@ def test_a_need_that_some_joints_serve_is_flagged_for_the_others():
     assert (finding.verdict, finding.joint) == ("flagged", "elbow")
 
 
+def test_a_use_that_bears_less_than_others_refuses_what_is_flagged():
+    recording = clean_log("two_link", "multisine")
+    columns = {name: np.r_[x[:3000], x[2999:-1]] for name, x in recording.columns.items() if name != "timestamp"}
+    twice = recording.with_columns(columns)
+    assert [(f.check, f.verdict) for f in check_quality(twice).problems] == [("repeated_rows", "flagged")]
+    assert [f.verdict for f in check_quality(twice, needs=["friction"]).of("need_friction")] != ["refused"]
+    (finding,) = check_quality(twice, needs=["diagnosis"]).of("need_diagnosis")
+    assert finding.verdict == "refused"
+    assert finding.message.startswith("For diagnosis: All columns: 1 rows repeat")
+
+
 def test_unknown_needs_and_things_that_are_no_recordings_are_refused():
     with pytest.raises(FFGymError, match="Unknown need 'luck'"):
         check_quality(one_joint(np.zeros(100)), needs=["luck"])
