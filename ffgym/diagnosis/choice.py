@@ -17,9 +17,9 @@ from ffgym.diagnosis.signatures.variant import Cycles
 from ffgym.effects import Effect
 from ffgym.types import Array
 
-_LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("sign", 1))
-"""Peaks per joint that are tried as the frequency of a periodic effect, of the residual as it is and of that times the
-sign of the speed."""
+_LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("torque", 1))
+"""Peaks per joint that are tried as the frequency of a periodic effect, of what has one amplitude and of what goes with
+the torque."""
 
 _LOUD = 1.1
 """Energy over that of noise from which on a joint's torque may have a period in it."""

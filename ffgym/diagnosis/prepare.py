@@ -131,7 +131,7 @@ def candidates_for(ready: Prepared, kinds: Sequence[type[Effect]], memory: Memor
 
 def repeats(kind: type[Effect]) -> bool:
     """Whether an effect repeats with the motor angle, at a frequency that must be looked for."""
-    return any(p.role == "cycles" for p in kind.parameters().values())
+    return any(p.is_looked_for for p in kind.parameters().values())
 
 
 def _is_shared(kind: type[Effect], ready: Prepared) -> bool:

@@ -39,9 +39,15 @@ def torques_along(effect: TorqueEffect, states: State, dt: float) -> Torques:
 def samples(states: State) -> Iterator[State]:
     """The states at each sample in turn, (..., N) each: views, made cheaply, as there are many of them."""
     shape = states.motor_angle.shape
-    columns = [np.broadcast_to(getattr(states, name), shape) for name in _STATE]
+    same, columns = {}, []
+    for name in _STATE:
+        values = getattr(states, name)
+        if np.ndim(values) < len(shape) or len(values) == 1:  # the same at all samples
+            same[name] = np.broadcast_to(values, (1, *shape[1:]))[0]
+        else:
+            columns.append((name, np.broadcast_to(values, shape)))
     for k in range(shape[0]):
-        yield State(**{name: column[k] for name, column in zip(_STATE, columns, strict=True)})
+        yield State(**same, **{name: column[k] for name, column in columns})
 
 
 def _stacked(samples: list[Array | None]) -> Array | None:

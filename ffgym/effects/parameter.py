@@ -45,9 +45,15 @@ class Parameter:
     role: Role
     """What it is to a search among effects."""
     tries: tuple[float, ...]
-    """Values of a shape at which a search begins; empty is the default value alone."""
+    """Values of a shape at which a search begins; empty is the default value alone. Of cycles, where joints move too
+    little to show a period; empty are those that what is to be explained has per motor turn."""
     default: float | None
     """Value if none is given; None if one must be."""
+
+    @property
+    def is_looked_for(self) -> bool:
+        """Whether it is a frequency that what is to be explained must show."""
+        return self.role == "cycles" and not self.tries
 
     @property
     def neutral(self) -> float:

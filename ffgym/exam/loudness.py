@@ -1,15 +1,15 @@
 r"""How loud a hidden effect is: how far what it adds to the residual stands above what noise makes of it.
 
-.. math:: \chi_0 = 1 + \max_c \frac1R \sum_{m,i} \left( \frac{r_{mic} - r^0_{mic}}{n_{mc}} \right)^2
+.. math:: \chi_0 = 1 + \max_c \frac1R \sum_{m,i} \left( \frac{\Delta_{mic}}{n_{mc}} \right)^2
 
-over the components c of all channels, with the residual r of the nominal model on the machine's log, r^0 on the log of
-the same machine without the effect, and the RMS n of that on a log of the nominal robot itself in motion m, all with
-the same sensors; R rows i of all motions. Errors of calibration are in both residuals: they make the question harder,
-not the effect louder. What errors of calibration within their bounds would explain of the difference is taken off it:
-a link that is a per cent heavier is no effect that anybody could know of.
+over the components c of all channels; R rows i of all motions, and the RMS n in motion m of what the nominal model
+leaves of a log of the nominal robot itself. :math:`\Delta` is what the effect changes when that log is replayed, or
+what it changes in the log where no replay knows of it, e.g. of joints that a description does not have; less what
+errors of calibration within their bounds would explain of it: a link that is a per cent heavier is no effect that
+anybody could know of.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import final
@@ -24,12 +24,12 @@ from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.column import Parts
+from ffgym.effects import Effect
 from ffgym.exam.case import Case, protocol_of
-from ffgym.exam.hidden import Hidden
 from ffgym.exam.recording import log_of_case, recorded
 from ffgym.plant import Climate, Machine
 from ffgym.recordings import Recording
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RigidArm
 from ffgym.types import Array, BoolArray
 
 _NOISE_SEED = 0
@@ -37,21 +37,6 @@ _NOISE_SEED = 0
 
 Rows = Mapping[Channel, Array]
 """Residual by channel (R, M, C); zero in rows that do not count."""
-
-
-def residual_of(robot: RobotDescription, recordings: Sequence[Recording]) -> Rows:
-    """What the nominal model leaves of a log."""
-    log = log_of(robot, recordings)
-    return _counted(log, residual_rows(log, predicted(replay(log, Machine(robot=robot)))))
-
-
-def _less(one: Rows, other: Rows) -> Rows:
-    return {channel: values - other[channel] for channel, values in one.items()}
-
-
-def _counted(log: Log, rows: Mapping[Channel, Array]) -> Rows:
-    valid: BoolArray = valid_rows(log)[..., None]
-    return {channel: np.where(valid, values, 0.0) for channel, values in rows.items()}
 
 
 @final
@@ -97,18 +82,54 @@ def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, calibration: Sequ
     return Yardstick(rms=rms, calibration=calibration, stack=stack_of(blocks_of(valid, row_dt), calibration, weights))
 
 
+@final
+class Listener:
+    """Hears what effects add to the log of a robot that has none."""
+
+    def __init__(self, arm: RigidArm, poor: bool, lacks: tuple[str, ...]) -> None:
+        self._arm, self._poor, self._lacks = arm, poor, lacks
+        self._nominal = Machine(robot=arm.robot)
+        log = self._log(())
+        self._run = replay(log, self._nominal)
+        self._without, self._valid = predicted(self._run), valid_rows(log)
+        self._residual = residual_rows(log, self._without)
+        calibration = [
+            {key: rows * doubt.sigma for key, rows in doubt.column.parts.items()}
+            for doubt in doubts_of(self._run, Calibration())
+        ]
+        noise = self._counted(self._residual)
+        self._yardstick = yardstick_of(noise, self._valid, log.sampling.row_dt, calibration)
+
+    def energy(self, effect: Effect) -> float:
+        """Energy that an effect adds, in energies of the noise."""
+        machine = Machine(robot=self._arm.robot, effects=(effect,))
+        added = self._yardstick.energy(
+            self._changed(predicted(replay(self._run.log, machine, self._run)), self._without)
+        )
+        if added > 0:
+            return added
+        log = self._log((effect,))
+        residual = residual_rows(log, predicted(replay(log, self._nominal)))
+        return self._yardstick.energy(self._changed(residual, self._residual))
+
+    def _log(self, effects: tuple[Effect, ...]) -> Log:
+        """With the same noise at all times."""
+        robot = self._arm.robot
+        machine = Machine(robot=robot, effects=effects, climate=Climate())
+        protocols = [protocol_of(robot, poor=self._poor)]
+        return log_of(robot, recorded(self._arm, machine, protocols, seed=_NOISE_SEED, lacks=self._lacks))
+
+    def _changed(self, one: Rows, other: Rows) -> Rows:
+        return self._counted({channel: values - other[channel] for channel, values in one.items()})
+
+    def _counted(self, rows: Rows) -> Rows:
+        return {channel: np.where(self._valid[..., None], values, 0.0) for channel, values in rows.items()}
+
+
 @cache
-def yardstick_of_exam(arm: RigidArm, poor: bool, lacks: tuple[str, ...]) -> Yardstick:
-    """By a log of the nominal robot itself, of the same motions and columns."""
-    machine = Machine(robot=arm.robot, climate=Climate())
-    recordings = recorded(arm, machine, [protocol_of(arm.robot, poor=poor)], seed=_NOISE_SEED, lacks=lacks)
-    log = log_of(arm.robot, recordings)
-    run = replay(log, Machine(robot=arm.robot))
-    calibration = [
-        {key: rows * doubt.sigma for key, rows in doubt.column.parts.items()} for doubt in doubts_of(run, Calibration())
-    ]
-    noise = _counted(log, residual_rows(log, predicted(run)))
-    return yardstick_of(noise, valid_rows(log), log.sampling.row_dt, calibration)
+def listener_of_exam(arm: RigidArm, poor: bool, lacks: tuple[str, ...]) -> Listener:
+    """To the motions of an exam; made once."""
+    return Listener(arm, poor, lacks)
 
 
 @final
@@ -127,40 +148,19 @@ def handed_out(case: Case) -> Paper:
     """The log of a question, with effects as loud as they are to be, or as they can be within their plausible size."""
     if not case.hidden:
         return Paper(case=case, log=tuple(log_of_case(case)), loudness=())
-    quiet = log_of_case(case, case.machine)
-    yardstick, without = yardstick_of_exam(case.arm, case.is_poor, case.lacks), residual_of(case.arm.robot, quiet)
-
-    def simulated(*hidden: Hidden) -> tuple[float, list[Recording]]:
-        log = log_of_case(case, case.with_hidden(hidden))
-        return yardstick.energy(_less(residual_of(case.arm.robot, log), without)), log
-
-    sized, expected = case.hidden, []
+    listener = listener_of_exam(case.arm, case.is_poor, case.lacks)
+    sized = case.hidden
     if case.loudness:
-        replayed = _replayed(case, log_of(case.arm.robot, quiet), yardstick)
-        full = [replayed(one) or simulated(one)[0] for one in case.hidden]  # what no replay knows is simulated
-        factors = [_factor(wanted, added) for wanted, added in zip(case.loudness, full, strict=True)]
-        sized = tuple(one.times(factor) for one, factor in zip(case.hidden, factors, strict=True))
-        expected = [factor**2 * added for factor, added in zip(factors, full, strict=True)]
-    together, log = simulated(*sized)
-    heard = tuple(1 + added for added in (expected if len(sized) > 1 else [together]))
+        full = [listener.energy(one.effect) for one in case.hidden]
+        sized = tuple(
+            one.times(_factor(wanted, added))
+            for one, wanted, added in zip(case.hidden, case.loudness, full, strict=True)
+        )
+    log = log_of_case(case, case.with_hidden(sized))
+    heard = tuple(1 + listener.energy(one.effect) for one in sized)
     return Paper(case=replace(case, hidden=sized), log=tuple(log), loudness=heard)
 
 
 def _factor(wanted: float, full: float) -> float:
     """Size at which an effect is as loud as wanted, as a share of the full one; energy grows with its square."""
     return 1.0 if full <= wanted - 1 else float(np.sqrt((wanted - 1) / full))
-
-
-def _replayed(case: Case, quiet: Log, yardstick: Yardstick) -> Callable[[Hidden], float]:
-    """Energy that an effect would add to the residual, by what it changes when a log without it is replayed.
-
-    It is 0 for what no replay knows, e.g. joints that a description does not have.
-    """
-    nominal = Machine(robot=case.arm.robot)
-    without = _counted(quiet, predicted(replay(quiet, nominal)))
-
-    def energy(one: Hidden) -> float:
-        with_it = predicted(replay(quiet, replace(nominal, effects=(one.effect,))))
-        return yardstick.energy(_less(_counted(quiet, with_it), without))
-
-    return energy

@@ -33,6 +33,9 @@ REPEATED = 25
 LOUD = 10.0
 """Loudness from which on the gain of an answer is demanded, and computed."""
 
+GAINED = 3
+"""The gain of the answer is computed for every so many questions of a row: that takes as long as the answer."""
+
 _LATER = 60.0
 """Time after a poor log at which what it proposes is recorded [s]; chosen: what it takes to read the proposal."""
 
@@ -68,7 +71,7 @@ def examined(question: Question, *, seed: int) -> Mark:
         seconds = time.perf_counter() - began
         same = _bytes(answer) == _bytes(answered(paper.log)) if number % REPEATED == 0 else None
         then = _resolved(paper, answer) if paper.case.is_poor else None
-        is_loud = min(paper.loudness, default=0.0) >= LOUD
+        is_loud = number % GAINED == 0 and min(paper.loudness, default=0.0) >= LOUD
         gain = gain_of(paper.case, answer.causes) if is_loud and answer.verdict in ("named", "partly") else None
     except FFGymError as error:
         raise FFGymError(f"Question {row}-{number} of seed {seed}: {error}") from error

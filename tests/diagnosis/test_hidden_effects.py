@@ -51,7 +51,7 @@ def answer(irb4600):
     return lambda case: diagnose(irb4600, log_of_case(case), memory=memory)
 
 
-@pytest.mark.parametrize("number", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("number", [0, 1])
 def test_nothing_is_found_where_nothing_is_hidden(number, question, answer):
     assert answer(question(number)).verdict == "none"
 
@@ -67,7 +67,7 @@ NAMED = {
     "slip elements, another equation": ("maxwell_slip", "j6", {"share": 0.8, "travel": 0.03}),
     "efficiency, another equation": ("directional_efficiency", "j2", {"share": 0.05, "ratio": 1.4, "slow": 0.3}),
 }
-QUICK = ("load friction", "cogging", "slip elements, another equation")
+QUICK = ("load friction", "cogging", "payload", "slip elements, another equation", "efficiency, another equation")
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,6 @@ def test_what_is_hidden_is_named_with_its_joint(what, question, answer, irb4600)
     assert outcome(found, [one]) in wanted, found.sentence
 
 
-@pytest.mark.slow
 def test_both_of_a_pair_are_named(question, answer, irb4600):
     both = (
         hidden(irb4600, "load_friction", "j2", share=0.06),
@@ -95,10 +94,11 @@ def outsiders(robot):
     return {
         "vibration": hidden(robot, "floor_vibration", "j3", share=0.12, frequency=17.0, phase=0.5),
         "other joint": hidden(robot, "rubbing_hose", "j2", share=pair(robot, "j2", "j4", 0.25), phase=0.7),
+        "oil": hidden(robot, "stirred_oil", "j2", share=pair(robot, "j2", "j1", 0.08), speed=13.0),
     }
 
 
-@pytest.mark.parametrize("what", ["vibration", pytest.param("other joint", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("what", ["vibration", "oil", pytest.param("other joint", marks=pytest.mark.slow)])
 def test_what_no_effect_explains_is_unknown_and_described(what, question, answer, irb4600):
     one = outsiders(irb4600)[what]
     found = answer(question(21, one))
@@ -112,6 +112,10 @@ def test_small_circles_alone_name_nothing_that_is_not_there(question, answer, ir
     one = hidden(irb4600, "backlash", "j2", half_gap=5e-5)
     found = answer(question(22, one, row="poor"))
     assert outcome(found, [one]) not in ("wrong", "surplus"), found.sentence
+
+
+def test_small_circles_of_a_faultless_machine_name_nothing(question, answer):
+    assert answer(question(24, row="poor")).verdict == "none"
 
 
 @pytest.mark.slow

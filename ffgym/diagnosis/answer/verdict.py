@@ -25,6 +25,10 @@ LOUD = 1.5
 TIED = 0.05
 """A rival ties if it is at least as good in this share of resamples."""
 
+ALIKE = 0.02
+"""Share of what is above the noise by which a rival with no more numbers must explain less, whatever the resamples say:
+no equation is exact, and one that is this near is not ruled out by what it leaves."""
+
 RESAMPLES = 500
 
 
@@ -76,11 +80,12 @@ def _is_explained(before: Loudness, after: Loudness) -> bool:
 
 def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
     """Share that each cause removed of the energy above the noise that was there when it was adopted."""
-    by_place: dict[tuple[str, str, int | None], float] = {}
+    by_place: dict[tuple[str, str, int | None], list[float]] = {}
     for one in found.rounds:
-        if one.adopted:
-            by_place[one.tried[0].hypothesis.place] = removed_by(setting, one.before, one.tried[0]).of_excess
-    return tuple(by_place.get(h.place, 0.0) for h in found.final.fit.hypotheses)
+        if one.adopted:  # several waves of one effect in the order in which they were found
+            gains = by_place.setdefault(one.tried[0].hypothesis.place, [])
+            gains.append(removed_by(setting, one.before, one.tried[0]).of_excess)
+    return tuple(by_place[h.place].pop(0) for h in found.final.fit.hypotheses)
 
 
 def _rivals(setting: Setting, found: Found, rng: np.random.Generator) -> tuple[Rival, ...]:
@@ -95,7 +100,9 @@ def _rivals(setting: Setting, found: Found, rng: np.random.Generator) -> tuple[R
 
 
 def _rival(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> Rival:
-    tied = _ties(best.left, other.left, rng)
+    gains = [removed_by(setting, before, one).of_excess for one in (best, other)]
+    is_simpler = len(other.hypothesis.free()) <= len(best.hypothesis.free())
+    tied = _ties(best.left, other.left, rng) or (is_simpler and gains[1] >= gains[0] - ALIKE)
     reason = (
         "explains the log as well: these motions cannot tell both apart"
         if tied
@@ -104,7 +111,7 @@ def _rival(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.r
     return Rival(
         effect=other.hypothesis.kind.name,
         joint=other.hypothesis.joint,
-        held_out_gain=removed_by(setting, before, other).of_excess,
+        held_out_gain=gains[1],
         tied=tied,
         against=best.hypothesis.label,
         reason=reason,

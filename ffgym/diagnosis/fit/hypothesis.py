@@ -20,6 +20,10 @@ _CYCLES = 0.05
 """Step of a frequency as a share of itself; a frequency is looked for before, and only refined here."""
 
 
+_OTHER_WAVE = 0.3
+"""Relative difference of two frequencies from which on they are two waves; harmonics are further apart."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Free:
     """One number of a hypothesis that is fitted."""
@@ -55,6 +59,16 @@ class Hypothesis:
     def place(self) -> tuple[str, str, int | None]:
         """What tells it from other hypotheses, whatever its values."""
         return self.kind.name, self.joint, self.source
+
+    def repeats(self, known: "Hypothesis") -> bool:
+        """Whether it is `known` once more: a wave of another frequency is not."""
+        cycles = [name for name, p in self.kind.parameters().items() if p.role == "cycles"]
+        apart = any(
+            abs(self.values[name] / known.values[name] - 1) > _OTHER_WAVE
+            for name in cycles
+            if self.place == known.place
+        )
+        return self.place == known.place and not apart
 
     def effect(self, robot: RobotDescription) -> Effect:
         """The effect, on its joint alone."""
@@ -136,7 +150,8 @@ def _free(p: Parameter, part: int | None, value: float) -> Free:
     if p.role == "phase":
         return Free(name=p.name, part=part, value=value, step=0.5, low=-np.inf, high=np.inf)
     if p.role == "cycles":
-        step = _CYCLES * max(abs(value), 1.0)
+        # found where it was looked for, or somewhere between those that were tried
+        step = _CYCLES * max(abs(value), 1.0) if p.is_looked_for else 0.5 * float(np.min(np.diff(p.tries)))
         return Free(name=p.name, part=part, value=value, step=step, low=max(p.minimum, value - step), high=value + step)
     # beyond its plausible range a shape makes of an effect another one: a drift of a second is a level
     low, high = min(p.low, value), max(p.high, value)

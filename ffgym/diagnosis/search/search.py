@@ -131,7 +131,6 @@ def _round(
     together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
     evidence = candidates.stack.evidence(together)
     ranking = ranked(evidence, candidates, candidates.calibration)
-    taken = {hypothesis.place for hypothesis in fixed.hypotheses}
     tried: list[Tried] = []
     places: set[tuple[str, str, int | None]] = set()
     best = ranking.score[ranking.order[0]]
@@ -140,7 +139,7 @@ def _round(
             break
         linear = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
         start = _possible(setting, fixed.hypotheses, linear)
-        if start is None or start.place in taken or start.place in places:
+        if start is None or start.place in places or any(start.repeats(known) for known in fixed.hypotheses):
             continue
         places.add(start.place)
         report(f"fitting {start.label}", len(tried) / TRIED)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.signatures.column import Parts, clock_parts, shown
 from ffgym.diagnosis.signatures.difference import Push, changes, moved, of_numbers
-from ffgym.effects import ClockEffect, NativeEffect, TorqueEffect, TrackerEffect
+from ffgym.effects import ClockEffect, NativeEffect, TorqueEffect, Torques, TrackerEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect
 from ffgym.plant import Machine
@@ -14,7 +14,8 @@ from ffgym.types import Array
 
 def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
     """Change of all predictions for each of several machines in place of that of the replay."""
-    pushes = [_push(run, machine) for machine in machines]
+    known: dict[TorqueEffect, Torques] = {}
+    pushes = [_push(run, machine, known) for machine in machines]
     found: list[Parts] = []
     for machine, change in zip(machines, changes(run, pushes), strict=True):
         parts = dict(shown(run, change))
@@ -41,8 +42,8 @@ def _exchange(before: Machine, after: Machine) -> tuple[list[Effect], list[Effec
     return gone, [effect for effect in after.effects if effect not in before.effects]
 
 
-def _push(run: Replay, machine: Machine) -> Push:
-    """What the exchange adds to the balance of torques."""
+def _push(run: Replay, machine: Machine, known: dict[TorqueEffect, Torques]) -> Push:
+    """What the exchange adds to the balance of torques; `known` are those of effects that go, computed once."""
     gone, come = _exchange(run.machine, machine)
     total = Push()
     if any(isinstance(effect, NativeEffect) for effect in (*gone, *come)):
@@ -50,7 +51,9 @@ def _push(run: Replay, machine: Machine) -> Push:
     for sign, effects in ((-1.0, gone), (1.0, come)):
         for effect in effects:
             if isinstance(effect, TorqueEffect):
-                added = torques_along(effect, run.state, run.log.dt)
+                if effect not in known:
+                    known[effect] = torques_along(effect, run.state, run.log.dt)
+                added = known[effect]
                 total = Push(
                     motor=_plus(total.motor, added.motor, -sign),
                     links=_plus(total.links, added.link, -sign),

@@ -52,7 +52,7 @@ def step_of(known: Parameter) -> float:
 def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Iterator[Variant]:
     """All variants of an effect on a robot; none if the robot cannot have it at all."""
     known = kind.parameters()
-    repeats = any(p.role == "cycles" for p in known.values())
+    repeats = any(p.is_looked_for for p in known.values())
     joints = [
         j for j, joint in enumerate(robot.joints) if _can_have(kind, robot, j) and (cycles.get(joint) or not repeats)
     ]
@@ -121,22 +121,18 @@ def _shapes(known: Mapping[str, Parameter], robot: RobotDescription, cycles: Cyc
     """Values of shape parameters to try: every combination; frequencies differ from joint to joint."""
     tried: list[list[tuple[str, Any]]] = []
     for p in known.values():
-        if p.role == "shape" and p.tries:
+        if p.role in ("shape", "cycles") and p.tries:
             tried.append([(p.name, value) for value in p.tries])
-        if p.role == "cycles":
+        if p.is_looked_for:
             count = max((len(cycles.get(joint, ())) for joint in robot.joints), default=0)
             tried.append([(p.name, _cycles(p, robot, cycles, i)) for i in range(count)])
     return [dict(combination) for combination in product(*tried)]
 
 
 def _cycles(p: Parameter, robot: RobotDescription, cycles: Cycles, i: int) -> Array:
-    """The i-th frequency of each joint, per motor turn, or per radian of the joint where that is the unit."""
-    values = []
-    for j, joint in enumerate(robot.joints):
-        likely = cycles.get(joint, ())
-        turn = likely[min(i, len(likely) - 1)] if likely else 1.0
-        values.append(turn * abs(robot.drive.gear_ratio[j]) if p.unit == "1/rad" else turn)
-    return np.clip(values, p.minimum, p.maximum)
+    """The i-th frequency of each joint, per motor turn."""
+    likely = [cycles.get(joint) or (1.0,) for joint in robot.joints]
+    return np.clip([own[min(i, len(own) - 1)] for own in likely], p.minimum, p.maximum)
 
 
 def _spans(known: Mapping[str, Parameter], shape: Mapping[str, Any]) -> list[dict[str, Any]]:

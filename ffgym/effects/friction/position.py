@@ -45,6 +45,7 @@ class PositionFriction(TorqueEffect):
         high=40.0,
         minimum=0.0,
         default=10.0,
+        tries=(1.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0),
         source="chosen: from a turn of the joint to that of a planet wheel",
     )
     phase: Array = parameter(

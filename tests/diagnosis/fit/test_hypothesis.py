@@ -67,6 +67,19 @@ def test_a_moved_hypothesis_stays_within_its_bounds_and_can_be_built(name, chang
     moved.effect(robot)
 
 
+def test_a_shape_is_fitted_within_its_plausible_range_as_a_drift_of_a_second_is_a_level(robot):
+    kind = EFFECTS["coulomb_drift"]
+    known = kind.parameters()["duration"]
+    begun = Hypothesis(
+        kind=kind,
+        joint=robot.joints[0],
+        source=None,
+        values={"share": np.array(0.1), "duration": np.array(known.default)},
+    )
+    for change in (-1e6, 1e6):
+        assert known.low <= float(begun.moved([0.0, change]).values["duration"]) <= known.high
+
+
 def _usual(p):
     value = p.neutral + 0.1 * (p.high - p.neutral) if p.role == "size" else p.default
     value = p.low if value is None else value

@@ -1,0 +1,25 @@
+"""What a cause is credited with: what it removes where it acts, beyond what inexact causes before it would leave."""
+
+import pytest
+
+from ffgym.diagnosis.fit.leftover import removed
+
+ONE, OTHER = ("torque", 0), ("torque", 1)
+
+
+def test_a_cause_is_credited_with_what_it_removes_where_it_acts():
+    gone = removed({ONE: 11.0, OTHER: 50.0}, {ONE: 3.0, OTHER: 50.0}, {ONE})
+    assert gone.of_excess == pytest.approx(0.8)
+    assert gone.of_all == pytest.approx(8 / 11)
+    assert gone.excess == pytest.approx(10 / 11)
+
+
+def test_what_an_inexact_cause_would_leave_is_not_credited_to_another():
+    before, after = {ONE: 3.0, OTHER: 3.0}, {ONE: 1.0, OTHER: 1.0}
+    assert removed(before, after, {ONE}, {ONE: 2.5}).of_excess == 0.0
+    assert removed(before, after, {ONE, OTHER}, {ONE: 2.5, OTHER: 0.0}).of_excess == pytest.approx(0.5)
+    assert removed(before, after, {ONE}, {ONE: 0.5}).of_excess == pytest.approx(0.75)
+
+
+def test_what_a_cause_adds_counts_against_it_whatever_is_allowed_for():
+    assert removed({ONE: 3.0}, {ONE: 5.0}, {ONE}, {ONE: 2.5}).of_excess == pytest.approx(-1.0)
