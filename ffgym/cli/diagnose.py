@@ -185,7 +185,7 @@ class Diagnose:
                 f"ffgym diagnose OTHER_LOGS --robot {folder}/{EXTENDED}"
             )
         if diagnosis.verdict == "insufficient":
-            return f"ffgym log check {logs} --robot {robot}"
+            return f"ffgym log check {logs} --robot {robot} --needs diagnosis"
         if diagnosis.verdict == "unknown":
             return "record motions that vary what the patterns name, and nothing else; ffgym record --list shows some"
         return "record motions in other regimes, if the simulation is wrong in those; ffgym record --list shows some"

@@ -14,6 +14,12 @@ _SERVO_LAG = 0.05
 robots here, some times that without feed-forward of the speed."""
 
 
+_CURRENT_LOOP = 5e-4
+"""Difference [s] between the delays of joints that their drives may make: current loops have 300 Hz and more."""
+
+_ROWS = 0.75
+"""Delay in rows that columns of one time may seem to have: a speed from backward differences is half a row late."""
+
 _COPY = 0.995
 """Correlation of motor and set-point from which on a delay between them is one: what else differs may look like it."""
 
@@ -37,6 +43,30 @@ def _within(log: Log) -> Iterator[Seen]:
                 yield Seen(value=abs(lag), message=message, columns=columns, joint=log.joints[j])
     if not judged:
         raise NotJudgedError("no two columns of one channel say the same of a joint that moves")
+
+
+def _apart(log: Log) -> Iterator[Seen]:
+    """Torques of which those of one joint are late."""
+    signals, judged = torque_signals(log), False
+    limit = max(_ROWS * log.dt, _CURRENT_LOOP)
+    for family, other in _pairs(signals):
+        lags = {j: lag * log.dt for j in signals.numbers if (lag := signals.lag(family, other, j)) is not None}
+        if len(lags) < 2:
+            continue
+        judged = True
+        usual = float(np.median([*lags.values()]))
+        odd, like = max(lags, key=lambda j: abs(lags[j] - usual)), min(lags, key=lambda j: abs(lags[j] - usual))
+        message = (
+            f"{family} is later than {other} by {lags[odd]:.4g} s on joint {log.joints[odd]} and by {lags[like]:.4g} s "
+            f"on joint {log.joints[like]}, must be alike within {limit:.2g} s: rows of a log are of one time. Shift "
+            "the torque that is out of step."
+        )
+        columns = [
+            name for j in (odd, like) for signal in (other, family) for name in columns_of(signal, log.joints[j])
+        ]
+        yield Seen(value=abs(lags[odd] - lags[like]) / limit, message=message, columns=tuple(columns))
+    if not judged:
+        raise NotJudgedError("no two columns say the same of the torques of two joints")
 
 
 def _pairs(signals: Signals) -> list[tuple[str, str]]:
@@ -75,10 +105,19 @@ def _behind(log: Log) -> Iterator[Seen]:
 
 TIMING = (
     Check(
+        name="torque_lag_apart",
+        figure="Difference between joints in the delay of one torque column behind another, over 0.5 ms, or 0.75 rows "
+        "where those are longer",
+        unit="1",
+        flag=1.0,
+        why="all torques of a row are of one time; delays of current loops differ by less than 0.5 ms",
+        judge=_apart,
+    ),
+    Check(
         name="lag",
         figure="Delay between columns of one quantity",
         unit="rows",
-        flag=0.75,
+        flag=_ROWS,
         why="a speed from backward differences is half a row late; more is a filter, or another clock",
         judge=_within,
     ),

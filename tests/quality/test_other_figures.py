@@ -65,6 +65,16 @@ def test_motors_ahead_of_their_set_points():
     assert "reference_lag" in flagged(clean.with_columns(late))
 
 
+def test_torques_of_one_joint_that_are_late_beside_those_of_the_others(clean):
+    """All of them may be a row behind the command; one alone is not of the same rows."""
+    late = {name: np.r_[x[:1], x[:-1]] for name, x in clean.columns.items() if name.startswith("motor.effort.")}
+    assert flagged(clean.with_columns(late)) == {"lag"}
+    one = {"motor.effort.j3": late["motor.effort.j3"]}
+    report = check_quality(clean.with_columns(one), needs=["diagnosis"])
+    assert {finding.check for finding in report.problems} == {"lag", "torque_lag_apart", "need_diagnosis"}
+    assert {finding.columns[0] for finding in report.of("torque_lag_apart")} == {"motor.effort.j3"}
+
+
 def test_numbers_that_no_machine_gives(clean):
     values = clean["motor.effort.j2"].copy()
     values[0] = 1e40

@@ -72,6 +72,6 @@ def filtered_speed_called_raw(recording, rng):
     )
 
 
-@defect("lag", needs=("command.effort",))
+@defect("lag", "torque_lag_apart", needs=("command.effort",))
 def one_torque_a_sample_late(recording, rng):
     return on_column(recording, "motor.effort", some_joint(recording, rng), lambda x: np.r_[x[:1], x[:-1]])
