@@ -1,11 +1,12 @@
 """Checks of single rows: values that stick out, jumps, bursts of noise."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import final
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import maximum_filter1d
 
 from ffgym.quality.check import Check, Seen
 from ffgym.quality.log import Log
@@ -40,10 +41,15 @@ def usual_steps(x: Array, resolution: float) -> Array:
     It is no less than the `resolution` of the column, and than `_FLOOR`.
     """
     steps = np.concatenate([np.zeros(_REACH), np.abs(np.diff(x)), np.zeros(_REACH)])
-    windows = sliding_window_view(steps, _REACH - 1).max(axis=1)
+    windows = _largest(steps, _REACH - 1)
     rows = np.arange(len(x))
     before, after = windows[rows], windows[rows + _REACH + 1]
     return np.maximum(np.maximum(before, after), _floor(x, resolution))
+
+
+def _largest(values: Array, rows: int) -> Array:
+    """Largest of each `rows` neighbours in `values` (T,), shape (T - rows + 1,)."""
+    return np.asarray(maximum_filter1d(values, rows)[rows // 2 : rows // 2 + len(values) - rows + 1])
 
 
 def _floor(x: Array, resolution: float) -> float:
@@ -64,7 +70,7 @@ def outlier_ratio(x: Array, resolution: float) -> Array:
 def jump_ratio(x: Array, resolution: float) -> Array:
     """How much larger each difference of `x` (T,) is than those around it; shape (T - 1,)."""
     steps = np.concatenate([np.zeros(_REACH), np.abs(np.diff(x)), np.zeros(_REACH)])
-    windows = sliding_window_view(steps, _REACH).max(axis=1)
+    windows = _largest(steps, _REACH)
     rows = np.arange(len(x) - 1)
     usual = np.maximum(np.maximum(windows[rows], windows[rows + _REACH + 1]), _floor(x, resolution))
     return np.asarray(np.abs(np.diff(x)) / usual)
@@ -75,6 +81,7 @@ def jump_ratio(x: Array, resolution: float) -> Array:
 class _Column:
     """A column without its missing samples."""
 
+    family: str
     name: str
     rows: IntArray
     """Rows that are not missing, shape (R,)."""
@@ -84,9 +91,11 @@ class _Column:
     """Smallest step of the column, or of its family where it hardly changes."""
 
 
-def _columns(log: Log, families: Sequence[str] | None = None) -> Iterator[_Column]:
+@lru_cache(maxsize=4)
+def _columns(log: Log) -> tuple[_Column, ...]:
     """Columns of the schema with samples enough; what columns of the user's own may do is not known."""
-    for family in log.families if families is None else [name for name in log.families if name in families]:
+    found = []
+    for family in log.families:
         if family in ("timestamp", "tcp.timestamp"):
             continue
         seen = {name: np.flatnonzero(np.isfinite(values)) for name, values in log.columns(family).items()}
@@ -94,7 +103,8 @@ def _columns(log: Log, families: Sequence[str] | None = None) -> Iterator[_Colum
         steps = {name: smallest_step(x) if np.sum(np.diff(x) != 0) >= _STEPS else 0.0 for name, x in values.items()}
         for name, rows in seen.items():
             if len(rows) > 2 * _REACH:
-                yield _Column(name, rows, values[name], steps[name] or max(steps.values()))
+                found.append(_Column(family, name, rows, values[name], steps[name] or max(steps.values())))
+    return tuple(found)
 
 
 def _joint_of(log: Log, name: str) -> str:
@@ -119,7 +129,9 @@ _SPIKE = 5.0
 
 
 def _jumps(log: Log) -> Iterator[Seen]:
-    for column in _columns(log, _CONTINUOUS):
+    for column in _columns(log):
+        if column.family not in _CONTINUOUS:
+            continue
         name, rows, x = column.name, column.rows, column.values
         ratio = jump_ratio(x, column.resolution)
         ratio[0] = 0.0  # a run may begin with a step of its servo

@@ -26,7 +26,7 @@ def _direction(log: Log) -> Iterator[Seen]:
     few = slice(0, None, max(1, len(log.t) // _ROWS))
     weight = 1 / np.array([rms(model.measured[:, j]) for j in heavy])
     q, rest = model.q[few], (model.measured - model.motion - model.friction)[few]
-    rest = rest - model.robot.drive.motor_torque(RigidArm(model.robot).spring_torque(q))
+    rest = rest - model.robot.drive.motor_torque(log.arm.spring_torque(q))
     size = float(np.linalg.norm(model.robot.gravity))
     columns = np.stack([(_torque(model, q, size * axis)[:, heavy] * weight).ravel() for axis in np.eye(3)], axis=1)
     angle = _angle(columns, (rest[:, heavy] * weight).ravel(), model.robot.gravity / size)

@@ -9,7 +9,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import uniform_filter1d
 
 from ffgym.recordings import FAMILIES, Recording
-from ffgym.robot import RobotDescription
+from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array, BoolArray
 
 SMOOTHING = 0.02
@@ -101,6 +101,12 @@ class Log:
     def motion_families(self) -> tuple[str, ...]:
         """Those of `MOTION_FAMILIES` that are present for all joints."""
         return tuple(name for name in MOTION_FAMILIES if len(self.columns(name)) == len(self.joints))
+
+    @cached_property
+    def arm(self) -> RigidArm:
+        """The rigid arm of the robot; there must be one."""
+        assert self.robot is not None
+        return RigidArm(self.robot)
 
     @cached_property
     def q(self) -> Array | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.quality.check import NotJudgedError
 from ffgym.quality.log import SMOOTHING, Log, averaged
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RobotDescription
 from ffgym.types import Array, BoolArray
 
 _ROWS = 2500
@@ -60,7 +60,7 @@ def model_of(log: Log) -> Model:
     if robot is None or q is None or dq is None or ddq is None or robot.n_joints != len(log.joints):
         raise NotJudgedError("it needs the robot and positions")
     few = np.unique(np.linspace(0, len(log.t) - 1, min(len(log.t), _ROWS)).astype(np.int64))
-    arm, drive = RigidArm(robot), robot.drive
+    arm, drive = log.arm, robot.drive
 
     def everywhere(values: Array) -> Array:
         return np.stack([np.interp(log.t, log.t[few], column) for column in values.T], axis=1)

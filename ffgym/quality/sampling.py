@@ -7,7 +7,7 @@ from scipy.signal import welch
 
 from ffgym.quality.check import Check, NotJudgedError, Seen
 from ffgym.quality.log import Log
-from ffgym.robot import RigidArm, resonances
+from ffgym.robot import resonances
 
 _SAMPLES = 10
 """Samples that a period needs to be seen with its shape; two are needed to be seen at all."""
@@ -23,7 +23,7 @@ def first_resonance(log: Log) -> float:
         raise NotJudgedError("it needs the robot and positions")
     if log.robot.drive.is_rigid.all():
         raise NotJudgedError("all joints of the robot are rigid")
-    return float(resonances(RigidArm(log.robot), log.q[len(log.q) // 2])[0])
+    return float(resonances(log.arm, log.q[len(log.q) // 2])[0])
 
 
 def bandwidth(log: Log) -> tuple[float, str]:

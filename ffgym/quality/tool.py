@@ -11,7 +11,6 @@ from scipy.signal import correlate
 from ffgym.quality.check import Check, NotJudgedError, Seen
 from ffgym.quality.log import Log
 from ffgym.quality.sampling import bandwidth, first_resonance
-from ffgym.robot import RigidArm
 from ffgym.types import Array, IntArray
 
 _COLUMNS = ("tcp.position.x", "tcp.position.y", "tcp.position.z")
@@ -101,7 +100,7 @@ def _paths(log: Log) -> tuple[Array, Array, IntArray]:
         raise NotJudgedError("the tracker has fewer than 50 samples")
     measured = log.recording.vector("tcp.position")[rows]
     if log.robot is not None and log.robot.tool is not None and log.q is not None and _same_joints(log):
-        return measured, RigidArm(log.robot).tcp_position(log.q[rows]), rows
+        return measured, log.arm.tcp_position(log.q[rows]), rows
     if log.recording.has("tcp_reference.position"):
         return measured, log.recording.vector("tcp_reference.position")[rows], rows
     raise NotJudgedError("it needs the robot with a tool, or tcp_reference.position")
