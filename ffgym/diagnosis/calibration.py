@@ -6,6 +6,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.diagnosis.base_torques import base_torques
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Column, columns_of, machine_columns
 from ffgym.effects import Effect, NativeEffect
@@ -89,11 +90,15 @@ class Calibration:
     """Of torque offsets, as a share of the Coulomb torque."""
     tool: float = _TOOL
     """Of the tool's place, each axis [m]."""
+    base: float = 0.0
+    """Of each base parameter of the rigid arm, as a share of the torque that motors take: for masses and inertias that
+    were fitted to torque, which knows these combinations alone. 0: of masses and rotors one by one, by `share`."""
 
     def __post_init__(self) -> None:
         check_number("calibration share", self.share, low=0.0, high=1.0, open_low=True)
         check_number("calibration offset", self.offset, low=0.0, open_low=True)
         check_number("calibration tool", self.tool, unit="m", low=0.0, open_low=True)
+        check_number("calibration base", self.base, low=0.0, high=1.0)
 
     @classmethod
     def of_share(cls, share: float) -> "Calibration":
@@ -113,12 +118,16 @@ class Doubt:
 def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
     """Columns of all calibration errors along a nominal replay."""
     robot, share = run.robot, calibration.share
-    plain: list[type[Effect]] = [CoulombLevel, ViscousLevel, PreslidingStiffness, RotorInertia]
+    plain: list[type[Effect]] = [CoulombLevel, ViscousLevel, PreslidingStiffness]
     if not robot.drive.is_rigid.all():
         plain += [JointStiffness, JointDamping]
     found = [Doubt(column=column, sigma=share) for column in columns_of(run, plain, {})]
     found += [_stribeck(column, robot, share) for column in columns_of(run, [StribeckPeak], {})]
-    found += [Doubt(column=column, sigma=share) for column in _masses(run)]
+    if calibration.base > 0:
+        found += [Doubt(column=column, sigma=calibration.base) for column in _base(run)]
+    else:
+        found += [Doubt(column=column, sigma=share) for column in columns_of(run, [RotorInertia], {})]
+        found += [Doubt(column=column, sigma=share) for column in _masses(run)]
     for column in columns_of(run, [TorqueOffset], {}):
         coulomb = float(robot.friction.coulomb[list(robot.joints).index(column.joint)])
         found.append(Doubt(column=column, sigma=calibration.offset * coulomb))
@@ -133,6 +142,14 @@ def _stribeck(column: Column, robot: RobotDescription, share: float) -> Doubt:
         return Doubt(column=column, sigma=share)
     j = list(robot.joints).index(column.joint)
     return Doubt(column=column, sigma=share * float(robot.friction.static[j] / robot.friction.coulomb[j]))
+
+
+def _base(run: Replay) -> list[Column]:
+    """One column for each base parameter of bodies and rotors."""
+    return [
+        Column(effect=LinkMass, joint="", parameter="change", part=None, choice=k, span=0, shape={}, parts=parts)
+        for k, parts in enumerate(base_torques(run).values())
+    ]
 
 
 def _masses(run: Replay) -> Sequence[Column]:

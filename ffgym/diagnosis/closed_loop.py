@@ -138,7 +138,7 @@ def _compared(
     quantity: str, robot: RobotDescription, recording: Recording, before: Recording, after: Recording
 ) -> tuple[Array, Array, Array]:
     """What was measured less its mean, and measured minus simulated for both models, through one low-pass."""
-    t, sampling = before.t, Sampling(dt=before.dt, n_samples=len(before))
+    t, sampling = before.t, Sampling.of(before.dt, [len(before)])
     inside = sampling.valid(np.ones((len(before), 1), dtype=np.bool_))[:, 0]
     if not inside.any():
         raise FFGymError(f"Recording {recording.header.segment!r} is too short to be compared through a low-pass.")

@@ -5,20 +5,18 @@ and what replay and simulation differ by is seen where both are of the same mode
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.log.reference import reference_of
 from ffgym.diagnosis.log.white import white_noise
 from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.simulation import Run, simulate
 from ffgym.types import Array
 
 _ROUNDING = 1e-12
@@ -90,39 +88,6 @@ def _step(angle: Array) -> float:
     step = float(changes.min())
     multiples = changes / step
     return step if np.mean(np.abs(multiples - np.round(multiples)) < _MULTIPLE) > _MOST else 0.0
-
-
-def faultless_recordings(log: Log, run: Replay) -> list[Recording]:
-    """What the nominal machine would have recorded, without noise.
-
-    With set-points, it is simulated under its controller; without, it moves as measured, and takes the torque it takes.
-    """
-    if log.reference is not None:
-        references = [reference_of(log.robot, recording) for recording in log.recordings]
-        machines = [run.machine.later(float(s)) for s in log.started]
-        exact = simulate([Run(reference=r) for r in references], machine=machines, record_dt=log.dt)
-        return [_with_columns_of(one, recording) for one, recording in zip(exact, log.recordings, strict=True)]
-    return [_as_moved(log, run, i) for i in range(len(log.recordings))]
-
-
-def _with_columns_of(exact: Recording, like: Recording) -> Recording:
-    """A recording with no more columns than another: what one must be derived from, the other must, too."""
-    columns = {name: values for name, values in exact.columns.items() if name in like.columns}
-    return Recording(columns=columns, header=exact.header)
-
-
-def _as_moved(log: Log, run: Replay, i: int) -> Recording:
-    recording, joints = log.recordings[i], log.robot.joints
-    n = len(recording)
-    angle = log.robot.drive.motor_angle(log.q)
-    columns = {"timestamp": recording.t}
-    for j, joint in enumerate(joints):
-        columns[f"motor.position.{joint}"] = angle[:n, i, j]
-        columns[f"motor.effort.{joint}"] = run.torque[:n, i, j]
-        if log.link is not None:
-            columns[f"link.position.{joint}"] = run.link_q[:n, i, j]
-    header = replace(recording.header, position_side="motor", torque_semantics="motor_side", hold="sampled")
-    return Recording(columns=columns, header=header)
 
 
 def noisy(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> Recording:

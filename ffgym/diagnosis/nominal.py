@@ -1,6 +1,7 @@
 """A nominal model for a robot whose numbers nobody knows: rigid bodies and friction fitted to the very logs."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -62,7 +63,7 @@ def filtering_for(robot: RobotDescription | RobotDraft, recordings: Sequence[Rec
 
     A rigid joint has no resonance that its description knows, so that all that is compared may be fitted.
     """
-    sampling = Sampling(dt=recordings[0].dt, n_samples=max(len(recording) for recording in recordings))
+    sampling = Sampling.of(recordings[0].dt, [len(recording) for recording in recordings])
     usual = Filtering()
     bends = isinstance(robot, RobotDraft) or not robot.drive.is_rigid.all()
     cutoff = min(usual.parallel.cutoff, sampling.cutoff) if bends else sampling.cutoff
@@ -77,7 +78,7 @@ def _calibration(fit: RigidBodyFit) -> Calibration:
         if fitted and label.startswith(("coulomb.", "viscous."))
     ]
     share = min(1.0, max(LEAST_SHARE, float(np.median(shares)) if shares else LEAST_SHARE))
-    return Calibration.of_share(share)
+    return replace(Calibration.of_share(share), base=share)
 
 
 def _share(fit: RigidBodyFit, label: str) -> float:

@@ -8,10 +8,11 @@ import numpy as np
 
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
+from ffgym.diagnosis.exact import exact_recordings, is_same_motion
 from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
-from ffgym.diagnosis.noise import Faultless, faultless_recordings, faultless_residuals
+from ffgym.diagnosis.noise import Faultless, faultless_residuals
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
@@ -39,6 +40,8 @@ class Prepared:
     faultless: Faultless
     floor: Mapping[Channel, Array]
     """RMS of noise alone, (M, C)."""
+    simulated: bool
+    """Whether that motion is of the controller along set-points, which other logs may share."""
 
 
 @dataclass(eq=False)
@@ -59,6 +62,8 @@ class NominalRun:
     run: Replay
     bias: Mapping[Channel, Array]
     doubts: tuple[Doubt, ...]
+    simulated: bool
+    """Under its controller, not as measured."""
 
 
 def prepared(
@@ -81,23 +86,29 @@ def prepared(
         bias=known.bias,
         bound=BOUND,
     )
-    return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor)
+    return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor, simulated=known.simulated)
 
 
 def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | None) -> NominalRun:
     """The nominal machine over its own motion, remembered if it is the same as the last time."""
     key = _key(log, like, calibration) if memory is not None else b""
-    if memory is not None and memory.known is not None and memory.key == key:
+    if (
+        memory is not None
+        and memory.known is not None
+        and memory.key == key
+        and is_same_motion(log, memory.known.exact)
+    ):
         known = memory.known
         return replace(
             known, run=replace(known.run, state=replace(known.run.state, temperature=like.state.temperature))
         )
-    exact = faultless_recordings(log, like)
-    clean = log_of(log.robot, exact, like=log)
+    exact = exact_recordings(log, like)
+    clean = log_of(log.robot, exact.recordings, like=log)
     run = replay(clean, like.machine)
     bias = residual_rows(clean, predicted(run))
-    known = NominalRun(exact=tuple(exact), run=run, bias=bias, doubts=tuple(doubts_of(run, calibration)))
-    if memory is not None and log.reference is not None:
+    doubts = tuple(doubts_of(run, calibration))
+    known = NominalRun(exact=exact.recordings, run=run, bias=bias, doubts=doubts, simulated=exact.simulated)
+    if memory is not None and exact.simulated:
         memory.key, memory.known, memory.columns = key, known, {}
     return known
 
@@ -136,7 +147,7 @@ def repeats(kind: type[Effect]) -> bool:
 
 def _is_shared(kind: type[Effect], ready: Prepared) -> bool:
     """Whether columns of an effect are the same for all logs of the same motions: they depend on no temperature."""
-    if ready.setting.log.reference is None:
+    if not ready.simulated:
         return False
     some = next(variants(kind, ready.run.robot, {}), None)
     return some is None or not reads_temperature(some.effect, ready.run)

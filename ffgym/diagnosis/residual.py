@@ -1,8 +1,10 @@
 """What is left of a measured motion when the nominal model has said all it can: residuals, channel by channel."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
+
+import numpy as np
 
 from ffgym.effects import State
 from ffgym.robot import RobotDescription
@@ -44,11 +46,16 @@ class MotionResidual:
     """Travel of each motor since it last turned or started after a rest [rad], motor side, >= 0, shape (R, N)."""
     at_rest_for: Array
     """How long each motor has stood when its present move began [s]; 0 if it only turned; shape (R, N)."""
+    judged: Mapping[Channel, BoolArray] = field(default_factory=dict)
+    """Rows in which the model claims to know a component, shape (R, N) or (R, 3); all, where a channel is not named."""
 
     @property
     def residual(self) -> dict[Channel, Array]:
-        """Measured minus predicted by channel; NaN where a sample is missing."""
-        return {channel: self.measured[channel] - self.predicted[channel] for channel in self.measured}
+        """Measured minus predicted by channel; NaN where a sample is missing, or the model claims to know nothing."""
+        return {
+            channel: np.where(self.judged.get(channel, True), self.measured[channel] - self.predicted[channel], np.nan)
+            for channel in self.measured
+        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,6 +69,8 @@ class Residual:
     log's noise: what a model without any fault would leave."""
     has_temperature: bool
     """Whether the log has temperatures; else states carry a constant."""
+    cutoff: float
+    """Low-pass that all channels went through [Hz]."""
 
     @property
     def channels(self) -> tuple[Channel, ...]:

@@ -6,7 +6,7 @@ from dataclasses import fields
 import numpy as np
 
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.measured import measured_rows, valid_rows
+from ffgym.diagnosis.measured import counting_rows, measured_rows, valid_rows
 from ffgym.diagnosis.moves import since_move
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
@@ -24,6 +24,7 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
         floor: RMS of noise alone, (M, C).
     """
     at, valid, measured = log.sampling.at, valid_rows(log), measured_rows(log)
+    counting = counting_rows(log)
     motor = run.robot.drive.motor_angle
     travel, stood = since_move(motor(run.log.q), motor(run.log.slip_dq), log.dt)
     motions = []
@@ -41,10 +42,18 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
                 motor_acceleration=run.robot.drive.motor_angle(run.log.ddq[rows, i]),
                 since_reversal=travel[rows, i],
                 at_rest_for=stood[rows, i],
+                judged={
+                    channel: np.stack([counting[channel, c][:n, i] for c in range(rest[channel].shape[2])], axis=-1)
+                    for channel in rest
+                },
             )
         )
     return Residual(
-        robot=log.robot, motions=tuple(motions), floor=dict(floor), has_temperature=log.temperature is not None
+        robot=log.robot,
+        motions=tuple(motions),
+        floor=dict(floor),
+        has_temperature=log.temperature is not None,
+        cutoff=log.sampling.cutoff,
     )
 
 

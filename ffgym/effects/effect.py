@@ -57,6 +57,8 @@ class Effect(ABC):
     """Whether it acts in or through the elasticity of the joint, so that a rigid joint cannot have it."""
     varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ()
     """Fields of the state without whose change it looks like a simpler effect."""
+    at_low_speed: ClassVar[bool] = False
+    """Whether it acts at low speed and after reversals alone, of which not every description knows anything."""
     needs_friction: ClassVar[bool] = False
     """Whether it acts on the friction of the motor."""
 

@@ -7,6 +7,10 @@ import pytest
 
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.low_speed import SLOW, judged_rows, knows_low_speed
+from ffgym.diagnosis.patterns.rows import rows_of
+from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.residuals import residual_of
+from ffgym.plant import Machine
 from ffgym.robot import load_robot
 from tests.identification.rigid_body.recorded_arms import recorded, rigid, swing
 
@@ -47,3 +51,16 @@ def test_rows_in_reach_of_a_slow_sample_do_not_count_for_that_motor_alone(two_li
         reach = slow[max(0, sample - sampling.half_length) : sample + sampling.half_length + 1]
         assert judged[row, 0, 1] == (not reach.any())
     assert 0.5 < judged[..., 1].mean() < 1.0
+
+
+def test_what_no_model_is_judged_by_is_no_pattern_and_not_in_pictures(two_link, recording):
+    robot = without_peak(two_link, 1)
+    log = log_of(robot, [recording])
+    judged = judged_rows(log)
+    rest = np.where(judged, 0.5, 1e6) + 0.01 * np.sin(np.arange(len(judged)))[:, None, None]
+    residual = residual_of(log, replay(log, Machine.of(robot)), {"torque": rest}, {"torque": np.ones((1, 2))})
+    motion, rows = residual.motions[0], rows_of(residual, "torque", np.random.default_rng(0))
+    valid = motion.valid
+    np.testing.assert_array_equal(np.isnan(motion.residual["torque"])[valid], ~judged[valid, 0])
+    assert np.abs(rows.values).max() < 0.03
+    assert rows.noise[0, 1] == np.count_nonzero(judged[valid, 0, 1])

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.low_speed import knows_low_speed
 from ffgym.diagnosis.result import Unjudged
 from ffgym.diagnosis.search.search import Found
 from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, TrackerEffect
@@ -41,6 +42,8 @@ def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
         return "the log has no set-points, or no feedback torque (reference.position, feedback.effort)"
     if kind.needs_elasticity and bool(machine.physical.drive.is_rigid.all()):
         return "the joints are described as rigid"
+    if kind.at_low_speed and not knows_low_speed(log.robot).any():
+        return "the model has no friction of its own at low speed (static equals coulomb), where this effect acts"
     if issubclass(kind, ModelEffect):
         return "it takes more joints than a replay has"
     if kind.name == "payload" and log.robot.tool is None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ffgym.diagnosis.fit.leftover import without_calibration
 from ffgym.diagnosis.fit.refine import Setting
-from ffgym.diagnosis.measured import valid_rows
+from ffgym.diagnosis.measured import counting_rows
 from ffgym.diagnosis.residual import UNITS, Channel, components
 from ffgym.diagnosis.result import Level
 from ffgym.diagnosis.search.search import Found
@@ -17,11 +17,12 @@ def levels(setting: Setting, found: Found, floor: Mapping[Channel, Array]) -> tu
     """RMS of every component that is judged."""
     before = without_calibration(setting, found.nominal.fit)
     after = without_calibration(setting, found.final.fit)
-    valid = valid_rows(setting.log)
+    counting = counting_rows(setting.log)
     listed = []
     for channel in before:
         for c, name in enumerate(components(channel, setting.log.robot)):
-            if not np.any(setting.weights[channel, c]):
+            valid = counting[channel, c]
+            if not valid.any():
                 continue  # no row counts: an encoder that is not there, or a joint that never moves
             listed.append(
                 Level(
@@ -37,5 +38,5 @@ def levels(setting: Setting, found: Found, floor: Mapping[Channel, Array]) -> tu
 
 
 def _mean_square(rows: Array, valid: BoolArray) -> float:
-    """RMS over valid rows."""
+    """RMS over rows that count."""
     return float(np.sqrt(np.mean(np.broadcast_to(rows, valid.shape)[valid] ** 2)))

@@ -20,9 +20,8 @@ def sentence_of(judged: Judged, causes: Sequence[Cause], patterns: Sequence[Patt
         rivals = " or ".join(_place(r.effect, r.joint) for r in judged.rivals if r.tied)
         return f"Consistent with {named}; but {rivals} would explain these motions as well."
     if judged.verdict == "partly":
-        return (
-            f"Partly explained by {named}: that removes {share} of what noise does not explain, and something is left."
-        )
+        left = f"; what is left depends on: {patterns[0].message}" if patterns else ", and something is left"
+        return f"Partly explained by {named}: that removes {share} of what noise does not explain{left}."
     return f"Consistent with {named}, which removes {share} of what noise does not explain."
 
 

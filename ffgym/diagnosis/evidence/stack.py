@@ -14,6 +14,9 @@ BLOCK = 1.0
 """Length of a block [s], the unit of resampling and of what is left out; long against the low-pass, 50 ms, and against
 the swing of an arm, 0.3 s."""
 
+_MOST = 240
+"""Blocks at most, about: resamples of more say the same, and a session of an hour at 1 Hz has no block of a second."""
+
 _FEW = 0.25
 """Share of a block's rows that must be there for it to be one of its own; else it joins the block before."""
 
@@ -59,7 +62,7 @@ def blocks_of(valid: BoolArray, row_dt: float) -> Blocks:
         rows = np.flatnonzero(valid[:, m])
         if not len(rows):
             continue
-        per_block = max(1, round(BLOCK / row_dt))
+        per_block = max(1, round(BLOCK / row_dt), round(np.count_nonzero(valid) / _MOST))
         n = max(2 if len(rows) > 1 else 1, round(len(rows) / per_block))
         place = np.minimum(np.arange(len(rows)) * n // len(rows), n - 1)
         of_row[rows, m] = count + place

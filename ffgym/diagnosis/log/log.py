@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.diagnosis.log.derivatives import derivatives
 from ffgym.diagnosis.log.sampling import Sampling
 from ffgym.diagnosis.log.white import white_noise, without_trembling
 from ffgym.errors import FFGymError
@@ -75,6 +76,11 @@ class Log:
         return np.arange(len(self.q), dtype=np.float64) * self.dt
 
     @property
+    def lengths(self) -> tuple[int, ...]:
+        """Samples of each motion."""
+        return tuple(len(recording) for recording in self.recordings)
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of the motions."""
         return tuple(recording.header.segment for recording in self.recordings)
@@ -93,11 +99,11 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log |
             them does not fit the robot or does not say what its torque is and when it acts.
     """
     _check(robot, recordings)
-    sampling = Sampling(dt=recordings[0].dt, n_samples=max(len(recording) for recording in recordings))
+    sampling = Sampling.of(recordings[0].dt, [len(recording) for recording in recordings])
     if like is not None:
         recordings, sampling = [r.slice(end=float(r.t[0]) + like.sampling.span) for r in recordings], like.sampling
     low_pass = sampling.motion_filter
-    motions = [joint_motion(robot, recording, low_pass) for recording in recordings]
+    motions = [_motion(robot, recording, low_pass) for recording in recordings]
 
     def padded(of: Sequence[Array], hold: bool = True) -> Array:
         return _padded(of, sampling.n_samples, hold)
@@ -131,6 +137,12 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log |
         temperature=where_all("temperature", _temperature),
     )
     return found if like is None else _with_channels_of(found, like)
+
+
+def _motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:
+    """Position, speed and acceleration (T, N) behind the gearbox."""
+    q, _, _ = joint_motion(robot, recording, low_pass)
+    return (q, *derivatives(q, recording.dt))
 
 
 def _with_channels_of(log: Log, like: Log) -> Log:

@@ -1,6 +1,7 @@
 """Every signal, measured or predicted, through the same low-pass without delay, at few enough rows."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +20,13 @@ CUTOFF = 40.0
 _OF_SAMPLE_RATE = (0.25, 0.1)
 """Largest cut-offs as shares of the sample rate, of motion and comparison; slow logs are compared below those."""
 
+_ROWS = 3000
+"""Rows that all motions together shall have; chosen: 40 s at 25 Hz. A shorter log has them from a wider band, where
+what repeats with the motor's turns is seen best."""
+
+_WIDEST = 0.4
+"""Largest cut-off of a short log, as a share of the sample rate: below half of it, where filters still have room."""
+
 _LENGTH = 2.0
 """Half the length of the low-pass of what is compared, in periods of its cut-off; chosen: 50 ms at 40 Hz."""
 
@@ -34,18 +42,22 @@ class Sampling:
     """Sample period of the recordings [s]."""
     n_samples: int
     """T, of the longest motion."""
-    highest: float = CUTOFF
-    """Low-pass of what is compared at most [Hz]."""
+    cutoff: float
+    """Low-pass of what is compared [Hz]."""
+
+    @classmethod
+    def of(cls, dt: float, lengths: Sequence[int]) -> "Sampling":
+        """For motions of so many samples each: the usual band, or a wider one if they are short."""
+        usual = min(CUTOFF, _OF_SAMPLE_RATE[1] / dt)
+        needed = _ROWS / (_ROWS_PER_PERIOD * sum(lengths) * dt)
+        widest = min(MOTION_CUTOFF, _WIDEST / dt)
+        return cls(dt=dt, n_samples=max(lengths), cutoff=max(usual, min(needed, widest)))
 
     @property
     def motion_filter(self) -> LowPass:
         """Low-pass of the measured motor angle."""
-        return LowPass(cutoff=min(MOTION_CUTOFF, _OF_SAMPLE_RATE[0] / self.dt))
-
-    @property
-    def cutoff(self) -> float:
-        """Low-pass of what is compared [Hz]."""
-        return min(self.highest, _OF_SAMPLE_RATE[1] / self.dt)
+        usual = min(MOTION_CUTOFF, _OF_SAMPLE_RATE[0] / self.dt)
+        return LowPass(cutoff=max(usual, self.cutoff))
 
     @property
     def stride(self) -> int:
@@ -59,7 +71,7 @@ class Sampling:
 
     def coarser(self, every: int) -> "Sampling":
         """The same rows from every n-th sample; `every` divides the stride."""
-        return replace(self, dt=every * self.dt, n_samples=-(-self.n_samples // every))
+        return Sampling(dt=every * self.dt, n_samples=-(-self.n_samples // every), cutoff=self.cutoff)
 
     @property
     def span(self) -> float:

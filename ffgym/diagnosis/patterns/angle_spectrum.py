@@ -7,7 +7,7 @@ import numpy as np
 from scipy.fft import next_fast_len, rfft
 
 from ffgym.diagnosis.patterns.candidate import PRIOR_ROWS
-from ffgym.diagnosis.patterns.spectrum import PADDING, PASSED, Spectrum
+from ffgym.diagnosis.patterns.spectrum import PADDING, Spectrum
 from ffgym.types import Array, BoolArray, IntArray
 
 CELLS = 16
@@ -26,8 +26,8 @@ class Turning:
     """What the amplitude of the sine goes with."""
     motion: IntArray
     """Motion of each row; each has a mean of its own."""
-    dt: float
-    """Time between rows [s]."""
+    highest: float
+    """Frequency in time up to which rows show a vibration [Hz]."""
 
 
 def angle_spectrum(turning: Turning, values: Array, *, low: float, high: float) -> list[Spectrum]:
@@ -48,15 +48,15 @@ def angle_spectrum(turning: Turning, values: Array, *, low: float, high: float) 
     return [Spectrum(frequency=frequency, share=one) for one in np.clip(share, 0.0, 1.0)]
 
 
-def passed(speed: Array, frequency: float, dt: float) -> BoolArray:
+def passed(speed: Array, frequency: float, highest: float) -> BoolArray:
     """Rows in which `frequency` cycles per turn are slow enough to be seen."""
-    slow: BoolArray = frequency * np.abs(speed) / (2 * np.pi) < PASSED / dt
+    slow: BoolArray = frequency * np.abs(speed) / (2 * np.pi) < highest
     return slow
 
 
 def _octave(turning: Turning, values: Array, low: float, high: float) -> tuple[Array, Array]:
     """Frequencies (F,) from `low` to `high`, and the energy (C, F) that a sine of each explains."""
-    gain = np.where(passed(turning.speed, high, turning.dt), turning.gain, 0.0)
+    gain = np.where(passed(turning.speed, high, turning.highest), turning.gain, 0.0)
     cell = 1.0 / (CELLS * high)
     number = np.rint((turning.angle - turning.angle.min()) / (2 * np.pi * cell)).astype(np.intp)
     size = next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)

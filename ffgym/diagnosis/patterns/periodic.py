@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.diagnosis.patterns.angle_spectrum import Turning, angle_spectrum, passed
 from ffgym.diagnosis.patterns.candidate import Periodic
 from ffgym.diagnosis.patterns.rows import Rows
-from ffgym.diagnosis.patterns.spectrum import PASSED, Spectrum, refined
+from ffgym.diagnosis.patterns.spectrum import Spectrum, refined
 from ffgym.diagnosis.patterns.time_spectrum import time_spectrum
 from ffgym.diagnosis.result import PatternKind
 from ffgym.types import Array, BoolArray
@@ -53,7 +53,7 @@ class PerTurn(Periodic):
             speed=did.speed[train, j],
             gain=self._gain(rows)[train],
             motion=rows.motion[train],
-            dt=rows.dt,
+            highest=rows.highest,
         )
         turns = np.ptp(turning.angle) / (2 * np.pi)
         if turns * MOST_CYCLES < 2 * FEWEST_PERIODS:
@@ -74,7 +74,7 @@ class PerTurn(Periodic):
     def columns(self, rows: Rows, frequency: float) -> Array:
         """See base class."""
         j = self.joint
-        gain = self._gain(rows) * passed(rows.did.speed[:, j], frequency, rows.dt)
+        gain = self._gain(rows) * passed(rows.did.speed[:, j], frequency, rows.highest)
         phase = frequency * rows.did.angle[:, j]
         return gain[:, None] * np.stack([np.cos(phase), np.sin(phase)], axis=1)
 
@@ -112,10 +112,9 @@ class Line(Periodic):
 
     def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
         """See base class."""
-        high = PASSED / rows.dt
-        if high <= LOWEST_LINE:
+        if rows.highest <= LOWEST_LINE:
             return None
-        return [time_spectrum(rows, column, train, low=LOWEST_LINE, high=high).best for column in values.T]
+        return [time_spectrum(rows, column, train, low=LOWEST_LINE, high=rows.highest).best for column in values.T]
 
     def refine(self, rows: Rows, values: Array, frequency: float) -> float:
         """See base class."""

@@ -20,6 +20,9 @@ LOUD = 1.5
 """Energy of a component in a motion, in units of that of the noise floor, below which nothing is looked for: whatever a
 replay of the right model leaves beside noise is in the floor, too."""
 
+PASSED = 0.9
+"""Frequency up to which rows show a vibration, as a share of the cut-off of their filter."""
+
 FEWEST_BLOCKS = 40
 """Least blocks of a channel that patterns are sought in; with fewer, no half could pass a test over a family."""
 
@@ -59,8 +62,12 @@ class Rows:
     joints: tuple[str, ...]
     dt: float
     """Time between rows [s]."""
+    highest: float
+    """Frequency up to which rows show a vibration [Hz]."""
     values: Array
-    """Residuals (R, C)."""
+    """Residuals (R, C); 0 where a component is not judged."""
+    judged: BoolArray
+    """Rows in which the model claims to know a component, shape (R, C)."""
     floor: Array
     """RMS of noise alone in each motion, shape (M, C)."""
     did: Motions
@@ -80,8 +87,8 @@ class Rows:
     @cached_property
     def noise(self) -> Array:
         """Energy of noise alone in each motion, shape (M, C); that of a log without noise is tiny, not zero."""
-        counts = np.bincount(self.motion).astype(np.float64)
-        return np.maximum(counts[:, None] * np.square(self.floor), np.finfo(np.float64).tiny)
+        counts = np.add.reduceat(self.judged.astype(np.float64), self.motion_starts, axis=0)
+        return np.maximum(counts * np.square(self.floor), np.finfo(np.float64).tiny)
 
     def loud(self, values: Array) -> list[int]:
         """Components of which values (R, C) have more energy than noise in a motion."""
@@ -124,26 +131,34 @@ def rows_of(residual: Residual, channel: Channel, rng: np.random.Generator) -> R
     motion = np.repeat(np.arange(len(pairs)), counts)
     dt = float(np.median(np.concatenate([np.diff(m.t) for m, _ in pairs])))
     number = np.rint(t / dt)
-    rows = Rows(
+    return Rows(
         channel=channel,
         components=components(channel, residual.robot),
         joints=tuple(residual.robot.joints),
         dt=dt,
-        values=np.concatenate([m.residual[channel][k] for m, k in pairs]),
+        highest=PASSED * residual.cutoff,
+        values=np.concatenate([_about_mean(m.residual[channel][k]) for m, k in pairs]),
+        judged=np.concatenate([np.isfinite(m.residual[channel][k]) for m, k in pairs]),
         floor=residual.floor[channel][there],
         did=_did(pairs, t),
         motion_starts=np.cumsum([0, *counts[:-1]]),
         block_starts=_starts(motion, number // BLOCK),
         half=_halves(motion, number // CHUNK, rng),
     )
-    rows.values[:] = rows.centred(rows.values)
-    return rows
 
 
 def known_rows(motion: MotionResidual, channel: Channel) -> BoolArray:
-    """Rows that count and in which every component of a channel is known."""
-    known: BoolArray = motion.valid & np.isfinite(motion.residual[channel]).all(axis=1)
-    return known
+    """Rows that count and in which every component of a channel is known, and some are judged."""
+    known = motion.valid & np.isfinite(motion.measured[channel] - motion.predicted[channel]).all(axis=1)
+    return known & np.isfinite(motion.residual[channel]).any(axis=1)
+
+
+def _about_mean(values: Array) -> Array:
+    """Rows (R, C) less their mean; 0 where they are not judged."""
+    judged = np.isfinite(values)
+    known = np.where(judged, values, 0.0)
+    mean = known.sum(axis=0) / np.maximum(judged.sum(axis=0), 1)
+    return np.where(judged, known - mean, 0.0)
 
 
 def _did(pairs: list[tuple[MotionResidual, BoolArray]], t: Array) -> Motions:

@@ -12,10 +12,6 @@ from ffgym.types import Array
 PADDING = 4
 """Transforms are so much longer than the data; a peak between two frequencies then keeps 0.95 of its energy."""
 
-PASSED = 0.3
-"""Frequency up to which rows show a vibration, times their rate: residuals have three rows in a period of the cut-off
-of their filter."""
-
 _FINE = 0.001
 """Tolerance of a refined frequency, in widths of its peak."""
 

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.log.derivatives import derivatives_of_motions
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
 from ffgym.diagnosis.replay.flight import arm_effects, flown, plus, summed
 from ffgym.diagnosis.replay.link_terms import LinkTerms, link_terms
@@ -148,16 +149,19 @@ def _in_order(machine: Machine) -> list[TorqueEffect]:
 
 
 def _truly(log: Log, machine: Machine) -> Log:
-    """The log with the motion that the motors made where resolvers err; the error hardly changes over itself."""
+    """The log with the motion that the motors made where resolvers err; the error hardly changes over itself.
+
+    What was read went through the low-pass of the motion, and so does the error.
+    """
     if not machine.resolver_effects:
         return log
-    drive = machine.physical.drive
+    drive, sampling = machine.physical.drive, log.sampling
     angle = drive.motor_angle(log.q)
     read, _ = machine.read_by_resolver(angle, drive.motor_angle(log.dq))
-    q = log.q - drive.joint_angle(read - angle)
-    dq = np.gradient(q, log.dt, axis=0)
+    q = log.q - sampling.motion_filter(drive.joint_angle(read - angle), log.dt)
+    dq, ddq = derivatives_of_motions(q, log.lengths, log.dt)
     slip = log.slip_dq + np.where(log.slip_dq != 0, dq - log.dq, 0.0)
-    return replace(log, q=q, dq=dq, ddq=np.gradient(dq, log.dt, axis=0), slip_dq=slip)
+    return replace(log, q=q, dq=dq, ddq=ddq, slip_dq=slip)
 
 
 def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.diagnosis.log.derivatives import derivatives_of_motions
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.bristles import along_speed
 from ffgym.diagnosis.replay.link_terms import link_terms
@@ -95,7 +96,7 @@ def misread_push(run: Replay, effect: ResolverEffect) -> Push:
     """Of wrong readings at all motors, which truly moved otherwise; what they ask of the links is left to each."""
     drive = run.robot.drive
     error = effect.error(run.state.motor_angle, run.state.motor_speed)
-    return moved(run, -drive.joint_angle(error.angle), -drive.joint_angle(error.speed))
+    return moved(run, -drive.joint_angle(error.angle))
 
 
 def misread_on(run: Replay, misread: Push, joint: int) -> Push:
@@ -106,10 +107,11 @@ def misread_on(run: Replay, misread: Push, joint: int) -> Push:
     return replace(alone, links=run.links.mass[..., joint] * misread.joint_ddq[..., joint, None])
 
 
-def moved(run: Replay, joint_q: Array, joint_dq: Array) -> Push:
-    """Of motors that truly were at `joint_q` [rad] more than read, behind the gearbox, with speeds `joint_dq`."""
+def moved(run: Replay, further: Array) -> Push:
+    """Of motors that truly were `further` [rad] than read, behind the gearbox; it goes through the motion's filter."""
     drive, log = run.robot.drive, run.log
-    joint_ddq = np.gradient(joint_dq, log.dt, axis=0)
+    joint_q = log.sampling.motion_filter(further, log.dt)
+    joint_dq, joint_ddq = derivatives_of_motions(joint_q, log.lengths, log.dt)
     friction = _friction(run, run.robot.friction, joint_dq)
     return Push(
         motor=drive.rotor_inertia * drive.motor_angle(joint_ddq) + friction - run.bristles.torque,

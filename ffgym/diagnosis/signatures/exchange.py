@@ -69,7 +69,7 @@ def _with_reading(run: Replay, machine: Machine, total: Push) -> Push:
     drive = run.robot.drive
     angle, speed = run.state.motor_angle, run.state.motor_speed
     was, is_now = run.machine.read_by_resolver(angle, speed), machine.read_by_resolver(angle, speed)
-    other = moved(run, drive.joint_angle(was[0] - is_now[0]), drive.joint_angle(was[1] - is_now[1]))
+    other = moved(run, drive.joint_angle(was[0] - is_now[0]))
     return Push(
         motor=_plus(total.motor, other.motor, 1.0),
         links=_plus(total.links, other.links, 1.0),

@@ -70,7 +70,8 @@ def tuned(machine: Machine, recordings: Sequence[Recording]) -> Machine:
     log = replace(log_of(machine.physical, recordings), feedback=None)  # the servo knows nothing of these numbers
     numbers = as_described(machine.physical)
     for cutoff in CUTOFFS:
-        setting = _setting(replace(log, sampling=replace(log.sampling, highest=cutoff)), machine)
+        sampling = replace(log.sampling, cutoff=min(cutoff, log.sampling.cutoff))
+        setting = _setting(replace(log, sampling=sampling), machine)
         for _ in range(PASSES):
             numbers = _fitted(_weighed(setting, numbers), numbers)
     return replace(machine, robot=with_numbers(machine.robot, numbers))

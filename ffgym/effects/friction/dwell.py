@@ -34,6 +34,7 @@ class DwellStiction(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step, with memory"
     confusable_with: ClassVar[tuple[str, ...]] = ("F3", "F4")
     separating_motions: ClassVar[tuple[str, ...]] = ("dwell_restart",)
+    at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
 
     share: Array = parameter(

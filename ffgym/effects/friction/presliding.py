@@ -25,6 +25,7 @@ class PreslidingStiffness(NativeEffect):
     way_in: ClassVar[str] = "native: sigma_0 and sigma_1 of MuJoCo's LuGre friction"
     confusable_with: ClassVar[tuple[str, ...]] = ("F3", "F10")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "speed_ladder", "dwell_restart")
+    at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
 
     stiffness: Array = parameter(

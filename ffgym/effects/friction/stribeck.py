@@ -26,6 +26,7 @@ class StribeckPeak(NativeEffect):
     way_in: ClassVar[str] = "native: static and Stribeck velocity of MuJoCo's LuGre friction"
     confusable_with: ClassVar[tuple[str, ...]] = ("F4", "F10", "F11")
     separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder", "dwell_restart")
+    at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
 
     level: Array = parameter(

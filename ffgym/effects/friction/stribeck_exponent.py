@@ -25,6 +25,7 @@ class StribeckExponent(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step; MuJoCo's exponent is 2"
     confusable_with: ClassVar[tuple[str, ...]] = ("F3",)
     separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder",)
+    at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
 
     exponent: Array = parameter(

@@ -8,7 +8,7 @@ from ffgym.diagnosis.log.sampling import CUTOFF, Sampling
 
 @pytest.fixture(scope="module")
 def sampling():
-    return Sampling(dt=0.001, n_samples=1000)
+    return Sampling(dt=0.001, n_samples=1000, cutoff=CUTOFF)
 
 
 def wave(sampling, frequency):
@@ -57,9 +57,17 @@ def test_coarser_samples_have_the_same_rows(sampling):
 
 @pytest.mark.parametrize("dt", [0.0005, 0.001, 0.002, 0.004, 0.01])
 def test_the_cut_off_is_low_enough_for_the_sample_rate_and_rows_are_fast_enough_for_it(dt):
-    sampling = Sampling(dt=dt, n_samples=1000)
-    assert sampling.cutoff <= min(CUTOFF, 0.1 / dt)
+    sampling = Sampling.of(dt, [round(100 / dt)])
+    assert sampling.cutoff == min(CUTOFF, 0.1 / dt)
     assert sampling.row_dt < 0.5 / sampling.cutoff
+
+
+def test_a_short_log_is_compared_in_a_wider_band_that_its_samples_still_know():
+    long, short, slow = (Sampling.of(0.004, [n]) for n in (20000, 2500, 100))
+    assert long.cutoff == 25.0
+    assert short.cutoff == slow.cutoff == 100.0
+    assert short.cutoff <= short.motion_filter.cutoff < 0.5 / short.dt
+    assert Sampling.of(0.004, [2500, 2500]).cutoff == 50.0
 
 
 def test_signals_of_several_columns_are_filtered_one_by_one(sampling):

@@ -26,6 +26,22 @@ def test_some_peaks_are_no_noise():
     assert white_noise(values, LOW_PASS, DT)[0] < 2.5
 
 
+def test_what_a_machine_does_above_its_band_in_fast_motion_is_no_noise():
+    rng = np.random.default_rng(4)
+    t = DT * np.arange(8000)
+    slow = np.sin(np.pi * t)
+    ripple = 0.5 * np.clip(slow, 0.0, None) ** 2 * np.sin(2 * np.pi * 180.0 * t)
+    values = slow + ripple + rng.normal(scale=0.01, size=8000)
+    np.testing.assert_allclose(white_noise(values[:, None], LOW_PASS, DT), 0.01, rtol=0.1)
+
+
+def test_a_reading_in_steps_has_the_noise_of_where_it_moves():
+    t = DT * np.arange(8000)
+    angle = np.where(t < 5.0, 0.3, 0.3 + 2.0 * (t - 5.0))
+    read = np.round(angle[:, None] / 0.013) * 0.013
+    np.testing.assert_allclose(white_noise(read, LOW_PASS, DT), 0.013 / np.sqrt(12), rtol=0.2)
+
+
 def test_a_motor_that_stands_is_read_as_standing():
     rng = np.random.default_rng(2)
     angle = 0.3 + rng.uniform(-1.0, 1.0, size=(500, 2)) * [1e-4, 2e-4]

@@ -1,0 +1,69 @@
+"""What the nominal machine would have recorded along the motions of a log."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.exact import exact_recordings
+from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.prepare import prepared
+from ffgym.diagnosis.replay import replay
+from ffgym.recordings import Recording
+from tests.diagnosis.replay.replay_samples import nominal, recorded
+
+
+@pytest.fixture(scope="module")
+def recording():
+    """What the nominal machine recorded, with the columns that a log has."""
+    one = recorded({"swing": nominal()})["swing"]
+    families = ("timestamp", "motor.position", "motor.effort", "reference.position")
+    return replace(one, columns={name: x for name, x in one.columns.items() if name.startswith(families)})
+
+
+def at_times(recording, t):
+    """The same motion, sampled at other times."""
+    columns = {name: CubicSpline(recording.t, values)(t) for name, values in recording.columns.items()}
+    return Recording(columns | {"timestamp": t}, replace(recording.header, phases=()))
+
+
+def exact(recording):
+    log = log_of(nominal().physical, [recording])
+    return exact_recordings(log, replay(log, nominal()))
+
+
+def test_a_nominal_machine_records_along_its_set_points_what_it_recorded(recording):
+    found = exact(recording)
+    assert found.simulated
+    again = found.recordings[0].joint_array("motor.position")
+    np.testing.assert_allclose(again, recording.joint_array("motor.position"), atol=2e-4)
+
+
+@pytest.mark.parametrize("period", [0.00199998, 0.0021, 0.005, 0.0004])
+def test_clocks_of_real_machines_are_no_multiple_of_a_step(recording, period):
+    """A clock that runs 10 ppm off, and periods that no simulation has."""
+    log = at_times(recording, np.arange(0.0, recording.t[-1], period))
+    found = exact(log)
+    assert found.simulated
+    again = found.recordings[0]
+    inner = slice(1, len(again) - 1)
+    np.testing.assert_allclose(again.t, log.t[: len(again)])
+    assert log.t[-1] - again.t[-1] <= nominal().robot.servo.control_dt + period
+    measured = log.joint_array("motor.position")[: len(again)]
+    np.testing.assert_allclose(again.joint_array("motor.position")[inner], measured[inner], atol=2e-4)
+
+
+def test_a_machine_under_another_controller_moves_as_measured(recording):
+    """A lag of a quarter of a turn of the motor: what repeats with its turns would be out of phase."""
+    names = [f"motor.position.{joint}" for joint in recording.header.joints]
+    lag = {name: recording[name] + 1.5 * np.sin(3 * recording.t) for name in names}
+    log = Recording(dict(recording.columns) | lag, recording.header)
+    found = exact(log)
+    assert not found.simulated
+    moved = found.recordings[0].joint_array("motor.position")
+    measured = log.joint_array("motor.position")
+    assert np.abs(moved - measured)[100:-100].max() < 0.05
+    ready = prepared(log_of(nominal().physical, [log]), nominal(), Calibration(), np.random.default_rng(0))
+    assert not ready.simulated
