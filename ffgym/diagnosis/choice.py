@@ -9,20 +9,21 @@ from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.refine import Fit
 from ffgym.diagnosis.patterns.cycles import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
+from ffgym.diagnosis.patterns.spectrum import Spectrum
 from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for, repeats
+from ffgym.diagnosis.residual import components
 from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.diagnosis.signatures.variant import Cycles
 from ffgym.effects import Effect
-from ffgym.types import Array
 
 _LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("torque", 1))
-"""Peaks per joint that are tried as the frequency of a periodic effect, of what has one amplitude and of what goes with
-the torque."""
+"""Peaks of a joint's torque that are tried as the frequency of a periodic effect, of what has one amplitude and of what
+goes with the torque; behind the gearbox, where a gear that errs moves tool and encoder, it is the highest one."""
 
 _LOUD = 1.1
-"""Energy over that of noise from which on a joint's torque may have a period in it."""
+"""Energy over that of noise from which on something may have a period in it."""
 
 _APART = 0.2
 """Cycles per turn by which two such peaks differ at least."""
@@ -51,17 +52,22 @@ class Choice:
         return candidates_for(self._ready, self._kinds, self._memory)
 
     def _cycles(self, fit: Fit) -> Cycles:
-        """Frequencies at which the torque of each loud joint repeats per motor turn, the strongest first."""
+        """Frequencies per motor turn of each joint that what is left has, the strongest first."""
         setting = self._ready.setting
         rest = without_calibration(setting, fit)
-        loud, residual = loudness(setting, rest), residual_of(setting.log, fit.run, rest, self._ready.floor)
+        loud = {key for key, energy in loudness(setting, rest).items() if energy > _LOUD}
+        residual = residual_of(setting.log, fit.run, rest, self._ready.floor)
         found: dict[str, list[float]] = {}
         for j, joint in enumerate(residual.robot.joints):
             peaks: list[tuple[float, float]] = []
-            for amplitude, count in _LOOKED_FOR if loud["torque", j] > _LOUD else ():
-                spectrum = cycles_per_turn(residual, "torque", joint, joint, amplitude=amplitude)
-                if spectrum is not None:
-                    peaks += _peaks(spectrum.frequency, spectrum.share, count)
+            if ("torque", j) in loud:
+                for amplitude, count in _LOOKED_FOR:
+                    peaks += _peaks(cycles_per_turn(residual, "torque", joint, joint, amplitude=amplitude), count)
+            behind = [(c, k) for c, k in loud if c == "tool" or (c, k) == ("link", j)]
+            shown = [
+                _peaks(cycles_per_turn(residual, c, components(c, residual.robot)[k], joint), 1) for c, k in behind
+            ]
+            peaks += sorted((peak for one in shown for peak in one), reverse=True)[:1]
             found[joint] = [frequency for _, frequency in sorted(peaks, reverse=True)]
         return found
 
@@ -75,8 +81,11 @@ def _are_among(cycles: Cycles, tried: Cycles) -> bool:
     )
 
 
-def _peaks(frequency: Array, share: Array, count: int) -> list[tuple[float, float]]:
-    """The highest peaks of a spectrum, as share and frequency."""
+def _peaks(spectrum: Spectrum | None, count: int) -> list[tuple[float, float]]:
+    """The highest peaks of a spectrum, as share and frequency; none where a motor turns too little for one."""
+    if spectrum is None:
+        return []
+    frequency, share = spectrum.frequency, spectrum.share
     left, peaks = share.copy(), []
     for _ in range(count):
         best = int(np.argmax(left))

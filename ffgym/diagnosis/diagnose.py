@@ -137,7 +137,7 @@ def _examined(
     verdict = judged(setting, found, loudness(setting, first), loud, rng)
     report("looking at what is left", 0.95)
     patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
-    causes = causes_of(found.final.fit, verdict.gains, rng)
+    causes = causes_of(found.final.fit, verdict.gains, calibration, rng)
     if verdict.verdict == "ambiguous":
         report("looking for a motion that tells rivals apart", 0.97)
     diagnosis = Diagnosis(

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.fit.hypothesis import Free, Hypothesis
 from ffgym.diagnosis.fit.refine import Fit
@@ -16,21 +17,26 @@ COVERED = (0.05, 0.95)
 """Quantiles of the interval."""
 
 
-def causes_of(fit: Fit, gains: tuple[float, ...], rng: np.random.Generator) -> tuple[Cause, ...]:
-    """Causes of a fit, in order, with the share of energy that each removes."""
+def causes_of(
+    fit: Fit, gains: tuple[float, ...], calibration: Calibration, rng: np.random.Generator
+) -> tuple[Cause, ...]:
+    """Causes of a fit, in order, with the share of energy that each removes.
+
+    A size that is a share of a nominal number is no better known than that number.
+    """
     draws = _resampled(fit, rng)
     found, at = [], 0
     for hypothesis, gain in zip(fit.hypotheses, gains, strict=True):
         sizes, fixed = [], {}
         for free in hypothesis.free():
             p = hypothesis.kind.parameters()[free.name]
-            low, high = np.quantile(draws[:, at], COVERED)
+            values = free.value + free.step * draws[:, at]
             at += 1
+            if p.role == "size" and p.unit == "1":
+                values = values * (1 + calibration.share * rng.normal(size=len(values)))
             if p.role == "size" or p.role == "cycles":
-                interval = (
-                    float(np.clip(free.value + free.step * low, free.low, free.high)),
-                    float(np.clip(free.value + free.step * high, free.low, free.high)),
-                )
+                low, high = np.clip(np.quantile(values, COVERED), free.low, free.high)
+                interval = (float(low), float(high))
                 sizes.append(
                     Size(name=_name(hypothesis, free, fit.run.robot), value=free.value, unit=p.unit, interval=interval)
                 )

@@ -8,6 +8,7 @@ import numpy as np
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import left_by_block
 from ffgym.diagnosis.evidence.stack import Values
+from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
 from ffgym.diagnosis.fit.leftover import Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
@@ -118,7 +119,10 @@ def search(
         if not one.adopted:
             break
         now = _without_needless(setting, _polished(setting, one.tried[0]))
-    final = now if _explains_most(setting, nominal, now) else nominal
+    final = nominal
+    if now.fit.hypotheses and _explains_most(setting, nominal, now):
+        report("fitting all of it once more", 1.0)
+        final = _scored(setting, corrected(setting, now.fit))
     return Found(nominal=nominal, final=final, rounds=tuple(rounds), rows=float(now.fit.evidence.rows.sum()))
 
 
@@ -180,8 +184,6 @@ def _is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> 
 
 def _explains_most(setting: Setting, nominal: Tried, now: Tried) -> bool:
     """Whether all causes together explain most of what is where they act."""
-    if not now.fit.hypotheses:
-        return True
     first, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (nominal, now))
     return removed(first, then, touched(setting, list(now.fit.columns))).of_excess >= TOGETHER
 
