@@ -137,6 +137,28 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
+@contextmanager
+def made_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a folder, made if there is none; if the block ends with an error, what was made and is empty goes again.
+
+    Raises:
+        FFGymError: if it cannot be made.
+    """
+    target = Path(path)
+    missing = [folder for folder in (target, *target.parents) if not folder.exists()]
+    try:
+        try:
+            target.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FFGymError(f"{path}: cannot be made a folder: {error.strerror}; choose another place.") from error
+        yield target
+    except BaseException:
+        for folder in missing:
+            with suppress(OSError):  # it holds something, or was not made
+                folder.rmdir()
+        raise
+
+
 def csv_rows(values: Array) -> str:
     """Lines of a CSV file for the rows of `values` (R, C); numbers have the fewest digits that give back every bit."""
     return "".join(",".join(map(repr, row.tolist())) + "\n" for row in values)

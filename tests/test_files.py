@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
-from ffgym.files import check_vacant, check_writable, csv_rows, new_folder, write_bytes, write_json, write_text
+from ffgym.files import (
+    check_vacant,
+    check_writable,
+    csv_rows,
+    made_folder,
+    new_folder,
+    write_bytes,
+    write_json,
+    write_text,
+)
 
 
 def full(*_):
@@ -144,6 +153,24 @@ def test_a_file_that_fails_in_a_new_folder_is_named_as_it_would_have_been(tmp_pa
     ):
         write_text(folder / "absent" / "row.csv", "1")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_was_made_for_nothing_goes_again(tmp_path):
+    with pytest.raises(KeyboardInterrupt), made_folder(tmp_path / "a" / "b"):
+        raise KeyboardInterrupt
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_has_a_file_or_was_there_before_stays(tmp_path):
+    (tmp_path / "there").mkdir()
+    with made_folder(tmp_path / "a" / "b") as folder:
+        write_text(folder / "kept", "1")
+    for path in (tmp_path / "a" / "b", tmp_path / "there"):
+        with pytest.raises(KeyboardInterrupt), made_folder(path):
+            raise KeyboardInterrupt
+        assert path.is_dir()
+    with pytest.raises(FFGymError, match="kept: cannot be made a folder"), made_folder(tmp_path / "a" / "b" / "kept"):
+        pass
 
 
 def test_a_folder_that_holds_something_stays_as_it_is(tmp_path):

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,12 @@ from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.cli.unused import given_options
 from ffgym.diagnosis import Calibration, Diagnosis, Examined, examine
-from ffgym.diagnosis.closed_loop import LoopLevel, closed_loop_gain
+from ffgym.diagnosis.closed_loop import LoopLevel, check_comparable, closed_loop_gain
 from ffgym.diagnosis.document import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
 from ffgym.diagnosis.first_look import FirstLook
 from ffgym.errors import FFGymError, check_number, check_whole
-from ffgym.files import write_text
+from ffgym.files import made_folder, write_text
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 
@@ -60,8 +61,14 @@ class Diagnose:
     def run(self) -> None:
         """Check, read, diagnose, write, print."""
         self._check()
+        with nullcontext() if self.out is None else made_folder(self.out):
+            self._check_folder()
+            self._diagnose()
+
+    def _diagnose(self) -> None:
         with stages_bar("reading logs") as tell:
             nominal, recordings = self._inputs()
+            held_out = self._held_out(nominal)
             examined = examine(
                 nominal.machine,
                 recordings,
@@ -73,7 +80,7 @@ class Diagnose:
         physics = nominal.machine.physics(ModelOptions(looks=False))
         info = provenance("ffgym diagnose", self, nominal.machine.robot.name, physics, self.seed)
         diagnosis = replace(examined.diagnosis, provenance=_lasting(info))
-        closed_loop = self._closed_loop(examined)
+        closed_loop = self._closed_loop(examined, held_out)
         self._write(replace(examined, diagnosis=diagnosis), nominal, recordings, closed_loop)
         self._tell(diagnosis, closed_loop)
 
@@ -88,13 +95,14 @@ class Diagnose:
             check_number("--calibration", self.calibration, low=0.0, high=1.0, open_low=True)
         inputs = (self.robot, self.columns, *self.logs, *self.validate)
         check_outputs({"--json": self.json}, inputs=inputs)
+        if self.out is not None:
+            need_extra("The report", "matplotlib", "jinja2")
+
+    def _check_folder(self) -> None:
+        """Refuse a folder that cannot be written to."""
         if self.out is None:
             return
-        need_extra("The report", "matplotlib", "jinja2")
-        try:
-            self.out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FFGymError(f"--out {self.out}: cannot be made a folder: {error.strerror}; choose another.") from error
+        inputs = (self.robot, self.columns, *self.logs, *self.validate)
         names = (REPORT, DOCUMENT, EXTENDED, NEXT)
         check_outputs({"--json": self.json} | {f"--out, {name}": self.out / name for name in names}, inputs=inputs)
 
@@ -114,11 +122,18 @@ class Diagnose:
             return Calibration.of_share(self.calibration)
         return nominal.calibration or Calibration()
 
-    def _closed_loop(self, examined: Examined) -> Sequence[LoopLevel]:
+    def _held_out(self, nominal: Nominal) -> list[Recording]:
+        """Logs that are not diagnosed, read before long work."""
+        if not self.validate:
+            return []
+        held_out = logs_from(self.validate, self.columns, nominal.machine.robot)
+        check_comparable(nominal.machine, held_out)
+        return held_out
+
+    def _closed_loop(self, examined: Examined, held_out: Sequence[Recording]) -> Sequence[LoopLevel]:
         """Both models beside the machine, on logs that were not diagnosed."""
-        if not self.validate or examined.diagnosis.verdict == "insufficient":
+        if not held_out or examined.diagnosis.verdict == "insufficient":
             return ()
-        held_out = logs_from(self.validate, self.columns, examined.nominal.robot)
         with progress_bar("closed loops", "s") as progress:
             return closed_loop_gain(
                 examined.nominal, examined.machine, held_out, n_threads=self.threads, progress=progress

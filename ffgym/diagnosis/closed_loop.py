@@ -97,6 +97,19 @@ def closed_loop_gain(
     return tuple(levels)
 
 
+def check_comparable(nominal: Machine, recordings: Sequence[Recording]) -> None:
+    """Check before long work that recordings can be run again, and compared.
+
+    Raises:
+        FFGymError: as `closed_loop_gain`.
+    """
+    for recording in recordings:
+        _run_again(nominal, recording)
+        for quantity in UNITS:
+            if quantity != "tool":
+                _signal(quantity, nominal.robot, recording)
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Recorded(FeedForwardLaw):

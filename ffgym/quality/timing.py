@@ -55,7 +55,8 @@ def _apart(log: Log) -> Iterator[Seen]:
             continue
         judged = True
         usual = float(np.median([*lags.values()]))
-        odd, like = max(lags, key=lambda j: abs(lags[j] - usual)), min(lags, key=lambda j: abs(lags[j] - usual))
+        odd = max(lags, key=lambda j: abs(lags[j] - usual))
+        like = max(lags, key=lambda j: abs(lags[j] - lags[odd]))
         message = (
             f"{family} is later than {other} by {lags[odd]:.4g} s on joint {log.joints[odd]} and by {lags[like]:.4g} s "
             f"on joint {log.joints[like]}, must be alike within {limit:.2g} s: rows of a log are of one time. Shift "

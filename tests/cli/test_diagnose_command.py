@@ -1,7 +1,11 @@
 """`ffgym diagnose` on the command line: what it refuses, what it writes, and what it names on logs of one axis."""
 
+import errno
 import json
+import os
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from ffgym.cli.diagnose import Diagnose
@@ -9,6 +13,7 @@ from ffgym.cli.main import main
 from ffgym.diagnosis.document import read_diagnosis
 from ffgym.effects import EFFECTS
 from ffgym.plant import Machine, load_machine, save_machine
+from ffgym.recordings import Recording, read_recording, write_recording
 from ffgym.robot import load_robot
 
 SHORT = """
@@ -56,6 +61,55 @@ def test_what_cannot_be_diagnosed_is_refused_in_one_line(arguments, says, tmp_pa
     (line,) = capsys.readouterr().err.splitlines()
     assert says in line
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (lambda r: r.slice(end=0.02), "too short"),
+        (lambda r: r.slice(end=1.5), "too short"),
+        (lambda r: Recording(r.columns, replace(r.header, hold="unspecified")), "does not say when its torque acts"),
+        (lambda r: r.with_columns({"timestamp": r.t + 1e-4 * np.sin(100 * r.t)}), "sampled unevenly"),
+    ],
+    ids=["some rows", "a second", "when torque acts", "an uneven clock"],
+)
+def test_a_log_that_cannot_be_used_is_one_line_and_leaves_no_folder(logs, tmp_path, capsys, change, says):
+    write_recording(change(read_recording(next(logs.glob("*.npz")))), tmp_path / "log.npz")
+    arguments = ["diagnose", str(tmp_path / "log.npz"), "--robot", "one_axis", "--out", str(tmp_path / "new" / "out")]
+    assert main(arguments) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert says in line
+    assert [path.name for path in tmp_path.iterdir()] == ["log.npz"]
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt(), OSError(errno.ENOSPC, "No space left on device")])
+def test_whatever_stops_a_diagnosis_no_file_of_it_is_half_written(logs, tmp_path, monkeypatch, capsys, raised):
+    log = sorted(logs.glob("*.npz"))[0]
+    faulty = Recording(
+        (recording := read_recording(log)).columns, replace(recording.header, torque_semantics="unspecified")
+    )
+    write_recording(faulty, tmp_path / "log.npz")
+
+    def stop(descriptor):
+        raise raised
+
+    monkeypatch.setattr(os, "fsync", stop)
+    out = tmp_path / "out"
+    code = main(["diagnose", str(tmp_path / "log.npz"), "--robot", "one_axis", "--out", str(out)])
+    told = capsys.readouterr()
+    assert told.out == ""
+    (line,) = told.err.splitlines()
+    assert (code, "interrupted" in line) == (130, True) if isinstance(raised, KeyboardInterrupt) else (1, False)
+    assert not out.exists()
+
+
+def test_logs_to_validate_with_are_looked_at_before_long_work(logs, tmp_path, capsys):
+    whole = read_recording(next(logs.glob("*.npz")))
+    columns = {name: values for name, values in whole.columns.items() if not name.startswith("reference.")}
+    write_recording(Recording(columns, whole.header), tmp_path / "other.npz")
+    assert main(["diagnose", str(logs), "--robot", "one_axis", "--validate", str(tmp_path / "other.npz")]) == 1
+    (line,) = capsys.readouterr().err.splitlines()  # no first look before it
+    assert "no reference.position" in line
 
 
 def test_the_model_that_is_read_is_not_written_over(logs, tmp_path, capsys):

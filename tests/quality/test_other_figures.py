@@ -75,6 +75,16 @@ def test_torques_of_one_joint_that_are_late_beside_those_of_the_others(clean):
     assert {finding.columns[0] for finding in report.of("torque_lag_apart")} == {"motor.effort.j3"}
 
 
+def test_which_of_two_joints_has_the_late_torque_is_not_known():
+    clean = clean_log("two_link", MOTION)
+    late = clean.with_columns(
+        {"motor.effort.elbow": np.r_[clean["motor.effort.elbow"][:1], clean["motor.effort.elbow"][:-1]]}
+    )
+    (finding, *_) = check_quality(late, needs=["diagnosis"]).of("torque_lag_apart")
+    assert finding.verdict == "flagged"
+    assert {"motor.effort.elbow", "motor.effort.shoulder"} <= set(finding.columns)
+
+
 def test_numbers_that_no_machine_gives(clean):
     values = clean["motor.effort.j2"].copy()
     values[0] = 1e40
