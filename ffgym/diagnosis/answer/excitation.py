@@ -5,7 +5,7 @@ import numpy as np
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.low_speed import knows_low_speed
 from ffgym.diagnosis.result import Unjudged
-from ffgym.diagnosis.search.search import Found
+from ffgym.diagnosis.search.found import Found
 from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, TrackerEffect
 from ffgym.plant import Machine
 

@@ -9,7 +9,7 @@ from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.measured import counting_rows
 from ffgym.diagnosis.residual import UNITS, Channel, components
 from ffgym.diagnosis.result import Level
-from ffgym.diagnosis.search.search import Found
+from ffgym.diagnosis.search.found import Found
 from ffgym.types import Array, BoolArray
 
 

@@ -9,7 +9,7 @@ from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import SeparatingMotion
-from ffgym.diagnosis.search.search import Found
+from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.separation import separating_motion
 from ffgym.plant import Machine
 from ffgym.robot import RigidArm

@@ -7,7 +7,8 @@ import numpy as np
 from ffgym.diagnosis.fit.leftover import Loudness, removed, touched
 from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.result import Rival, Verdict
-from ffgym.diagnosis.search.search import Found, Tried, removed_by
+from ffgym.diagnosis.search.found import Found, Tried
+from ffgym.diagnosis.search.worth import removed_by
 from ffgym.types import Array
 
 NAMED = 0.9

@@ -7,23 +7,26 @@ would be read as a part of the effect.
 
 from dataclasses import replace
 
+from ffgym.diagnosis.exact import exact_recordings
 from ffgym.diagnosis.fit.refine import Fit, Setting, fit
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.noise import faultless_recordings
 from ffgym.diagnosis.replay import predicted, replay
 
 
 def corrected(setting: Setting, found: Fit) -> Fit:
     """The same hypotheses, fitted once more to residuals without what replay and simulation of their machine differ by.
 
-    As they are, where nothing was found, the log has no set-points along which a machine could be simulated, or no more
-    would be explained.
+    As they are, where nothing was found, the machine cannot be simulated along the log's set-points, or no more would
+    be explained.
     """
     log, machine = setting.log, found.run.machine
-    if not found.hypotheses or log.reference is None:
+    if not found.hypotheses:
         return found
-    own = log_of(log.robot, faultless_recordings(log, found.run), like=log)
+    exact = exact_recordings(log, found.run)
+    if not exact.simulated:
+        return found
+    own = log_of(log.robot, exact.recordings, like=log)
     bias = residual_rows(own, predicted(replay(own, machine)))
     again = fit(replace(setting, bias=bias), found.hypotheses, begun=True)
     return again if again.left < found.left else found

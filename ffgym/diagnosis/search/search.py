@@ -1,7 +1,6 @@
 """The search: adopt what explains most, fit it by replaying, look again at what is left, drop what is not needed."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,11 +9,11 @@ from ffgym.diagnosis.evidence.screen import left_by_block
 from ffgym.diagnosis.evidence.stack import Values
 from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
-from ffgym.diagnosis.fit.leftover import Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
-from ffgym.diagnosis.search.ranking import Ranking, ranked, start_of
-from ffgym.types import Array
+from ffgym.diagnosis.search.found import Found, Round, Tried
+from ffgym.diagnosis.search.ranking import ranked, start_of
+from ffgym.diagnosis.search.worth import explains_most, is_worth
 
 MOST = 4
 """Causes that are named at most; a model that lacks more is better identified anew."""
@@ -24,21 +23,6 @@ TRIED = 3
 
 NEAR = 0.5
 """Share of the best candidate's score from which on another is fitted, too."""
-
-EXPLAINS = 0.25
-"""Share of what is left above the noise, where it acts, that a cause must remove to be adopted."""
-
-FLOOR = 0.05
-"""Share of all energy where it acts, noise included, that must lie above the noise, and that a cause must remove."""
-
-TOGETHER = 0.5
-"""Share of what is above the noise, where they act, that all causes together must remove, else none of them is one:
-something else is there, which each of them imitates a little."""
-
-INEXACT = 0.1
-"""Share of what the causes before removed from a component that another one must remove beyond: no equation is exact,
-and what is left of a cause that was adopted in another form is no cause of its own. What may be left of one that is
-named."""
 
 NEEDED = 0.05
 """Share of the energy that a cause must keep away beside the others, else it is dropped."""
@@ -54,47 +38,6 @@ SLACK = 0.02
 
 Report = Callable[[str, float], None]
 """Told what is done, and the share of the search that is done."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Tried:
-    """A candidate, fitted."""
-
-    fit: Fit
-    left: Array
-    """Energy left in each block by fits to others, both splits in mean, shape (B,)."""
-
-    @property
-    def hypothesis(self) -> Hypothesis:
-        """The last one, that was tried."""
-        return self.fit.hypotheses[-1]
-
-    @property
-    def total(self) -> float:
-        """Energy left."""
-        return float(self.left.sum())
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Round:
-    """One look at what is left: candidates by score, and those that were fitted, best first."""
-
-    before: Tried
-    candidates: Candidates
-    ranking: Ranking
-    tried: tuple[Tried, ...]
-    adopted: bool
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Found:
-    """What a search found."""
-
-    nominal: Tried
-    final: Tried
-    rounds: tuple[Round, ...]
-    rows: float
-    """Energy of noise alone."""
 
 
 def search(
@@ -120,7 +63,7 @@ def search(
             break
         now = _without_needless(setting, _polished(setting, one.tried[0]))
     final = nominal
-    if now.fit.hypotheses and _explains_most(setting, nominal, now):
+    if now.fit.hypotheses and explains_most(setting, nominal, now):
         report("fitting all of it once more", 1.0)
         final = _scored(setting, corrected(setting, now.fit))
     return Found(nominal=nominal, final=final, rounds=tuple(rounds), rows=float(now.fit.evidence.rows.sum()))
@@ -149,7 +92,7 @@ def _round(
         report(f"fitting {start.label}", len(tried) / TRIED)
         tried.append(_judged(setting, (*fixed.hypotheses, start)))
     tried.sort(key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
-    adopted = bool(tried) and _is_worth(setting, nominal, now, tried[0])
+    adopted = bool(tried) and is_worth(setting, nominal, now, tried[0])
     return Round(before=now, candidates=candidates, ranking=ranking, tried=tuple(tried), adopted=adopted)
 
 
@@ -160,32 +103,6 @@ def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis)
             return start
         start = start.scaled(0.5)
     return None
-
-
-def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | None = None) -> Removed:
-    """What the newest cause removes where it acts, by fits to all rows.
-
-    Beyond what inexact causes before it would leave, if the `nominal` model is given, from which those were taken.
-    """
-    own = after.fit.columns[-len(after.hypothesis.free()) :]
-    loud, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (before, after))
-    allowed = None
-    if nominal is not None:
-        first = loudness(setting, without_calibration(setting, nominal.fit))
-        allowed = {key: INEXACT * max(first[key] - value, 0.0) for key, value in loud.items()}
-    return removed(loud, then, touched(setting, list(own)), allowed)
-
-
-def _is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> bool:
-    """Whether a cause explains enough of what is left above the noise, and holds on rows that were left out."""
-    gone = removed_by(setting, before, after, nominal)
-    return after.total < before.total and gone.of_excess > EXPLAINS and min(gone.of_all, gone.excess) > FLOOR
-
-
-def _explains_most(setting: Setting, nominal: Tried, now: Tried) -> bool:
-    """Whether all causes together explain most of what is where they act."""
-    first, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (nominal, now))
-    return removed(first, then, touched(setting, list(now.fit.columns))).of_excess >= TOGETHER
 
 
 def _polished(setting: Setting, adopted: Tried) -> Tried:

@@ -1,0 +1,50 @@
+"""What a search finds: rounds of candidates that were fitted, and what was adopted."""
+
+from dataclasses import dataclass
+
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.refine import Fit
+from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.search.ranking import Ranking
+from ffgym.types import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tried:
+    """A candidate, fitted."""
+
+    fit: Fit
+    left: Array
+    """Energy left in each block by fits to others, both splits in mean, shape (B,)."""
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The last one, that was tried."""
+        return self.fit.hypotheses[-1]
+
+    @property
+    def total(self) -> float:
+        """Energy left."""
+        return float(self.left.sum())
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Round:
+    """One look at what is left: candidates by score, and those that were fitted, best first."""
+
+    before: Tried
+    candidates: Candidates
+    ranking: Ranking
+    tried: tuple[Tried, ...]
+    adopted: bool
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Found:
+    """What a search found."""
+
+    nominal: Tried
+    final: Tried
+    rounds: tuple[Round, ...]
+    rows: float
+    """Energy of noise alone."""

@@ -1,0 +1,46 @@
+"""What a cause is worth: how much of what it acts on it removes, and whether that is enough."""
+
+from ffgym.diagnosis.fit.leftover import Removed, loudness, removed, touched, without_calibration
+from ffgym.diagnosis.fit.refine import Setting
+from ffgym.diagnosis.search.found import Tried
+
+EXPLAINS = 0.25
+"""Share of what is left above the noise, where it acts, that a cause must remove to be adopted."""
+
+FLOOR = 0.05
+"""Share of all energy where it acts, noise included, that must lie above the noise, and that a cause must remove."""
+
+TOGETHER = 0.5
+"""Share of what is above the noise, where they act, that all causes together must remove, else none of them is one:
+something else is there, which each of them imitates a little."""
+
+INEXACT = 0.1
+"""Share of what the causes before removed from a component that another one must remove beyond: no equation is exact,
+and what is left of a cause that was adopted in another form is no cause of its own. What may be left of one that is
+named."""
+
+
+def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | None = None) -> Removed:
+    """What the newest cause removes where it acts, by fits to all rows.
+
+    Beyond what inexact causes before it would leave, if the `nominal` model is given, from which those were taken.
+    """
+    own = after.fit.columns[-len(after.hypothesis.free()) :]
+    loud, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (before, after))
+    allowed = None
+    if nominal is not None:
+        first = loudness(setting, without_calibration(setting, nominal.fit))
+        allowed = {key: INEXACT * max(first[key] - value, 0.0) for key, value in loud.items()}
+    return removed(loud, then, touched(setting, list(own)), allowed)
+
+
+def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> bool:
+    """Whether a cause explains enough of what is left above the noise, and holds on rows that were left out."""
+    gone = removed_by(setting, before, after, nominal)
+    return after.total < before.total and gone.of_excess > EXPLAINS and min(gone.of_all, gone.excess) > FLOOR
+
+
+def explains_most(setting: Setting, nominal: Tried, now: Tried) -> bool:
+    """Whether all causes together explain most of what is where they act."""
+    first, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (nominal, now))
+    return removed(first, then, touched(setting, list(now.fit.columns))).of_excess >= TOGETHER
