@@ -61,6 +61,8 @@ NAMED = {
     "stiffness": ("joint_stiffness", "j3", {"change": -0.15}),
     "cogging": ("cogging", "j1", {"amplitude": 0.06, "cycles": 12.0, "phase": 1.0}),
     "payload": ("payload", "", {"mass": 3.0}),
+    "gear error": ("kinematic_error", "j6", {"amplitude": 3e-4, "cycles": 2.0, "phase": 1.3}),
+    "position": ("position_friction", "j3", {"share": 0.15, "cycles": 12.0, "phase": 1.0}),
     "hysteresis": ("torsional_hysteresis", "j1", {"lost_motion": 8e-5, "width": 3e-4}),
     "warm-up": ("temperature_friction", "j2", {"viscous": 0.6, "coulomb": 0.0, "breakaway": 0.0, "scale": 25.0}),
     "shear thinning, another equation": ("vogel_oil", "j3", {"share": 0.5, "vogel": 900.0}),

@@ -1,0 +1,53 @@
+"""What replay and simulation of a machine differ by is no part of an effect of it."""
+
+import numpy as np
+import pytest
+
+from ffgym.control import joint_reference
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.fit.corrected import corrected
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.refine import fit
+from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.prepare import prepared
+from ffgym.effects import EFFECTS
+from ffgym.paths import multisine
+from ffgym.plant import Machine
+from ffgym.simulation import Resolver, Run, TorqueSensor, simulate
+
+TRUE = {"presliding": {"stiffness": 1.5, "damping": 0.0}, "torque_clock": {"latency": 0.006}}
+
+
+def diagnosed(robot, name):
+    """What a diagnosis of a machine with one effect begins with, and the effect as it is."""
+    kind, values = EFFECTS[name], {key: np.array(value) for key, value in TRUE[name].items()}
+    joint = robot.joints[0] if any(p.per == "joint" for p in kind.parameters().values()) else ""
+    true = Hypothesis(kind=kind, joint=joint, source=None, values=values)
+    path = multisine([0.0], np.full((2, 1), 8.0), [0.4, 1.1], np.zeros((2, 1)), 6.0, name="sines")
+    log = simulate(
+        [Run(reference=joint_reference(robot, path))],
+        machine=true.on(Machine(robot=robot)),
+        sensors=(Resolver(bits=16), TorqueSensor(noise=np.array([0.002]))),
+        seed=3,
+        record_dt=0.004,
+        n_threads=1,
+    )
+    ready = prepared(log_of(robot, log), Machine(robot=robot), Calibration(share=1e-5), np.random.default_rng(0))
+    return ready.setting, true
+
+
+@pytest.mark.parametrize("name", list(TRUE))
+def test_a_size_is_nearer_to_the_truth(name, one_axis):
+    setting, true = diagnosed(one_axis, name)
+    plain = fit(setting, [true], begun=True)
+    better = corrected(setting, plain)
+    size = next(iter(TRUE[name]))
+    off = [abs(float(found.hypotheses[0].values[size]) - TRUE[name][size]) for found in (plain, better)]
+    assert better.left < plain.left
+    assert off[1] < 0.5 * off[0]
+
+
+def test_where_nothing_was_found_nothing_changes(one_axis):
+    setting, _ = diagnosed(one_axis, "torque_clock")
+    nothing = fit(setting, [])
+    assert corrected(setting, nothing) is nothing
