@@ -23,9 +23,9 @@ from ffgym.effects import Effect, ResolverEffect
 from ffgym.plant import Machine
 from ffgym.types import Array
 
-STANDS_OUT = 0.2
-"""Share of the torque's residual above noise that an effect must explain to be spoken of; chosen: less is nothing to
-look forward to."""
+STANDS_OUT = 0.5
+"""Share of the torque's residual above noise that an effect must explain to be spoken of: what explains less than half
+is imitated by something else as often."""
 
 _LEAST = 1e-3
 """Least noise of a torque as a share of its RMS: no model foretells torque better than to a per mille; chosen."""

@@ -102,7 +102,7 @@ class Level:
     noise_floor: float
     before: float
     after: float
-    """With the causes, on motions that were not used to fit them."""
+    """With the causes; as before, what errors of calibration explain is taken off."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -56,7 +56,7 @@ def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
             f"depends-{channel}-{j + 1}",
             f"{place.component}, {channel}: what the residual depends on",
             profiles_caption(),
-            profiles_figure(rows, channel, j, j),
+            profiles_figure(rows, channel, j, j, report.before.robot.kinematics.units[j]),
         ),
     ]
     figures += _spectrum(report, place)
@@ -112,7 +112,8 @@ def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
     if not levels or not report.diagnosis.causes:
         return []
     caption = (
-        "RMS of the residual over all motions, from the nominal to the extended model; each motion was left out once."
+        "RMS of the residual over all rows that are judged, from the nominal to the extended model; what errors of "
+        "calibration explain is taken off both."
     )
     return [_figure("levels", "Residuals before and after", caption, levels_figure(levels))]
 
@@ -122,7 +123,8 @@ def _regimes(report: DiagnosisReport, channel: Channel) -> ReportFigure:
     models = by_model(report.before, report.after)
     panels = [[(name, regime_map(residual, channel))] for name, residual in models.items()]
     over = motion_map(report.before, channel)
-    whole = ", ".join(f"{c} {ratio:.1f}" for c, ratio in zip(over.components, over.overall, strict=True))
+    known = [(c, ratio) for c, ratio in zip(over.components, over.overall, strict=True) if np.isfinite(ratio)]
+    whole = ", ".join(f"{c} {ratio:.1f}" for c, ratio in known)
     caption = f"{map_caption()} The whole log, nominal model: {whole}."
     title = f"Residual over noise floor by what the joint was doing, {channel}"
     return _figure(f"regimes-{channel}", title, caption, map_figure(panels))

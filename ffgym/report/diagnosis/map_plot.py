@@ -56,7 +56,7 @@ def map_caption() -> str:
     """What the cells are."""
     return (
         "RMS of measured minus predicted over the noise floor: 1 is what noise alone leaves. Grey cells: the log has "
-        "too few such rows."
+        "too few such rows, or the model claims to know nothing of them."
     )
 
 

@@ -19,7 +19,9 @@ _WIDEST = 3
 """Panels side by side."""
 
 
-def profiles_figure(logs: Mapping[str, LogRows], channel: Channel, component: int, joint: int) -> "Figure":
+def profiles_figure(
+    logs: Mapping[str, LogRows], channel: Channel, component: int, joint: int, unit: str = "rad"
+) -> "Figure":
     """One panel for each variable that changes.
 
     Args:
@@ -27,6 +29,7 @@ def profiles_figure(logs: Mapping[str, LogRows], channel: Channel, component: in
         channel: what residuals they are.
         component: which component of the channel.
         joint: whose motion they are shown over.
+        unit: of the position of that joint.
     """
     found = {
         name: {log: profiles(rows, component, joint, variable) for log, rows in logs.items()}
@@ -40,7 +43,7 @@ def profiles_figure(logs: Mapping[str, LogRows], channel: Channel, component: in
         for axes, (name, of_logs) in zip(panels, shown.items(), strict=False):
             for log, (place, of_directions) in zip(of_logs, enumerate(of_logs.values()), strict=True):
                 _draw(axes, of_directions, log, pale=place > 0)
-            _name(axes, VARIABLES[name])
+            _name(axes, VARIABLES[name], unit if name == "position" else VARIABLES[name].unit)
         for axes in panels[len(shown) :]:
             axes.set_visible(False)
         for axes in panels[::_WIDEST]:
@@ -70,8 +73,8 @@ def _draw(axes: "Axes", found: Mapping[str, Profile], log: str, *, pale: bool) -
         )
 
 
-def _name(axes: "Axes", variable: Variable) -> None:
+def _name(axes: "Axes", variable: Variable, unit: str) -> None:
     axes.axhline(0.0, color="#666666", linewidth=0.6)
-    axes.set_xlabel(f"{variable.label} [{variable.unit}]")
+    axes.set_xlabel(f"{variable.label} [{unit}]")
     if variable.logarithmic:
         axes.set_xscale("log")
