@@ -16,6 +16,7 @@ from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.measured import check_length
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
 from ffgym.diagnosis.residual import Residual
@@ -107,6 +108,7 @@ def examine(
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
     report("replaying the nominal model", 0.0)
     log = log_of(machine.physical, recordings)
+    check_length(log)
     known = calibration or Calibration()
     if first is not None:
         first(first_look(log, machine, known))

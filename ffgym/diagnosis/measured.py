@@ -5,7 +5,11 @@ import numpy as np
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.low_speed import judged_rows
 from ffgym.diagnosis.residual import Channel
+from ffgym.errors import FFGymError
 from ffgym.types import Array, BoolArray
+
+LEAST = 2.0
+"""Time [s] that all motions together must last: a block of a second to fit to, and another to judge by."""
 
 
 def measured_rows(log: Log) -> dict[Channel, Array]:
@@ -19,6 +23,20 @@ def measured_rows(log: Log) -> dict[Channel, Array]:
     if log.feedback is not None and log.reference is not None:
         found["servo"] = sampling(log.feedback)
     return found
+
+
+def check_length(log: Log) -> None:
+    """Check that there is something to fit to, and something else to judge by.
+
+    Raises:
+        FFGymError: if all motions together are too short.
+    """
+    lasts = float(np.count_nonzero(valid_rows(log))) * log.sampling.row_dt
+    if lasts < LEAST:
+        raise FFGymError(
+            f"The recordings are too short: without the ends, which low-passes take, {lasts:.2g} s are left in which "
+            f"all is known, must be {LEAST:g} s at least."
+        )
 
 
 def valid_rows(log: Log) -> BoolArray:

@@ -66,12 +66,13 @@ def test_what_cannot_be_diagnosed_is_refused_in_one_line(arguments, says, tmp_pa
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        (lambda r: r.slice(end=0.02), "too short"),
+        (lambda r: r.slice(end=0.02), "rows; there are 5"),
+        (lambda r: r.slice(end=0.2), "too short"),
         (lambda r: r.slice(end=1.5), "too short"),
         (lambda r: Recording(r.columns, replace(r.header, hold="unspecified")), "does not say when its torque acts"),
         (lambda r: r.with_columns({"timestamp": r.t + 1e-4 * np.sin(100 * r.t)}), "sampled unevenly"),
     ],
-    ids=["some rows", "a second", "when torque acts", "an uneven clock"],
+    ids=["five rows", "fifty rows", "a second", "when torque acts", "an uneven clock"],
 )
 def test_a_log_that_cannot_be_used_is_one_line_and_leaves_no_folder(logs, tmp_path, capsys, change, says):
     write_recording(change(read_recording(next(logs.glob("*.npz")))), tmp_path / "log.npz")

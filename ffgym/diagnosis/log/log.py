@@ -24,9 +24,6 @@ _TREMBLING = 3.0
 _PER_OCTAVE = 2
 """Widths of that band in an octave: so coarse that it is mostly the same in all logs of one machine."""
 
-_LEAST = 2.0
-"""Time [s] that all motions together must last: blocks of a second to fit to, and others to judge by."""
-
 _GAP = 5
 """Sample periods of the tracker over which its position is interpolated; chosen: a lost sample or some."""
 
@@ -98,8 +95,8 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log |
     """Recordings of a robot, made ready; with the rows and channels of another log of the same motions, if given.
 
     Raises:
-        FFGymError: if there are none, two motions share a name, they are sampled at different rates or unevenly, all of
-            them are too short, one does not fit the robot or does not say what its torque is and when it acts.
+        FFGymError: if there are none, two motions share a name, they are sampled at different rates or unevenly, one of
+            them does not fit the robot or does not say what its torque is and when it acts.
     """
     _check(robot, recordings)
     sampling = Sampling.of(recordings[0].dt, [len(recording) for recording in recordings])
@@ -139,22 +136,11 @@ def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log |
 
 
 def _known(sampling: Sampling, recordings: Sequence[Recording]) -> BoolArray:
-    """Samples of each record that the filter of the motion knows, shape (T, M).
-
-    Raises:
-        FFGymError: if the low-pass of what is compared knows too few of them.
-    """
+    """Samples of each record that the filter of the motion knows, shape (T, M)."""
     ends = sampling.motion_filter.end_rows(sampling.dt)
     known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
     for i, recording in enumerate(recordings):
         known[ends : max(ends, len(recording) - ends), i] = True
-    lasts = float(np.count_nonzero(sampling.valid(known))) * sampling.row_dt
-    if lasts < _LEAST:
-        taken = (ends + sampling.half_length) * sampling.dt
-        raise FFGymError(
-            f"The recordings are too short: without {taken:.2g} s at either end, which low-passes take, {lasts:.2g} s "
-            f"are left, must be {_LEAST:g} s at least."
-        )
     return known
 
 
