@@ -80,7 +80,8 @@ def _laws(improvement: Improvement) -> ReportFigure:
 
 
 def _paths(improvement: Improvement) -> ReportFigure:
-    study = improvement.gain.study.only(laws=[BASELINE, MODEL])
+    both = improvement.gain.study.only(laws=[BASELINE, MODEL])
+    study = both.renamed(BASELINE, "dynamic LuGre, nominal").renamed(MODEL, "extended model")
     return ReportFigure(
         name="paths",
         title="Path of the tool, dynamic LuGre with nominal parameters and the extended model",

@@ -3,13 +3,13 @@
 import json
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.document import read_diagnosis, write_diagnosis
-from ffgym.diagnosis.extended import save_extended
+from ffgym.diagnosis.extended import extended_machine, save_extended
 from ffgym.diagnosis.nominal import LEAST_SHARE
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.diagnosis.tuning import tuned
@@ -29,6 +29,9 @@ from ffgym.simulation.simulate import Progress
 PAUSE = 60.0
 """Between two sessions [s]; chosen: what it takes to start the next one."""
 
+_FITTED = Calibration.of_share(LEAST_SHARE)
+"""How well numbers are known that were fitted to the very recordings."""
+
 Diagnose = Callable[[Machine, Sequence[Recording], Calibration], Diagnosis]
 """What a model lacks, by recordings of the machine, and how well the numbers of the model are known."""
 
@@ -47,8 +50,8 @@ class Plan:
     origins: tuple[Origin, ...] = ()
     """Where numbers of effects come from that it has already."""
     fit: bool = False
-    """Whether all numbers of the model are fitted to the first recordings before it is diagnosed, as for a machine that
-    is far from its description in many at once."""
+    """Whether all numbers of the model are fitted to the first recordings before it is diagnosed, and again beside the
+    causes of each round, as for a machine that is far from its description in many at once."""
     protocols: tuple[str, ...] = ("diagnosis",)
     """What is recorded in each round, as for `ffgym record`."""
     rounds: int = 4
@@ -116,17 +119,18 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
         motions = plan_session(rig.arm, [*protocols, *proposed], start=clock)
         recordings = _recorded(rig, plan, motions, place / "logs", number, stage)
         if plan.fit and not rounds:
-            with stage("fitting all numbers", "") as progress:
-                progress(0, 1)
-                machine, calibration = _fitted(place, plan, recordings), Calibration.of_share(LEAST_SHARE)
-                progress(1, 1)
+            machine, calibration = _fitted(place / "fitted", machine, plan, recordings, stage), _FITTED
         before = machine
         with stage(f"diagnosing, round {number}", "") as progress:
             progress(0, 1)
             diagnosis = _diagnosed(place, before, recordings, calibration, diagnose)
             progress(1, 1)
+        if plan.fit and diagnosis.causes:
+            grown = extended_machine(before, diagnosis.causes)
+            beside = _fitted(place / "fitted_beside", grown, plan, recordings, stage)
+            machine = replace(before, robot=beside.robot)
         model = place / "extended.toml"
-        machine = save_extended(model, diagnosis, before, robot=plan.robot, origins=origins, recordings=recordings)
+        machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins, recordings=recordings)
         origins, clock = origins_of(model), motions[-1].end + PAUSE
         proposed = _proposed(diagnosis, place)
         rounds.append(
@@ -153,14 +157,16 @@ def _recorded(
     return read_folder(folder)
 
 
-def _fitted(place: Path, plan: Plan, recordings: Sequence[Recording]) -> Machine:
-    """The nominal model with numbers that predict recordings best: those in the folder, if they are of these."""
-    key, file, about = place / "fitted.json", place / "fitted.toml", _about(plan.nominal, recordings)
+def _fitted(place: Path, machine: Machine, plan: Plan, recordings: Sequence[Recording], stage: Stage) -> Machine:
+    """A machine with numbers that predict recordings best beside its effects: as in the file, if it is of these."""
+    key, file, about = place.with_suffix(".json"), place.with_suffix(".toml"), _about(machine, recordings)
     if not (key.exists() and file.exists() and _json(key) == about):
-        title = f"{plan.nominal.robot.title}, fitted by ffgym improve"
-        source = "fitted to the recordings of the first round"
-        fitted = tuned(plan.nominal, recordings)
-        save_machine(fitted, file, title=title, source=source, robot=plan.robot, origins=plan.origins)
+        title, source = f"{machine.robot.title}, fitted by ffgym improve", "fitted to recordings, all numbers together"
+        with stage("fitting all numbers", "") as progress:
+            progress(0, 1)
+            found = tuned(machine, recordings)
+            progress(1, 1)
+        save_machine(found, file, title=title, source=source, robot=plan.robot)
         write_json(key, about)
     return load_machine(file)
 
