@@ -14,7 +14,7 @@ from ffgym.control import joint_reference
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.nominal import fitted_nominal
 from ffgym.effects import EFFECTS
-from ffgym.logs import read_log
+from ffgym.logs import read_log, read_logs
 from ffgym.paths import multisine
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
@@ -42,6 +42,11 @@ def causes(diagnosis):
     return {(cause.effect, cause.joint): cause for cause in diagnosis.causes}
 
 
+def turns_of(diagnosis, joint):
+    """How often the torque of a joint, as the causes leave it, repeats per turn of its motor."""
+    return [p.frequency for p in diagnosis.patterns if p.kind == "periodic" and p.component == joint]
+
+
 def value(cause, name):
     """A size with its interval."""
     (size,) = [size for size in cause.parameters if size.name == name]
@@ -49,9 +54,11 @@ def value(cause, name):
 
 
 @needs_data
-@pytest.mark.slow
-@pytest.mark.parametrize("run", ["emps_id", "emps_pulses"])
-def test_friction_of_the_ball_screw_depends_on_direction_and_no_offset_or_drift_is_named(run):
+@pytest.mark.parametrize(
+    ("run", "ripples"), [("emps_id", (1.0,)), pytest.param("emps_pulses", (), marks=pytest.mark.slow)]
+)
+def test_friction_of_the_ball_screw_depends_on_direction_and_no_offset_or_drift_is_named(run, ripples):
+    """What that leaves repeats with the turns of the screw, every 2.5 mm; pulses of force are in the way of that."""
     diagnosis = diagnose(load_robot("ball_screw"), [every_fourth(published("emps", f"{run}.npz", "emps"))])
     found = causes(diagnosis)
     assert diagnosis.verdict in ("named", "partly")
@@ -59,6 +66,17 @@ def test_friction_of_the_ball_screw_depends_on_direction_and_no_offset_or_drift_
     assert low < size < high
     assert size == pytest.approx(-0.18, abs=0.02)  # 166.7 forwards, 240.4 N s/m backwards; least squares
     assert not {effect for effect, _ in found} & {"torque_offset", "viscous_drift", "coulomb_drift"}
+    for ripple in ripples:
+        assert any(turns == pytest.approx(ripple, abs=0.05) for turns in turns_of(diagnosis, "x"))
+
+
+@needs_data
+@pytest.mark.slow
+def test_the_ball_screw_is_diagnosed_as_it_was_recorded_on_its_own_clock_under_its_own_controller():
+    recording = read_log(Path(os.environ["FFGYM_DATA"]) / "emps" / "emps_id.npz", "emps")
+    diagnosis = diagnose(load_robot("ball_screw"), [recording])
+    assert set(causes(diagnosis)) == {("asymmetry", "x")}
+    assert "1.0 cycles per turn" in diagnosis.sentence
 
 
 @needs_data
@@ -73,6 +91,24 @@ def test_link_encoders_of_the_kr300_are_three_milliseconds_late_and_it_has_no_ba
     assert 2.6e-3 < latency < 3.1e-3
     assert not {effect for effect, _ in found} & {"backlash", "wrist_coupling"}
     assert not [j for effect, j in found if effect == "load_friction" and j in ("a4", "a5", "a6")]
+
+
+def parts_of_a_session(length, which):
+    """Some recordings of a session of two hours, the first `length` rows of each."""
+    path = Path(os.environ["FFGYM_DATA"]) / "kuka_kr300_2021_10hz" / "recordings.npz"
+    recordings = read_logs(path, "kuka_kr300_2021_10hz")
+    return [recordings[i].slice(end=float(recordings[i].t[0]) + 0.1 * length) for i in which]
+
+
+@needs_data
+@pytest.mark.slow
+@pytest.mark.parametrize("length", [900, 3630])
+def test_a_session_of_two_hours_at_10_hz_has_no_asymmetry_and_no_drift_of_coulomb_friction(length):
+    recordings = parts_of_a_session(length, (0, 3, 6, 9))
+    machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), recordings)
+    diagnosis = diagnose(machine, recordings, calibration=calibration)
+    assert diagnosis.verdict != "named"
+    assert not {effect for effect, _ in causes(diagnosis)} & {"asymmetry", "coulomb_drift", "presliding"}
 
 
 def as_logged(recording, rng, *families):
