@@ -21,6 +21,8 @@ def sentence_of(judged: Judged, causes: Sequence[Cause], patterns: Sequence[Patt
         return f"Consistent with {named}; but {rivals} would explain these motions as well."
     if judged.verdict == "partly":
         left = f"; what is left depends on: {patterns[0].message}" if patterns else ", and something is left"
+        if judged.stretched:
+            left = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
         return f"Partly explained by {named}: that removes {share} of what noise does not explain{left}."
     return f"Consistent with {named}, which removes {share} of what noise does not explain."
 

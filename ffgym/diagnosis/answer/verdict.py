@@ -5,10 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.diagnosis.fit.leftover import Loudness, removed, touched
-from ffgym.diagnosis.fit.refine import Setting
+from ffgym.diagnosis.fit.refine import Fit, Setting
 from ffgym.diagnosis.result import Rival, Verdict
 from ffgym.diagnosis.search.found import Found, Tried
+from ffgym.diagnosis.search.search import judged_with
 from ffgym.diagnosis.search.worth import removed_by
+from ffgym.diagnosis.signatures.column import Parts
 from ffgym.types import Array
 
 NAMED = 0.9
@@ -30,6 +32,12 @@ ALIKE = 0.02
 """Share of what is above the noise by which a rival with no more numbers must explain less, whatever the resamples say:
 no equation is exact, and one that is this near is not ruled out by what it leaves."""
 
+_AT_END = 1e-3
+"""Share of its plausible range within which a shape is at the end of it."""
+
+_SEEN = 10.0
+"""Energy of a tenth of a shape's range, in energies of the noise of a row, from which on the log says what it is."""
+
 RESAMPLES = 500
 
 
@@ -43,6 +51,9 @@ class Judged:
     removed: float
     """Share that all causes remove together."""
     rivals: tuple[Rival, ...]
+    stretched: tuple[str, ...]
+    """Shapes at the end of their plausible range, such as 'time of dwell_stiction on j5': they may stand for something
+    else."""
 
 
 def judged(
@@ -62,21 +73,41 @@ def judged(
     gains = _gains(setting, found)
     rivals = _rivals(setting, found, rng)
     worst = max(loud_after.values())
+    stretched = stretched_shapes(setting, found.final.fit)
     verdict: Verdict
     if not found.final.fit.hypotheses:
         verdict = "unknown" if worst > LOUD else "none"
     elif any(rival.tied for rival in rivals):
         verdict = "ambiguous"
-    elif _is_explained(loud_before, loud_after) and min(gains) >= HALF:
+    elif _is_explained(loud_before, loud_after) and min(gains) >= HALF and not stretched:
         verdict = "named"
     else:
         verdict = "partly"
-    return Judged(verdict=verdict, gains=gains, removed=float(share), rivals=rivals)
+    return Judged(verdict=verdict, gains=gains, removed=float(share), rivals=rivals, stretched=stretched)
 
 
 def _is_explained(before: Loudness, after: Loudness) -> bool:
     """Whether no component is left with something that no cause explains."""
     return all(after[key] <= QUIET or before[key] - after[key] >= NAMED * (before[key] - 1.0) for key in after)
+
+
+def stretched_shapes(setting: Setting, fit: Fit) -> tuple[str, ...]:
+    """Shapes of causes that the fit has moved to the end of their plausible range, where they change what is seen."""
+    found, at = [], 0
+    for hypothesis in fit.hypotheses:
+        for free in hypothesis.free():
+            p, column = hypothesis.kind.parameters()[free.name], fit.columns[at]
+            at += 1
+            near = _AT_END * (p.high - p.low)
+            is_at_end = p.role == "shape" and not p.low + near < free.value < p.high - near
+            if is_at_end and free.value != p.default and _energy(setting, column) > _SEEN:
+                found.append(f"{free.name} of {hypothesis.label}")
+    return tuple(found)
+
+
+def _energy(setting: Setting, column: Parts) -> float:
+    """Of a column, in energies of the noise of a row."""
+    return sum(float(np.sum((setting.weights[key] * rows) ** 2)) for key, rows in column.items())
 
 
 def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
@@ -93,17 +124,20 @@ def _rivals(setting: Setting, found: Found, rng: np.random.Generator) -> tuple[R
     """Candidates that were fitted in the place of a cause that stayed."""
     stayed = {hypothesis.place for hypothesis in found.final.fit.hypotheses}
     return tuple(
-        _rival(setting, one.before, one.tried[0], other, rng)
+        _rival(setting, found, one.before, one.tried[0], other, rng)
         for one in found.rounds
         if one.adopted and one.tried[0].hypothesis.place in stayed
         for other in one.tried[1:]
     )
 
 
-def _rival(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> Rival:
-    gains = [removed_by(setting, before, one).of_excess for one in (best, other)]
-    is_simpler = len(other.hypothesis.free()) <= len(best.hypothesis.free())
-    tied = _ties(best.left, other.left, rng) or (is_simpler and gains[1] >= gains[0] - ALIKE)
+def _rival(setting: Setting, found: Found, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> Rival:
+    gain = removed_by(setting, before, other).of_excess
+    tied = _is_tied(before, best, other, rng)
+    if tied and len(found.final.fit.hypotheses) > 1:  # what further causes explain may have hidden a difference
+        others = [h for h in found.final.fit.hypotheses if h.place != best.hypothesis.place]
+        instead = judged_with(setting, (*others, other.hypothesis))
+        tied = _is_tied(found.nominal, found.fitted, instead, rng)
     reason = (
         "explains the log as well: these motions cannot tell both apart"
         if tied
@@ -112,11 +146,23 @@ def _rival(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.r
     return Rival(
         effect=other.hypothesis.kind.name,
         joint=other.hypothesis.joint,
-        held_out_gain=gains[1],
+        held_out_gain=gain,
         tied=tied,
         against=best.hypothesis.label,
         reason=reason,
     )
+
+
+def _is_tied(before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> bool:
+    """Whether another explanation is as good, by resamples or as good as an inexact equation can tell."""
+    is_simpler = _numbers(other) <= _numbers(best)
+    is_near = other.total - best.total <= ALIKE * (before.total - best.total)
+    return _ties(best.left, other.left, rng) or (is_simpler and is_near)
+
+
+def _numbers(tried: Tried) -> int:
+    """Numbers that were fitted."""
+    return sum(len(hypothesis.free()) for hypothesis in tried.fit.hypotheses)
 
 
 def _ties(best: Array, other: Array, rng: np.random.Generator) -> bool:

@@ -44,7 +44,10 @@ class Found:
     """What a search found."""
 
     nominal: Tried
+    fitted: Tried
+    """All causes, as they were compared with rivals."""
     final: Tried
+    """The same, fitted once more; the nominal model if they explain too little."""
     rounds: tuple[Round, ...]
     rows: float
     """Energy of noise alone."""

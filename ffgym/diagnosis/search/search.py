@@ -1,18 +1,19 @@
 """The search: adopt what explains most, fit it by replaying, look again at what is left, drop what is not needed."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import left_by_block
-from ffgym.diagnosis.evidence.stack import Values
+from ffgym.diagnosis.evidence.stack import Evidence, Values
 from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.found import Found, Round, Tried
-from ffgym.diagnosis.search.ranking import ranked, start_of
+from ffgym.diagnosis.search.ranking import Ranking, ranked, start_of
 from ffgym.diagnosis.search.worth import explains_most, is_worth
 
 MOST = 4
@@ -23,6 +24,9 @@ TRIED = 3
 
 NEAR = 0.5
 """Share of the best candidate's score from which on another is fitted, too."""
+
+ELSEWHERE = 2
+"""Times that a round goes on with candidates of other joints, where the best is not adopted."""
 
 NEEDED = 0.05
 """Share of the energy that a cause must keep away beside the others, else it is dropped."""
@@ -54,7 +58,7 @@ def search(
         faultless: residuals of faultless logs, (R, M, K) by component.
         report: told what is done.
     """
-    nominal = now = _judged(setting, ())
+    nominal = now = judged_with(setting, ())
     rounds: list[Round] = []
     while len(now.fit.hypotheses) < MOST:
         one = _round(setting, candidates(now.fit), faultless, nominal, now, report)
@@ -66,34 +70,58 @@ def search(
     if now.fit.hypotheses and explains_most(setting, nominal, now):
         report("fitting all of it once more", 1.0)
         final = _scored(setting, corrected(setting, now.fit))
-    return Found(nominal=nominal, final=final, rounds=tuple(rounds), rows=float(now.fit.evidence.rows.sum()))
+    rows = float(now.fit.evidence.rows.sum())
+    return Found(nominal=nominal, fitted=now, final=final, rounds=tuple(rounds), rows=rows)
 
 
 def _round(
     setting: Setting, candidates: Candidates, faultless: Values, nominal: Tried, now: Tried, report: Report
 ) -> Round:
-    """Rank, fit the best, and see whether the best of those is to be adopted."""
-    fixed = now.fit
-    residual = values_of(fixed.residual)
+    """Rank, fit the best, and see whether the best of those is to be adopted; if not, look at other joints."""
+    residual = values_of(now.fit.residual)
     together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
     evidence = candidates.stack.evidence(together)
     ranking = ranked(evidence, candidates, candidates.calibration)
-    tried: list[Tried] = []
-    places: set[tuple[str, str, int | None]] = set()
-    best = ranking.score[ranking.order[0]]
-    for i in ranking.order:
-        if len(tried) == TRIED or not ranking.is_significant(i) or (tried and ranking.score[i] < NEAR * best):
+    done, beaten = Round(before=now, candidates=candidates, ranking=ranking, tried=(), adopted=False), set[str]()
+    for _ in range(1 + ELSEWHERE):
+        tried = _tried(setting, candidates, ranking, evidence, now, beaten, report)
+        if not tried:
             break
+        one = replace(done, tried=tuple(tried), adopted=is_worth(setting, nominal, now, tried[0]))
+        if one.adopted:
+            return one
+        done = done if done.tried else one
+        beaten |= {other.hypothesis.joint for other in tried}
+    return done
+
+
+def _tried(
+    setting: Setting,
+    candidates: Candidates,
+    ranking: Ranking,
+    evidence: Evidence,
+    now: Tried,
+    beaten: Container[str],
+    report: Report,
+) -> list[Tried]:
+    """The best candidates that are not on joints where others were beaten, fitted beside the causes; the best first."""
+    fixed, tried = now.fit.hypotheses, list[Tried]()
+    places: set[tuple[str, str, int | None]] = set()
+    best = 0.0
+    for i in ranking.order:
+        if len(tried) == TRIED or not ranking.is_significant(i) or ranking.score[i] < NEAR * best:
+            break
+        if candidates.first(candidates.groups[i]).joint in beaten:
+            continue
         linear = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
-        start = _possible(setting, fixed.hypotheses, linear)
-        if start is None or start.place in places or any(start.repeats(known) for known in fixed.hypotheses):
+        start = _possible(setting, fixed, linear)
+        if start is None or start.place in places or any(start.repeats(known) for known in fixed):
             continue
         places.add(start.place)
+        best = max(best, float(ranking.score[i]))
         report(f"fitting {start.label}", len(tried) / TRIED)
-        tried.append(_judged(setting, (*fixed.hypotheses, start)))
-    tried.sort(key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
-    adopted = bool(tried) and is_worth(setting, nominal, now, tried[0])
-    return Round(before=now, candidates=candidates, ranking=ranking, tried=tuple(tried), adopted=adopted)
+        tried.append(judged_with(setting, (*fixed, start)))
+    return sorted(tried, key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
 
 
 def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis) -> Hypothesis | None:
@@ -113,7 +141,7 @@ def _polished(setting: Setting, adopted: Tried) -> Tried:
     return adopted if finer is adopted.fit else _scored(setting, finer)
 
 
-def _judged(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Tried:
+def judged_with(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Tried:
     """Fit, then judge by blocks that were left out."""
     return _scored(setting, fit(setting, hypotheses) if hypotheses else evaluated(setting, ()))
 
@@ -133,7 +161,7 @@ def _without_needless(setting: Setting, now: Tried) -> Tried:
         others = [h for k, h in enumerate(now.fit.hypotheses) if k != i]
         if machine_with(setting.nominal, others) is None:
             continue
-        fewer = _judged(setting, others)
+        fewer = judged_with(setting, others)
         if fewer.total <= now.total * (1 + NEEDED):
             return _without_needless(setting, fewer)
     return now
