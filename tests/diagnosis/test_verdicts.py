@@ -1,0 +1,49 @@
+"""When a rival ties, and when a cause may stand for something else."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.answer.verdict import _is_tied, stretched_shapes
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.effects import EFFECTS
+
+KEY = ("torque", 0)
+
+
+def tried(left, numbers):
+    """Something that was fitted: energy left in each block, and how many numbers it took."""
+    hypothesis = SimpleNamespace(free=lambda: [None] * numbers)
+    left = np.asarray(left, dtype=float)
+    return SimpleNamespace(left=left, total=float(left.sum()), fit=SimpleNamespace(hypotheses=[hypothesis]))
+
+
+def is_tied(best, other, *, numbers=(1, 1)):
+    before = tried(np.full(100, 100.0), 0)
+    return _is_tied(before, tried(best, numbers[0]), tried(other, numbers[1]), np.random.default_rng(0))
+
+
+def test_a_rival_that_is_better_in_half_of_all_blocks_ties():
+    noise = np.random.default_rng(1).normal(size=100)
+    assert is_tied(np.full(100, 10.0), 10.0 + 5 * noise, numbers=(1, 5))
+    assert not is_tied(np.full(100, 10.0), 20.0 + 5 * noise)
+
+
+@pytest.mark.parametrize(("more", "numbers", "ties"), [(1.0, (2, 1), True), (1.0, (1, 2), False), (3.0, (2, 1), False)])
+def test_a_rival_with_no_more_numbers_ties_if_an_inexact_equation_would_leave_as_much(more, numbers, ties):
+    """Both leave the same more in every block, so that resamples are sure; 90 were to be explained in each."""
+    assert is_tied(np.full(100, 10.0), np.full(100, 10.0 + more), numbers=numbers) == ties
+
+
+@pytest.mark.parametrize(
+    ("time", "size", "found"), [(0.1, 3.0, True), (1.2, 3.0, False), (0.1, 1e-3, False), (10.0, 3.0, True)]
+)
+def test_a_shape_at_the_end_of_its_range_is_told_where_the_log_shows_it(time, size, found, one_axis):
+    kind, joint = EFFECTS["dwell_stiction"], one_axis.joints[0]
+    values = {"share": np.array(0.2), "time": np.array(time), "slip": np.array(0.02)}
+    hypothesis = Hypothesis(kind=kind, joint=joint, source=None, values=values)
+    rows = np.ones((50, 2))
+    fit = SimpleNamespace(hypotheses=(hypothesis,), columns=[{KEY: size * rows}] * 3)
+    setting = SimpleNamespace(weights={KEY: rows})
+    assert stretched_shapes(setting, fit) == ((f"time of {hypothesis.label}",) if found else ())
