@@ -28,6 +28,8 @@ def test_a_rival_that_is_better_in_half_of_all_blocks_ties():
     noise = np.random.default_rng(1).normal(size=100)
     assert is_tied(np.full(100, 10.0), 10.0 + 5 * noise, numbers=(1, 5))
     assert not is_tied(np.full(100, 10.0), 20.0 + 5 * noise)
+    worse = 10.0 + 5 * (noise - noise.mean()) / noise.std() + 1.1  # by 2.2 standard deviations of the sum
+    assert not is_tied(np.full(100, 10.0), worse, numbers=(1, 5))
 
 
 @pytest.mark.parametrize(("more", "numbers", "ties"), [(1.0, (2, 1), True), (1.0, (1, 2), False), (3.0, (2, 1), False)])
@@ -47,3 +49,13 @@ def test_a_shape_at_the_end_of_its_range_is_told_where_the_log_shows_it(time, si
     fit = SimpleNamespace(hypotheses=(hypothesis,), columns=[{KEY: size * rows}] * 3)
     setting = SimpleNamespace(weights={KEY: rows})
     assert stretched_shapes(setting, fit) == ((f"time of {hypothesis.label}",) if found else ())
+
+
+def test_a_shape_that_stays_where_it_usually_is_is_not_at_the_end_of_its_range(one_axis):
+    kind = EFFECTS["temperature_friction"]
+    values = {name: np.array(p.neutral if p.default is None else p.default) for name, p in kind.parameters().items()}
+    assert float(values["reference"]) == kind.parameters()["reference"].low
+    hypothesis = Hypothesis(kind=kind, joint=one_axis.joints[0], source=None, values=values)
+    rows = np.ones((50, 2))
+    fit = SimpleNamespace(hypotheses=(hypothesis,), columns=[{KEY: 3 * rows}] * len(hypothesis.free()))
+    assert stretched_shapes(SimpleNamespace(weights={KEY: rows}), fit) == ()

@@ -104,3 +104,15 @@ def test_calibration_at_its_bound_comes_back_when_the_cause_joins(problem):
     assert fitted(evidence, CALIBRATION, priors)[0] == priors.high[0]
     found = screen(evidence, half_folds(blocks), CALIBRATION, CANDIDATES, priors)
     assert found.gain[1, 0] > 0.99 * found.left[0]
+
+
+def test_scaled_columns_are_columns_in_other_units_and_may_be_added_one_by_one(problem):
+    columns, residual, blocks, evidence, _ = problem
+    key, units = ("torque", 0), np.linspace(0.5, 3.0, N_COLUMNS)
+    weights, parts = {key: (blocks.of_row >= 0).astype(float)}, [{key: c} for c in columns]
+    stack = stack_of(blocks, parts[:2], weights, units[:2])
+    for k in range(2, N_COLUMNS):
+        stack = stack.beside([parts[k]], units[k : k + 1])
+    found = stack.evidence({key: residual})
+    np.testing.assert_allclose(found.gram, evidence.gram * units[:, None] * units)
+    np.testing.assert_allclose(found.moment, evidence.moment * units[:, None])
