@@ -68,7 +68,7 @@ def residual_rows(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, A
     """Measured minus predicted (R, M, C).
 
     The servo's integral begins where nobody knows, and an encoder counts from where nobody knows: their means are taken
-    off.
+    off. An error that is written with rounded angles, off by a part of a step, drifts in the integral: so is its slope.
     """
     valid = valid_rows(log)
     found = {}
@@ -77,7 +77,20 @@ def residual_rows(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, A
         if channel == "link" and log.link is not None:
             rest = np.where(np.isnan(log.link).any(axis=(0, 1)), 0.0, rest)
         if channel in ("servo", "link"):
-            count = np.maximum(valid.sum(axis=0), 1)[:, None]
-            rest = rest - np.einsum("rmc,rm->mc", rest, valid.astype(np.float64)) / count
+            rest = _without_trend(rest, valid, slope=channel == "servo")
         found[channel] = rest
     return found
+
+
+def _without_trend(rows: Array, valid: BoolArray, *, slope: bool) -> Array:
+    """Rows (R, M, C) without the mean, and the slope over time, of valid rows (R, M) of each motion."""
+    weight = valid.astype(np.float64)
+    count = np.maximum(weight.sum(axis=0), 1.0)[:, None]
+    rest = rows - np.einsum("rmc,rm->mc", rows, weight) / count
+    if not slope:
+        return rest
+    time = np.arange(len(rows), dtype=np.float64)[:, None]
+    time = (time - (weight * time).sum(axis=0) / count[:, 0]) * weight
+    energy = np.maximum((time**2).sum(axis=0), 1.0)
+    straight: Array = rest - time[..., None] * (np.einsum("rmc,rm->mc", rest, time) / energy[:, None])
+    return straight
