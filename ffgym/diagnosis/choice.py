@@ -34,17 +34,18 @@ class Choice:
 
     def __init__(self, ready: Prepared, kinds: Sequence[type[Effect]], memory: Memory | None) -> None:
         self._ready, self._kinds, self._memory = ready, kinds, memory
-        self._tried: Cycles | None = None
+        self._tried: dict[str, tuple[float, ...]] = {}
         self._made: Candidates | None = None
 
     def __call__(self, fit: Fit) -> Candidates:
-        """Candidates beside those of a fit."""
-        cycles = self._cycles(fit)
-        if self._made is None or self._tried is None or not _are_among(cycles, self._tried):
-            self._tried = cycles
+        """Candidates beside those of a fit: those that there were before it, and new frequencies."""
+        made = self._made or self._lasting
+        if new := _not_among(self._cycles(fit), self._tried):
             periodic = [kind for kind in self._kinds if repeats(kind)]
-            self._made = self._lasting.beside(columns_of(self._ready.run, periodic, cycles))
-        return self._made
+            made = made.beside(columns_of(self._ready.run, periodic, new))
+            self._tried |= {joint: (*self._tried.get(joint, ()), *cycles) for joint, cycles in new.items()}
+        self._made = made
+        return made
 
     @cached_property
     def _lasting(self) -> Candidates:
@@ -72,13 +73,13 @@ class Choice:
         return found
 
 
-def _are_among(cycles: Cycles, tried: Cycles) -> bool:
-    """Whether all frequencies have been tried, nearly."""
-    return all(
-        any(abs(frequency - known) < _APART for known in tried.get(joint, ()))
+def _not_among(cycles: Cycles, tried: Cycles) -> dict[str, tuple[float, ...]]:
+    """Frequencies that were not tried, nor one nearby; joints without any are left out."""
+    new = {
+        joint: tuple(f for f in frequencies if all(abs(f - known) >= _APART for known in tried.get(joint, ())))
         for joint, frequencies in cycles.items()
-        for frequency in frequencies
-    )
+    }
+    return {joint: frequencies for joint, frequencies in new.items() if frequencies}
 
 
 def _peaks(spectrum: Spectrum | None, count: int) -> list[tuple[float, float]]:

@@ -107,10 +107,11 @@ def _sums(evidence: Evidence, folds: Sequence[Fold]) -> Iterator[tuple[_Sums, _S
     """Of what each fold fits to and judges by; blocks that are always in or out together are summed once."""
     member = np.array([rows for fold in folds for rows in (fold.train, fold.test)])
     kinds, of_block = np.unique(member, axis=1, return_inverse=True)
-    together = [of_block.ravel() == k for k in range(kinds.shape[1])]
-    gram, moment, energy = (
-        np.stack([values[blocks].sum(axis=0) for blocks in together])
-        for values in (evidence.gram, evidence.moment, evidence.energy)
+    of_block = of_block.ravel()
+    gram = evidence.stack.grouped(of_block)
+    moment, energy = (
+        np.stack([values[of_block == k].sum(axis=0) for k in range(kinds.shape[1])])
+        for values in (evidence.moment, evidence.energy)
     )
 
     def summed(chosen: BoolArray) -> _Sums:

@@ -75,26 +75,6 @@ def blocks_of(valid: BoolArray, row_dt: float) -> Blocks:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Evidence:
-    r"""Sums over blocks of a regression :math:`r = A x`, weighted rows of all channels together.
-
-    All statistics are functions of these few numbers, so that they cost nothing beside the replays.
-    """
-
-    blocks: Blocks
-    gram: Array
-    """A^T A, shape (B, P, P)."""
-    moment: Array
-    """A^T r, shape (B, P, K), for K residuals: that of the log first, then those of noise."""
-    energy: Array
-    """r^T r, shape (B, K)."""
-    rows: Array
-    """Number of rows of all components, shape (B,): what the energy of noise alone would be."""
-    n_components: int
-    """Components of all channels."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
 class _Columns:
     """Weighted columns in one component, rows in the order of their blocks."""
 
@@ -134,7 +114,7 @@ class Stack:
             parts[key] = (*parts.get(key, ()), new)
         return Stack(blocks=self.blocks, weights=self.weights, parts=parts, gram=gram)
 
-    def evidence(self, residuals: Values) -> Evidence:
+    def evidence(self, residuals: Values) -> "Evidence":
         """Sums with residuals (R, M, K) per component."""
         n_residuals = next(iter(residuals.values())).shape[2]
         moment = np.zeros((len(self.blocks), self.gram.shape[1], n_residuals))
@@ -149,13 +129,24 @@ class Stack:
                 for columns in self.parts.get(key, ()):
                     moment[b, columns.at] += columns.rows[own].T @ r
         return Evidence(
-            blocks=self.blocks,
-            gram=self.gram,
+            stack=self,
             moment=moment,
             energy=energy,
             rows=counted,
             n_components=len(residuals),
         )
+
+    def grouped(self, of_block: IntArray) -> Array:
+        """Sums of the Gram matrix over blocks of one number, shape (max + 1, P, P); the same for all residuals."""
+        key = of_block.tobytes()
+        if key not in self._groups:
+            groups = range(int(of_block.max()) + 1)
+            self._groups[key] = np.stack([self.gram[of_block == k].sum(axis=0) for k in groups])
+        return self._groups[key]
+
+    @cached_property
+    def _groups(self) -> dict[bytes, Array]:
+        return {}
 
     def _in_order(self, rows: Array) -> Array:
         """Rows (R, M, ...) that are of blocks, one block after the other, (S, ...)."""
@@ -168,6 +159,35 @@ class Stack:
         gram[:, old.at[:, None], new.at] += products
         if old is not new:
             gram[:, new.at[:, None], old.at] += products.transpose(0, 2, 1)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Evidence:
+    r"""Sums over blocks of a regression :math:`r = A x`, weighted rows of all channels together.
+
+    All statistics are functions of these few numbers, so that they cost nothing beside the replays.
+    """
+
+    stack: Stack
+    """The columns A."""
+    moment: Array
+    """A^T r, shape (B, P, K), for K residuals: that of the log first, then those of noise."""
+    energy: Array
+    """r^T r, shape (B, K)."""
+    rows: Array
+    """Number of rows of all components, shape (B,): what the energy of noise alone would be."""
+    n_components: int
+    """Components of all channels."""
+
+    @property
+    def blocks(self) -> Blocks:
+        """Blocks of rows."""
+        return self.stack.blocks
+
+    @property
+    def gram(self) -> Array:
+        """A^T A, shape (B, P, P)."""
+        return self.stack.gram
 
 
 def stack_of(blocks: Blocks, columns: Sequence[Parts], weights: Values, scale: Array | None = None) -> Stack:
