@@ -129,6 +129,16 @@ class Hypothesis:
         return replace(self, values=values)
 
 
+def moved(hypotheses: Sequence[Hypothesis], steps: Array) -> tuple[Hypothesis, ...]:
+    """All hypotheses with their free numbers changed by so many practical steps, within their bounds."""
+    found, at = [], 0
+    for hypothesis in hypotheses:
+        free = hypothesis.free()
+        found.append(hypothesis.moved([float(x) * f.step for x, f in zip(steps[at:], free, strict=False)]))
+        at += len(free)
+    return tuple(found)
+
+
 def machine_with(nominal: Machine, hypotheses: Sequence[Hypothesis]) -> Machine | None:
     """The machine that has all hypotheses; None if none can be so, e.g. with less breakaway than Coulomb torque."""
     return machine_of(nominal, [*nominal.effects, *(h.effect(nominal.robot) for h in hypotheses)])

@@ -10,7 +10,7 @@ from scipy.optimize import minimize_scalar
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.screen import Priors, fitted
 from ffgym.diagnosis.evidence.stack import Blocks, Evidence, Stack, Values, stack_of
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with, moved
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import residual_rows
@@ -116,14 +116,14 @@ def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = Fal
         step = _step(best)
         left = np.inf
         for _ in range(_HALVINGS):
-            left = left_by(setting, _moved(best.hypotheses, step))
+            left = left_by(setting, moved(best.hypotheses, step))
             if left < best.left:
                 break
             step = 0.3 * step
         if left >= best.left:
             break
         gained = 1 - left / best.left
-        best = evaluated(setting, _moved(best.hypotheses, step))
+        best = evaluated(setting, moved(best.hypotheses, step))
         if gained < _ENOUGH and float(np.max(np.abs(step))) < _SMALL:
             break
     return best
@@ -230,12 +230,3 @@ def _step(now: Fit) -> Array:
     x = fitted(now.evidence, now.everything, now.priors)
     step: Array = x[now.n_calibration :]
     return step
-
-
-def _moved(hypotheses: Sequence[Hypothesis], step: Array) -> list[Hypothesis]:
-    found, at = [], 0
-    for hypothesis in hypotheses:
-        free = hypothesis.free()
-        found.append(hypothesis.moved([x * f.step for x, f in zip(step[at : at + len(free)], free, strict=True)]))
-        at += len(free)
-    return found

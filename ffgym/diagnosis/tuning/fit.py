@@ -21,14 +21,14 @@ import numpy as np
 from ffgym.diagnosis.calibration import BOUND
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import BLOCK, blocks_of
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, left_by
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.sampling import CUTOFF
 from ffgym.diagnosis.measured import counting_rows, valid_rows
 from ffgym.diagnosis.replay import Replay, replay
 from ffgym.diagnosis.signatures.column import Parts, columns_of
-from ffgym.diagnosis.tuning.numbers import PRECISION, as_described, distance, moved, with_numbers
+from ffgym.diagnosis.tuning.numbers import PRECISION, as_described, distance, with_numbers
 from ffgym.effects.drive import TorqueOffset
 from ffgym.plant import Machine
 from ffgym.recordings import Recording

@@ -1,6 +1,6 @@
 """The numbers of a description that are fitted together: what they are called, and how far they may be off."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import ClassVar, final
 
@@ -92,16 +92,6 @@ def distance(numbers: Iterable[Hypothesis]) -> Array:
 
 PRECISION = (STEP / SPREAD) ** 2
 """Of that distance, before any recording."""
-
-
-def moved(numbers: Sequence[Hypothesis], steps: Array) -> tuple[Hypothesis, ...]:
-    """All numbers changed by so many practical steps, within their bounds."""
-    found, at = [], 0
-    for number in numbers:
-        free = number.free()
-        found.append(number.moved([float(x) * f.step for x, f in zip(steps[at:], free, strict=False)]))
-        at += len(free)
-    return tuple(found)
 
 
 def with_numbers(robot: RobotDescription, numbers: Iterable[Hypothesis]) -> RobotDescription:
