@@ -113,17 +113,16 @@ def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = Fal
     """
     best = evaluated(setting, hypotheses if begun else _well_begun(setting, hypotheses))
     for _ in range(_ROUNDS if hypotheses else 0):
-        step = _step(best)
-        left = np.inf
+        step, tried = _step(best), None
         for _ in range(_HALVINGS):
-            left = left_by(setting, moved(best.hypotheses, step))
-            if left < best.left:
+            tried = _trial(setting, moved(best.hypotheses, step))
+            if tried is not None and tried.left < best.left:
                 break
             step = 0.3 * step
-        if left >= best.left:
+        if tried is None or tried.left >= best.left:
             break
-        gained = 1 - left / best.left
-        best = evaluated(setting, moved(best.hypotheses, step))
+        gained = 1 - tried.left / best.left
+        best = _with_tangents(setting, tried)
         if gained < _ENOUGH and float(np.max(np.abs(step))) < _SMALL:
             break
     return best
@@ -164,11 +163,32 @@ def _well_begun(setting: Setting, hypotheses: Sequence[Hypothesis]) -> list[Hypo
 
 
 def left_by(setting: Setting, hypotheses: Sequence[Hypothesis]) -> float:
-    """Energy that calibration and hypotheses with the values that they have leave, of all rows."""
-    if machine_with(setting.nominal, hypotheses) is None:
-        return np.inf
-    _, residual = _residual(setting, hypotheses)
-    return _left(setting.stack.evidence(values_of(residual)), _priors(setting, ()))
+    """Energy that calibration and hypotheses with the values that they have leave, of all rows; inf if none can."""
+    tried = _trial(setting, hypotheses)
+    return np.inf if tried is None else tried.left
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Trial:
+    """Hypotheses with the values that they have, replayed."""
+
+    hypotheses: Sequence[Hypothesis]
+    run: Replay
+    residual: Mapping[Channel, Array]
+    """(R, M, C)."""
+    left: float
+
+
+def _trial(setting: Setting, hypotheses: Sequence[Hypothesis]) -> _Trial | None:
+    """Replay of the machine with all hypotheses; None if none can have them."""
+    machine = machine_with(setting.nominal, hypotheses)
+    if machine is None:
+        return None
+    run = replay(setting.log, machine, setting.like)
+    rows = residual_rows(setting.log, predicted(run))
+    residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
+    left = _left(setting.stack.evidence(values_of(residual)), _priors(setting, ()))
+    return _Trial(hypotheses=hypotheses, run=run, residual=residual, left=left)
 
 
 def _left(evidence: Evidence, priors: Priors) -> float:
@@ -179,31 +199,28 @@ def _left(evidence: Evidence, priors: Priors) -> float:
     return float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x + priors.precision[:n] @ x**2)
 
 
-def _residual(setting: Setting, hypotheses: Sequence[Hypothesis]) -> tuple[Replay, dict[Channel, Array]]:
-    """Replay of the machine with all hypotheses, and its residual (R, M, C)."""
-    machine = machine_with(setting.nominal, hypotheses)
-    if machine is None:
-        raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")
-    run = replay(setting.log, machine, setting.like)
-    rows = residual_rows(setting.log, predicted(run))
-    return run, {channel: values - setting.bias[channel] for channel, values in rows.items()}
-
-
 def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Fit:
-    """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do."""
-    run, residual = _residual(setting, hypotheses)
-    columns = tangents(run, setting.nominal, hypotheses) if hypotheses else []
-    evidence = setting.stack.beside(columns).evidence(values_of(residual))
-    left = _left(evidence, _priors(setting, ()))
-    priors = _priors(setting, hypotheses)
+    """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do.
+
+    Raises:
+        FFGymError: if no machine can have them.
+    """
+    tried = _trial(setting, hypotheses)
+    if tried is None:
+        raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")
+    return _with_tangents(setting, tried)
+
+
+def _with_tangents(setting: Setting, tried: _Trial) -> Fit:
+    columns = tangents(tried.run, setting.nominal, tried.hypotheses) if tried.hypotheses else []
     return Fit(
-        hypotheses=tuple(hypotheses),
-        run=run,
-        residual=residual,
+        hypotheses=tuple(tried.hypotheses),
+        run=tried.run,
+        residual=tried.residual,
         columns=tuple(columns),
-        evidence=evidence,
-        priors=priors,
-        left=left,
+        evidence=setting.stack.beside(columns).evidence(values_of(tried.residual)),
+        priors=_priors(setting, tried.hypotheses),
+        left=tried.left,
     )
 
 
