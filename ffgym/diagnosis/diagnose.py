@@ -130,29 +130,30 @@ def _examined(
     setting = ready.setting
     kinds, not_judgeable = judgeable_kinds(log, machine)
     report("computing what each effect would change", 0.1)
-    found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), report)
+    found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report)
     first = without_calibration(setting, found.nominal.fit)
     rest = without_calibration(setting, found.final.fit)
     after = residual_of(log, found.final.fit.run, rest, ready.floor)
     before = residual_of(log, found.nominal.fit.run, without_calibration(setting, found.nominal.fit), ready.floor)
     loud = loudness(setting, rest)
-    verdict = judged(setting, found, loudness(setting, first), loud, rng)
+    verdict = judged(setting, found, loudness(setting, first), loud)
     report("looking at what is left", 0.95)
     patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
     causes = causes_of(found.final.fit, verdict.gains, calibration, rng)
-    if verdict.verdict == "ambiguous":
+    rivals = found.rivals if causes else ()
+    if any(rival.tied for rival in rivals):
         report("looking for a motion that tells rivals apart", 0.97)
     diagnosis = Diagnosis(
         verdict=verdict.verdict,
-        sentence=sentence_of(verdict, causes, patterns, log.robot),
+        sentence=sentence_of(verdict, causes, rivals, patterns, log.robot),
         robot=log.robot.name,
         motions=log.names,
         causes=causes,
-        rivals=verdict.rivals,
+        rivals=rivals,
         patterns=patterns,
         not_excited=not_excited(found),
         not_judgeable=not_judgeable,
-        separating_motion=next_motion(found, verdict, machine, ready.floor, calibration),
+        separating_motion=next_motion(found, machine, ready.floor, calibration),
         levels=levels(setting, found, ready.floor),
         threshold=found.rounds[0].ranking.threshold if found.rounds else 0.0,
         quality=flagged,

@@ -13,6 +13,7 @@ from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, faultless_residuals
+from ffgym.diagnosis.outliers import bounded_weights
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
@@ -75,11 +76,12 @@ def prepared(
     faultless = faultless_residuals(log, known.exact, known.bias, nominal, rng)
     floor = faultless.floor(log)
     weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in counting_rows(log).items()}
+    missed = {channel: rows - known.bias[channel] for channel, rows in residual_rows(log, predicted(like)).items()}
     setting = Setting(
         log=log,
         nominal=nominal,
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
-        weights=weights,
+        weights=bounded_weights(weights, missed),
         calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in known.doubts],
         doubts=known.doubts,
         like=like,

@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.verdict import _is_tied, stretched_shapes
+from ffgym.diagnosis.answer.verdict import stretched_shapes
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.search.rivals import _is_tied
 from ffgym.effects import EFFECTS
 
 KEY = ("torque", 0)

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ffgym.diagnosis.answer.verdict import Judged
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.residual import Channel
@@ -17,18 +16,17 @@ from ffgym.types import Array
 
 
 def next_motion(
-    found: Found, judged: Judged, nominal: Machine, floor: Mapping[Channel, Array], calibration: Calibration
+    found: Found, nominal: Machine, floor: Mapping[Channel, Array], calibration: Calibration
 ) -> SeparatingMotion | None:
     """The session that would tell the first tied causes apart; None if none are tied, or no session is sure to.
 
     Args:
-        found: has the rivals as they were fitted.
-        judged: says which of them are tied.
+        found: has the rivals as they were fitted, and says which of them are tied.
         nominal: the model that was diagnosed.
         floor: RMS of noise alone, (M, C) by channel.
         calibration: what is known of the nominal numbers.
     """
-    for causes in _tied(found, judged):
+    for causes in _tied(found):
         known = nominal
         for other in found.final.fit.hypotheses:
             if other.place not in {cause.place for cause in causes}:
@@ -41,15 +39,16 @@ def next_motion(
     return None
 
 
-def _tied(found: Found, judged: Judged) -> list[Sequence[Hypothesis]]:
-    """Causes that stayed, each with those that tie with it."""
-    stayed = {hypothesis.place: hypothesis for hypothesis in found.final.fit.hypotheses}
+def _tied(found: Found) -> list[Sequence[Hypothesis]]:
+    """Causes, each with those that tie with it."""
+    causes = (*found.final.fit.hypotheses, *found.unsure)
+    stayed = {hypothesis.place: hypothesis for hypothesis in causes}
     groups: list[Sequence[Hypothesis]] = []
     for one in found.rounds:
         if not one.adopted or one.tried[0].hypothesis.place not in stayed:
             continue
         best = stayed[one.tried[0].hypothesis.place]
-        ties = {(r.effect, r.joint) for r in judged.rivals if r.tied and r.against == best.label}
+        ties = {(r.effect, r.joint) for r in found.rivals if r.tied and r.against == best.label}
         others = [t.hypothesis for t in one.tried[1:] if (t.hypothesis.kind.name, t.hypothesis.joint) in ties]
         if others:
             groups.append((best, *others))

@@ -3,28 +3,49 @@
 from collections.abc import Sequence
 
 from ffgym.diagnosis.answer.verdict import Judged
-from ffgym.diagnosis.result import Cause, Pattern
+from ffgym.diagnosis.result import Cause, Pattern, Rival
 from ffgym.robot import RobotDescription
 
+_PATTERNS = 3
+"""Components of which the sentence says what is left there depends on; chosen: more are in the list of patterns."""
 
-def sentence_of(judged: Judged, causes: Sequence[Cause], patterns: Sequence[Pattern], robot: RobotDescription) -> str:
+
+def sentence_of(
+    judged: Judged,
+    causes: Sequence[Cause],
+    rivals: Sequence[Rival],
+    patterns: Sequence[Pattern],
+    robot: RobotDescription,
+) -> str:
     """What a diagnosis says, in one sentence."""
+    tied = [rival for rival in rivals if rival.tied]
+    left = "; ".join(_strongest(patterns))
     named = ", and ".join(_named(cause) for cause in causes)
     share = f"{100 * min(judged.removed, 1.0):.0f} %"
     if judged.verdict == "none":
         return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
     if judged.verdict == "unknown":
-        what = patterns[0].message if patterns else "nothing that was looked for"
+        what = left or "nothing that was looked for"
         return f"Something is there that no effect of the library explains; what is left depends on: {what}."
     if judged.verdict == "ambiguous":
-        rivals = " or ".join(_place(r.effect, r.joint) for r in judged.rivals if r.tied)
-        return f"Consistent with {named}; but {rivals} would explain these motions as well."
+        others = " or ".join(_place(r.effect, r.joint) for r in tied)
+        return f"Consistent with {named}; but {others} would explain these motions as well."
     if judged.verdict == "partly":
-        left = f"; what is left depends on: {patterns[0].message}" if patterns else ", and something is left"
+        more = f"; what is left depends on: {left}" if left else ", and something is left"
         if judged.stretched:
-            left = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
-        return f"Partly explained by {named}: that removes {share} of what noise does not explain{left}."
+            more = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
+        elif tied:
+            more = f"; beyond that, {' or '.join(_place(r.effect, r.joint) for r in tied)} would explain more{more}"
+        return f"Partly explained by {named}: that removes {share} of what noise does not explain{more}."
     return f"Consistent with {named}, which removes {share} of what noise does not explain."
+
+
+def _strongest(patterns: Sequence[Pattern]) -> list[str]:
+    """The strongest pattern of each of the first few components that have one."""
+    found: dict[tuple[str, str], str] = {}
+    for pattern in patterns:
+        found.setdefault((pattern.channel, pattern.component), pattern.message)
+    return list(found.values())[:_PATTERNS]
 
 
 def _named(cause: Cause) -> str:

@@ -6,12 +6,11 @@ import numpy as np
 
 from ffgym.diagnosis.fit.leftover import Loudness, removed, touched
 from ffgym.diagnosis.fit.refine import Fit, Setting
-from ffgym.diagnosis.result import Rival, Verdict
-from ffgym.diagnosis.search.found import Found, Tried
-from ffgym.diagnosis.search.search import judged_with
+from ffgym.diagnosis.result import Verdict
+from ffgym.diagnosis.search.found import Found
+from ffgym.diagnosis.search.rivals import tied_among
 from ffgym.diagnosis.search.worth import removed_by
 from ffgym.diagnosis.signatures.column import Parts
-from ffgym.types import Array
 
 NAMED = 0.9
 """Share of the energy above the noise that causes must remove in each component to be named without reserve..."""
@@ -25,20 +24,11 @@ QUIET = 2.0
 LOUD = 1.5
 """Energy from which on a component has something in it that noise does not explain."""
 
-TIED = 0.05
-"""A rival ties if it is at least as good in this share of resamples."""
-
-ALIKE = 0.02
-"""Share of what is above the noise by which a rival with no more numbers must explain less, whatever the resamples say:
-no equation is exact, and one that is this near is not ruled out by what it leaves."""
-
 _AT_END = 1e-3
 """Share of its plausible range within which a shape is at the end of it."""
 
 _SEEN = 10.0
 """Energy of a tenth of a shape's range, in energies of the noise of a row, from which on the log says what it is."""
-
-RESAMPLES = 500
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -50,15 +40,12 @@ class Judged:
     """Of each cause: share of the energy above the noise that it removes from what was left out."""
     removed: float
     """Share that all causes remove together."""
-    rivals: tuple[Rival, ...]
     stretched: tuple[str, ...]
     """Shapes at the end of their plausible range, such as 'time of dwell_stiction on j5': they may stand for something
     else."""
 
 
-def judged(
-    setting: Setting, found: Found, loud_before: Loudness, loud_after: Loudness, rng: np.random.Generator
-) -> Judged:
+def judged(setting: Setting, found: Found, loud_before: Loudness, loud_after: Loudness) -> Judged:
     """What a search comes to.
 
     Args:
@@ -66,24 +53,22 @@ def judged(
         found: by the search.
         loud_before: energy of the nominal residual over that of noise, by component.
         loud_after: the same with the causes.
-        rng: resamples blocks.
     """
     where = touched(setting, list(found.final.fit.columns))
     share = removed(loud_before, loud_after, where).of_excess if where else 0.0
     gains = _gains(setting, found)
-    rivals = _rivals(setting, found, rng)
     worst = max(loud_after.values())
     stretched = stretched_shapes(setting, found.final.fit)
     verdict: Verdict
     if not found.final.fit.hypotheses:
         verdict = "unknown" if worst > LOUD else "none"
-    elif any(rival.tied for rival in rivals):
+    elif tied_among(found.final.fit.hypotheses, found.rivals):
         verdict = "ambiguous"
-    elif _is_explained(loud_before, loud_after) and min(gains) >= HALF and not stretched:
+    elif _is_explained(loud_before, loud_after) and min(gains) >= HALF and not (stretched or found.unsure):
         verdict = "named"
     else:
         verdict = "partly"
-    return Judged(verdict=verdict, gains=gains, removed=float(share), rivals=rivals, stretched=stretched)
+    return Judged(verdict=verdict, gains=gains, removed=float(share), stretched=stretched)
 
 
 def _is_explained(before: Loudness, after: Loudness) -> bool:
@@ -99,7 +84,8 @@ def stretched_shapes(setting: Setting, fit: Fit) -> tuple[str, ...]:
             p, column = hypothesis.kind.parameters()[free.name], fit.columns[at]
             at += 1
             near = _AT_END * (p.high - p.low)
-            is_at_end = p.role == "shape" and not p.low + near < free.value < p.high - near
+            is_shape = p.role == "shape" or (p.role == "cycles" and not p.is_looked_for)
+            is_at_end = is_shape and not p.low + near < free.value < p.high - near
             if is_at_end and free.value != p.default and _energy(setting, column) > _SEEN:
                 found.append(f"{free.name} of {hypothesis.label}")
     return tuple(found)
@@ -118,55 +104,3 @@ def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
             gains = by_place.setdefault(one.tried[0].hypothesis.place, [])
             gains.append(removed_by(setting, one.before, one.tried[0]).of_excess)
     return tuple(by_place[h.place].pop(0) for h in found.final.fit.hypotheses)
-
-
-def _rivals(setting: Setting, found: Found, rng: np.random.Generator) -> tuple[Rival, ...]:
-    """Candidates that were fitted in the place of a cause that stayed."""
-    stayed = {hypothesis.place for hypothesis in found.final.fit.hypotheses}
-    return tuple(
-        _rival(setting, found, one.before, one.tried[0], other, rng)
-        for one in found.rounds
-        if one.adopted and one.tried[0].hypothesis.place in stayed
-        for other in one.tried[1:]
-    )
-
-
-def _rival(setting: Setting, found: Found, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> Rival:
-    gain = removed_by(setting, before, other).of_excess
-    tied = _is_tied(before, best, other, rng)
-    if tied and len(found.final.fit.hypotheses) > 1:  # what further causes explain may have hidden a difference
-        others = [h for h in found.final.fit.hypotheses if h.place != best.hypothesis.place]
-        instead = judged_with(setting, (*others, other.hypothesis))
-        tied = _is_tied(found.nominal, found.fitted, instead, rng)
-    reason = (
-        "explains the log as well: these motions cannot tell both apart"
-        if tied
-        else f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"
-    )
-    return Rival(
-        effect=other.hypothesis.kind.name,
-        joint=other.hypothesis.joint,
-        held_out_gain=gain,
-        tied=tied,
-        against=best.hypothesis.label,
-        reason=reason,
-    )
-
-
-def _is_tied(before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> bool:
-    """Whether another explanation is as good, by resamples or as good as an inexact equation can tell."""
-    is_simpler = _numbers(other) <= _numbers(best)
-    is_near = other.total - best.total <= ALIKE * (before.total - best.total)
-    return _ties(best.left, other.left, rng) or (is_simpler and is_near)
-
-
-def _numbers(tried: Tried) -> int:
-    """Numbers that were fitted."""
-    return sum(len(hypothesis.free()) for hypothesis in tried.fit.hypotheses)
-
-
-def _ties(best: Array, other: Array, rng: np.random.Generator) -> bool:
-    """Whether `other` may be as good: resamples of what it leaves more in each block."""
-    more = other - best
-    picks = rng.integers(len(more), size=(RESAMPLES, len(more)))
-    return bool(np.quantile(more[picks].sum(axis=1), TIED) <= 0)

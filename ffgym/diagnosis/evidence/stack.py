@@ -136,6 +136,17 @@ class Stack:
             n_components=len(residuals),
         )
 
+    def energy_of(self, places: IntArray, x: Array) -> dict[tuple[Channel, int], float]:
+        """Energy of what some columns, times `x`, change in each component."""
+        found = {}
+        for key, parts in self.parts.items():
+            total = np.zeros(len(parts[0].rows))
+            for columns in parts:
+                here, there = np.nonzero(columns.at[:, None] == places)
+                total += columns.rows[:, here] @ x[there]
+            found[key] = float(total @ total)
+        return found
+
     def grouped(self, of_block: IntArray) -> Array:
         """Sums of the Gram matrix over blocks of one number, shape (max + 1, P, P); the same for all residuals."""
         key = of_block.tobytes()

@@ -159,12 +159,16 @@ def _free(p: Parameter, part: int | None, value: float) -> Free:
         return Free(name=p.name, part=part, value=value, step=abs(step_of(p)), low=p.minimum, high=p.maximum)
     if p.role == "phase":
         return Free(name=p.name, part=part, value=value, step=0.5, low=-np.inf, high=np.inf)
-    if p.role == "cycles":
-        # found where it was looked for, or somewhere between those that were tried
-        step = _CYCLES * max(abs(value), 1.0) if p.is_looked_for else 0.5 * float(np.min(np.diff(p.tries)))
+    if p.is_looked_for:  # and found there
+        step = _CYCLES * max(abs(value), 1.0)
         return Free(name=p.name, part=part, value=value, step=step, low=max(p.minimum, value - step), high=value + step)
-    # beyond its plausible range a shape makes of an effect another one: a drift of a second is a level
+    # beyond its plausible range a shape makes of an effect another one: a drift of a second is a level, and so is
+    # friction that repeats after many turns
     low, high = min(p.low, value), max(p.high, value)
+    if p.role == "cycles":  # somewhere between those that were tried
+        step = 0.5 * float(np.min(np.diff(p.tries)))
+        low, high = max(low, value - step), min(high, value + step)
+        return Free(name=p.name, part=part, value=value, step=step, low=low, high=high)
     return Free(name=p.name, part=part, value=value, step=0.1 * (p.high - p.low), low=low, high=high)
 
 

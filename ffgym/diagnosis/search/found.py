@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.refine import Fit
+from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking
 from ffgym.types import Array
@@ -44,10 +45,11 @@ class Found:
     """What a search found."""
 
     nominal: Tried
-    fitted: Tried
-    """All causes, as they were compared with rivals."""
     final: Tried
-    """The same, fitted once more; the nominal model if they explain too little."""
+    """With all causes that are sure, or with all if none is; the nominal model if they explain too little."""
     rounds: tuple[Round, ...]
+    rivals: tuple[Rival, ...]
+    unsure: tuple[Hypothesis, ...]
+    """Further causes that cannot be told from a rival, beside others that are sure; not in the final model."""
     rows: float
     """Energy of noise alone."""

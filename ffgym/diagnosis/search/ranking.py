@@ -1,5 +1,6 @@
 """Which candidates explain a residual on rows that they were not fitted to, and how much of that is chance."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,10 +9,14 @@ from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import fitted, screen
 from ffgym.diagnosis.evidence.stack import Evidence
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, hypothesis_of
+from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.signatures.variant import STEP
 from ffgym.robot import RobotDescription
 from ffgym.types import Array, IntArray
+
+Component = tuple[Channel, int]
+"""Joint of a channel, or axis of the tool."""
 
 LEVEL = 0.99
 """Share of faultless logs whose largest score lies below the threshold."""
@@ -83,6 +88,23 @@ def start_of(
 ) -> Hypothesis:
     """The hypothesis that a candidate begins with: the linear fit beside the calibration."""
     group = candidates.groups[i]
-    places = np.concatenate([calibration, group.columns])
-    sizes = fitted(evidence, places, candidates.priors)[len(calibration) :] * candidates.scale[group.columns]
+    sizes = _linear_fit(evidence, candidates, i, calibration) * candidates.scale[group.columns]
     return hypothesis_of(candidates.of(group), sizes, robot)
+
+
+def acts_on(evidence: Evidence, candidates: Candidates, i: int, calibration: IntArray) -> dict[Component, float]:
+    """In which components a candidate changes the predictions, by a linear fit: shares of the energy of that."""
+    energy = evidence.stack.energy_of(candidates.groups[i].columns, _linear_fit(evidence, candidates, i, calibration))
+    total = sum(energy.values())
+    return {key: value / total for key, value in energy.items()} if total else {}
+
+
+def overlap(one: Mapping[Component, float], other: Mapping[Component, float]) -> float:
+    """Share of what two candidates change that both of them change."""
+    return sum(min(value, other.get(key, 0.0)) for key, value in one.items())
+
+
+def _linear_fit(evidence: Evidence, candidates: Candidates, i: int, calibration: IntArray) -> Array:
+    """Of a candidate's columns beside the calibration, scaled as they are."""
+    places = np.concatenate([calibration, candidates.groups[i].columns])
+    return fitted(evidence, places, candidates.priors)[len(calibration) :]

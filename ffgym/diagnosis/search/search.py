@@ -5,18 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
-from ffgym.diagnosis.evidence.screen import left_by_block
 from ffgym.diagnosis.evidence.stack import Evidence, Values
 from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
-from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit, polished, values_of
+from ffgym.diagnosis.fit.refine import Fit, Setting, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.found import Found, Round, Tried
-from ffgym.diagnosis.search.ranking import Ranking, ranked, start_of
+from ffgym.diagnosis.search.judge import judged_with, scored
+from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
+from ffgym.diagnosis.search.rivals import as_rivals, rivals_of, tied_among
 from ffgym.diagnosis.search.worth import explains_most, is_worth
 
-MOST = 4
+MOST = 8
 """Causes that are named at most; a model that lacks more is better identified anew."""
 
 TRIED = 3
@@ -24,6 +24,10 @@ TRIED = 3
 
 NEAR = 0.5
 """Share of the best candidate's score from which on another is fitted, too."""
+
+RIVAL = 0.1
+"""Share of what the best candidate changes that another must change too, to be an explanation of the same; others may
+be true beside it, and are looked at when it is adopted."""
 
 ELSEWHERE = 2
 """Times that a round goes on with candidates of other joints, where the best is not adopted."""
@@ -38,7 +42,8 @@ _HALVINGS = 4
 """Times that a linear fit is halved until a machine can be so."""
 
 SLACK = 0.02
-"""Share of the energy by which a hypothesis with more numbers must beat one with fewer."""
+"""Share of the energy, or of what is removed of it if that is less, by which a hypothesis must beat another for each
+number that it has more."""
 
 Report = Callable[[str, float], None]
 """Told what is done, and the share of the search that is done."""
@@ -48,6 +53,7 @@ def search(
     setting: Setting,
     candidates: Callable[[Fit], Candidates],
     faultless: Values,
+    rng: np.random.Generator,
     report: Report = lambda what, share: None,
 ) -> Found:
     """Find the effects that explain a log.
@@ -56,6 +62,7 @@ def search(
         setting: the log.
         candidates: effects to try beside those of a fit; frequencies are looked for in what it leaves.
         faultless: residuals of faultless logs, (R, M, K) by component.
+        rng: resamples blocks.
         report: told what is done.
     """
     nominal = now = judged_with(setting, ())
@@ -66,12 +73,25 @@ def search(
         if not one.adopted:
             break
         now = _without_needless(setting, _polished(setting, one.tried[0]))
+    rivals = rivals_of(setting, nominal, now, rounds, rng)
+    unsure = tied_among(now.fit.hypotheses, rivals)
+    sure = [hypothesis for hypothesis in now.fit.hypotheses if hypothesis not in unsure]
+    if sure and unsure:
+        rivals = (*rivals, *as_rivals(unsure, rivals, rounds))
+        now = judged_with(setting, sure)
     final = nominal
     if now.fit.hypotheses and explains_most(setting, nominal, now):
         report("fitting all of it once more", 1.0)
-        final = _scored(setting, corrected(setting, now.fit))
+        final = scored(setting, corrected(setting, now.fit))
     rows = float(now.fit.evidence.rows.sum())
-    return Found(nominal=nominal, fitted=now, final=final, rounds=tuple(rounds), rows=rows)
+    return Found(
+        nominal=nominal,
+        final=final,
+        rounds=tuple(rounds),
+        rivals=rivals,
+        unsure=tuple(unsure) if sure else (),
+        rows=rows,
+    )
 
 
 def _round(
@@ -87,7 +107,9 @@ def _round(
         tried = _tried(setting, candidates, ranking, evidence, now, beaten, report)
         if not tried:
             break
-        one = replace(done, tried=tuple(tried), adopted=is_worth(setting, nominal, now, tried[0]))
+        worthy = next((other for other in tried if is_worth(setting, nominal, now, other)), None)
+        first = [other for other in (worthy, *tried) if other is not None]
+        one = replace(done, tried=tuple(dict.fromkeys(first)), adopted=worthy is not None)
         if one.adopted:
             return one
         done = done if done.tried else one
@@ -104,10 +126,10 @@ def _tried(
     beaten: Container[str],
     report: Report,
 ) -> list[Tried]:
-    """The best candidates that are not on joints where others were beaten, fitted beside the causes; the best first."""
+    """The best candidate on joints where none was beaten, and its rivals, fitted beside the causes; the best first."""
     fixed, tried = now.fit.hypotheses, list[Tried]()
     places: set[tuple[str, str, int | None]] = set()
-    best = 0.0
+    best, where = 0.0, dict[Component, float]()
     for i in ranking.order:
         if len(tried) == TRIED or not ranking.is_significant(i) or ranking.score[i] < NEAR * best:
             break
@@ -117,11 +139,19 @@ def _tried(
         start = _possible(setting, fixed, linear)
         if start is None or start.place in places or any(start.repeats(known) for known in fixed):
             continue
+        here = acts_on(evidence, candidates, int(i), candidates.calibration)
+        if where and overlap(where, here) < RIVAL:
+            continue
         places.add(start.place)
-        best = max(best, float(ranking.score[i]))
+        best, where = max(best, float(ranking.score[i])), where or here
         report(f"fitting {start.label}", len(tried) / TRIED)
         tried.append(judged_with(setting, (*fixed, start)))
-    return sorted(tried, key=lambda one: one.total * (1 + SLACK * len(one.hypothesis.free())))
+    return sorted(tried, key=lambda one: one.total + SLACK * len(one.hypothesis.free()) * _worth(now, one))
+
+
+def _worth(before: Tried, after: Tried) -> float:
+    """What a number is to be worth: of the energy that is left, or that is removed if that is less."""
+    return max(0.0, min(after.total, before.total - after.total))
 
 
 def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis) -> Hypothesis | None:
@@ -138,21 +168,7 @@ def _polished(setting: Setting, adopted: Tried) -> Tried:
     if adopted.fit.left < QUIET * float(adopted.fit.evidence.rows.sum()):
         return adopted
     finer = polished(setting, adopted.fit)
-    return adopted if finer is adopted.fit else _scored(setting, finer)
-
-
-def judged_with(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Tried:
-    """Fit, then judge by blocks that were left out."""
-    return _scored(setting, fit(setting, hypotheses) if hypotheses else evaluated(setting, ()))
-
-
-def _scored(setting: Setting, found: Fit) -> Tried:
-    """A fit with what it leaves in blocks that were left out."""
-    halves, motions = half_folds(setting.blocks), motion_folds(setting.blocks)
-    left = [
-        left_by_block(found.evidence, folds, found.everything, found.priors) for folds in (halves, motions) if folds
-    ]
-    return Tried(fit=found, left=np.mean(left, axis=0))
+    return adopted if finer is adopted.fit else scored(setting, finer)
 
 
 def _without_needless(setting: Setting, now: Tried) -> Tried:

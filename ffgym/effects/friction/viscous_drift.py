@@ -10,18 +10,30 @@ from ffgym.effects.parameter import parameter
 from ffgym.effects.state import State, Torques
 from ffgym.types import Array
 
+_REFERENCE = 100.0
+"""v_r [rad/s], motor side; chosen: 1000 turns per minute, a medium speed of robot motors."""
+
+_NEAR_REST = 1e-3
+"""Speed, over that, below which the power law goes over into a straight line; chosen: less than any that is held."""
+
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ViscousDrift(TorqueEffect):
-    """Warm-up where nobody measured a temperature: the description holds when the machine is switched on."""
+    r"""Warm-up where nobody measured a temperature: the description holds when the machine is switched on.
+
+    What is lost grows with the speed as the friction of a power-law fluid does, as greases are (shear thinning, p < 1),
+    and is the share c at :math:`v_r` = 100 rad/s.
+    """
 
     name: ClassVar[str] = "viscous_drift"
     code: ClassVar[str] = "F12"
     title: ClassVar[str] = "viscous friction that falls with time, as in a warm-up"
-    equation: ClassVar[str] = r"\tau_f \mathrel{+}= c f_v \left( e^{-t / T_w} - 1 \right) v"
+    equation: ClassVar[str] = (
+        r"\tau_f \mathrel{+}= c f_v \left( e^{-t / T_w} - 1 \right) v_r \left| v / v_r \right|^p \operatorname{sgn}(v)"
+    )
     side: ClassVar[Side] = "motor"
-    signature: ClassVar[str] = "torque: odd and linear in the speed, less from motion to motion of a session"
+    signature: ClassVar[str] = "torque: odd in the speed and growing with it, less from motion to motion of a session"
     way_in: ClassVar[str] = "torque at every physics step, from the time that the machine of a climate has run"
     confusable_with: ClassVar[tuple[str, ...]] = ("F2", "F7", "F13")
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "speed_ladder")
@@ -49,7 +61,22 @@ class ViscousDrift(TorqueEffect):
         source="5 to 20 min of a gearbox (simulator of FloBaRoID) to some hours of a heavy arm",
     )
 
+    exponent: Array = parameter(
+        "p, of the speed",
+        unit="1",
+        null=None,
+        low=0.3,
+        high=1.0,
+        minimum=0.1,
+        maximum=2.0,
+        default=1.0,
+        tries=(1.0, 0.5),
+        source="1: an oil; flow index of lubricating greases 0.3 to 1; from memory of the literature",
+    )
+
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
         lost = self.share * np.expm1(-state.running / self.duration)
-        return Torques(motor=-lost * state.viscous * state.motor_speed), memory
+        faster = (state.motor_speed / _REFERENCE) ** 2 + _NEAR_REST**2
+        thinned = faster ** (0.5 * (self.exponent - 1.0))
+        return Torques(motor=-lost * state.viscous * state.motor_speed * thinned), memory

@@ -1,0 +1,25 @@
+"""Fits judged by blocks that they were not made from."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
+from ffgym.diagnosis.evidence.screen import left_by_block
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit
+from ffgym.diagnosis.search.found import Tried
+
+
+def judged_with(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Tried:
+    """Fit, then judge by blocks that were left out."""
+    return scored(setting, fit(setting, hypotheses) if hypotheses else evaluated(setting, ()))
+
+
+def scored(setting: Setting, found: Fit) -> Tried:
+    """A fit with what it leaves in blocks that were left out."""
+    halves, motions = half_folds(setting.blocks), motion_folds(setting.blocks)
+    left = [
+        left_by_block(found.evidence, folds, found.everything, found.priors) for folds in (halves, motions) if folds
+    ]
+    return Tried(fit=found, left=np.mean(left, axis=0))
