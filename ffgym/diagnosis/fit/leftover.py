@@ -13,7 +13,7 @@ from ffgym.diagnosis.signatures.column import Parts
 from ffgym.types import Array
 
 _TOUCHED = 0.01
-"""Share of a column's energy, weighted by the noise, from which on it touches a component."""
+"""Share of a column's energy per row that counts, weighted by the noise, from which on it touches a component."""
 
 Loudness = Mapping[tuple[Channel, int], float]
 """Energy over that of noise alone, by component."""
@@ -47,7 +47,8 @@ def touched(setting: Setting, columns: list[Parts]) -> set[tuple[Channel, int]]:
     for column in columns:
         for key, rows in column.items():
             weight = np.broadcast_to(setting.weights[key], rows.shape)
-            energy[key] = energy.get(key, 0.0) + float(np.sum((weight * rows) ** 2))
+            counted = max(int(np.count_nonzero(weight)), 1)
+            energy[key] = energy.get(key, 0.0) + float(np.sum((weight * rows) ** 2)) / counted
     most = sum(energy.values())
     return {key for key, value in energy.items() if value > _TOUCHED * most}
 
@@ -67,9 +68,14 @@ class Removed:
 def removed(
     before: Loudness, after: Loudness, where: set[tuple[Channel, int]], allowed: Loudness | None = None
 ) -> Removed:
-    """What a cause removes from components `where`, beyond what is `allowed` for in each of them."""
-    gone = sum(_beyond(before[key] - after[key], 0.0 if allowed is None else allowed[key]) for key in where)
-    above, total = max(sum(before[key] - 1.0 for key in where), 0.0), sum(before[key] for key in where)
+    """What a cause removes from components `where`, beyond what is `allowed` for in each of them.
+
+    Components in which no more is left than that say nothing of it, unless none says more.
+    """
+    free = dict.fromkeys(where, 0.0) if allowed is None else {key: allowed[key] for key in where}
+    judged = {key for key in where if before[key] - 1.0 > free[key]} or where
+    gone = sum(_beyond(before[key] - after[key], free[key]) for key in judged)
+    above, total = max(sum(before[key] - 1.0 for key in judged), 0.0), sum(before[key] for key in judged)
     return Removed(of_excess=gone / max(above, 1e-9), of_all=gone / max(total, 1e-9), excess=above / max(total, 1e-9))
 
 

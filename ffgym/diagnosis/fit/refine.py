@@ -15,6 +15,7 @@ from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.column import Parts
 from ffgym.errors import FFGymError
@@ -180,11 +181,14 @@ class _Trial:
 
 
 def _trial(setting: Setting, hypotheses: Sequence[Hypothesis]) -> _Trial | None:
-    """Replay of the machine with all hypotheses; None if none can have them."""
+    """Replay of the machine with all hypotheses; None if none can have them, or its arm would not stay where it is."""
     machine = machine_with(setting.nominal, hypotheses)
     if machine is None:
         return None
-    run = replay(setting.log, machine, setting.like)
+    try:
+        run = replay(setting.log, machine, setting.like)
+    except FlownAwayError:
+        return None
     rows = residual_rows(setting.log, predicted(run))
     residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
     left = _left(setting.stack.evidence(values_of(residual)), _priors(setting, ()))

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ffgym.errors import FFGymError
 from ffgym.types import Array, IntArray
 
 _FIRST_REACH = 1e-4
@@ -20,6 +21,14 @@ arc minute."""
 
 _DOUBLINGS, _HALVINGS = 12, 50
 """Of that reach, to 0.4 rad, and of the bracket, to less than rounding."""
+
+_MOST = 1.0
+"""Deflection [rad] from which on an arm is no longer where it was measured: a thousand times what gearboxes bend."""
+
+
+class FlownAwayError(FFGymError):
+    """An arm whose springs do not hold it: something pushes it away from where its motors are."""
+
 
 Push = Callable[[int, Array, Array], Array]
 """What acts on the springs at sample k, at deflection and rate (M, N), link side [N m], (M, N)."""
@@ -97,6 +106,9 @@ class Springs:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
 
         The push is evaluated where the arm is expected after the step, so that it does not lag behind.
+
+        Raises:
+            FlownAwayError: if it pushes the arm away from its springs.
         """
         e, dt, shape = self.elastic, self.dt, torque.shape
         found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
@@ -112,6 +124,8 @@ class Springs:
             rate = rate + dt / 2 * change
             change = (inverse[k] @ (load - damping * rate - stiffness * x)[..., None])[..., 0]
             x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
+            if not np.abs(x).max() < _MOST:
+                raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {np.abs(x).max():g} rad.")
             found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
         return found
 

@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.diagnosis.evidence.stack import Evidence, Values
 from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
-from ffgym.diagnosis.fit.refine import Fit, Setting, polished, values_of
+from ffgym.diagnosis.fit.refine import Fit, Setting, left_by, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.found import Found, Round, Tried
 from ffgym.diagnosis.search.judge import judged_with, scored
@@ -155,9 +155,13 @@ def _worth(before: Tried, after: Tried) -> float:
 
 
 def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis) -> Hypothesis | None:
-    """A hypothesis as large as a machine can have it, at most as it is; None if none can, however little of it."""
+    """A hypothesis as large as a machine can have it, at most as it is; None if none can, however little of it.
+
+    What pushes the arm away from its springs must be tried: the arm may not stay where it is.
+    """
     for _ in range(_HALVINGS):
-        if machine_with(setting.nominal, (*others, start)) is not None:
+        can_be = machine_with(setting.nominal, (*others, start)) is not None
+        if can_be and (start.kind.side != "link" or left_by(setting, (*others, start)) < np.inf):
             return start
         start = start.scaled(0.5)
     return None

@@ -17,9 +17,15 @@ def test_a_cause_is_credited_with_what_it_removes_where_it_acts():
 def test_what_an_inexact_cause_would_leave_is_not_credited_to_another():
     before, after = {ONE: 3.0, OTHER: 3.0}, {ONE: 1.0, OTHER: 1.0}
     assert removed(before, after, {ONE}, {ONE: 2.5}).of_excess == 0.0
-    assert removed(before, after, {ONE, OTHER}, {ONE: 2.5, OTHER: 0.0}).of_excess == pytest.approx(0.5)
+    assert removed(before, after, {ONE, OTHER}, {ONE: 1.0, OTHER: 0.0}).of_excess == pytest.approx(0.75)
     assert removed(before, after, {ONE}, {ONE: 0.5}).of_excess == pytest.approx(0.75)
 
 
 def test_what_a_cause_adds_counts_against_it_whatever_is_allowed_for():
     assert removed({ONE: 3.0}, {ONE: 5.0}, {ONE}, {ONE: 2.5}).of_excess == pytest.approx(-1.0)
+
+
+def test_a_component_with_no_more_left_than_an_inexact_cause_leaves_does_not_judge_another():
+    before, after = {ONE: 3.0, OTHER: 3.0}, {ONE: 2.9, OTHER: 1.0}
+    assert removed(before, after, {ONE, OTHER}, {ONE: 2.5, OTHER: 0.0}).of_excess == pytest.approx(1.0)
+    assert removed(before, after, {ONE, OTHER}).of_excess == pytest.approx(0.525)
