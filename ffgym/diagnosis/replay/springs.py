@@ -124,8 +124,8 @@ class Springs:
             rate = rate + dt / 2 * change
             change = (inverse[k] @ (load - damping * rate - stiffness * x)[..., None])[..., 0]
             x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
-            if not np.abs(x).max() < _MOST:
-                raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {np.abs(x).max():g} rad.")
+            if not (bent := float(np.max(np.abs(x), initial=0.0))) < _MOST:
+                raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
             found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
         return found
 
