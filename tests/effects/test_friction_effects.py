@@ -41,6 +41,14 @@ def test_a_drift_is_nothing_when_switched_on_and_63_percent_of_it_after_its_time
         np.testing.assert_allclose(-torque, sign * share * whole, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.parametrize("exponent", [0.3, 0.6, 1.0])
+def test_what_a_warm_grease_loses_grows_with_a_power_of_the_speed(exponent, irb4600):
+    effect = EFFECTS["viscous_drift"].on(irb4600, share=0.2, duration=1800.0, exponent=exponent)
+    lost = [torques_at(effect, sliding(irb4600, speed, running=1e6)).motor for speed in (100.0, 10.0)]
+    np.testing.assert_allclose(lost[0], 0.2 * irb4600.friction.viscous * 100.0, rtol=1e-4)
+    np.testing.assert_allclose(lost[0] / lost[1], 10.0**exponent, rtol=1e-4)
+
+
 @pytest.mark.parametrize("name", sorted(set(LAWS) - {"asymmetry"}))
 def test_it_is_as_strong_backwards(name, irb4600):
     effect = as_strong_as_plausible(EFFECTS[name], irb4600)

@@ -80,6 +80,18 @@ def test_a_shape_is_fitted_within_its_plausible_range_as_a_drift_of_a_second_is_
         assert known.low <= float(begun.moved([0.0, change]).values["duration"]) <= known.high
 
 
+def test_friction_that_repeats_after_many_turns_is_a_level_so_that_it_is_not_fitted_that_far(robot):
+    kind = EFFECTS["position_friction"]
+    known = kind.parameters()["cycles"]
+    values = {"share": np.array(0.1), "cycles": np.array(known.tries[0]), "phase": np.array(0.0)}
+    begun = Hypothesis(kind=kind, joint=robot.joints[0], source=None, values=values)
+    for change in (-1e6, 1e6):
+        moved = begun
+        for _ in range(20):  # each step is bounded by the one before
+            moved = moved.moved([0.0, change, 0.0])
+        assert known.low <= float(moved.values["cycles"]) <= known.high
+
+
 def _usual(p):
     value = p.neutral + 0.1 * (p.high - p.neutral) if p.role == "size" else p.default
     value = p.low if value is None else value

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ffgym.diagnosis.replay.springs import Springs, resting
+from ffgym.diagnosis.replay.springs import FlownAwayError, Springs, resting
 
 MASS = np.array([[8.0, 1.5], [1.5, 2.0]])
 STIFFNESS = np.array([2e4, 1e4])
@@ -98,3 +98,29 @@ def test_without_load_the_rest_is_within_the_gap(near):
     rest = resting(pull, np.full((1, 1), near))
     assert abs(float(rest[0, 0]) - off) <= gap
     assert resting(pull, np.full((1, 1), off)) == pytest.approx(off)
+
+
+@pytest.mark.parametrize(("share", "stays"), [(0.5, True), (1.5, False)])
+def test_an_arm_that_is_pushed_away_harder_than_its_springs_hold_it_flies_away(share, stays):
+    n = 4000
+    still, start = np.zeros((n, 1, 2)), np.full((1, 2), 1e-6)
+
+    def away(k, angle, rate):
+        return share * STIFFNESS * angle
+
+    if stays:
+        assert np.abs(springs(n).pushed_by(still, away, start).angle).max() < 1e-5
+    else:
+        with pytest.raises(FlownAwayError, match="does not stay where its motors are"):
+            springs(n).pushed_by(still, away, start)
+
+
+def test_what_is_not_a_number_has_flown_away_too():
+    with pytest.raises(FlownAwayError, match="nan"):
+        springs(10).pushed_by(np.zeros((10, 1, 2)), lambda k, angle, rate: np.full((1, 2), np.nan), np.zeros((1, 2)))
+
+
+def test_rigid_joints_cannot_fly_away():
+    rigid = springs(10, stiffness=np.full(2, np.inf))
+    found = rigid.pushed_by(np.ones((10, 1, 2)), lambda k, angle, rate: 1e9 + angle, np.zeros((1, 2)))
+    np.testing.assert_array_equal(found.angle, 0.0)

@@ -6,6 +6,7 @@ import numpy as np
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log.sampling import Sampling
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.effects import EFFECTS
@@ -32,8 +33,8 @@ def sensors_of(robot):
 
 
 def noise_of(robot):
-    """RMS of each channel behind the low-pass of a log, a tenth of its sample rate."""
-    passed = np.sqrt(0.1 / 0.5)
+    """RMS of each channel behind the low-pass of a long log."""
+    passed = np.sqrt(2 * SAMPLE_DT * Sampling.of(SAMPLE_DT, [100_000]).cutoff)
     noise = {"torque": passed * _NOISE * robot.drive.peak_torque}
     return noise if robot.tool is None else noise | {"tool": np.full(3, passed * _TRACKER_NOISE)}
 

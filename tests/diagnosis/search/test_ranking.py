@@ -1,0 +1,65 @@
+"""Where candidates act, which of them explain the same, and what they begin with."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.evidence.screen import Candidate, Priors
+from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
+from ffgym.diagnosis.search.ranking import _linear_fit, acts_on, overlap
+
+FIRST, SECOND = ("torque", 0), ("tool", 1)
+ROWS = (300, 2)
+NONE = np.array([], dtype=int)
+
+
+def problem(columns, residual, groups):
+    """Evidence of columns by component, and candidates of them without calibration."""
+    blocks = blocks_of(np.ones(ROWS, dtype=bool), 0.02)
+    evidence = stack_of(blocks, columns, {key: np.ones(ROWS) for key in residual}).evidence(
+        {key: rows[..., None] for key, rows in residual.items()}
+    )
+    n = len(columns)
+    priors = Priors(precision=np.full(n, 1e-2), low=np.full(n, -np.inf), high=np.full(n, np.inf))
+    made = [Candidate(columns=np.array(group), one_sided=False) for group in groups]
+    return evidence, SimpleNamespace(groups=made, priors=priors)
+
+
+def test_a_candidate_acts_where_its_fit_changes_the_predictions():
+    rng = np.random.default_rng(0)
+    a, b, c = rng.normal(size=(3, *ROWS))
+    columns = [{FIRST: a, SECOND: 2 * b}, {SECOND: c}, {FIRST: b}]
+    evidence, candidates = problem(columns, {FIRST: 3 * a + b, SECOND: 6 * b + c}, [[0], [1], [2], [0, 1]])
+    where = [acts_on(evidence, candidates, i, NONE) for i in range(4)]
+    assert where[0][FIRST] == pytest.approx(np.sum(a**2) / (np.sum(a**2) + 4 * np.sum(b**2)))
+    assert where[1] == {FIRST: 0.0, SECOND: 1.0}
+    assert where[2] == {FIRST: 1.0, SECOND: 0.0}
+    assert overlap(where[1], where[2]) == 0.0
+    assert overlap(where[0], where[0]) == pytest.approx(1.0)
+    assert overlap(where[0], where[1]) == pytest.approx(where[0][SECOND])
+    both = 9 * np.sum(a**2) / (9 * np.sum(a**2) + np.sum((6 * b + c) ** 2))
+    assert where[3][FIRST] == pytest.approx(both, rel=0.02)
+
+
+def test_what_explains_nothing_acts_nowhere():
+    evidence, candidates = problem([{FIRST: np.ones(ROWS)}], {FIRST: np.zeros(ROWS)}, [[0]])
+    assert acts_on(evidence, candidates, 0, NONE) == {}
+
+
+def test_columns_that_are_alike_do_not_begin_with_large_numbers_that_cancel():
+    """The difference of both would explain all; their mean explains as much as 1e-5 of their energy leaves."""
+    rng = np.random.default_rng(1)
+    same, own = rng.normal(size=(2, *ROWS))
+    columns = [{FIRST: 100 * same}, {FIRST: 100 * same + 0.1 * own}]
+    evidence, candidates = problem(columns, {FIRST: 200 * same + 5 * own}, [[0, 1]])
+    found = _linear_fit(evidence, candidates, 0, NONE)
+    assert np.abs(found).max() < 2.5
+    assert found.sum() == pytest.approx(2.0, rel=0.01)
+
+
+def test_columns_that_differ_begin_with_what_they_are():
+    rng = np.random.default_rng(2)
+    a, b = rng.normal(size=(2, *ROWS))
+    evidence, candidates = problem([{FIRST: 50 * a}, {FIRST: 50 * b}], {FIRST: 100 * a - 150 * b}, [[0, 1]])
+    np.testing.assert_allclose(_linear_fit(evidence, candidates, 0, NONE), [2.0, -3.0], rtol=1e-3)
