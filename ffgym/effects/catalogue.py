@@ -20,6 +20,7 @@ _EFFECTS: tuple[type[Effect], ...] = (
     friction.StribeckExponent,
     friction.ViscousDrift,
     friction.CoulombDrift,
+    friction.FallingFriction,
     transmission.JointStiffness,
     transmission.Hardening,
     transmission.TorsionalHysteresis,

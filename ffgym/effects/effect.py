@@ -61,6 +61,9 @@ class Effect(ABC):
     """Whether it acts at low speed and after reversals alone, of which not every description knows anything."""
     needs_friction: ClassVar[bool] = False
     """Whether it acts on the friction of the motor."""
+    generalises: ClassVar[tuple[str, ...]] = ()
+    """Effects with fewer numbers that it comes near to for some of its own: it is no rival of theirs unless it explains
+    more, and of their family to somebody who asks for no more."""
 
     def __post_init__(self) -> None:
         given = {p.name: p.numbers(self.name, getattr(self, p.name)) for p in self.parameters().values()}

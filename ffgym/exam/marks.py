@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, final
 
 from ffgym.diagnosis.result import Diagnosis, Pattern
+from ffgym.effects import EFFECTS
 from ffgym.exam.case import Row
 from ffgym.exam.equations import Clue
 from ffgym.exam.gain import Gain
@@ -102,8 +103,8 @@ class Mark:
 def marked(paper: Paper, answer: Diagnosis, **more: Any) -> Mark:
     """The mark of an answer; `more` are fields of it that others know."""
     robot, hidden = paper.case.arm.robot, paper.case.hidden
-    named = [(cause.effect, cause.joint) for cause in answer.causes]
-    truths = [(one.answer, one.joint) for one in hidden]
+    named = [(_family(cause.effect), cause.joint) for cause in answer.causes]
+    truths = [(_family(one.answer), one.joint) for one in hidden]
     tells = answer.verdict in ("named", "partly", "ambiguous")
     clue = hidden[0].clue(robot) if hidden else None
     sizes = [size for one in hidden for size in marked_sizes(one, answer, robot)] if answer.verdict == "named" else []
@@ -146,10 +147,10 @@ def outcome(answer: Diagnosis, hidden: Sequence[Hidden]) -> Outcome:
     """What an answer comes to."""
     if answer.verdict in ("none", "unknown", "insufficient"):
         return answer.verdict
-    named = [(cause.effect, cause.joint) for cause in answer.causes]
-    truths = {(one.answer, one.joint) for one in hidden if one.answer}
+    named = [(_family(cause.effect), cause.joint) for cause in answer.causes]
+    truths = {(_family(one.answer), one.joint) for one in hidden if one.answer}
     if answer.verdict == "ambiguous":
-        tied = {*named, *((rival.effect, rival.joint) for rival in answer.rivals if rival.tied)}
+        tied = {*named, *((_family(rival.effect), rival.joint) for rival in answer.rivals if rival.tied)}
         return "tie" if truths and truths <= tied else "wrong_tie"
     false = [one for one in named if one not in truths]
     if not false and named:
@@ -157,6 +158,12 @@ def outcome(answer: Diagnosis, hidden: Sequence[Hidden]) -> Outcome:
     if named and truths <= set(named) and named[0] in truths:
         return "surplus"
     return "wrong" if answer.verdict == "named" else "wrong_partly"
+
+
+def _family(effect: str) -> str:
+    """The simplest effect that an effect is a form of; itself where there is none."""
+    simpler = EFFECTS[effect].generalises if effect in EFFECTS else ()
+    return simpler[0] if simpler else effect
 
 
 def finds(clue: Clue, patterns: Sequence[Pattern], joint: str, joints: Sequence[str]) -> bool:

@@ -175,7 +175,9 @@ def _free(p: Parameter, part: int | None, value: float) -> Free:
 def hypothesis_of(columns: Sequence[Column], sizes: Array, robot: RobotDescription) -> Hypothesis:
     """A hypothesis from the columns of a candidate and what a linear fit gives them, in units of their parameters.
 
-    What spans a phase gives amplitude and phase; what spans a linear shape gives its mean, weighted by sizes.
+    What spans a phase gives amplitude and phase; what spans a linear shape gives its mean, weighted by sizes. Shares
+    begin within what is plausible, whatever the robot: one that acts through another number, as the width of a peak
+    that is to be higher, is far off in a linear fit. Other sizes depend on the robot's.
     """
     kind, joint = columns[0].effect, columns[0].joint
     values: dict[str, Array] = {}
@@ -198,7 +200,8 @@ def _size(p: Parameter, own: list[tuple[Column, float]]) -> Array:
     phases = [c.shape["phase"] for c, _ in own if "phase" in c.shape]
     sizes = [x for _, x in own]
     total = math.hypot(*sizes) if len(phases) == 2 else sum(sizes)
-    return np.array(np.clip(p.neutral + total, p.minimum, p.maximum))
+    low, high = (p.low, p.high) if p.unit == "1" else (p.minimum, p.maximum)
+    return np.array(np.clip(p.neutral + total, low, high))
 
 
 def _shape(p: Parameter, columns: Sequence[Column], sizes: Array) -> Array:

@@ -91,7 +91,9 @@ def _rival(
     before, best = one.before, one.tried[0]
     share, is_beside_others = _share(setting, before, best, other), len(fitted.fit.hypotheses) > 1
     tied = share >= INSTEAD and _is_tied(before, best, other, rng)
-    if is_beside_others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
+    if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
+        tied = False  # it was fitted beside it, explains no more, and has more numbers
+    elif is_beside_others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
         others = [h for h in fitted.fit.hypotheses if h.place != best.hypothesis.place]
         tied = _is_tied(nominal, fitted, judged_with(setting, (*others, other.hypothesis)), rng)
     reason = f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"

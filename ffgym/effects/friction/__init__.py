@@ -4,6 +4,7 @@ from ffgym.effects.friction.asymmetry import Asymmetry as Asymmetry
 from ffgym.effects.friction.coulomb import CoulombLevel as CoulombLevel
 from ffgym.effects.friction.coulomb_drift import CoulombDrift as CoulombDrift
 from ffgym.effects.friction.dwell import DwellStiction as DwellStiction
+from ffgym.effects.friction.falling import FallingFriction as FallingFriction
 from ffgym.effects.friction.load import LoadFriction as LoadFriction
 from ffgym.effects.friction.nonlinear_viscous import NonlinearViscous as NonlinearViscous
 from ffgym.effects.friction.position import PositionFriction as PositionFriction

@@ -32,7 +32,7 @@ class DwellStiction(TorqueEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: a peak at the restart only, that grows with the rest before it"
     way_in: ClassVar[str] = "torque at every physics step, with memory"
-    confusable_with: ClassVar[tuple[str, ...]] = ("F3", "F4")
+    confusable_with: ClassVar[tuple[str, ...]] = ("F3", "F4", "F14")
     separating_motions: ClassVar[tuple[str, ...]] = ("dwell_restart",)
     at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True

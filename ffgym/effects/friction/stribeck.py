@@ -24,7 +24,7 @@ class StribeckPeak(NativeEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: odd in the speed, only below three Stribeck velocities; peaks after reversals"
     way_in: ClassVar[str] = "native: static and Stribeck velocity of MuJoCo's LuGre friction"
-    confusable_with: ClassVar[tuple[str, ...]] = ("F4", "F10", "F11")
+    confusable_with: ClassVar[tuple[str, ...]] = ("F4", "F10", "F11", "F14")
     separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder", "dwell_restart")
     at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True

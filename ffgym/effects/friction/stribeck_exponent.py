@@ -23,7 +23,7 @@ class StribeckExponent(TorqueEffect):
     side: ClassVar[Side] = "motor"
     signature: ClassVar[str] = "torque: odd in the speed, changes sign at the Stribeck velocity, gone above three of it"
     way_in: ClassVar[str] = "torque at every physics step; MuJoCo's exponent is 2"
-    confusable_with: ClassVar[tuple[str, ...]] = ("F3",)
+    confusable_with: ClassVar[tuple[str, ...]] = ("F3", "F14")
     separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder",)
     at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
