@@ -12,13 +12,13 @@ from ffgym.exam.equations import (
     DamagedTooth,
     DirectionalEfficiency,
     MaxwellSlip,
-    OwnStribeck,
     PowerViscous,
     QuinticSpring,
     RateAndState,
     RoundGap,
     SmoothCable,
     SteppedSpring,
+    TanhStribeck,
     TwoLags,
     TwoWaveFriction,
     TwoWaveGearError,
@@ -128,7 +128,7 @@ def test_machines_with_any_of_them_run(irb4600, corners):
 
 
 FRICTION = [
-    OwnStribeck(share=0.4, width=1.0, exponent=0.8),
+    TanhStribeck(share=0.4, width=1.0),
     PowerViscous(share=0.3, exponent=0.9, speed=20.0),
     RateAndState(share=0.3, time=0.1, slip=0.02),
     DirectionalEfficiency(share=0.1, ratio=1.6, slow=0.4),

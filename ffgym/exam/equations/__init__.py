@@ -29,7 +29,7 @@ from ffgym.exam.equations.sliding import ShearThinning as ShearThinning
 from ffgym.exam.equations.sticking import MaxwellSlip as MaxwellSlip
 from ffgym.exam.equations.sticking import RateAndState as RateAndState
 from ffgym.exam.equations.stribeck import LorentzStribeck as LorentzStribeck
-from ffgym.exam.equations.stribeck import OwnStribeck as OwnStribeck
+from ffgym.exam.equations.stribeck import TanhStribeck as TanhStribeck
 from ffgym.exam.equations.surroundings import CounterweightLinkage as CounterweightLinkage
 from ffgym.exam.equations.surroundings import SmoothCable as SmoothCable
 from ffgym.exam.equations.variant import Clue as Clue
@@ -44,7 +44,7 @@ from ffgym.exam.equations.waves import TwoWaveRipple as TwoWaveRipple
 _VARIANTS: tuple[type[Variant], ...] = (
     FallingCoulomb,
     PowerViscous,
-    OwnStribeck,
+    TanhStribeck,
     LorentzStribeck,
     MaxwellSlip,
     OneWaySeal,

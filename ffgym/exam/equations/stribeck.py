@@ -14,13 +14,17 @@ from ffgym.types import Array
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class OwnStribeck(Variant, TorqueEffect):
-    """A second peak of an exponent of its own on top of the one that is described."""
+class TanhStribeck(Variant, TorqueEffect):
+    """A second peak on top of the one that is described, as a hyperbolic tangent.
 
-    name: ClassVar[str] = "own_stribeck"
+    Reference:
+        Makkar, Dixon, Sawyer, Hu (2005), IEEE/ASME AIM: a continuously differentiable friction model.
+    """
+
+    name: ClassVar[str] = "tanh_stribeck"
     variant_of: ClassVar[str] = "stribeck_peak"
-    title: ClassVar[str] = "Stribeck peak of another exponent"
-    equation: ClassVar[str] = r"\tau_f \mathrel{+}= a f_c\, e^{-|v / (w v_s)|^p}\, s(v)"
+    title: ClassVar[str] = "Stribeck peak as a hyperbolic tangent"
+    equation: ClassVar[str] = r"\tau_f \mathrel{+}= a f_c\, (1 - \tanh(|v| / (w v_s)))\, s(v)"
     side: ClassVar[Side] = "motor"
     needs_friction: ClassVar[bool] = True
 
@@ -28,14 +32,13 @@ class OwnStribeck(Variant, TorqueEffect):
         "a, of the Coulomb torque", unit="1", low=0.0, high=1.0, minimum=0.0, source="as stribeck_peak"
     )
     width: Array = parameter(
-        "w, of the Stribeck velocity", unit="1", null=None, low=0.7, high=1.5, minimum=0.01, source="chosen: near 1"
+        "w, of the Stribeck velocity", unit="1", null=None, low=0.7, high=2.0, minimum=0.01, source="chosen: near 1"
     )
-    exponent: Array = parameter("p", unit="1", null=None, low=0.7, high=3.0, minimum=0.1, source="as stribeck_exponent")
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
         x = np.abs(state.motor_speed) / (self.width * state.stribeck_velocity)
-        peak = self.share * state.coulomb * np.exp(-(x**self.exponent))
+        peak = self.share * state.coulomb * (1 - np.tanh(x))
         return Torques(motor=-peak * state.friction_sign), memory
 
 
