@@ -18,7 +18,10 @@ RESOLVER_NOISE = 2e-5
 """Standard deviation of the resolver's angle, motor side [rad]; chosen: about its step of 16 bit over sqrt 12."""
 
 TORQUE_NOISE = 0.03
-"""Of measured torques, as a share of the Coulomb torque, white at every row of 1 ms; chosen."""
+"""Of measured torques, as a share of the Coulomb torque, white at every row; chosen."""
+
+RECORD_DT = 0.002
+"""Sample period of the logs [s]; chosen: what research interfaces of robots give, 1 to 4 ms."""
 
 
 @final
@@ -70,7 +73,8 @@ def recorded(
     """
     rig = SimulatedRig(arm=arm, machine=machine, sensors=sensors_of_exam(arm.robot, current_offset), name="exam")
     motions = plan_session(arm, protocols, start=start)
-    return [_without(recording, lacks) for recording in record(motions, rig, seed=seed, n_threads=n_threads)]
+    recordings = record(motions, rig, seed=seed, record_dt=RECORD_DT, n_threads=n_threads)
+    return [_without(recording, lacks) for recording in recordings]
 
 
 def log_of_case(case: Case, machine: Machine | None = None, *, n_threads: int = 1) -> list[Recording]:

@@ -145,13 +145,19 @@ def _jumps(log: Log) -> Iterator[Seen]:
         yield Seen(value=float(ratio[worst]), message=message, columns=(name,), joint=_joint_of(log, name))
 
 
+_ROUNDING = 1e-11
+"""Share of a column's largest value that is no noise: set-points that a solver computed to 1e-12 err by as much where
+they do not change, and more in some places than in others."""
+
+
 def _bursts(log: Log) -> Iterator[Seen]:
     for column in _columns(log):
         name, rows, x = column.name, column.rows, column.values
         if len(x) < 8 * _BURST:
             continue
         levels = noise_levels(x)
-        usual = max(float(np.median(levels)), column.resolution, _FLOOR * float(np.ptp(x)))
+        rounding = _ROUNDING * float(np.max(np.abs(x)))
+        usual = max(float(np.median(levels)), column.resolution, _FLOOR * float(np.ptp(x)), rounding)
         worst = int(np.argmax(levels))
         ratio = float(levels[worst] / usual) if usual else 0.0
         message = (

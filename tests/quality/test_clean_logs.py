@@ -146,3 +146,12 @@ def test_published_recordings_are_usable_and_what_is_flagged_is_true(name):
 
 
 COLUMNS = {"emps": "emps", "kuka_kr300_2020": "kuka_kr300_2020", "kuka_kr300_2021_10hz": "kuka_kr300_2021_10hz"}
+
+
+@pytest.mark.parametrize(("rounding", "is_burst"), [(1e-13, False), (5e-12, False), (1e-6, True)])
+def test_the_rounding_of_set_points_that_stand_still_is_no_burst_of_noise(rounding, is_burst):
+    recording, rng = clean_log("irb4600_60_205", "circles", sensors=True), np.random.default_rng(0)
+    still = 1.2 + 1e-15 * rng.normal(size=len(recording))
+    still[400:600] += rounding * rng.normal(size=200)
+    found = check_quality(recording.with_columns({"tcp_reference.position.z": still})).problems
+    assert ("noise_burst" in {finding.check for finding in found}) == is_burst
