@@ -139,7 +139,7 @@ def candidates_for(ready: Prepared, kinds: Sequence[type[Effect]], memory: Memor
         memory.columns |= {kind.name: found[kind.name] for kind in shared if kind.name in found}
     columns = [column for kind in lasting for column in (found | known if kind in shared else found)[kind.name]]
     setting = ready.setting
-    return candidates_of(setting.doubts, columns, setting.blocks, setting.weights)
+    return candidates_of(setting.doubts, columns, setting.blocks.merged(), setting.weights)
 
 
 def repeats(kind: type[Effect]) -> bool:

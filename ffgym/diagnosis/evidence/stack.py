@@ -53,6 +53,17 @@ class Blocks:
         ends = np.cumsum(np.bincount(self.of_row[self.of_row >= 0], minlength=len(self)))
         return [slice(int(start), int(end)) for start, end in zip((0, *ends[:-1]), ends, strict=True)]
 
+    def merged(self) -> "Blocks":
+        """As few as halves and motions can still be left out of: all that lie in the same part of a motion are one."""
+        parts = np.stack([self.motion, self.half, self.guard], axis=1).astype(np.intp)
+        kinds, kind = np.unique(parts, axis=0, return_inverse=True)
+        return Blocks(
+            of_row=np.where(self.of_row >= 0, kind[self.of_row], -1),
+            motion=kinds[:, 0],
+            half=kinds[:, 1],
+            guard=kinds[:, 2].astype(np.bool_),
+        )
+
 
 def blocks_of(valid: BoolArray, row_dt: float) -> Blocks:
     """Blocks of `valid` rows (R, M), `row_dt` [s] apart."""

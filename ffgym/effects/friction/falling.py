@@ -63,7 +63,7 @@ class FallingFriction(TorqueEffect):
         high=3.0,
         minimum=0.1,
         default=1.0,
-        tries=(0.8, 1.4, 2.0),
+        tries=(0.9, 2.0),
         source="0.5 to 3 in the literature, 1.1 to 3 in the parameter files of Rhoban BAM",
     )
 

@@ -70,7 +70,6 @@ class ViscousDrift(TorqueEffect):
         minimum=0.1,
         maximum=2.0,
         default=1.0,
-        tries=(1.0, 0.5),
         source="1: an oil; flow index of lubricating greases 0.3 to 1; from memory of the literature",
     )
 

@@ -65,3 +65,18 @@ def test_a_bounded_fit_with_a_prior_is_that_of_scipy(seed):
     stacked = np.vstack([a, np.diag(np.sqrt(precision))])
     expected = lsq_linear(stacked, np.concatenate([b, np.zeros(p)]), (low, high), method="bvls").x
     np.testing.assert_allclose(bounded(a.T @ a, a.T @ b, precision, low, high), expected, atol=1e-5)
+
+
+@given(st.lists(st.floats(0.2, 30.0), min_size=1, max_size=4))
+def test_merged_blocks_leave_out_the_same_rows(seconds):
+    blocks = blocks_of(valid(*seconds), ROW_DT)
+    merged = blocks.merged()
+    assert len(merged) <= min(len(blocks), 4 * len(seconds))
+    for folds in (half_folds, motion_folds):
+        for fine, coarse in zip(folds(blocks), folds(merged), strict=True):
+            for part in ("train", "test"):
+                rows = [
+                    np.isin(one.of_row, np.flatnonzero(getattr(fold, part)))
+                    for one, fold in ((blocks, fine), (merged, coarse))
+                ]
+                np.testing.assert_array_equal(*rows)
