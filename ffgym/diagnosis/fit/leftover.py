@@ -15,6 +15,9 @@ from ffgym.types import Array
 _TOUCHED = 0.01
 """Share of a column's energy per row that counts, weighted by the noise, from which on it touches a component."""
 
+_MUCH = 0.1
+"""Share of what is above the noise that a component must have to speak for all, and of its mean to be heard at all."""
+
 Loudness = Mapping[tuple[Channel, int], float]
 """Energy over that of noise alone, by component."""
 
@@ -63,6 +66,10 @@ class Removed:
     """Share of all energy, noise included."""
     excess: float
     """Share of all energy that was above the noise."""
+    heard: int
+    """Components with much above the noise: a tenth of their mean or more."""
+    best: float
+    """Share that is gone of the component of which most is, among those that have a tenth of all above the noise."""
 
 
 def removed(
@@ -76,7 +83,18 @@ def removed(
     judged = {key for key in where if before[key] - 1.0 > free[key]} or where
     gone = sum(_beyond(before[key] - after[key], free[key]) for key in judged)
     above, total = max(sum(before[key] - 1.0 for key in judged), 0.0), sum(before[key] for key in judged)
-    return Removed(of_excess=gone / max(above, 1e-9), of_all=gone / max(total, 1e-9), excess=above / max(total, 1e-9))
+    shares = {
+        key: _beyond(before[key] - after[key], free[key]) / max(before[key] - 1.0, 1e-9)
+        for key in judged
+        if before[key] - 1.0 > _MUCH * above / max(len(judged), 1)
+    }
+    return Removed(
+        of_excess=gone / max(above, 1e-9),
+        of_all=gone / max(total, 1e-9),
+        excess=above / max(total, 1e-9),
+        heard=len(shares),
+        best=max((share for key, share in shares.items() if before[key] - 1.0 >= _MUCH * above), default=0.0),
+    )
 
 
 def _beyond(gone: float, allowed: float) -> float:

@@ -1,18 +1,22 @@
 """What a cause is worth: how much of what it acts on it removes, and whether that is enough."""
 
+import numpy as np
+
 from ffgym.diagnosis.fit.leftover import Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.search.found import Tried
 
 EXPLAINS = 0.25
-"""Share of what is left above the noise, where it acts, that a cause must remove to be adopted."""
+"""Share of what is left above the noise, where it acts, that a cause of one joint must remove to be adopted. One of
+the machine as a whole explains all components by the same numbers, and each of them is a witness: of n, the share is
+less by the root of n."""
 
 FLOOR = 0.05
 """Share of all energy where it acts, noise included, that must lie above the noise, and that a cause must remove."""
 
 TOGETHER = 0.5
-"""Share of what is above the noise, where they act, that all causes together must remove, else none of them is one:
-something else is there, which each of them imitates a little."""
+"""Share of what is above the noise in the component that they explain best, among those with much above it, that all
+causes together must remove, else none of them is one: something else is there, which each of them imitates a little."""
 
 INEXACT = 0.1
 """Share of what the causes before removed from a component that another one must remove beyond: no equation is exact,
@@ -37,10 +41,13 @@ def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | N
 def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> bool:
     """Whether a cause explains enough of what is left above the noise, and holds on rows that were left out."""
     gone = removed_by(setting, before, after, nominal)
-    return after.total < before.total and gone.of_excess > EXPLAINS and min(gone.of_all, gone.excess) > FLOOR
+    witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
+    explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses)
+    return after.total < before.total and explains and min(gone.of_all, gone.excess) > FLOOR
 
 
 def explains_most(setting: Setting, nominal: Tried, now: Tried) -> bool:
     """Whether all causes together explain most of what is where they act."""
     first, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (nominal, now))
-    return removed(first, then, touched(setting, list(now.fit.columns))).of_excess >= TOGETHER
+    gone = removed(first, then, touched(setting, list(now.fit.columns)))
+    return max(gone.of_excess, gone.best) >= TOGETHER

@@ -29,3 +29,14 @@ def test_a_component_with_no_more_left_than_an_inexact_cause_leaves_does_not_jud
     before, after = {ONE: 3.0, OTHER: 3.0}, {ONE: 2.9, OTHER: 1.0}
     assert removed(before, after, {ONE, OTHER}, {ONE: 2.5, OTHER: 0.0}).of_excess == pytest.approx(1.0)
     assert removed(before, after, {ONE, OTHER}).of_excess == pytest.approx(0.525)
+
+
+def test_the_best_component_and_how_many_are_heard_are_told_where_one_drowns_the_others():
+    keys = [("torque", k) for k in range(4)]
+    before = dict(zip(keys, (1001.0, 201.0, 101.0, 1.5), strict=True))
+    after = dict(zip(keys, (951.0, 101.0, 61.0, 1.5), strict=True))
+    gone = removed(before, after, set(keys))
+    assert gone.of_excess == pytest.approx(190 / 1300.5)
+    assert gone.heard == 3  # the quiet one has hardly anything to say
+    assert gone.best == pytest.approx(0.5)
+    assert removed(before, before, set(keys)).best == 0.0
