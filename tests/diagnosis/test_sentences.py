@@ -1,0 +1,56 @@
+"""The verdict in one sentence: what is sure, what cannot be told apart, and what is left."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from ffgym.diagnosis.answer.sentence import sentence_of
+from ffgym.diagnosis.answer.verdict import Judged
+from ffgym.diagnosis.result import Pattern
+from tests.diagnosis.result_samples import full_diagnosis
+
+
+def pattern(channel, component, message):
+    numbers = {"frequency": None, "amplitude": 0.1, "share": 0.5}
+    return Pattern(channel=channel, component=component, variable="load", kind="function", message=message, **numbers)
+
+
+PATTERNS = (
+    pattern("torque", "j1", "first of j1"),
+    pattern("torque", "j1", "second of j1"),
+    pattern("tool", "x", "of x"),
+    pattern("torque", "j2", "of j2"),
+    pattern("torque", "j3", "of j3"),
+)
+
+
+def sentence(verdict, *, tied=True, stretched=(), patterns=PATTERNS):
+    sample = full_diagnosis()
+    judged = Judged(verdict=verdict, gains=(0.9,), removed=0.8, stretched=stretched)
+    rivals = [rival for rival in sample.rivals if tied or not rival.tied]
+    return sentence_of(judged, sample.causes, rivals, patterns, SimpleNamespace(name="arm"))
+
+
+def test_beside_sure_causes_those_that_tie_are_told_and_what_each_of_some_components_depends_on():
+    found = sentence("partly")
+    assert found.startswith("Partly explained by Friction that grows with load of j2: that removes 80 %")
+    assert "; beyond that, payload would explain more; what is left depends on: first of j1; of x; of j2." in found
+    assert "second of j1" not in found
+    assert "of j3" not in found
+
+
+def test_a_rival_that_lost_is_not_told():
+    assert "beyond that" not in sentence("partly", tied=False)
+    assert "torque constant" not in sentence("ambiguous")
+
+
+def test_a_shape_at_the_end_of_its_range_is_what_matters_most():
+    found = sentence("partly", stretched=("time of dwell_stiction on j1",))
+    assert "time of dwell_stiction on j1 is at the end of what is plausible: it may stand for something else" in found
+
+
+@pytest.mark.parametrize(
+    ("patterns", "told"), [(PATTERNS, "first of j1; of x; of j2."), ((), "nothing that was looked for.")]
+)
+def test_what_nobody_knows_is_described_by_what_it_depends_on(patterns, told):
+    assert sentence("unknown", patterns=patterns).endswith(f"what is left depends on: {told}")
