@@ -141,7 +141,8 @@ def _examined(
     patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
     causes = causes_of(found.final.fit, verdict.gains, calibration, rng)
     rivals = found.rivals if causes else ()
-    if any(rival.tied for rival in rivals):
+    ties = any(rival.tied for rival in rivals)
+    if ties:
         report("looking for a motion that tells rivals apart", 0.97)
     diagnosis = Diagnosis(
         verdict=verdict.verdict,
@@ -153,7 +154,7 @@ def _examined(
         patterns=patterns,
         not_excited=not_excited(found),
         not_judgeable=not_judgeable,
-        separating_motion=next_motion(found, machine, ready.floor, calibration),
+        separating_motion=next_motion(found, machine, ready.floor, calibration) if ties else None,
         levels=levels(setting, found, ready.floor),
         threshold=found.rounds[0].ranking.threshold if found.rounds else 0.0,
         quality=flagged,

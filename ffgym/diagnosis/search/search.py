@@ -135,22 +135,24 @@ def _tried(
             break
         if candidates.first(candidates.groups[i]).joint in beaten:
             continue
-        linear = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
-        start = _possible(setting, fixed, linear)
-        if start is None or start.place in places or any(start.repeats(known) for known in fixed):
-            continue
         here = acts_on(evidence, candidates, int(i), candidates.calibration)
         if where and overlap(where, here) < RIVAL:
+            continue
+        linear = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
+        if linear.place in places or any(linear.repeats(known) for known in fixed):
+            continue
+        start = _possible(setting, fixed, linear)
+        if start is None:
             continue
         places.add(start.place)
         best, where = max(best, float(ranking.score[i])), where or here
         report(f"fitting {start.label}", len(tried) / TRIED)
         tried.append(judged_with(setting, (*fixed, start)))
-    return sorted(tried, key=lambda one: one.total + SLACK * len(one.hypothesis.free()) * _worth(now, one))
+    return sorted(tried, key=lambda one: one.total + SLACK * len(one.hypothesis.free()) * _price(now, one))
 
 
-def _worth(before: Tried, after: Tried) -> float:
-    """What a number is to be worth: of the energy that is left, or that is removed if that is less."""
+def _price(before: Tried, after: Tried) -> float:
+    """What each number must be a share of: the energy that is left, or that is removed if that is less."""
     return max(0.0, min(after.total, before.total - after.total))
 
 

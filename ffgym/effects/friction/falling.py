@@ -18,7 +18,7 @@ class FallingFriction(TorqueEffect):
 
     Reference:
         Armstrong-Helouvry, Dupont, Canudas de Wit (1994), Automatica 30(7): exponents of Stribeck curves from 0.5 to 2
-        and the Lorentz form, which an exponent of 0.9 comes near to.
+        and the Lorentz form, which exponents little above 1 come near to.
     """
 
     name: ClassVar[str] = "falling_friction"
