@@ -22,6 +22,11 @@ _LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("torque", 1)
 """Peaks of a joint's torque that are tried as the frequency of a periodic effect, of what has one amplitude and of what
 goes with the torque; behind the gearbox, where a gear that errs moves tool and encoder, it is the highest one."""
 
+_SHAFT = (1.0, 2.0)
+"""Cycles per turn that are tried beside them on joints whose torque is loud: a shaft that runs out, and an oval or
+windings that differ. An angle that is wrong makes torques that grow with the square of the speed and turn their phase
+at each resonance; they may be loud without a peak."""
+
 _LOUD = 1.1
 """Energy over that of noise from which on something may have a period in it."""
 
@@ -64,6 +69,7 @@ class Choice:
             if ("torque", j) in loud:
                 for amplitude, count in _LOOKED_FOR:
                     peaks += _peaks(cycles_per_turn(residual, "torque", joint, joint, amplitude=amplitude), count)
+                peaks += [(0.0, frequency) for frequency in _SHAFT]
             behind = [(c, k) for c, k in loud if c == "tool" or (c, k) == ("link", j)]
             shown = [
                 _peaks(cycles_per_turn(residual, c, components(c, residual.robot)[k], joint), 1) for c, k in behind
@@ -74,12 +80,14 @@ class Choice:
 
 
 def _not_among(cycles: Cycles, tried: Cycles) -> dict[str, tuple[float, ...]]:
-    """Frequencies that were not tried, nor one nearby; joints without any are left out."""
-    new = {
-        joint: tuple(f for f in frequencies if all(abs(f - known) >= _APART for known in tried.get(joint, ())))
-        for joint, frequencies in cycles.items()
-    }
-    return {joint: frequencies for joint, frequencies in new.items() if frequencies}
+    """Frequencies that were not tried, nor one nearby, each once; joints without any are left out."""
+    new: dict[str, tuple[float, ...]] = {}
+    for joint, frequencies in cycles.items():
+        for frequency in frequencies:
+            known = (*tried.get(joint, ()), *new.get(joint, ()))
+            if all(abs(frequency - other) >= _APART for other in known):
+                new[joint] = (*new.get(joint, ()), frequency)
+    return new
 
 
 def _peaks(spectrum: Spectrum | None, count: int) -> list[tuple[float, float]]:

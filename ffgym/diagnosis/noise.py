@@ -25,6 +25,11 @@ _ROUNDING = 1e-12
 _MULTIPLE, _MOST = 0.02, 0.99
 """How near a change must be to a multiple of the smallest one, and how many must, for that to be the encoder's step."""
 
+_QUIETEST, _QUIETEST_SERVO = 0.3, 1.0
+"""Share of its RMS in all motions that the noise of a component has in each of them at least. An encoder that stands
+shows none, until it stands at the edge of a step; and the servo, which acts on what it reads, is wrong by as much all
+the time."""
+
 DRAWS = 2
 """Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""
 
@@ -130,13 +135,15 @@ class Faultless:
     """(R, M, C, D) for D draws."""
 
     def floor(self, log: Log) -> dict[Channel, Array]:
-        """RMS by channel, shape (M, C)."""
+        """RMS by channel, shape (M, C); in no motion much less than in all."""
         valid = valid_rows(log)
         found = {}
         for channel, draws in self.draws.items():
             count = np.maximum(valid.sum(axis=0), 1)[:, None]
             energy = np.einsum("rmcd,rm->mc", draws**2, valid.astype(np.float64)) / (count * draws.shape[3])
-            found[channel] = np.sqrt(energy)
+            overall = np.sqrt(np.average(energy, axis=0, weights=count[:, 0]))
+            least = _QUIETEST_SERVO if channel == "servo" else _QUIETEST
+            found[channel] = np.maximum(np.sqrt(energy), least * overall)
         return found
 
 

@@ -17,6 +17,10 @@ _SENSED = ("motor.position", "motor.velocity", "link.position", "link.velocity",
 _STUCK_ROWS = 8
 """Rows of one value from which on a column may be stuck; fewer are quantisation at low speed."""
 
+_CAUGHT_UP = 0.5
+"""Share of what set-points moved on during a stretch of one value by which a stuck column jumps at its end; a joint
+that sticks by friction goes on from where it stood."""
+
 _ABRUPT = 5.0
 """Steps of the resolution per row before a stretch of one value that a joint coming to rest does not have."""
 
@@ -96,9 +100,19 @@ def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
     if not family.endswith("position") or family not in log.motions:
         return False
     own = log.motions[family][:, j]
-    beside = [name for name in log.motions if name not in (family, family.replace("position", "velocity"))]
-    others = [log.motions[name][:, j] for name in beside]
-    return any(np.ptp(other[rows]) > 0.05 * log.travel[family][j] and _alike(own, other, rows) for other in others)
+    beside = [name for name in log.motions if name.endswith("position") and name != family]
+    for name in beside:
+        other = log.motions[name][:, j]
+        moved = float(np.ptp(other[rows]))
+        caught_up = not name.startswith("reference") or _jumps(own, rows.stop, _CAUGHT_UP * moved)
+        if moved > 0.05 * log.travel[family][j] and caught_up and _alike(own, other, rows):
+            return True
+    return False
+
+
+def _jumps(x: Array, row: int, least: float) -> bool:
+    """Whether `x` (T,) comes to a row, if there is one, by a jump."""
+    return row >= len(x) or abs(float(x[row] - x[row - 1])) > least
 
 
 def _alike(a: Array, b: Array, without: slice) -> bool:

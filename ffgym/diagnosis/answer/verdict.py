@@ -18,7 +18,7 @@ NAMED = 0.9
 HALF = 0.5
 """Share of what was left, where it acts, that each cause must remove to be named without reserve."""
 
-QUIET = 2.0
+QUIET = 1.5
 """...or what they may leave there, in units of the noise's energy."""
 
 LOUD = 1.5

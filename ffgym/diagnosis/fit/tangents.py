@@ -9,9 +9,6 @@ from ffgym.diagnosis.signatures.exchange import exchanged
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 
-_SHARE = 0.05
-"""Of a practical step: the difference quotient's; chosen: small against where effects bend, large against rounding."""
-
 
 def tangents(run: Replay, before: Machine, hypotheses: Sequence[Hypothesis]) -> list[Parts]:
     """One column per free number of all `hypotheses`, per its practical step.
@@ -38,14 +35,14 @@ def _beside(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tup
         FFGymError: if it can be neither.
     """
     free = hypothesis.free()
-    for step in (_SHARE, -_SHARE):
+    for change in (free[k].nudge, -free[k].nudge):
         changes = [0.0] * len(free)
-        changes[k] = step * free[k].step
+        changes[k] = change
         if not free[k].low <= free[k].value + changes[k] <= free[k].high:
             continue
         effects = list(machine.effects)
         effects[place] = hypothesis.moved(changes).effect(machine.robot)
         beside = machine_of(machine, effects)
         if beside is not None:
-            return beside, step
+            return beside, change / free[k].step
     raise FFGymError(f"{free[k].name} of {hypothesis.label} = {free[k].value:g} can be neither higher nor lower.")

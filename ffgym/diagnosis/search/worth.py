@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from ffgym.diagnosis.fit.leftover import Removed, loudness, removed, touched, without_calibration
+from ffgym.diagnosis.fit.leftover import Loudness, Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Setting
+from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.found import Tried
 
 EXPLAINS = 0.25
@@ -23,19 +24,35 @@ INEXACT = 0.1
 and what is left of a cause that was adopted in another form is no cause of its own. What may be left of one that is
 named."""
 
+LEAKS = 0.02
+"""Share of what the nominal model leaves above the noise in the loudest component of a channel that another cause must
+remove beyond, in any of them: what ails one joint shows in others a little, through springs and calibration; chosen: a
+seventh of the amplitude."""
+
 
 def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | None = None) -> Removed:
     """What the newest cause removes where it acts, by fits to all rows.
 
-    Beyond what inexact causes before it would leave, if the `nominal` model is given, from which those were taken.
+    Beyond what inexact causes before it would leave, if the `nominal` model is given, from which those were taken; but
+    another wave of one of them names nothing new.
     """
     own = after.fit.columns[-len(after.hypothesis.free()) :]
     loud, then = (loudness(setting, without_calibration(setting, one.fit)) for one in (before, after))
     allowed = None
     if nominal is not None:
         first = loudness(setting, without_calibration(setting, nominal.fit))
-        allowed = {key: INEXACT * max(first[key] - value, 0.0) for key, value in loud.items()}
+        is_wave = any(known.place == after.hypothesis.place for known in before.fit.hypotheses)
+        inexact, leaks = 0.0 if is_wave else INEXACT, _leaks(first)
+        allowed = {key: max(inexact * (first[key] - value), leaks[key[0]], 0.0) for key, value in loud.items()}
     return removed(loud, then, touched(setting, list(own)), allowed)
+
+
+def _leaks(first: Loudness) -> dict[Channel, float]:
+    """By channel, what the loudest component of the nominal model may leave in any other."""
+    loudest: dict[Channel, float] = {}
+    for (channel, _), value in first.items():
+        loudest[channel] = max(loudest.get(channel, 0.0), LEAKS * (value - 1.0))
+    return loudest
 
 
 def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> bool:
