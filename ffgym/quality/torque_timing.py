@@ -30,8 +30,9 @@ def _lag(log: Log) -> Iterator[Seen]:
     joints = np.flatnonzero(log.excited & (np.ptp(parts.torque, axis=0) > 0))
     if not joints.size:
         raise NotJudgedError("no torque changes")
-    tells = _TELLS if len(joints) >= _FEW else _TELLS_ALONE
-    lag = _smallest(_leftover(parts, joints.tolist(), reach), tells) * dt
+    cost = _leftover(parts, joints.tolist(), reach)
+    tells = cost.min() < -(_TELLS if len(joints) >= _FEW else _TELLS_ALONE)
+    lag = _smallest(cost, _TELLS) * dt if tells else 0.0
     limit = max(_LATE, _ROWS_LATE * log.dt)
     message = (
         f"motor.effort is {'later' if lag > 0 else 'earlier'} than the motion explains by {abs(lag):.3g} s, must be "
