@@ -5,8 +5,11 @@ from functools import cache
 import numpy as np
 import pytest
 
+from ffgym.effects import EFFECTS
 from ffgym.envs.rigs import rig_of
+from ffgym.plant import Machine
 from ffgym.protocols import PROTOCOLS, plan_session, record
+from ffgym.protocols.holds import Holds
 from ffgym.protocols.slow_triangles import SlowTriangles
 from ffgym.protocols.speed_ladder import SpeedLadder
 from ffgym.protocols.table_6_1 import Table61
@@ -71,6 +74,39 @@ def test_a_torque_that_is_late_is_seen_in_a_fast_sine():
     alone = {name: values for name, values in recording.columns.items() if "effort" not in name}
     found = check_quality(Recording(alone | late, recording.header), arm().robot).problems
     assert {finding.check for finding in found} == {"torque_lag"}
+
+
+def of_an_ill_joint(protocol, effect) -> list[Recording]:
+    machine = Machine(robot=arm().robot, effects=(effect,))
+    rig = SimulatedRig(arm=arm(), machine=machine, sensors=(Resolver(bits=16), TorqueSensor(noise=0.03 * arm().robot.friction.coulomb)))
+    return list(record(plan_session(arm(), [protocol]), rig, record_dt=2e-3))
+
+
+def test_a_torque_that_repeats_with_the_turn_of_the_only_joint_that_moves_is_not_late():
+    """It makes some other delay explain more by half of the energy; delays make more of a difference."""
+    cogging = EFFECTS["cogging"].on(arm().robot, "j2", amplitude=0.3, cycles=15.0, phase=4.27)
+    for recording in of_an_ill_joint(Holds(joints=("j2",), poses=4, rest=1.0), cogging):
+        (finding,) = check_quality(recording, arm().robot).of("torque_lag")
+        assert finding.verdict == "ok", recording.header.segment
+
+
+def standing_while_set_points_go_on(jump: float) -> Recording:
+    """A joint that turns round slowly, stands for 40 ms, and goes on from there, or from where it is by then."""
+    recording = logs(SlowTriangles(joints=("j2",), sizes=(8.0,), period=1.0, periods=2), noise=0.0)[0]
+    name = "motor.position.j2"
+    angle = recording[name].copy()
+    row = int(np.flatnonzero(recording["reference.position.j2"] == recording["reference.position.j2"].max())[0]) + 300
+    missed = angle[row + 40] - angle[row]
+    angle[row : row + 40] = angle[row]
+    angle[row + 40 :] -= (1 - jump) * missed
+    step = 2 * np.pi / 2**16
+    return recording.with_columns({name: np.round(angle / step) * step})
+
+
+@pytest.mark.parametrize(("jump", "verdict"), [(0.0, "ok"), (1.0, "refused")])
+def test_a_joint_that_sticks_goes_on_from_where_it_stood_and_a_column_that_is_stuck_jumps(jump, verdict):
+    (finding,) = check_quality(standing_while_set_points_go_on(jump), arm().robot).of("stuck")
+    assert finding.verdict == verdict, finding.message
 
 
 @cache

@@ -12,7 +12,12 @@ from ffgym.diagnosis.replay.replay import replay
 from ffgym.effects import EFFECTS
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 
-VALUES = {"coulomb_level": {"change": 0.2}, "cable_pull": {}, "torque_constant": {"change": 0.03}}
+VALUES = {
+    "coulomb_level": {"change": 0.2},
+    "cable_pull": {},
+    "torque_constant": {"change": 0.03},
+    "cogging": {"amplitude": 0.1, "cycles": 48.0},
+}
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +46,7 @@ def test_tangents_are_difference_quotients_of_replays(log):
     now, inside = predicted(run), valid_rows(log)
     for i, one in enumerate(all_of_them):
         for k, free in enumerate(one.free()):
-            share = 0.02
+            share = 0.2 * free.nudge / free.step
             moved = one.moved([share * free.step if n == k else 0.0 for n in range(len(one.free()))])
             other = nominal()
             for j, hypothesis in enumerate(all_of_them):
@@ -52,3 +57,14 @@ def test_tangents_are_difference_quotients_of_replays(log):
             at += 1
             assert np.abs(column - quotient).max() <= 0.1 * np.abs(quotient).max() + 1e-9, (one.label, free.name)
     assert at == len(columns)
+
+
+@pytest.mark.parametrize("cycles", [1.0, 15.0, 60.0])
+def test_the_slope_of_a_frequency_is_found_within_a_radian_of_all_turns_of_a_log(cycles):
+    """A hundred turns of a motor from one pose to another."""
+    known = EFFECTS["cogging"].parameters()
+    values = {name: np.array(p.neutral if p.default is None else p.default) for name, p in known.items()}
+    one = Hypothesis(kind=EFFECTS["cogging"], joint="j1", source=None, values=values | {"cycles": np.array(cycles)})
+    (frequency,) = [free for free in one.free() if free.name == "cycles"]
+    assert 2 * np.pi * 100 * frequency.nudge < 0.5
+    assert frequency.nudge / cycles > 1e-6  # far from rounding

@@ -6,7 +6,7 @@ import pytest
 
 from ffgym.diagnosis.fit.leftover import Removed
 from ffgym.diagnosis.search import worth as module
-from ffgym.diagnosis.search.worth import EXPLAINS, explains_most, is_worth
+from ffgym.diagnosis.search.worth import EXPLAINS, LEAKS, explains_most, is_worth, removed_by
 
 
 @pytest.mark.parametrize(
@@ -36,3 +36,42 @@ def test_causes_that_explain_no_component_well_are_none(monkeypatch, share, best
     monkeypatch.setattr(module, "removed", lambda *given: gone)
     fit = SimpleNamespace(columns=())
     assert explains_most(None, SimpleNamespace(fit=fit), SimpleNamespace(fit=fit)) == most
+
+
+TORQUES = [("torque", k) for k in range(3)]
+LINK = ("link", 0)
+
+
+def removed_from(monkeypatch, first, loud, then, where, *, known=()):
+    """What is credited to a new cause on j1, of three torques and a link encoder; energies by component."""
+    tables = iter([loud, then, first])
+    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
+    monkeypatch.setattr(module, "loudness", lambda setting, rest: dict(zip([*TORQUES, LINK], next(tables), strict=True)))
+    monkeypatch.setattr(module, "touched", lambda setting, columns: where)
+    new = SimpleNamespace(place=("cogging", "j1", None), free=lambda: [None])
+    before = SimpleNamespace(fit=SimpleNamespace(hypotheses=[SimpleNamespace(place=place) for place in known]))
+    after = SimpleNamespace(fit=SimpleNamespace(columns=[{}]), hypothesis=new)
+    return removed_by(None, before, after, SimpleNamespace(fit=None))
+
+
+def test_a_little_in_one_joint_is_what_ails_a_loud_one_until_it_is_much(monkeypatch):
+    loud = (151.0, 1.5, 11.0, 1.0)
+    little = removed_from(monkeypatch, loud, loud, (151.0, 1.0, 11.0, 1.0), {TORQUES[1]})
+    assert little.of_excess == 0.0  # half a noise, beside a hundred and fifty
+    much = removed_from(monkeypatch, loud, loud, (151.0, 1.5, 1.0, 1.0), {TORQUES[2]})
+    assert much.of_excess == pytest.approx(1 - 150 * LEAKS / 10)
+
+
+def test_what_is_loud_in_one_channel_does_not_leak_into_another(monkeypatch):
+    loud = (1.0, 6.0, 1.0, 1e5)
+    gone = removed_from(monkeypatch, loud, loud, (1.0, 1.0, 1.0, 1e5), {TORQUES[1]})
+    assert gone.of_excess == pytest.approx(1 - LEAKS)
+
+
+@pytest.mark.parametrize(
+    ("known", "share"), [(("kinematic_error", "j1", None), (9 - 8) / 10), (("cogging", "j1", None), (9 - 1.8) / 10)]
+)
+def test_another_wave_of_a_cause_is_credited_with_what_inexact_causes_would_leave(monkeypatch, known, share):
+    first, loud, then = (91.0, 1.0, 1.0, 1.0), (11.0, 1.0, 1.0, 1.0), (2.0, 1.0, 1.0, 1.0)
+    gone = removed_from(monkeypatch, first, loud, then, {TORQUES[0]}, known=[known])
+    assert gone.of_excess == pytest.approx(share)

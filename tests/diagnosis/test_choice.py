@@ -1,0 +1,32 @@
+"""Which frequencies are tried: what peaks, what turns with a shaft, each once."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis import choice as module
+from ffgym.diagnosis.choice import Choice, _not_among
+from ffgym.diagnosis.patterns.spectrum import Spectrum
+
+
+def test_a_frequency_is_tried_once_however_often_it_was_found():
+    found = {"j1": [12.0, 12.1, 1.0, 2.0, 1.1], "j2": [6.0], "j3": []}
+    assert _not_among(found, {"j2": (5.9,)}) == {"j1": (12.0, 1.0, 2.0)}
+    assert _not_among(found, {"j1": (12.0, 1.0, 2.0), "j2": (5.7,)}) == {"j2": (6.0,)}
+
+
+@pytest.mark.parametrize(("loud", "tried"), [(("torque", 0), True), (("torque", 1), False), (("tool", 2), False)])
+def test_what_turns_with_the_shaft_is_tried_where_the_torque_of_its_joint_is_loud(monkeypatch, loud, tried):
+    """Though nothing peaks there: the torque of an angle that is wrong turns its phase at each resonance."""
+    robot = SimpleNamespace(joints=("j1", "j2"))
+    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
+    monkeypatch.setattr(module, "loudness", lambda setting, rest: {loud: 50.0})
+    monkeypatch.setattr(module, "residual_of", lambda *given: SimpleNamespace(robot=robot))
+    monkeypatch.setattr(module, "components", lambda channel, robot: "xyz")
+    flat = Spectrum(frequency=np.array([30.0, 40.0]), share=np.array([0.2, 0.1]))
+    monkeypatch.setattr(module, "cycles_per_turn", lambda *given, **kind: flat)
+    ready = SimpleNamespace(setting=SimpleNamespace(log=None), floor=None)
+    cycles = Choice(ready, (), None)._cycles(SimpleNamespace(run=None))
+    assert (1.0 in cycles["j1"] and 2.0 in cycles["j1"]) == tried
+    assert (30.0 in cycles["j1"]) == (loud != ("torque", 1))
