@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.verdict import stretched_shapes
+from ffgym.diagnosis.answer.verdict import LOUD, _is_explained, stretched_shapes
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search.rivals import _is_tied
 from ffgym.effects import EFFECTS
@@ -37,6 +37,18 @@ def test_a_rival_that_is_better_in_half_of_all_blocks_ties():
 def test_a_rival_with_no_more_numbers_ties_if_an_inexact_equation_would_leave_as_much(more, numbers, ties):
     """Both leave the same more in every block, so that resamples are sure; 90 were to be explained in each."""
     assert is_tied(np.full(100, 10.0), np.full(100, 10.0 + more), numbers=numbers) == ties
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "explained"),
+    [(3.0, LOUD - 0.1, True), (3.0, LOUD + 0.1, False), (101.0, 10.0, True), (101.0, 12.0, False)],
+)
+def test_nothing_is_named_without_reserve_while_a_component_is_left_with_what_no_clean_log_has(
+    before, after, explained
+):
+    """As the flexibility of a base, of which the stiffness of a joint explains four fifths."""
+    other = ("tool", 2)
+    assert _is_explained({KEY: before, other: 1.1}, {KEY: after, other: 1.1}) == explained
 
 
 @pytest.mark.parametrize(

@@ -78,7 +78,9 @@ def test_a_torque_that_is_late_is_seen_in_a_fast_sine():
 
 def of_an_ill_joint(protocol, effect) -> list[Recording]:
     machine = Machine(robot=arm().robot, effects=(effect,))
-    rig = SimulatedRig(arm=arm(), machine=machine, sensors=(Resolver(bits=16), TorqueSensor(noise=0.03 * arm().robot.friction.coulomb)))
+    rig = SimulatedRig(
+        arm=arm(), machine=machine, sensors=(Resolver(bits=16), TorqueSensor(noise=0.03 * arm().robot.friction.coulomb))
+    )
     return list(record(plan_session(arm(), [protocol]), rig, record_dt=2e-3))
 
 

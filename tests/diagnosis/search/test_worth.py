@@ -46,7 +46,9 @@ def removed_from(monkeypatch, first, loud, then, where, *, known=()):
     """What is credited to a new cause on j1, of three torques and a link encoder; energies by component."""
     tables = iter([loud, then, first])
     monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
-    monkeypatch.setattr(module, "loudness", lambda setting, rest: dict(zip([*TORQUES, LINK], next(tables), strict=True)))
+    monkeypatch.setattr(
+        module, "loudness", lambda setting, rest: dict(zip([*TORQUES, LINK], next(tables), strict=True))
+    )
     monkeypatch.setattr(module, "touched", lambda setting, columns: where)
     new = SimpleNamespace(place=("cogging", "j1", None), free=lambda: [None])
     before = SimpleNamespace(fit=SimpleNamespace(hypotheses=[SimpleNamespace(place=place) for place in known]))
