@@ -220,7 +220,8 @@ LEVELS = (
         flag=0.0,
         refuse=_STUCK_ROWS - 2.0,
         why="a stretch counts if it begins and ends abruptly, by 5 steps of the resolution and more, or if another "
-        "column of the joint moves on by 5 % of its range",
+        "position of the joint moves on by 5 % of its range; set-points move on beside a joint that sticks, so that "
+        "the column must jump after them by half of that",
         judge=_stuck,
     ),
     Check(
