@@ -18,6 +18,7 @@ from ffgym.quality.needs import need_findings
 from ffgym.quality.plausible import PLAUSIBLE, SIZE
 from ffgym.quality.rows import ROWS
 from ffgym.quality.sampling import SAMPLING
+from ffgym.quality.stuck import STUCK
 from ffgym.quality.timing import TIMING
 from ffgym.quality.tool import TOOL
 from ffgym.quality.torque import TORQUE
@@ -29,7 +30,7 @@ STAGES: Mapping[str, tuple[Check, ...]] = MappingProxyType(
     {
         "clock and header": (*SIZE, *CLOCK, *IDENTITY),
         "rows": ROWS,
-        "values": (*LEVELS, *CELLS),
+        "values": (*STUCK, *LEVELS, *CELLS),
         "columns against each other": (*AGREEMENT, *TIMING),
         "sizes": PLAUSIBLE,
         "tool": TOOL,
