@@ -39,6 +39,7 @@ def tracked(run: Replay, machine: Machine, every: int = 1) -> Array:
     """Tool positions of the replay as the tracker of another machine would see them [m], at every n-th sample."""
     q = run.link_q[::every]
     position = run.arm.tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
+    position = position if run.tilt is None else run.tilt.moved(position, every)
     effects = [effect for effect in machine.effects if isinstance(effect, TrackerEffect)]
     for i, recording in enumerate(run.log.recordings) if effects else ():
         n = -(-len(recording) // every)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RigidArm
 from ffgym.types import Array
 
 _PERIOD = 0.004
@@ -30,9 +30,9 @@ class LinkTerms:
         return np.matmul(self.mass, ddq[..., None])[..., 0] + self.bias
 
 
-def link_terms(robot: RobotDescription, q: Array, dq: Array, dt: float) -> LinkTerms:
-    """Terms of the links of a robot at positions `q` [rad], speeds `dq`, (T, M, N), link side, `dt` [s] apart."""
-    arm, shape = RigidArm(robot), q.shape
+def link_terms(arm: RigidArm, q: Array, dq: Array, dt: float) -> LinkTerms:
+    """Terms of the links of an arm at positions `q` [rad], speeds `dq`, (T, M, N), link side, `dt` [s] apart."""
+    shape = q.shape
     every = max(1, round(_PERIOD / dt))
     places = np.unique(np.append(np.arange(0, shape[0], every), shape[0] - 1))
     coarse_q, coarse_dq = (x[places].reshape(-1, shape[-1]) for x in (q, dq))

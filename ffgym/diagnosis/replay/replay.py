@@ -15,6 +15,7 @@ import numpy as np
 
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log.derivatives import derivatives_of_motions
+from ffgym.diagnosis.replay.base import BaseTerms, Tilt, base_of, base_terms, tilt_of
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
 from ffgym.diagnosis.replay.flight import arm_effects, flown, plus, summed
 from ffgym.diagnosis.replay.link_terms import LinkTerms, link_terms
@@ -51,6 +52,8 @@ class Replay:
     """Of all joints; `motor_torque` is the model's."""
     torque: Array
     """Motor torque that the motion takes [N m], motor side."""
+    tilt: Tilt | None = None
+    """Of a base that gives way."""
 
     @cached_property
     def _coarse(self) -> dict[int, Springs]:
@@ -66,6 +69,11 @@ class Replay:
     def link_q(self) -> Array:
         """Where the links are [rad], link side."""
         return self.log.q + self.deflection.angle
+
+    @cached_property
+    def base_terms(self) -> BaseTerms:
+        """What the links would ask for on a base that gives way."""
+        return base_terms(self.log, self.robot)
 
     @cached_property
     def arm(self) -> RigidArm:
@@ -90,6 +98,7 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
     """
     robot = machine.physical
     read, log = log, _truly(log, machine)
+    flexible_base = base_of(machine)
     if like is not None and (like.log is not log or not same_links(like.robot, robot)):
         like = None
     links, rough = (like.links, like.deflection.angle[0]) if like is not None else _links(log, robot)
@@ -104,8 +113,10 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
     )
     state = state_of(log, machine, bristles)
     on_arm = arm_effects(machine)
-    rigid_torque = links.torque(log.ddq)
-    if like is not None and same_drive and not on_arm and not arm_effects(like.machine):
+    tilt = None if flexible_base is None else tilt_of(log, robot, flexible_base, _base_terms(log, robot, like))
+    rigid_torque = links.torque(log.ddq) + (0.0 if tilt is None else tilt.torque)
+    stands_alike = tilt is None and like is not None and like.tilt is None
+    if like is not None and same_drive and stands_alike and not on_arm and not arm_effects(like.machine):
         deflection = like.deflection
     elif on_arm:
         deflection = flown(springs, state, on_arm, -rigid_torque, rough, log.dt)
@@ -138,7 +149,12 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
         bristles=bristles,
         state=replace(state, motor_torque=torque),
         torque=torque,
+        tilt=tilt,
     )
+
+
+def _base_terms(log: Log, robot: RobotDescription, like: Replay | None) -> BaseTerms:
+    return base_terms(log, robot) if like is None else like.base_terms
 
 
 def _in_order(machine: Machine) -> list[TorqueEffect]:
@@ -168,8 +184,9 @@ def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:
     """Terms of the links where they hang in their springs, and the deflection at the first sample."""
     elastic = ~robot.drive.is_rigid
     bent = np.zeros_like(log.q)
-    links = link_terms(robot, log.q, log.dq, log.dt)
+    arm = RigidArm(robot)
+    links = link_terms(arm, log.q, log.dq, log.dt)
     for _ in range(_PASSES - 1 if elastic.any() else 0):
         bent[..., elastic] = -links.torque(log.ddq)[..., elastic] / robot.drive.joint_stiffness[elastic]
-        links = link_terms(robot, log.q + bent, log.dq, log.dt)
+        links = link_terms(arm, log.q + bent, log.dq, log.dt)
     return links, bent[0]

@@ -5,17 +5,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
+from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tracked
 from ffgym.diagnosis.replay.clocks import late
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.difference import Change, Push, changes, misread_on, misread_push, only_joint, push_of
 from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect
-from ffgym.effects import ClockEffect, Effect, NativeEffect, ResolverEffect, TrackerEffect
+from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
+from ffgym.plant import Machine
 from ffgym.types import Array
 
 _TOGETHER = 24
 """Pushes on the springs that are solved for at once; chosen: more gain little, and each array of them takes 50 MB for
 84 s of six axes."""
+
+_SMALL = 0.3
+"""Share of a practical step by which what swings is perturbed; chosen: a base of 30 Hz, faster than machines move."""
 
 Parts = Mapping[tuple[Channel, int], Array]
 """By channel and component, shape (R, M) each; what is not there does not change."""
@@ -56,6 +60,8 @@ def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> li
                 found += _tracker_columns(run, variant)
             elif isinstance(variant.effect, ClockEffect):
                 found += _clock_columns(run, variant)
+            elif isinstance(variant.effect, ModelEffect):
+                found.append(_model_column(run, variant))
             elif kind.side == "controller":
                 found += _servo_columns(run, variant)
             elif kind.side == "motor" and not isinstance(variant.effect, ResolverEffect):
@@ -162,6 +168,20 @@ def clock_parts(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) -> 
             rows = run.log.sampling(after - before)
             found |= {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
     return found
+
+
+def _model_column(run: Replay, variant: Variant) -> Column:
+    """Of an effect with joints of its own, which swing: a small one is more like one of any size."""
+    values = variant.effect.values()
+    small = type(variant.effect)(**values | {variant.parameter: _SMALL * values[variant.parameter]})
+    parts = replayed_parts(run, with_effect(run.machine, small))
+    return _column(run, variant, "", {key: rows / _SMALL for key, rows in parts.items()})
+
+
+def replayed_parts(run: Replay, machine: Machine) -> Parts:
+    """Change of all channels if the log is replayed on another machine: of what has joints of its own."""
+    before, after = predicted(run), predicted(replay(run.log, machine, run))
+    return {(c, k): after[c][..., k] - rows[..., k] for c, rows in before.items() for k in range(rows.shape[2])}
 
 
 def _on_one(variant: Variant, joint: str, run: Replay) -> Effect:

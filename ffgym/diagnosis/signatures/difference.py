@@ -21,7 +21,7 @@ from ffgym.effects import NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect
 from ffgym.friction import LuGreParameters
-from ffgym.robot import RobotDescription
+from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array
 
 COARSE = 0.002
@@ -74,7 +74,7 @@ def of_numbers(run: Replay, other: RobotDescription) -> Push:
         if np.any(stiffer) or np.any(damped):
             spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
     if not same_links(other, robot):
-        terms = link_terms(other, run.link_q, log.dq, log.dt)
+        terms = link_terms(RigidArm(other), run.link_q, log.dq, log.dt)
         acceleration = log.ddq + run.deflection.acceleration
         links = terms.torque(acceleration) - run.links.torque(acceleration)
     return Push(motor=motor, links=links, spring=spring)

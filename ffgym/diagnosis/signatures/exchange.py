@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
-from ffgym.diagnosis.signatures.column import Parts, clock_parts, shown
+from ffgym.diagnosis.signatures.column import Parts, clock_parts, replayed_parts, shown
 from ffgym.diagnosis.signatures.difference import Push, changes, moved, of_numbers
-from ffgym.effects import ClockEffect, NativeEffect, TorqueEffect, Torques, TrackerEffect
+from ffgym.effects import ClockEffect, ModelEffect, NativeEffect, TorqueEffect, Torques, TrackerEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect
 from ffgym.plant import Machine
@@ -18,9 +18,12 @@ def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
     pushes = [_push(run, machine, known) for machine in machines]
     found: list[Parts] = []
     for machine, change in zip(machines, changes(run, pushes), strict=True):
-        parts = dict(shown(run, change))
         gone, come = _exchange(run.machine, machine)
         both = (*gone, *come)
+        if any(isinstance(effect, ModelEffect) for effect in both):
+            found.append(replayed_parts(run, machine))
+            continue
+        parts = dict(shown(run, change))
         if run.log.tool is not None and any(isinstance(effect, TrackerEffect) for effect in both):
             every = run.log.sampling.stride
             seen = tracked(run, machine, every) - tracked(run, run.machine, every)

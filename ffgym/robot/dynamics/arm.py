@@ -12,6 +12,9 @@ from ffgym.robot.dynamics.chain import chain_to_site
 from ffgym.robot.model.spec import ModelOptions, compile_model
 from ffgym.types import Array
 
+RIGID = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
+"""What is left of a model where only its links are looked at."""
+
 _CHUNK = 1024
 """Rows evaluated in one call: enough to keep the cores busy, small enough to stay in cache."""
 
@@ -23,16 +26,17 @@ class RigidArm:
     N m. All results are in the world frame, in SI units.
     """
 
-    def __init__(self, robot: RobotDescription) -> None:
+    def __init__(self, robot: RobotDescription, model: mujoco.MjModel | None = None) -> None:
+        """Compile the links of a robot, or take a `model` of them; with more joints it serves for dynamics alone."""
         self.robot = robot
-        options = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
-        self._model = compile_model(robot, options)
+        self._model = compile_model(robot, RIGID) if model is None else model
+        self._n = int(self._model.nv)
         self._batch = batch.Batch(self._model, nsim=_CHUNK)
         self._gravity = self._batch.expand("opt.gravity")
         self._tcp = self._model.site("tcp").id if robot.tool is not None else None
         self._chain = () if self._tcp is None else chain_to_site(self._model, self._tcp)
         self._slides = np.flatnonzero(robot.kinematics.is_sliding)
-        self._rows = np.repeat(np.arange(robot.n_joints), self._model.M_rownnz)
+        self._rows = np.repeat(np.arange(self._n), self._model.M_rownnz)
         self._columns = self._model.M_colind
 
     def tcp_position(self, q: Array) -> Array:
@@ -91,8 +95,7 @@ class RigidArm:
 
     def _unpacked(self, packed: Array) -> Array:
         """Symmetric matrices (T, N, N) from MuJoCo's sparse lower triangles."""
-        n = self.robot.n_joints
-        matrix = np.zeros((len(packed), n, n))
+        matrix = np.zeros((len(packed), self._n, self._n))
         matrix[:, self._rows, self._columns] = packed
         matrix[:, self._columns, self._rows] = packed
         return matrix
@@ -104,7 +107,7 @@ class RigidArm:
     def spring_torque(self, q: Array) -> Array:
         """Torque [N m] that holds the arm still at `q` against the springs between its links, shape (T, N)."""
         if not self.robot.springs:
-            return np.zeros(check_shape("q", q, (None, self.robot.n_joints)).shape)
+            return np.zeros(check_shape("q", q, (None, self._n)).shape)
         return -self._evaluate(("qfrc_passive",), q, stage="velocity")["qfrc_passive"]
 
     def holding_torque(self, q: Array) -> Array:
@@ -113,7 +116,7 @@ class RigidArm:
 
     def inverse_dynamics(self, q: Array, dq: Array, ddq: Array, *, gravity: bool = False) -> Array:
         """Joint torque [N m] of the rigid links for a motion, M(q) ddq + C(q, dq) dq (+ g(q)), shape (T, N)."""
-        ddq = check_shape("ddq", ddq, (len(q), self.robot.n_joints))
+        ddq = check_shape("ddq", ddq, (len(q), self._n))
         out = self._evaluate(("M", "qfrc_bias"), q, dq, stage="velocity", gravity=gravity)
         return np.einsum("tij,tj->ti", self._unpacked(out["M"]), ddq) + out["qfrc_bias"]
 
@@ -134,9 +137,8 @@ class RigidArm:
         gravity: bool = False,
     ) -> dict[str, Array]:
         """Let MuJoCo compute `fields` at every row of `q` (and `dq`); returns arrays with T rows."""
-        n = self.robot.n_joints
-        q = check_shape("q", q, (None, n))
-        dq = np.zeros_like(q) if dq is None else check_shape("dq", dq, (len(q), n))
+        q = check_shape("q", q, (None, self._n))
+        dq = np.zeros_like(q) if dq is None else check_shape("dq", dq, (len(q), self._n))
         engine = self._batch
         bound = {name: engine.bind(name) for name in fields}
         out = {name: np.empty((len(q), *view.shape[1:])) for name, view in bound.items()}
