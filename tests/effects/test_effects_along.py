@@ -1,5 +1,7 @@
 """Effects along recordings: the same formulas, with and without memory."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -53,8 +55,11 @@ def test_torques_along_a_recording_have_its_shape(name, irb4600, measured):
 @pytest.mark.parametrize("name", ["torque_delay", "flexible_load"])
 @pytest.mark.parametrize("share", [0.3, 1.0])
 def test_a_linear_memory_is_one_filter_over_the_whole_recording(name, share, irb4600, measured):
+    """A lag apart: between samples, commands are held in a simulation, and straight along a recording."""
     dt, states = measured
     effect = as_strong_as_plausible(EFFECTS[name], irb4600, share=share)
+    if name == "torque_delay":
+        effect = replace(effect, lag=np.zeros(irb4600.n_joints))
     at_once = effect.torques_over(states, dt)
     each = list(samples(states))
     memory, found = effect.initial_memory(each[0]), []
@@ -74,3 +79,14 @@ def test_a_memory_is_carried_from_sample_to_sample(irb4600, measured):
     delayed = torques_along(EFFECTS["torque_delay"].on(irb4600, delay=0.002, lag=0.0), states, 0.001)
     u = states.motor_torque
     np.testing.assert_allclose(delayed.motor[2:], u[:-2] - u[2:], atol=1e-12)
+
+
+@pytest.mark.parametrize("every", [1, 4])
+def test_a_lag_delays_what_changes_slowly_by_itself_however_coarse_the_samples(every, irb4600, measured):
+    """A ramp of torque, sampled every millisecond or every fourth, far longer than the lag."""
+    dt, states = measured
+    sample_dt, lag = every * dt, 0.0005
+    ramp = sample_dt * np.arange(len(states.motor_torque))[:, None] + np.zeros(irb4600.n_joints)
+    effect = EFFECTS["torque_delay"].on(irb4600, delay=0.0, lag=lag)
+    added = effect.torques_over(replace(states, motor_torque=ramp), sample_dt)
+    assert added.motor[100:] == pytest.approx(-lag, rel=1e-6)

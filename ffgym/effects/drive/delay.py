@@ -67,14 +67,15 @@ class TorqueDelay(TorqueEffect):
         return Torques(motor=given - state.motor_torque), later
 
     def torques_over(self, states: State, dt: float) -> Torques:
-        """See base class."""
+        """See base class; commands are straight between samples, which may be longer than the lag."""
         commands = np.broadcast_to(states.motor_torque, states.motor_angle.shape)
         given = np.empty_like(commands)
         for j in range(commands.shape[-1]):
             delay, lag = float(self.delay[j]), float(self.lag[j])
             keep = np.exp(-dt / lag) if lag > 0 else 0.0
+            now = 1 - (1 - keep) * lag / dt
             due = _earlier(commands[..., j], delay / dt)
-            given[..., j] = lfilter([1 - keep], [1, -keep], due, axis=0, zi=keep * due[:1])[0]
+            given[..., j] = lfilter([now, 1 - keep - now], [1, -keep], due, axis=0, zi=(1 - now) * due[:1])[0]
         return Torques(motor=given - commands)
 
 
