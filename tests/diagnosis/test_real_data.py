@@ -119,7 +119,7 @@ def parts_of_a_session(length, which):
 @pytest.mark.parametrize(
     ("length", "which"),
     [
-        (900, (0, 3, 6, 9)),
+        pytest.param(900, (0, 3, 6, 9), marks=pytest.mark.slow),
         pytest.param(3630, (0, 3, 6, 9), marks=pytest.mark.slow),
         pytest.param(3630, range(10), marks=pytest.mark.slow),
     ],
