@@ -6,7 +6,7 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.low_speed import knows_low_speed
 from ffgym.diagnosis.result import Unjudged
 from ffgym.diagnosis.search.found import Found
-from ffgym.effects import EFFECTS, ClockEffect, Effect, TrackerEffect
+from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, TrackerEffect
 from ffgym.plant import Machine
 
 LEAST_SPAN = {"temperature": 5.0, "running": 120.0}
@@ -44,6 +44,8 @@ def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
         return "the joints are described as rigid"
     if kind.at_low_speed and not knows_low_speed(log.robot).any():
         return "the model has no friction of its own at low speed (static equals coulomb), where this effect acts"
+    if issubclass(kind, ModelEffect) and any(isinstance(effect, kind) for effect in machine.effects):
+        return "the model has it already, and a machine cannot have it twice"
     if kind.name == "payload" and log.robot.tool is None:
         return "the robot has no tool"
     for name in kind.varies_with:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.answer.excitation import judgeable_kinds
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import log_of
@@ -77,3 +78,12 @@ def test_tangents_of_a_base_are_difference_quotients_of_replays():
         then = predicted(replay(log, one.moved(changes).on(nominal())))
         quotient = (then["torque"] - before["torque"])[..., 0] / (0.2 * free.nudge / free.step)
         assert np.abs(column["torque", 0] - quotient).max() <= 0.1 * np.abs(quotient).max() + 1e-9, free
+
+
+@pytest.mark.parametrize("has_one", [False, True])
+def test_a_base_is_looked_for_unless_the_model_has_one_that_gives_way(has_one):
+    machine = flexible("about all") if has_one else nominal()
+    log = log_of(nominal().robot, list(recorded({"nominal": nominal()}).values()))
+    judgeable, others = judgeable_kinds(log, machine)
+    assert (BASE in judgeable) == (not has_one)
+    assert ("base_flexibility" in {one.effect for one in others}) == has_one
