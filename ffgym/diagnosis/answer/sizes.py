@@ -18,7 +18,7 @@ COVERED = (0.05, 0.95)
 
 WIDENED = 1.2
 """Quantiles of resamples are this much further from a size: what neither rows nor calibration vary (equations that are
-not straight, few blocks) counts too. Of 40 sizes of development exams 32 lay within the bare quantiles, 35 within these.
+not straight, few blocks) counts too. Of 40 sizes of development exams 32 lay in the bare quantiles, 35 in these.
 """
 
 
