@@ -17,7 +17,8 @@ from typing import final
 import numpy as np
 
 from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
-from ffgym.diagnosis.evidence.screen import Priors, fitted
+from ffgym.diagnosis.evidence.fitted import fitted
+from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.stack import Stack, Values, blocks_of, stack_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows

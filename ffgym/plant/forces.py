@@ -144,16 +144,18 @@ class Forces:
     def _sum(self, chosen: Chosen, state: State, memories: list[Array], dt: float) -> Torques:
         """All torques together; `memories` are replaced by those after `dt` [s]."""
         total = Torques()
-        alone = state.load, state.load_at_motor
+        alone: tuple[Array, Array] | None = None
         for k, (effect, present) in enumerate(zip(chosen.torque, chosen.present, strict=True)):
             added, memories[k] = effect.torques(state, memories[k], dt)
             total.motor = _added(total.motor, added.motor, present)
             total.link = _added(total.link, added.link, present)
             total.spring = spring = _added(total.spring, added.spring, present)
             if added.spring is not None and spring is not None:
+                alone = alone or (state.load, state.load_at_motor)
                 state.load = alone[0] + spring
                 state.load_at_motor = self._drive.motor_torque(state.load)
-        state.load, state.load_at_motor = alone
+        if alone is not None:
+            state.load, state.load_at_motor = alone
         return total
 
     def _write(self, chosen: Chosen, total: Torques) -> None:

@@ -13,27 +13,19 @@ of their residual moments m' after the calibration alone. Only sums enter, for t
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from ffgym.diagnosis.evidence.folds import Fold
+from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
 from ffgym.types import Array, BoolArray, IntArray
 
 _WIDE = 10.0
 """Standard deviation of a candidate's parameter in its steps: as good as free, but not without end."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Priors:
-    """Of all columns, in the units in which they are scaled, shape (P,) each."""
-
-    precision: Array
-    low: Array
-    high: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,7 +56,7 @@ def screen(
     gain, left = np.zeros((len(candidates), n_residuals)), np.zeros(n_residuals)
     log, noise = slice(0, 1), slice(1, n_residuals)
     alike = _alike(candidates)
-    for train, test in _sums(evidence, folds):
+    for train, test in _sums(evidence, folds, calibration, alike):
         for residuals, precision in (
             (log, _as_prior(train, calibration, priors)),
             (noise, priors.precision[calibration]),
@@ -73,42 +65,63 @@ def screen(
                 continue
             fitted = _fit(train.of(residuals), test.of(residuals), calibration, precision)
             left[residuals] += fitted.left
-            for chosen, columns, one_sided in alike:
-                gain[chosen, residuals] += fitted.gains(columns, one_sided)
+            for k, group in enumerate(alike):
+                gain[group.places, residuals] += fitted.gains(group, train.within[k], test.within[k])
     return Screened(gain=gain, left=left)
 
 
-def _alike(candidates: Sequence[Candidate]) -> list[tuple[IntArray, IntArray, BoolArray]]:
-    """Candidates with equally many columns together: their places, their columns (C, S), and which have one sign."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Alike:
+    """Candidates with equally many columns."""
+
+    places: IntArray
+    """Among all candidates, shape (C,)."""
+    columns: IntArray
+    """Shape (C, S)."""
+    one_sided: BoolArray
+    """Shape (C,)."""
+
+
+def _alike(candidates: Sequence[Candidate]) -> list[_Alike]:
     sizes = np.array([len(candidate.columns) for candidate in candidates])
     found = []
     for size in np.unique(sizes):
         places = np.flatnonzero(sizes == size)
         chosen = [candidates[int(i)] for i in places]
         columns = np.stack([candidate.columns for candidate in chosen])
-        found.append((places, columns, np.array([candidate.one_sided for candidate in chosen])))
+        one_sided = np.array([candidate.one_sided for candidate in chosen])
+        found.append(_Alike(places=places, columns=columns, one_sided=one_sided))
     return found
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Sums:
-    """Of some blocks."""
+    """Of some blocks: what of the Gram matrix G matters, and the moments of K residuals."""
 
-    gram: Array
+    calibration: Array
+    """Rows of G of the F calibration columns, shape (F, P)."""
+    within: tuple[Array, ...]
+    """G among the columns of each candidate, shape (C, S, S), by size of candidates."""
     moment: Array
+    """Shape (P, K)."""
     energy: Array
+    """Shape (K,)."""
 
     def of(self, residuals: slice) -> "_Sums":
         """Those of some residuals."""
-        return _Sums(gram=self.gram, moment=self.moment[:, residuals], energy=self.energy[residuals])
+        return replace(self, moment=self.moment[:, residuals], energy=self.energy[residuals])
 
 
-def _sums(evidence: Evidence, folds: Sequence[Fold]) -> Iterator[tuple[_Sums, _Sums]]:
+def _sums(
+    evidence: Evidence, folds: Sequence[Fold], calibration: IntArray, alike: Sequence[_Alike]
+) -> Iterator[tuple[_Sums, _Sums]]:
     """Of what each fold fits to and judges by; blocks that are always in or out together are summed once."""
     member = np.array([rows for fold in folds for rows in (fold.train, fold.test)])
     kinds, of_block = np.unique(member, axis=1, return_inverse=True)
     of_block = of_block.ravel()
     gram = evidence.stack.grouped(of_block)
+    beside = gram[:, calibration]
+    within = [gram[:, group.columns[:, :, None], group.columns[:, None, :]] for group in alike]
     moment, energy = (
         np.stack([values[of_block == k].sum(axis=0) for k in range(kinds.shape[1])])
         for values in (evidence.moment, evidence.energy)
@@ -116,7 +129,10 @@ def _sums(evidence: Evidence, folds: Sequence[Fold]) -> Iterator[tuple[_Sums, _S
 
     def summed(chosen: BoolArray) -> _Sums:
         return _Sums(
-            gram=gram[chosen].sum(axis=0), moment=moment[chosen].sum(axis=0), energy=energy[chosen].sum(axis=0)
+            calibration=beside[chosen].sum(axis=0),
+            within=tuple(blocks[chosen].sum(axis=0) for blocks in within),
+            moment=moment[chosen].sum(axis=0),
+            energy=energy[chosen].sum(axis=0),
         )
 
     for train, test in zip(kinds[::2], kinds[1::2], strict=True):
@@ -127,38 +143,46 @@ def _sums(evidence: Evidence, folds: Sequence[Fold]) -> Iterator[tuple[_Sums, _S
 class _Fitted:
     """Calibration fitted to a fold's training blocks; what all columns are beside it, there and in what is left out."""
 
-    inner: Array
-    """S without the prior, shape (P, P)."""
+    v: Array
+    """V, shape (F, P)."""
+    train: Array
+    """G_nc of all columns, shape (F, P)."""
+    test: Array
+    """G'_nc, shape (F, P)."""
     size: Array
-    """W, shape (P, P)."""
+    """G'_nn V, shape (F, P)."""
     pull: Array
     """Shape (P, K)."""
     held_out: Array
     """w, shape (P, K)."""
     left: Array
 
-    def gains(self, columns: IntArray, one_sided: BoolArray) -> Array:
-        """Energy that candidates with `columns` (C, S) remove from the blocks left out, shape (C, K)."""
-        rows, others = columns[:, :, None], columns[:, None, :]
-        x = np.linalg.solve(self.inner[rows, others] + _WIDE**-2 * np.eye(columns.shape[1]), self.pull[columns])
-        x[one_sided] = np.maximum(x[one_sided], 0.0)
-        gained: Array = np.sum(x * (2 * self.held_out[columns] - np.matmul(self.size[rows, others], x)), axis=1)
+    def gains(self, group: _Alike, train: Array, test: Array) -> Array:
+        """Energy that candidates remove from the blocks left out, shape (C, K), by their own G and G' (C, S, S)."""
+        columns = group.columns
+        v = self.v[:, columns].transpose(1, 2, 0)
+        inner = train - v @ self.train[:, columns].transpose(1, 0, 2)
+        cross = v @ self.test[:, columns].transpose(1, 0, 2)
+        size = test - cross - cross.transpose(0, 2, 1) + v @ self.size[:, columns].transpose(1, 0, 2)
+        x = np.linalg.solve(inner + _WIDE**-2 * np.eye(columns.shape[1]), self.pull[columns])
+        x[group.one_sided] = np.maximum(x[group.one_sided], 0.0)
+        gained: Array = np.sum(x * (2 * self.held_out[columns] - size @ x), axis=1)
         return gained
 
 
 def _fit(train: _Sums, test: _Sums, columns: IntArray, precision: Array) -> _Fitted:
-    factor = cho_factor(train.gram[np.ix_(columns, columns)] + np.diag(precision))
-    x = np.zeros_like(train.moment)
-    x[columns] = cho_solve(factor, train.moment[columns])
-    v = cho_solve(factor, train.gram[columns])
-    rest = test.moment - test.gram @ x
-    cross = v.T @ test.gram[columns]
+    factor = cho_factor(train.calibration[:, columns] + np.diag(precision))
+    x = cho_solve(factor, train.moment[columns])
+    v = cho_solve(factor, train.calibration)
+    rest = test.moment - test.calibration.T @ x
     return _Fitted(
-        inner=train.gram - v.T @ train.gram[columns],
-        size=test.gram - cross - cross.T + v.T @ test.gram[np.ix_(columns, columns)] @ v,
+        v=v,
+        train=train.calibration,
+        test=test.calibration,
+        size=test.calibration[:, columns] @ v,
         pull=train.moment - v.T @ train.moment[columns],
         held_out=rest - v.T @ rest[columns],
-        left=test.energy - np.sum(x * (test.moment + rest), axis=0),
+        left=test.energy - np.sum(x * (test.moment + rest)[columns], axis=0),
     )
 
 
@@ -167,45 +191,10 @@ def _as_prior(fold: _Sums, columns: IntArray, priors: Priors) -> Array:
 
     They stay as soft as that when a candidate joins, and come back from their bounds if it takes over.
     """
-    train, pull = fold.gram[np.ix_(columns, columns)], fold.moment[columns, 0]
+    train, pull = fold.calibration[:, columns], fold.moment[columns, 0]
     precision = priors.precision[columns]
     x = bounded(train, pull, precision, priors.low[columns], priors.high[columns])
     slope = pull - train @ x - precision * x
     at_bound = (x >= priors.high[columns]) | (x <= priors.low[columns])
     more = np.divide(slope, x, out=np.zeros_like(x), where=at_bound & (x != 0))
     return precision + np.maximum(more, 0.0)
-
-
-def left_by_block(
-    evidence: Evidence, folds: Sequence[Fold], columns: IntArray, priors: Priors, residual: int = 0
-) -> Array:
-    """Energy left in each block by a fit of `columns` to the blocks that are not left out with it, shape (B,)."""
-    left = np.zeros(len(evidence.blocks))
-    for fold in folds:
-        gram, pull = evidence.gram[fold.train].sum(axis=0), evidence.moment[fold.train].sum(axis=0)[:, residual]
-        x = bounded(
-            gram[np.ix_(columns, columns)],
-            pull[columns],
-            priors.precision[columns],
-            priors.low[columns],
-            priors.high[columns],
-        )
-        for b in np.flatnonzero(fold.test):
-            inner = evidence.gram[b][np.ix_(columns, columns)]
-            left[b] = evidence.energy[b, residual] - 2 * x @ evidence.moment[b, columns, residual] + x @ inner @ x
-    return left
-
-
-def fitted(
-    evidence: Evidence, columns: IntArray, priors: Priors, blocks: BoolArray | None = None, residual: int = 0
-) -> Array:
-    """Parameters of `columns` fitted to some blocks, or to all, shape (len(columns),)."""
-    chosen = slice(None) if blocks is None else blocks
-    gram, pull = evidence.gram[chosen].sum(axis=0), evidence.moment[chosen].sum(axis=0)[:, residual]
-    return bounded(
-        gram[np.ix_(columns, columns)],
-        pull[columns],
-        priors.precision[columns],
-        priors.low[columns],
-        priors.high[columns],
-    )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.evidence.screen import fitted
+from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.fit.refine import Fit, Setting
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.residual import Channel

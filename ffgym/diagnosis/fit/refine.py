@@ -8,7 +8,8 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ffgym.diagnosis.calibration import Doubt
-from ffgym.diagnosis.evidence.screen import Priors, fitted
+from ffgym.diagnosis.evidence.fitted import fitted
+from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.stack import Blocks, Evidence, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with, moved
 from ffgym.diagnosis.fit.tangents import tangents

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.diagnosis.calibration import BOUND, Doubt
-from ffgym.diagnosis.evidence.screen import Candidate, Priors
+from ffgym.diagnosis.evidence.priors import Priors
+from ffgym.diagnosis.evidence.screen import Candidate
 from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.signatures.column import Column, together
 from ffgym.diagnosis.signatures.variant import step_of

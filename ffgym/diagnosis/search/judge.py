@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ffgym.diagnosis.evidence.fitted import left_by_block
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
-from ffgym.diagnosis.evidence.screen import left_by_block
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit
 from ffgym.diagnosis.search.found import Tried

@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
-from ffgym.diagnosis.evidence.screen import fitted, screen
+from ffgym.diagnosis.evidence.screen import screen
 from ffgym.diagnosis.evidence.stack import Evidence
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, hypothesis_of
 from ffgym.diagnosis.residual import Channel

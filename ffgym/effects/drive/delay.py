@@ -59,11 +59,12 @@ class TorqueDelay(TorqueEffect):
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
         given = memory[..., -1]
-        commands = np.concatenate([state.motor_torque[..., None], memory[..., :-2]], axis=-1)
+        later = np.empty_like(memory)
+        commands = later[..., :-1]
+        commands[..., 0], commands[..., 1:] = state.motor_torque, memory[..., :-2]
         due = _interpolated(commands, self.delay / dt)
         keep = np.exp(-np.divide(dt, self.lag, out=np.full_like(self.lag, np.inf), where=self.lag > 0))
-        given = due + (given - due) * keep
-        later = np.concatenate([commands, given[..., None]], axis=-1)
+        later[..., -1] = given = due + (given - due) * keep
         return Torques(motor=given - state.motor_torque), later
 
     def torques_over(self, states: State, dt: float) -> Torques:
@@ -89,13 +90,14 @@ def _earlier(commands: Array, steps: float) -> Array:
 
 def _interpolated(commands: Array, steps: Array) -> Array:
     """Command `steps` physics steps ago, shape (..., N), of `commands` (..., N, M), the latest first."""
-    if np.any(steps > LENGTH - 2):
+    if steps.max(initial=0.0) > LENGTH - 2:
         raise FFGymError(
             f"A delay of {np.max(steps):.1f} physics steps is too long for effect torque_delay, which remembers "
             f"{LENGTH - 2}; give a shorter delay or a longer physics_dt."
         )
-    steps = np.broadcast_to(steps, commands.shape[:-1])
-    whole = np.floor(steps).astype(np.intp)[..., None]
-    part = steps - whole[..., 0]
-    first, second = (np.take_along_axis(commands, whole + k, axis=-1)[..., 0] for k in (0, 1))
-    return (1 - part) * first + part * second
+    flat = commands.reshape(-1, commands.shape[-1])
+    each, steps = np.arange(len(flat)), np.broadcast_to(steps, commands.shape[:-1]).ravel()
+    whole = steps.astype(np.intp)
+    part = steps - whole
+    found: Array = (1 - part) * flat[each, whole] + part * flat[each, whole + 1]
+    return found.reshape(commands.shape[:-1])

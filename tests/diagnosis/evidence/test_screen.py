@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.evidence.fitted import fitted, left_by_block
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
-from ffgym.diagnosis.evidence.screen import Candidate, Priors, fitted, left_by_block, screen
+from ffgym.diagnosis.evidence.priors import Priors
+from ffgym.diagnosis.evidence.screen import Candidate, screen
 from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
 
 ROW_DT = 0.02

@@ -5,7 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.evidence.screen import Candidate, Priors
+from ffgym.diagnosis.evidence.priors import Priors
+from ffgym.diagnosis.evidence.screen import Candidate
 from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
 from ffgym.diagnosis.search.ranking import _linear_fit, acts_on, overlap
 
