@@ -8,6 +8,9 @@
 PYTHON ?= python3
 CONSTRAINTS ?= -c constraints.txt
 BIN := .venv/bin
+# processes of the tests, which take up to 3 GB each; JOBS=0 runs them in one, as a debugger needs it
+JOBS ?= 2
+PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(CONSTRAINTS)
 
 .PHONY: demo test test-all check bench format clean
@@ -16,10 +19,10 @@ demo: .venv/.demo
 	$(BIN)/ffgym demo
 
 test: .venv/.dev
-	$(BIN)/python -m pytest
+	$(PYTEST)
 
 test-all: .venv/.dev
-	$(BIN)/python -m pytest -m ""
+	$(PYTEST) -m ""
 
 check: .venv/.dev
 	$(BIN)/ruff format --check .

@@ -1,0 +1,43 @@
+"""Intervals of sizes say what noise leaves open, and somewhat more."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.answer.sizes import WIDENED, causes_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.effects import EFFECTS
+
+BLOCKS = 80
+NORMAL = 1.645
+"""Of a 90 % interval, in standard deviations."""
+
+
+def fit_of(robot, noise):
+    """A fit of one torque offset, at its best, to blocks whose residuals are `noise`."""
+    known = EFFECTS["torque_offset"].parameters()
+    values = {name: np.array(0.2 if p.role == "size" else p.neutral) for name, p in known.items()}
+    one = Hypothesis(kind=EFFECTS["torque_offset"], joint=robot.joints[0], source=None, values=values)
+    return SimpleNamespace(
+        hypotheses=(one,),
+        run=SimpleNamespace(robot=robot),
+        evidence=SimpleNamespace(gram=np.ones((BLOCKS, 1, 1)), moment=(noise - noise.mean()).reshape(-1, 1, 1)),
+        priors=SimpleNamespace(precision=np.zeros(1), low=np.array([-np.inf]), high=np.array([np.inf])),
+        n_calibration=0,
+    )
+
+
+def test_an_interval_is_that_of_resampled_blocks_and_a_fifth_wider(one_axis):
+    rng = np.random.default_rng(1)
+    noise = rng.normal(0, 0.05, BLOCKS)
+    fit, widths = fit_of(one_axis, noise), []
+    (offset,) = fit.hypotheses[0].free()
+    for _ in range(20):
+        (cause,) = causes_of(fit, (0.9,), SimpleNamespace(share=0.0), rng)
+        (size,) = cause.parameters
+        assert size.interval[0] < size.value < size.interval[1]
+        widths.append(size.interval[1] - size.interval[0])
+    known = 2 * NORMAL * np.std(noise) / np.sqrt(BLOCKS) * offset.step
+    assert np.mean(widths) == pytest.approx(WIDENED * known, rel=0.05)
+    assert WIDENED > 1.1
