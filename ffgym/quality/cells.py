@@ -63,7 +63,7 @@ def outlier_ratio(x: Array, resolution: float) -> Array:
     into, away = steps[:-1], -steps[1:]
     out[1:-1] = np.where(into * away > 0, np.minimum(np.abs(into), np.abs(away)), 0.0)
     out[:2] = 0.0  # a run may begin with a step of its servo
-    out[-1] = abs(x[-1] - 2 * x[-2] + x[-3])
+    out[-1] = min(abs(steps[-1]), abs(steps[-1] - steps[-2]))  # from the last row, and from where it led
     return np.asarray(out / usual_steps(x, resolution))
 
 

@@ -155,3 +155,15 @@ def test_the_rounding_of_set_points_that_stand_still_is_no_burst_of_noise(roundi
     still[400:600] += rounding * rng.normal(size=200)
     found = check_quality(recording.with_columns({"tcp_reference.position.z": still})).problems
     assert ("noise_burst" in {finding.check for finding in found}) == is_burst
+
+
+def test_the_last_of_coarse_values_is_no_spike_for_being_as_far_off_as_noise_may_be():
+    """A thermometer that reads in tenths, whose last reading is four of them below the one before."""
+    log = clean_log("one_axis", "sine", sensors=True)
+    readings = 25 + 0.1 * np.round(np.random.default_rng(1).normal(0, 1, len(log)))
+    readings[-14:] = [25.3, 25.4] * 6 + [25.4, 25.0]
+    columns = {**log.columns, "temperature.j1": readings}
+    assert objections(replace(log, columns=columns), described("one_axis", "sine")) == []
+    readings[-1] = 24.0
+    said = objections(replace(log, columns=columns), described("one_axis", "sine"))
+    assert any("temperature.j1: 24 at" in message for message in said)
