@@ -161,7 +161,7 @@ def test_the_last_of_coarse_values_is_no_spike_for_being_as_far_off_as_noise_may
     """A thermometer that reads in tenths, whose last reading is four of them below the one before."""
     log = clean_log("one_axis", "sine", sensors=True)
     readings = 25 + 0.1 * np.round(np.random.default_rng(1).normal(0, 1, len(log)))
-    readings[-14:] = [25.3, 25.4] * 6 + [25.4, 25.0]
+    readings[-14:] = [25.4, 25.3] * 6 + [25.4, 25.0]
     columns = {**log.columns, "temperature.j1": readings}
     assert objections(replace(log, columns=columns), described("one_axis", "sine")) == []
     readings[-1] = 24.0
