@@ -9,6 +9,7 @@ from ffgym.diagnosis.answer import next_motion as module
 from ffgym.diagnosis.answer.next_motion import next_motion
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.search.found import Round
 from ffgym.effects import EFFECTS
 from ffgym.plant import Machine
 from ffgym.robot import load_robot
@@ -32,7 +33,14 @@ def found(*, tied=(), unsure=()):
     ]
     tried = [[SURE], [BEST, SAME, WORSE]]
     rounds = [
-        SimpleNamespace(adopted=True, tried=[SimpleNamespace(hypothesis=h) for h in hypotheses]) for hypotheses in tried
+        Round(
+            adopted=True,
+            before=None,
+            candidates=None,
+            ranking=None,
+            tried=tuple(SimpleNamespace(hypothesis=h) for h in hypotheses),
+        )
+        for hypotheses in tried
     ]
     stayed = [h for h in (SURE, BEST) if h not in unsure]
     fit = SimpleNamespace(hypotheses=stayed)

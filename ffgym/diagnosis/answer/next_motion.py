@@ -42,14 +42,14 @@ def next_motion(
 def _tied(found: Found) -> list[Sequence[Hypothesis]]:
     """Causes, each with those that tie with it."""
     causes = (*found.final.fit.hypotheses, *found.unsure)
-    stayed = {hypothesis.place: hypothesis for hypothesis in causes}
     groups: list[Sequence[Hypothesis]] = []
     for one in found.rounds:
-        if not one.adopted or one.tried[0].hypothesis.place not in stayed:
+        tried = one.of(causes) if one.adopted else None
+        if tried is None:
             continue
-        best = stayed[one.tried[0].hypothesis.place]
+        best = next(h for h in causes if h.repeats(tried.hypothesis))
         ties = {(r.effect, r.joint) for r in found.rivals if r.tied and r.against == best.label}
-        others = [t.hypothesis for t in one.tried[1:] if (t.hypothesis.kind.name, t.hypothesis.joint) in ties]
+        others = [t.hypothesis for t in one.tried if (t.hypothesis.kind.name, t.hypothesis.joint) in ties]
         if others:
             groups.append((best, *others))
     return groups

@@ -8,7 +8,7 @@ from ffgym.diagnosis.fit.leftover import Loudness, removed, touched
 from ffgym.diagnosis.fit.refine import Fit, Setting
 from ffgym.diagnosis.result import Verdict
 from ffgym.diagnosis.search.found import Found
-from ffgym.diagnosis.search.rivals import tied_among
+from ffgym.diagnosis.search.ties import tied_among
 from ffgym.diagnosis.search.worth import removed_by
 from ffgym.diagnosis.signatures.column import Parts
 
@@ -97,10 +97,9 @@ def _energy(setting: Setting, column: Parts) -> float:
 
 
 def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
-    """Share that each cause removed of the energy above the noise that was there when it was adopted."""
-    by_place: dict[tuple[str, str, int | None], list[float]] = {}
-    for one in found.rounds:
-        if one.adopted:  # several waves of one effect in the order in which they were found
-            gains = by_place.setdefault(one.tried[0].hypothesis.place, [])
-            gains.append(removed_by(setting, one.before, one.tried[0]).of_excess)
-    return tuple(by_place[h.place].pop(0) for h in found.final.fit.hypotheses)
+    """Share that each cause removed of the energy above the noise that was there when it was found."""
+    gains = []
+    for hypothesis in found.final.fit.hypotheses:
+        tried = ((one, one.of([hypothesis])) for one in found.rounds if one.adopted)
+        gains.append(next(removed_by(setting, one.before, t).of_excess for one, t in tried if t is not None))
+    return tuple(gains)

@@ -25,8 +25,16 @@ _NUDGE, _CYCLES_NUDGE = 0.05, 1e-5
 large against rounding; and of a frequency, as a share of itself: after a hundred turns of a motor at sixty cycles per
 turn, the phase is 0.4 rad further."""
 
+_IMPLAUSIBLE = 1.0
+"""Widths of its plausible range by which a size must lie beyond it to be held against a hypothesis: ranges are chosen,
+not measured, and robots differ."""
+
 _OTHER_WAVE = 0.3
 """Relative difference of two frequencies from which on they are two waves; harmonics are further apart."""
+
+
+Place = tuple[str, str, int | None]
+"""Effect, joint, and the joint that causes it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +71,7 @@ class Hypothesis:
         return f"{self.kind.name} on {self.joint}" if self.joint else self.kind.name
 
     @property
-    def place(self) -> tuple[str, str, int | None]:
+    def place(self) -> Place:
         """What tells it from other hypotheses, whatever its values."""
         return self.kind.name, self.joint, self.source
 
@@ -76,6 +84,17 @@ class Hypothesis:
             if self.place == known.place
         )
         return self.place == known.place and not apart
+
+    @property
+    def implausible(self) -> str | None:
+        """A size that lies far beyond what is plausible of it, in words; None if none does."""
+        for name, value in self.values.items():
+            p = self.kind.parameters()[name]
+            beyond = max(float(np.max(value)) - p.high, p.low - float(np.min(value)))
+            if p.role == "size" and beyond > _IMPLAUSIBLE * (p.high - p.low):
+                unit = "" if p.unit == "1" else f" {p.unit}"
+                return f"{name} of {float(np.max(np.abs(value))):.3g}{unit}, where {p.low:g} to {p.high:g} is plausible"
+        return None
 
     def effect(self, robot: RobotDescription) -> Effect:
         """The effect, on its joint alone."""

@@ -23,8 +23,11 @@ Loudness = Mapping[tuple[Channel, int], float]
 
 
 def without_calibration(setting: Setting, fit: Fit) -> dict[Channel, Array]:
-    """Residuals (R, M, C) of a fit, less what calibration errors within their bounds explain."""
-    sizes = fitted(fit.evidence, fit.everything, fit.priors)[: fit.n_calibration]
+    """Residuals (R, M, C) of a fit, less what calibration errors within their bounds explain.
+
+    Of the hypotheses as they are: beside steps that they did not take, calibration would explain something else.
+    """
+    sizes = fitted(fit.evidence, fit.calibration_only, fit.priors)
     rest = {channel: rows.copy() for channel, rows in fit.residual.items()}
     for column, size in zip(setting.calibration, sizes, strict=True):
         for (channel, c), rows in column.items():

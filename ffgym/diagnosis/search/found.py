@@ -1,5 +1,6 @@
 """What a search finds: rounds of candidates that were fitted, and what was adopted."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
@@ -38,6 +39,11 @@ class Round:
     ranking: Ranking
     tried: tuple[Tried, ...]
     adopted: bool
+
+    def of(self, hypotheses: Iterable[Hypothesis]) -> Tried | None:
+        """The first that was tried of some hypotheses, whatever values they came to have; None if none was."""
+        known = tuple(hypotheses)
+        return next((tried for tried in self.tried if any(tried.hypothesis.repeats(h) for h in known)), None)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

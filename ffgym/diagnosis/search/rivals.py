@@ -1,10 +1,11 @@
 """Candidates that were fitted in the place of a cause: what they explain, and whether the log rules them out."""
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place
 from ffgym.diagnosis.fit.leftover import loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.refine import Setting
 from ffgym.diagnosis.result import Rival
@@ -29,12 +30,21 @@ causes: without them it may have been led astray."""
 
 RESAMPLES = 500
 
-_ALIKE_TEXT = "explains the log as well: these motions cannot tell both apart"
+ALIKE_TEXT = "explains the log as well: these motions cannot tell both apart"
 
 
-def rivals_of(
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparison:
+    """Causes beside what was fitted in the place of each of them."""
+
+    rivals: tuple[Rival, ...]
+    better: Tried | None
+    """All causes, with a rival in the place of one of them, if that leaves less on rows that were not used."""
+
+
+def compared(
     setting: Setting, nominal: Tried, fitted: Tried, rounds: Sequence[Round], rng: np.random.Generator
-) -> tuple[Rival, ...]:
+) -> Comparison:
     """What was fitted in the place of each cause that stayed; what was adopted beside it is no rival.
 
     Args:
@@ -44,68 +54,96 @@ def rivals_of(
         rounds: in which they were found.
         rng: resamples blocks.
     """
-    stayed = {hypothesis.place for hypothesis in fitted.fit.hypotheses}
-    return tuple(
-        _rival(setting, nominal, fitted, one, other, rng)
-        for one in rounds
-        if one.adopted and one.tried[0].hypothesis.place in stayed
-        for other in one.tried[1:]
-        if other.hypothesis.place not in stayed
+    found = []
+    for one in rounds:
+        stands = one.of(fitted.fit.hypotheses)
+        if one.adopted and stands is not None:
+            others = [other for other in one.tried if not _is_among(other.hypothesis, fitted)]
+            found += [_against(setting, nominal, fitted, one.before, stands, other, rng) for other in others]
+    better = [one.instead for one in found if one.instead is not None and _is_better(one.instead, fitted, one.tied)]
+    sure = {h.place for h in fitted.fit.hypotheses if not any(one.tied and one.best.repeats(h) for one in found)}
+    return Comparison(
+        rivals=tuple(one.rival(sure, fitted) for one in found),
+        better=min(better, key=lambda tried: tried.total, default=None),
     )
 
 
-def tied_among(hypotheses: Sequence[Hypothesis], rivals: Sequence[Rival]) -> list[Hypothesis]:
-    """Hypotheses that a rival cannot be told from."""
-    against = {rival.against for rival in rivals if rival.tied}
-    return [hypothesis for hypothesis in hypotheses if hypothesis.label in against]
+def _is_among(hypothesis: Hypothesis, fitted: Tried) -> bool:
+    return any(hypothesis.repeats(known) for known in fitted.fit.hypotheses)
 
 
-def as_rivals(unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Sequence[Round]) -> tuple[Rival, ...]:
-    """Causes that were dropped because a rival cannot be told from them, as rivals of that one."""
-    gains = {rival.against: rival for rival in rivals if rival.tied}
-    return tuple(
-        Rival(
-            effect=one.kind.name,
-            joint=one.joint,
-            held_out_gain=_gain(one, rounds),
-            tied=True,
-            against=_label(gains[one.label]),
-            reason=_ALIKE_TEXT,
+def _oddity(tried: Tried) -> tuple[int, int]:
+    """Sizes that are not plausible, then effects: of explanations that tie, the one with fewer stands."""
+    hypotheses = tried.fit.hypotheses
+    return sum(h.implausible is not None for h in hypotheses), len({h.place for h in hypotheses})
+
+
+def _is_better(instead: Tried, fitted: Tried, is_tied: bool) -> bool:
+    now, then = _oddity(fitted), _oddity(instead)
+    if _numbers(instead) > _numbers(fitted):
+        return False
+    return then < now if is_tied and then != now else instead.total < fitted.total
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Against:
+    """A cause, and what was fitted in its place."""
+
+    best: Hypothesis
+    other: Hypothesis
+    gain: float
+    tied: bool
+    lost: str
+    """Why it lost, unless it ties."""
+    instead: Tried | None
+    """All causes with it in the place of the best, if they were fitted."""
+
+    def rival(self, sure: Container[Place], fitted: Tried) -> Rival:
+        """As it is told, where causes of the places `sure` have a wave with which nothing ties."""
+        tied, reason = self.tied, ALIKE_TEXT if self.tied else self.lost
+        if tied and self.best.place in sure:
+            tied, reason = False, "explains this wave as well, and no other wave of the cause"
+        elif tied and self.instead is not None and _oddity(self.instead)[0] > _oddity(fitted)[0]:
+            tied, reason = False, f"explains as much, but would take a {self.instead.hypothesis.implausible}"
+        return Rival(
+            effect=self.other.kind.name,
+            joint=self.other.joint,
+            held_out_gain=self.gain,
+            tied=tied,
+            against=self.best.label,
+            reason=reason,
         )
-        for one in unsure
-    )
 
 
-def _gain(hypothesis: Hypothesis, rounds: Sequence[Round]) -> float:
-    (one,) = [one for one in rounds if one.adopted and one.tried[0].hypothesis.place == hypothesis.place][:1]
-    return 1.0 - one.tried[0].total / one.before.total
-
-
-def _label(rival: Rival) -> str:
-    return f"{rival.effect} on {rival.joint}" if rival.joint else rival.effect
-
-
-def _rival(
-    setting: Setting, nominal: Tried, fitted: Tried, one: Round, other: Tried, rng: np.random.Generator
-) -> Rival:
-    before, best = one.before, one.tried[0]
-    share, is_beside_others = _share(setting, before, best, other), len(fitted.fit.hypotheses) > 1
-    tied = share >= INSTEAD and _is_tied(before, best, other, rng)
+def _against(
+    setting: Setting,
+    nominal: Tried,
+    fitted: Tried,
+    before: Tried,
+    best: Tried,
+    other: Tried,
+    rng: np.random.Generator,
+) -> _Against:
+    share = _share(setting, before, best, other)
+    others = [h for h in fitted.fit.hypotheses if not best.hypothesis.repeats(h)]
+    tied, instead = share >= INSTEAD and _is_tied(before, best, other, rng), None
     if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
         tied = False  # it was fitted beside it, explains no more, and has more numbers
-    elif is_beside_others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
-        others = [h for h in fitted.fit.hypotheses if h.place != best.hypothesis.place]
-        tied = _is_tied(nominal, fitted, judged_with(setting, (*others, other.hypothesis)), rng)
-    reason = f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"
+    elif others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
+        instead = judged_with(setting, (*others, other.hypothesis))
+        tied = _is_tied(nominal, fitted, instead, rng)
+    elif tied and len(other.fit.hypotheses) == 1:
+        instead = other
+    lost = f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"
     if share < INSTEAD:
-        reason = f"explains little of what {best.hypothesis.label} does"
-    return Rival(
-        effect=other.hypothesis.kind.name,
-        joint=other.hypothesis.joint,
-        held_out_gain=removed_by(setting, before, other).of_excess,
+        lost = f"explains little of what {best.hypothesis.label} does"
+    return _Against(
+        best=best.hypothesis,
+        other=other.hypothesis,
+        gain=removed_by(setting, before, other).of_excess,
         tied=tied,
-        against=best.hypothesis.label,
-        reason=_ALIKE_TEXT if tied else reason,
+        lost=lost,
+        instead=instead,
     )
 
 

@@ -7,13 +7,14 @@ import numpy as np
 
 from ffgym.diagnosis.evidence.stack import Evidence, Values
 from ffgym.diagnosis.fit.corrected import corrected
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place, machine_with
 from ffgym.diagnosis.fit.refine import Fit, Setting, left_by, polished, values_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.found import Found, Round, Tried
 from ffgym.diagnosis.search.judge import judged_with, scored
 from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
-from ffgym.diagnosis.search.rivals import as_rivals, rivals_of, tied_among
+from ffgym.diagnosis.search.rivals import compared
+from ffgym.diagnosis.search.ties import as_rivals, tied_among
 from ffgym.diagnosis.search.worth import explains_most, is_worth
 
 MOST = 8
@@ -40,6 +41,9 @@ QUIET = 1.05
 
 _HALVINGS = 4
 """Times that a linear fit is halved until a machine can be so."""
+
+EXCHANGES = 3
+"""Times that a cause gives way to a rival that explains more beside the causes that came later; chosen: mostly none."""
 
 SLACK = 0.02
 """Share of the energy, or of what is removed of it if that is less, by which a hypothesis must beat another for each
@@ -73,7 +77,13 @@ def search(
         if not one.adopted:
             break
         now = _without_needless(setting, _polished(setting, one.tried[0]))
-    rivals = rivals_of(setting, nominal, now, rounds, rng)
+    beside = compared(setting, nominal, now, rounds, rng)
+    for _ in range(EXCHANGES):
+        if beside.better is None:
+            break
+        now = _without_needless(setting, _polished(setting, beside.better))
+        beside = compared(setting, nominal, now, rounds, rng)
+    rivals = beside.rivals
     unsure = tied_among(now.fit.hypotheses, rivals)
     sure = [hypothesis for hypothesis in now.fit.hypotheses if hypothesis not in unsure]
     if sure and unsure:
@@ -128,7 +138,7 @@ def _tried(
 ) -> list[Tried]:
     """The best candidate on joints where none was beaten, and its rivals, fitted beside the causes; the best first."""
     fixed, tried = now.fit.hypotheses, list[Tried]()
-    places: set[tuple[str, str, int | None]] = set()
+    places: set[Place] = set()
     best, where = 0.0, dict[Component, float]()
     for i in ranking.order:
         if len(tried) == TRIED or not ranking.is_significant(i) or ranking.score[i] < NEAR * best:

@@ -1,8 +1,14 @@
 """What a cause is credited with: what it removes where it acts, beyond what inexact causes before it would leave."""
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
-from ffgym.diagnosis.fit.leftover import removed
+from ffgym.diagnosis.evidence.priors import Priors
+from ffgym.diagnosis.evidence.stack import blocks_of
+from ffgym.diagnosis.fit.leftover import removed, without_calibration
+from ffgym.diagnosis.fit.refine import Fit, stack_of
 
 ONE, OTHER = ("torque", 0), ("torque", 1)
 
@@ -40,3 +46,25 @@ def test_the_best_component_and_how_many_are_heard_are_told_where_one_drowns_the
     assert gone.heard == 3  # the quiet one has hardly anything to say
     assert gone.best == pytest.approx(0.5)
     assert removed(before, before, set(keys)).best == 0.0
+
+
+def test_calibration_explains_what_it_can_beside_hypotheses_as_they_are():
+    """A step of the hypothesis would change what the calibration does, which is all that there is."""
+    rows = np.sin(np.linspace(0, 20, 400)).reshape(-1, 1)
+    key, calibration = ("torque", 0), {("torque", 0): 0.5 * rows}
+    residual = {"torque": rows[..., None]}
+    blocks = blocks_of(np.ones((400, 1), dtype=bool), 0.01)
+    stack = stack_of(blocks, [calibration], {key: np.ones(1)}).beside([{key: rows}])
+    priors = Priors(precision=np.array([1e-6, 1e-9]), low=np.full(2, -9.0), high=np.full(2, 9.0))
+    found = Fit(
+        hypotheses=(),
+        run=None,
+        residual=residual,
+        columns=({key: rows},),
+        evidence=stack.evidence({key: rows[..., None]}),
+        priors=priors,
+        left=0.0,
+    )
+    rest = without_calibration(SimpleNamespace(calibration=[calibration]), found)
+    assert np.abs(rest["torque"]).max() < 1e-4
+    np.testing.assert_array_equal(residual["torque"][..., 0], rows)

@@ -8,21 +8,25 @@ import pytest
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search import rivals as module
-from ffgym.diagnosis.search.rivals import as_rivals, rivals_of, tied_among
+from ffgym.diagnosis.search.found import Round
+from ffgym.diagnosis.search.rivals import compared
+from ffgym.diagnosis.search.ties import as_rivals, tied_among
 from ffgym.effects import EFFECTS
 
 BLOCKS = 100
 
 
-def hypothesis(name, joint):
+def hypothesis(name, joint, cycles=None):
     values = {p.name: np.array(p.high) for p in EFFECTS[name].parameters().values()}
+    if cycles is not None:
+        values["cycles"] = np.array(cycles)
     return Hypothesis(kind=EFFECTS[name], joint=joint, source=None, values=values)
 
 
-def tried(name, joint, left, removes):
+def tried(name, joint, left, removes, cycles=None, beside=()):
     """A fitted candidate: energy left per block, and what it removes of each component."""
-    one = hypothesis(name, joint)
-    fit = SimpleNamespace(hypotheses=(one,), columns=[{}] * len(one.free()), removes=removes)
+    one = hypothesis(name, joint, cycles)
+    fit = SimpleNamespace(hypotheses=(*beside, one), columns=[{}] * len(one.free()), removes=removes)
     rows = np.full(BLOCKS, left)
     return SimpleNamespace(hypothesis=one, fit=fit, left=rows, total=float(rows.sum()))
 
@@ -40,10 +44,33 @@ def judge(monkeypatch):
 
 
 def judged(best, others, fitted=None):
+    found, one = comparison(best, others, fitted)
+    return found.rivals, one
+
+
+def comparison(best, others, fitted=None):
     before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
-    one = SimpleNamespace(adopted=True, before=before, tried=(best, *others))
+    one = Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, *others))
     fitted = fitted or best
-    return rivals_of(None, before, fitted, [one], np.random.default_rng(0)), one
+    return compared(None, before, fitted, [one], np.random.default_rng(0)), one
+
+
+TWICE, ONCE = (("kinematic_error", "resolver_ripple"), 2.0), (("resolver_ripple", "kinematic_error"), 1.0)
+"""Two waves of a shaft, and what explains each: what was adopted, and its rival."""
+
+
+def two_waves(judge, swapped):
+    """Both waves of j1, adopted as another effect each; with the rival of one instead, they leave `swapped`."""
+    before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
+    rounds, causes = [], ()
+    for (name, rival), cycles in (TWICE, ONCE):
+        best, other = (tried(n, "j1", 10.0, {"a": 9.0}, cycles, causes) for n in (name, rival))
+        rounds.append(Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, other)))
+        judge[rival] = tried(rival, "j1", swapped[rival], {"a": 9.0}, cycles)
+        causes = best.fit.hypotheses
+    for name, cycles, beside in (("resolver_ripple", 2.0, causes[1]), ("kinematic_error", 1.0, causes[0])):
+        judge[name].fit.hypotheses = (beside, hypothesis(name, "j1", cycles))
+    return compared(None, before, best, rounds, np.random.default_rng(0))
 
 
 def test_what_explains_as_much_of_the_same_ties(judge):
@@ -94,3 +121,62 @@ def test_a_rival_that_was_led_astray_is_compared_again_beside_the_other_causes(j
 def test_causes_that_no_rival_ties_with_are_sure():
     rival = Rival(effect="b", joint="j1", held_out_gain=0.5, tied=False, against="viscous_level on j1", reason="lost")
     assert tied_among([hypothesis("viscous_level", "j1")], [rival]) == []
+
+
+def test_a_cause_gives_way_to_a_rival_that_explains_more_beside_what_came_later(judge):
+    found = two_waves(judge, {"resolver_ripple": 9.9, "kinematic_error": 10.1})
+    assert [h.label for h in found.better.fit.hypotheses] == ["resolver_ripple on j1"] * 2
+
+
+@pytest.mark.parametrize(("then", "gives_way"), [(9.0, True), (11.0, False)])
+def test_a_cause_gives_way_to_another_effect_that_leaves_less_beside_what_came_later(judge, then, gives_way):
+    best, other = tried("coulomb_level", "j1", 10.0, {"a": 6.0}), tried("viscous_level", "j1", 30.0, {"a": 6.0})
+    beside = hypothesis("torque_clock", "")
+    judge["viscous_level"] = tried("viscous_level", "j1", then, {"a": 6.0}, beside=(beside,))
+    fitted = tried("coulomb_level", "j1", 10.0, {"a": 6.0})
+    fitted.fit.hypotheses = (best.hypothesis, beside)
+    before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
+    one = Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, other))
+    better = compared(None, before, fitted, [one], np.random.default_rng(0)).better
+    assert (better is not None) == gives_way
+
+
+def test_of_explanations_that_tie_the_one_of_fewer_effects_stands(judge):
+    found = two_waves(judge, {"resolver_ripple": 10.1, "kinematic_error": 90.0})
+    assert [h.label for h in found.better.fit.hypotheses] == ["resolver_ripple on j1"] * 2
+
+
+def test_nothing_gives_way_to_what_explains_less(judge):
+    assert two_waves(judge, {"resolver_ripple": 90.0, "kinematic_error": 90.0}).better is None
+
+
+@pytest.mark.parametrize(("second", "ties"), [(90.0, False), (10.0, True)])
+def test_a_wave_of_a_cause_of_which_another_wave_is_sure_ties_with_nothing(judge, second, ties):
+    """Both waves are of the resolver, and a gear error explains the first as well; and the second?"""
+    before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
+    one, two = (tried("resolver_ripple", "j1", 10.0, {"a": 9.0}, cycles) for cycles in (1.0, 2.0))
+    two.fit.hypotheses = (one.hypothesis, two.hypothesis)
+    lefts, rounds = {1.0: 10.0, 2.0: second}, []
+    for best, cycles in ((one, 1.0), (two, 2.0)):
+        other = tried("kinematic_error", "j1", lefts[cycles], {"a": 9.0}, cycles)
+        rounds.append(Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, other)))
+    again = {cycles: tried("kinematic_error", "j1", left, {"a": 9.0}, cycles) for cycles, left in lefts.items()}
+    module.judged_with = lambda setting, hypotheses: again[float(hypotheses[-1].values["cycles"])]
+    rivals = compared(None, before, two, rounds, np.random.default_rng(0)).rivals
+    assert [rival.tied for rival in rivals] == [ties, ties]
+    assert tied_among(two.fit.hypotheses, rivals) == (list(two.fit.hypotheses) if ties else [])
+
+
+def test_of_explanations_that_tie_the_plausible_one_stands(judge):
+    """A spring of 100 N m/rad is none of cables, though their equation has one."""
+    cables, spring = (tried(name, "j1", 10.0, {"a": 9.0}) for name in ("cable_pull", "gravity_term"))
+    (rival,), _ = judged(spring, [cables])
+    assert rival.tied
+    cables.hypothesis.values["stiffness"] = np.array(100.0)
+    (rival,), _ = judged(spring, [cables])
+    assert not rival.tied
+    assert rival.reason == "explains as much, but would take a stiffness of 100 N m/rad, where 0 to 30 is plausible"
+    assert comparison(cables, [spring])[0].better is spring
+    spring.hypothesis.values["stiffness"] = np.array(5800.0)
+    assert comparison(cables, [spring])[0].better is None
+    assert judged(cables, [spring])[0][0].tied

@@ -23,9 +23,21 @@ from ffgym.diagnosis.search.worth import EXPLAINS, LEAKS, explains_most, is_wort
 def test_a_cause_of_the_whole_machine_has_as_many_witnesses_as_components(monkeypatch, joint, heard, share, enough):
     gone = Removed(of_excess=share, of_all=share, excess=0.9, heard=heard, best=share)
     monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
-    before, after = SimpleNamespace(total=10.0), SimpleNamespace(total=5.0, hypothesis=SimpleNamespace(joint=joint))
-    assert is_worth(None, None, before, after) == enough
-    assert not is_worth(None, None, after, SimpleNamespace(total=6.0, hypothesis=after.hypothesis))
+    assert is_worth(None, None, fitted(10.0, 10.0), fitted(5.0, 5.0, joint)) == enough
+
+
+@pytest.mark.parametrize(("held_out", "holds"), [(5.0, True), (8.0, True), (9.5, False), (11.0, False)])
+def test_a_cause_must_hold_on_rows_that_it_was_not_fitted_to(monkeypatch, held_out, holds):
+    """It removes half of the energy in a fit to all rows."""
+    monkeypatch.setattr(
+        module, "removed_by", lambda *fits: Removed(of_excess=0.9, of_all=0.5, excess=0.9, heard=1, best=0.9)
+    )
+    assert is_worth(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0)) == holds
+
+
+def fitted(total, left, joint="j1"):
+    """Energy that is left on rows that were not used, and by a fit to all rows."""
+    return SimpleNamespace(total=total, fit=SimpleNamespace(left=left), hypothesis=SimpleNamespace(joint=joint))
 
 
 @pytest.mark.parametrize(("share", "best", "most"), [(0.6, 0.0, True), (0.3, 0.6, True), (0.3, 0.4, False)])
