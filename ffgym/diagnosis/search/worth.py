@@ -25,8 +25,8 @@ and what is left of a cause that was adopted in another form is no cause of its 
 named."""
 
 LEAKS = 0.02
-"""Share of what the nominal model leaves above the noise in the loudest component of a channel that another cause must
-remove beyond, in any of them: what ails one joint shows in others a little, through springs and calibration; chosen: a
+"""Share of what is still above the noise in the loudest component of a channel that a cause must remove beyond, in any
+of them: what ails one joint shows in others a little, through springs and calibration, until it is explained; chosen: a
 seventh of the amplitude."""
 
 
@@ -47,15 +47,15 @@ def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | N
     if nominal is not None:
         first = loudness(setting, without_calibration(setting, nominal.fit))
         is_wave = any(known.place == after.hypothesis.place for known in before.fit.hypotheses)
-        inexact, leaks = 0.0 if is_wave else INEXACT, _leaks(first)
+        inexact, leaks = 0.0 if is_wave else INEXACT, _leaks(loud)
         allowed = {key: max(inexact * (first[key] - value), leaks[key[0]], 0.0) for key, value in loud.items()}
     return removed(loud, then, touched(setting, list(own)), allowed)
 
 
-def _leaks(first: Loudness) -> dict[Channel, float]:
-    """By channel, what the loudest component of the nominal model may leave in any other."""
+def _leaks(loud: Loudness) -> dict[Channel, float]:
+    """By channel, what the loudest component may leave in any other."""
     loudest: dict[Channel, float] = {}
-    for (channel, _), value in first.items():
+    for (channel, _), value in loud.items():
         loudest[channel] = max(loudest.get(channel, 0.0), LEAKS * (value - 1.0))
     return loudest
 
