@@ -57,12 +57,9 @@ def screen(
     log, noise = slice(0, 1), slice(1, n_residuals)
     alike = _alike(candidates)
     for train, test in _sums(evidence, folds, calibration, alike):
-        for residuals, precision in (
-            (log, _as_prior(train, calibration, priors)),
-            (noise, priors.precision[calibration]),
-        ):
-            if residuals.start == residuals.stop:
-                continue
+        known, of_log = priors.precision[calibration], _as_prior(train, calibration, priors)
+        apart = ((log, of_log), (noise, known)) if noise.start < noise.stop else ((log, of_log),)
+        for residuals, precision in ((slice(None), known),) if np.array_equal(of_log, known) else apart:
             fitted = _fit(train.of(residuals), test.of(residuals), calibration, precision)
             left[residuals] += fitted.left
             for k, group in enumerate(alike):
@@ -119,13 +116,13 @@ def _sums(
     member = np.array([rows for fold in folds for rows in (fold.train, fold.test)])
     kinds, of_block = np.unique(member, axis=1, return_inverse=True)
     of_block = of_block.ravel()
-    gram = evidence.stack.grouped(of_block)
-    beside = gram[:, calibration]
-    within = [gram[:, group.columns[:, :, None], group.columns[:, None, :]] for group in alike]
-    moment, energy = (
-        np.stack([values[of_block == k].sum(axis=0) for k in range(kinds.shape[1])])
-        for values in (evidence.moment, evidence.energy)
-    )
+
+    def by_kind(values: Array) -> Array:
+        return np.stack([values[of_block == k].sum(axis=0) for k in range(kinds.shape[1])])
+
+    beside = by_kind(evidence.gram[:, calibration])
+    within = [by_kind(evidence.gram[:, one.columns[:, :, None], one.columns[:, None, :]]) for one in alike]
+    moment, energy = by_kind(evidence.moment), by_kind(evidence.energy)
 
     def summed(chosen: BoolArray) -> _Sums:
         return _Sums(

@@ -158,18 +158,6 @@ class Stack:
             found[key] = float(total @ total)
         return found
 
-    def grouped(self, of_block: IntArray) -> Array:
-        """Sums of the Gram matrix over blocks of one number, shape (max + 1, P, P); the same for all residuals."""
-        key = of_block.tobytes()
-        if key not in self._groups:
-            groups = range(int(of_block.max()) + 1)
-            self._groups[key] = np.stack([self.gram[of_block == k].sum(axis=0) for k in groups])
-        return self._groups[key]
-
-    @cached_property
-    def _groups(self) -> dict[bytes, Array]:
-        return {}
-
     def _in_order(self, rows: Array) -> Array:
         """Rows (R, M, ...) that are of blocks, one block after the other, (S, ...)."""
         ordered: Array = rows.reshape(-1, *rows.shape[2:])[self.blocks.order]
