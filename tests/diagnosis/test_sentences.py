@@ -54,3 +54,13 @@ def test_a_shape_at_the_end_of_its_range_is_what_matters_most():
 )
 def test_what_nobody_knows_is_described_by_what_it_depends_on(patterns, told):
     assert sentence("unknown", patterns=patterns).endswith(f"what is left depends on: {told}")
+
+
+def test_an_effect_in_several_waves_is_told_once():
+    sample = full_diagnosis()
+    (cause, *_), (tied, *_) = sample.causes, [rival for rival in sample.rivals if rival.tied]
+    judged = Judged(verdict="ambiguous", gains=(0.9, 0.8), removed=0.8, stretched=())
+    found = sentence_of(judged, [cause, cause], [tied, tied], (), SimpleNamespace(name="arm"))
+    assert found == (
+        "Consistent with Friction that grows with load of j2 in 2 waves; but payload would explain these motions as well."
+    )

@@ -1,5 +1,6 @@
 """The verdict in one sentence."""
 
+from collections import Counter
 from collections.abc import Sequence
 
 from ffgym.diagnosis.answer.verdict import Judged
@@ -20,7 +21,7 @@ def sentence_of(
     """What a diagnosis says, in one sentence."""
     tied = [rival for rival in rivals if rival.tied]
     left = "; ".join(_strongest(patterns))
-    named = ", and ".join(_named(cause) for cause in causes)
+    named, others = _all_of(causes), " or ".join(dict.fromkeys(_place(r.effect, r.joint) for r in tied))
     share = f"{100 * min(judged.removed, 1.0):.0f} %"
     if judged.verdict == "none":
         return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
@@ -28,14 +29,13 @@ def sentence_of(
         what = left or "nothing that was looked for"
         return f"Something is there that no effect of the library explains; what is left depends on: {what}."
     if judged.verdict == "ambiguous":
-        others = " or ".join(_place(r.effect, r.joint) for r in tied)
         return f"Consistent with {named}; but {others} would explain these motions as well."
     if judged.verdict == "partly":
         more = f"; what is left depends on: {left}" if left else ", and something is left"
         if judged.stretched:
             more = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
         elif tied:
-            more = f"; beyond that, {' or '.join(_place(r.effect, r.joint) for r in tied)} would explain more{more}"
+            more = f"; beyond that, {others} would explain more{more}"
         return f"Partly explained by {named}: that removes {share} of what noise does not explain{more}."
     return f"Consistent with {named}, which removes {share} of what noise does not explain."
 
@@ -46,6 +46,12 @@ def _strongest(patterns: Sequence[Pattern]) -> list[str]:
     for pattern in patterns:
         found.setdefault((pattern.channel, pattern.component), pattern.message)
     return list(found.values())[:_PATTERNS]
+
+
+def _all_of(causes: Sequence[Cause]) -> str:
+    """Each effect on its joint once, however many waves it has."""
+    counts = Counter(_named(cause) for cause in causes)
+    return ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
 
 
 def _named(cause: Cause) -> str:
