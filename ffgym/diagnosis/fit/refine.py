@@ -94,6 +94,16 @@ class Fit:
         """Columns of the calibration."""
         return len(self.priors.low) - len(self.columns)
 
+    def tangents_of(self, hypothesis: Hypothesis) -> tuple[Parts, ...]:
+        """Columns of a hypothesis, whatever values it has; none if it is not among these."""
+        at = 0
+        for own in self.hypotheses:
+            n = len(own.free())
+            if own.repeats(hypothesis):
+                return self.columns[at : at + n]
+            at += n
+        return ()
+
     @property
     def everything(self) -> IntArray:
         """Places of all columns."""
@@ -105,15 +115,16 @@ class Fit:
         return np.arange(self.n_calibration)
 
 
-def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = False) -> Fit:
+def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = False, like: Fit | None = None) -> Fit:
     """Fit hypotheses to a log, from the values that they have.
 
     Args:
         setting: the log and what all fits share.
         hypotheses: the last of them is the newest.
         begun: whether its values are good already; else they are those of a linear fit.
+        like: a fit of others among them, whose tangents serve here: they hardly change when one more comes.
     """
-    best = evaluated(setting, hypotheses if begun else _well_begun(setting, hypotheses))
+    best = evaluated(setting, hypotheses if begun else _well_begun(setting, hypotheses), like)
     for _ in range(_ROUNDS if hypotheses else 0):
         step, tried = _step(best), None
         for _ in range(_HALVINGS):
@@ -124,7 +135,7 @@ def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = Fal
         if tried is None or tried.left >= best.left:
             break
         gained = 1 - tried.left / best.left
-        best = _with_tangents(setting, tried)
+        best = _with_tangents(setting, tried, like)
         if gained < _ENOUGH and float(np.max(np.abs(step))) < _SMALL:
             break
     return best
@@ -204,7 +215,7 @@ def _left(evidence: Evidence, priors: Priors) -> float:
     return float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x + priors.precision[:n] @ x**2)
 
 
-def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Fit:
+def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | None = None) -> Fit:
     """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do.
 
     Raises:
@@ -213,11 +224,12 @@ def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Fit:
     tried = _trial(setting, hypotheses)
     if tried is None:
         raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")
-    return _with_tangents(setting, tried)
+    return _with_tangents(setting, tried, like)
 
 
-def _with_tangents(setting: Setting, tried: _Trial) -> Fit:
-    columns = tangents(tried.run, setting.nominal, tried.hypotheses) if tried.hypotheses else []
+def _with_tangents(setting: Setting, tried: _Trial, like: Fit | None) -> Fit:
+    known = {i: of for i, h in enumerate(tried.hypotheses[:-1]) if like is not None and (of := like.tangents_of(h))}
+    columns = tangents(tried.run, setting.nominal, tried.hypotheses, known) if tried.hypotheses else []
     return Fit(
         hypotheses=tuple(tried.hypotheses),
         run=tried.run,

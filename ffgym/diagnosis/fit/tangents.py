@@ -1,6 +1,6 @@
 """How predictions change with each number of a fitted hypothesis, about where it is now."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
 from ffgym.diagnosis.replay import Replay
@@ -10,22 +10,33 @@ from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 
 
-def tangents(run: Replay, before: Machine, hypotheses: Sequence[Hypothesis]) -> list[Parts]:
+def tangents(
+    run: Replay, before: Machine, hypotheses: Sequence[Hypothesis], known: Mapping[int, Sequence[Parts]] | None = None
+) -> list[Parts]:
     """One column per free number of all `hypotheses`, per its practical step.
 
     Args:
         run: replay of the machine with all hypotheses.
         before: the machine without them.
         hypotheses: in the order in which the machine has them.
+        known: columns of some of them, by their places in that order.
     """
+    known = known or {}
     machines, steps = [], []
     for i, hypothesis in enumerate(hypotheses):
-        for k in range(len(hypothesis.free())):
+        for k in range(0 if i in known else len(hypothesis.free())):
             machine, step = _beside(run.machine, len(before.effects) + i, hypothesis, k)
             machines.append(machine)
             steps.append(step)
-    parts = exchanged(run, machines)
-    return [{key: values / step for key, values in one.items()} for one, step in zip(parts, steps, strict=True)]
+    parts = iter(zip(exchanged(run, machines), steps, strict=True))
+    columns: list[Parts] = []
+    for i, hypothesis in enumerate(hypotheses):
+        if i in known:
+            columns += known[i]
+            continue
+        for _, (one, step) in zip(hypothesis.free(), parts, strict=False):
+            columns.append({key: values / step for key, values in one.items()})
+    return columns
 
 
 def _beside(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tuple[Machine, float]:

@@ -11,9 +11,13 @@ from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit
 from ffgym.diagnosis.search.found import Tried
 
 
-def judged_with(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Tried:
-    """Fit, then judge by blocks that were left out."""
-    return scored(setting, fit(setting, hypotheses) if hypotheses else evaluated(setting, ()))
+def judged_with(
+    setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | None = None, *, begun: bool = False
+) -> Tried:
+    """Fit, with tangents of others from a fit `like` it, then judge by blocks that were left out."""
+    if not hypotheses:
+        return scored(setting, evaluated(setting, ()))
+    return scored(setting, fit(setting, hypotheses, begun=begun, like=like))
 
 
 def scored(setting: Setting, found: Fit) -> Tried:

@@ -130,7 +130,7 @@ def _against(
     if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
         tied = False  # it was fitted beside it, explains no more, and has more numbers
     elif others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
-        instead = judged_with(setting, (*others, other.hypothesis))
+        instead = judged_with(setting, (*others, other.hypothesis), fitted.fit)
         tied = _is_tied(nominal, fitted, instead, rng)
     elif tied and len(other.fit.hypotheses) == 1:
         instead = other

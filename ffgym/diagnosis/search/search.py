@@ -157,7 +157,7 @@ def _tried(
         places.add(start.place)
         best, where = max(best, float(ranking.score[i])), where or here
         report(f"fitting {start.label}", len(tried) / TRIED)
-        tried.append(judged_with(setting, (*fixed, start)))
+        tried.append(judged_with(setting, (*fixed, start), now.fit))
     return sorted(tried, key=lambda one: one.total + SLACK * len(one.hypothesis.free()) * _price(now, one))
 
 
@@ -180,7 +180,9 @@ def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis)
 
 
 def _polished(setting: Setting, adopted: Tried) -> Tried:
-    """The adopted cause, fitted more finely if there is anything left to explain."""
+    """The adopted cause, fitted with tangents of all, and more finely if there is anything left to explain."""
+    if len(adopted.fit.hypotheses) > 1:
+        adopted = judged_with(setting, adopted.fit.hypotheses, begun=True)
     if adopted.fit.left < QUIET * float(adopted.fit.evidence.rows.sum()):
         return adopted
     finer = polished(setting, adopted.fit)
@@ -193,7 +195,7 @@ def _without_needless(setting: Setting, now: Tried) -> Tried:
         others = [h for k, h in enumerate(now.fit.hypotheses) if k != i]
         if machine_with(setting.nominal, others) is None:
             continue
-        fewer = judged_with(setting, others)
+        fewer = judged_with(setting, others, now.fit, begun=True)
         if fewer.total <= now.total * (1 + NEEDED):
             return _without_needless(setting, fewer)
     return now

@@ -59,6 +59,23 @@ def test_tangents_are_difference_quotients_of_replays(log):
     assert at == len(columns)
 
 
+def test_columns_that_are_known_stand_in_their_places(log):
+    all_of_them, machine = hypotheses(), nominal()
+    for one in all_of_them:
+        machine = one.on(machine)
+    run = replay(log, machine)
+    columns = tangents(run, nominal(), all_of_them)
+    n = len(all_of_them[1].free())
+    given = [{("torque", 0): np.full(1, k)} for k in range(n)]
+    at = len(all_of_them[0].free())
+    again = tangents(run, nominal(), all_of_them, {1: given})
+    assert again[at : at + n] == given
+    for one, other in zip(columns[:at] + columns[at + n :], again[:at] + again[at + n :], strict=True):
+        assert one.keys() == other.keys()
+        for key, rows in one.items():
+            np.testing.assert_array_equal(rows, other[key])
+
+
 @pytest.mark.parametrize("cycles", [1.0, 15.0, 60.0])
 def test_the_slope_of_a_frequency_is_found_within_a_radian_of_all_turns_of_a_log(cycles):
     """A hundred turns of a motor from one pose to another."""

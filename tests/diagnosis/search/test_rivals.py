@@ -39,7 +39,7 @@ def judge(monkeypatch):
     monkeypatch.setattr(module, "touched", lambda setting, columns: {"a"})
     monkeypatch.setattr(module, "removed_by", lambda *found: SimpleNamespace(of_excess=0.5))
     again = {}
-    monkeypatch.setattr(module, "judged_with", lambda setting, hypotheses: again[hypotheses[-1].kind.name])
+    monkeypatch.setattr(module, "judged_with", lambda setting, hypotheses, like: again[hypotheses[-1].kind.name])
     return again
 
 
@@ -161,7 +161,7 @@ def test_a_wave_of_a_cause_of_which_another_wave_is_sure_ties_with_nothing(judge
         other = tried("kinematic_error", "j1", lefts[cycles], {"a": 9.0}, cycles)
         rounds.append(Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, other)))
     again = {cycles: tried("kinematic_error", "j1", left, {"a": 9.0}, cycles) for cycles, left in lefts.items()}
-    module.judged_with = lambda setting, hypotheses: again[float(hypotheses[-1].values["cycles"])]
+    module.judged_with = lambda setting, hypotheses, like: again[float(hypotheses[-1].values["cycles"])]
     rivals = compared(None, before, two, rounds, np.random.default_rng(0)).rivals
     assert [rival.tied for rival in rivals] == [ties, ties]
     assert tied_among(two.fit.hypotheses, rivals) == (list(two.fit.hypotheses) if ties else [])
