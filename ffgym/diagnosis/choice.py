@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
-from ffgym.diagnosis.fit.refine import Fit
 from ffgym.diagnosis.patterns.cycles import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
 from ffgym.diagnosis.patterns.spectrum import Spectrum

@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
 from ffgym.diagnosis.exact import exact_recordings, is_same_motion
-from ffgym.diagnosis.fit.refine import Setting
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, faultless_residuals

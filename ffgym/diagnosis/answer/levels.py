@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ffgym.diagnosis.fit.leftover import without_calibration
-from ffgym.diagnosis.fit.refine import Setting
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.measured import counting_rows
 from ffgym.diagnosis.residual import UNITS, Channel, components
 from ffgym.diagnosis.result import Level

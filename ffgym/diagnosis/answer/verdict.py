@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.leftover import Loudness, removed, touched
-from ffgym.diagnosis.fit.refine import Fit, Setting
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.result import Verdict
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.ties import tied_among

@@ -8,7 +8,9 @@ would be read as a part of the effect.
 from dataclasses import replace
 
 from ffgym.diagnosis.exact import exact_recordings
-from ffgym.diagnosis.fit.refine import Fit, Setting, fit
+from ffgym.diagnosis.fit.fit import Fit
+from ffgym.diagnosis.fit.refine import fit
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import predicted, replay

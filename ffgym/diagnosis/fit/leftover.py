@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.diagnosis.evidence.fitted import fitted
-from ffgym.diagnosis.fit.refine import Fit, Setting
+from ffgym.diagnosis.fit.fit import Fit
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.column import Parts

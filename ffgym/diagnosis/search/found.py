@@ -3,8 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.refine import Fit
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking

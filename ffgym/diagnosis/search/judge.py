@@ -6,8 +6,10 @@ import numpy as np
 
 from ffgym.diagnosis.evidence.fitted import left_by_block
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
+from ffgym.diagnosis.fit.fit import Fit, evaluated
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, fit
+from ffgym.diagnosis.fit.refine import fit
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.search.found import Tried
 
 

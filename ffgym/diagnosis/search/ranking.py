@@ -9,7 +9,8 @@ from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import screen
 from ffgym.diagnosis.evidence.stack import Evidence
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, hypothesis_of
+from ffgym.diagnosis.fit.from_columns import hypothesis_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.signatures.variant import STEP

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place
 from ffgym.diagnosis.fit.leftover import loudness, removed, touched, without_calibration
-from ffgym.diagnosis.fit.refine import Setting
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.found import Round, Tried
 from ffgym.diagnosis.search.judge import judged_with

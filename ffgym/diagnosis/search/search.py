@@ -7,8 +7,10 @@ import numpy as np
 
 from ffgym.diagnosis.evidence.stack import Evidence, Values
 from ffgym.diagnosis.fit.corrected import corrected
+from ffgym.diagnosis.fit.fit import Fit, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place, machine_with
-from ffgym.diagnosis.fit.refine import Fit, Setting, left_by, polished, values_of
+from ffgym.diagnosis.fit.refine import polished
+from ffgym.diagnosis.fit.setting import Setting, values_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.found import Found, Round, Tried
 from ffgym.diagnosis.search.judge import judged_with, scored

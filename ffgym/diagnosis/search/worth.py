@@ -3,7 +3,7 @@
 import numpy as np
 
 from ffgym.diagnosis.fit.leftover import Loudness, Removed, loudness, removed, touched, without_calibration
-from ffgym.diagnosis.fit.refine import Setting
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.found import Tried
 

@@ -21,8 +21,9 @@ import numpy as np
 from ffgym.diagnosis.calibration import BOUND
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import BLOCK, blocks_of
+from ffgym.diagnosis.fit.fit import Fit, evaluated, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
-from ffgym.diagnosis.fit.refine import Fit, Setting, evaluated, left_by
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.sampling import CUTOFF
 from ffgym.diagnosis.measured import counting_rows, valid_rows

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.evidence.priors import Priors
-from ffgym.diagnosis.evidence.stack import blocks_of
+from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
+from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.leftover import removed, without_calibration
-from ffgym.diagnosis.fit.refine import Fit, stack_of
 
 ONE, OTHER = ("torque", 0), ("torque", 1)
 
