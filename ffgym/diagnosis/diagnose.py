@@ -156,7 +156,7 @@ def _examined(
         not_judgeable=not_judgeable,
         separating_motion=next_motion(found, machine, ready.floor, calibration) if ties else None,
         levels=levels(setting, found, ready.floor),
-        threshold=found.rounds[0].ranking.threshold if found.rounds else 0.0,
+        threshold=found.rounds[0].ranking.threshold,
         quality=flagged,
         provenance=dict(provenance),
     )

@@ -36,7 +36,6 @@ def found(*, tied=(), unsure=()):
         Round(
             adopted=True,
             before=None,
-            candidates=None,
             ranking=None,
             tried=tuple(SimpleNamespace(hypothesis=h) for h in hypotheses),
         )

@@ -72,9 +72,7 @@ def _span(log: Log, machine: Machine, name: str) -> float:
 
 def not_excited(found: Found) -> tuple[Unjudged, ...]:
     """Effects that would not show even at the largest plausible size, joint by joint."""
-    if not found.rounds:
-        return ()
-    ranking, candidates = found.rounds[0].ranking, found.rounds[0].candidates
+    ranking, candidates = found.rounds[0].ranking, found.candidates
     listed: dict[tuple[str, str], bool] = {}
     for group, most in zip(candidates.groups, ranking.most, strict=True):
         column = candidates.first(group)

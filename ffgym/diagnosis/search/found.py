@@ -35,7 +35,6 @@ class Round:
     """One look at what is left: candidates by score, and those that were fitted, best first."""
 
     before: Tried
-    candidates: Candidates
     ranking: Ranking
     tried: tuple[Tried, ...]
     adopted: bool
@@ -51,6 +50,8 @@ class Found:
     """What a search found."""
 
     nominal: Tried
+    candidates: Candidates
+    """Of the first round; those of later ones take much memory, and nothing is asked of them."""
     final: Tried
     """With all causes that are sure, or with all if none is; the nominal model if they explain too little."""
     rounds: tuple[Round, ...]

@@ -72,13 +72,13 @@ def search(
         report: told what is done.
     """
     nominal = now = judged_with(setting, ())
-    rounds: list[Round] = []
-    while len(now.fit.hypotheses) < MOST:
-        one = _round(setting, candidates(now.fit), faultless, nominal, now, report)
-        rounds.append(one)
-        if not one.adopted:
-            break
+    first = candidates(now.fit)
+    rounds = [_round(setting, first, faultless, nominal, now, report)]
+    while (one := rounds[-1]).adopted:
         now = _without_needless(setting, _polished(setting, one.tried[0]))
+        if len(now.fit.hypotheses) >= MOST:
+            break
+        rounds.append(_round(setting, candidates(now.fit), faultless, nominal, now, report))
     beside = compared(setting, nominal, now, rounds, rng)
     for _ in range(EXCHANGES):
         if beside.better is None:
@@ -98,6 +98,7 @@ def search(
     rows = float(now.fit.evidence.rows.sum())
     return Found(
         nominal=nominal,
+        candidates=first,
         final=final,
         rounds=tuple(rounds),
         rivals=rivals,
@@ -114,7 +115,7 @@ def _round(
     together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
     evidence = candidates.stack.evidence(together)
     ranking = ranked(evidence, candidates, candidates.calibration)
-    done, beaten = Round(before=now, candidates=candidates, ranking=ranking, tried=(), adopted=False), set[str]()
+    done, beaten = Round(before=now, ranking=ranking, tried=(), adopted=False), set[str]()
     for _ in range(1 + ELSEWHERE):
         tried = _tried(setting, candidates, ranking, evidence, now, beaten, report)
         if not tried:

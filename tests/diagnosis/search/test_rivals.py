@@ -50,7 +50,7 @@ def judged(best, others, fitted=None):
 
 def comparison(best, others, fitted=None):
     before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
-    one = Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, *others))
+    one = Round(adopted=True, ranking=None, before=before, tried=(best, *others))
     fitted = fitted or best
     return compared(None, before, fitted, [one], np.random.default_rng(0)), one
 
@@ -65,7 +65,7 @@ def two_waves(judge, swapped):
     rounds, causes = [], ()
     for (name, rival), cycles in (TWICE, ONCE):
         best, other = (tried(n, "j1", 10.0, {"a": 9.0}, cycles, causes) for n in (name, rival))
-        rounds.append(Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, other)))
+        rounds.append(Round(adopted=True, ranking=None, before=before, tried=(best, other)))
         judge[rival] = tried(rival, "j1", swapped[rival], {"a": 9.0}, cycles)
         causes = best.fit.hypotheses
     for name, cycles, beside in (("resolver_ripple", 2.0, causes[1]), ("kinematic_error", 1.0, causes[0])):
@@ -136,7 +136,7 @@ def test_a_cause_gives_way_to_another_effect_that_leaves_less_beside_what_came_l
     fitted = tried("coulomb_level", "j1", 10.0, {"a": 6.0})
     fitted.fit.hypotheses = (best.hypothesis, beside)
     before = SimpleNamespace(left=np.full(BLOCKS, 100.0), total=100.0 * BLOCKS, fit=SimpleNamespace(removes={}))
-    one = Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, other))
+    one = Round(adopted=True, ranking=None, before=before, tried=(best, other))
     better = compared(None, before, fitted, [one], np.random.default_rng(0)).better
     assert (better is not None) == gives_way
 
@@ -159,7 +159,7 @@ def test_a_wave_of_a_cause_of_which_another_wave_is_sure_ties_with_nothing(judge
     lefts, rounds = {1.0: 10.0, 2.0: second}, []
     for best, cycles in ((one, 1.0), (two, 2.0)):
         other = tried("kinematic_error", "j1", lefts[cycles], {"a": 9.0}, cycles)
-        rounds.append(Round(adopted=True, candidates=None, ranking=None, before=before, tried=(best, other)))
+        rounds.append(Round(adopted=True, ranking=None, before=before, tried=(best, other)))
     again = {cycles: tried("kinematic_error", "j1", left, {"a": 9.0}, cycles) for cycles, left in lefts.items()}
     module.judged_with = lambda setting, hypotheses, like: again[float(hypotheses[-1].values["cycles"])]
     rivals = compared(None, before, two, rounds, np.random.default_rng(0)).rivals
