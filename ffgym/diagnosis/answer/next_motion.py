@@ -47,7 +47,7 @@ def _tied(found: Found) -> list[Sequence[Hypothesis]]:
         tried = one.of(causes) if one.adopted else None
         if tried is None:
             continue
-        best = next(h for h in causes if h.repeats(tried.hypothesis))
+        best = next(h for h in causes if tried.hypothesis.repeats(h))
         ties = {(r.effect, r.joint) for r in found.rivals if r.tied and r.against == best.label}
         others = [t.hypothesis for t in one.tried if (t.hypothesis.kind.name, t.hypothesis.joint) in ties]
         if others:

@@ -8,7 +8,7 @@ from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.leftover import Loudness, removed, touched
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.result import Verdict
-from ffgym.diagnosis.search.found import Found
+from ffgym.diagnosis.search.found import Found, found_in
 from ffgym.diagnosis.search.ties import tied_among
 from ffgym.diagnosis.search.worth import removed_by
 from ffgym.diagnosis.signatures.column import Parts
@@ -99,8 +99,5 @@ def _energy(setting: Setting, column: Parts) -> float:
 
 def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
     """Share that each cause removed of the energy above the noise that was there when it was found."""
-    gains = []
-    for hypothesis in found.final.fit.hypotheses:
-        tried = ((one, one.of([hypothesis])) for one in found.rounds if one.adopted)
-        gains.append(next(removed_by(setting, one.before, t).of_excess for one, t in tried if t is not None))
-    return tuple(gains)
+    causes = (found_in(found.rounds, hypothesis) for hypothesis in found.final.fit.hypotheses)
+    return tuple(removed_by(setting, one.before, tried).of_excess for one, tried in causes)

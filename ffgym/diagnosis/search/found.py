@@ -45,6 +45,13 @@ class Round:
         return next((tried for tried in self.tried if any(tried.hypothesis.repeats(h) for h in known)), None)
 
 
+def found_in(rounds: Iterable[Round], hypothesis: Hypothesis) -> tuple[Round, Tried]:
+    """The round in which a cause was found, and how it was tried there; of a wave that moved far, one of its effect."""
+    tried = [(one, other) for one in rounds if one.adopted for other in one.tried]
+    of_effect = [pair for pair in tried if pair[1].hypothesis.place == hypothesis.place]
+    return next((pair for pair in of_effect if pair[1].hypothesis.repeats(hypothesis)), of_effect[0])
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Found:
     """What a search found."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Rival
-from ffgym.diagnosis.search.found import Round
+from ffgym.diagnosis.search.found import Round, found_in
 from ffgym.diagnosis.search.rivals import ALIKE_TEXT
 
 
@@ -31,9 +31,9 @@ def as_rivals(unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Seq
 
 
 def _gain(hypothesis: Hypothesis, rounds: Sequence[Round]) -> float:
-    """Share of the energy that a cause removed in the round in which it was tried first."""
-    found = ((one, one.of([hypothesis])) for one in rounds if one.adopted)
-    return next(1.0 - tried.total / one.before.total for one, tried in found if tried is not None)
+    """Share of the energy that a cause removed in the round in which it was found."""
+    one, tried = found_in(rounds, hypothesis)
+    return 1.0 - tried.total / one.before.total
 
 
 def _label(rival: Rival) -> str:

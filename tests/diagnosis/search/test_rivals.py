@@ -8,7 +8,7 @@ import pytest
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search import rivals as module
-from ffgym.diagnosis.search.found import Round
+from ffgym.diagnosis.search.found import Round, found_in
 from ffgym.diagnosis.search.rivals import compared
 from ffgym.diagnosis.search.ties import as_rivals, tied_among
 from ffgym.effects import EFFECTS
@@ -180,3 +180,11 @@ def test_of_explanations_that_tie_the_plausible_one_stands(judge):
     spring.hypothesis.values["stiffness"] = np.array(5800.0)
     assert comparison(cables, [spring])[0].better is None
     assert judged(cables, [spring])[0][0].tied
+
+
+@pytest.mark.parametrize(("cycles", "found"), [(2.1, 1), (1.0, 0), (3.5, 0)])
+def test_a_cause_is_found_in_the_round_of_its_wave_however_far_that_moved(cycles, found):
+    """A wave that no round tried so is taken for the first of its effect."""
+    tries = [tried("cogging", "j1", 10.0, {}, wave) for wave in (1.0, 2.0)]
+    rounds = [Round(adopted=True, ranking=None, before=None, tried=(one,)) for one in tries]
+    assert found_in(rounds, hypothesis("cogging", "j1", cycles)) == (rounds[found], tries[found])
