@@ -18,6 +18,7 @@ from ffgym.diagnosis.closed_loop import LoopLevel, check_comparable, closed_loop
 from ffgym.diagnosis.document import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
 from ffgym.diagnosis.first_look import FirstLook
+from ffgym.diagnosis.search.search import MOST
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import made_folder, write_text
 from ffgym.recordings import Recording
@@ -51,6 +52,9 @@ class Diagnose:
     out: Path | None = None
     """Folder for report.html, diagnosis.json, extended.toml (the model with the causes) and next.toml (what to record
     to tell rivals apart); it is made if there is none. An older extended.toml or next.toml in it goes."""
+    most_causes: int = MOST
+    """Causes to look for; fewer take less time, and a diagnosis of the extended model finds further ones. Each wave of
+    one that repeats with an angle counts."""
     seed: int = 0
     """Of the noise of simulated logs and of resamples."""
     json: Path | None = None
@@ -76,6 +80,7 @@ class Diagnose:
                 seed=self.seed,
                 report=tell,
                 first=_say,
+                most=self.most_causes,
             )
         physics = nominal.machine.physics(ModelOptions(looks=False))
         info = provenance("ffgym diagnose", self, nominal.machine.robot.name, physics, self.seed)
@@ -91,6 +96,7 @@ class Diagnose:
         if not self.logs and (given := given_options(self, ("columns",))):
             raise FFGymError(f"{given[0]} has no effect on the example logs. Leave it out, or name logs.")
         check_whole("--seed", self.seed, low=0)
+        check_whole("--most-causes", self.most_causes, low=1, high=MOST)
         if self.calibration is not None:
             check_number("--calibration", self.calibration, low=0.0, high=1.0, open_low=True)
         inputs = (self.robot, self.columns, *self.logs, *self.validate)

@@ -6,9 +6,10 @@ from pathlib import Path
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.diagnosis import diagnose
+from ffgym.diagnosis.search.search import MOST
 from ffgym.envs.rigs import is_workcell, rig_of
 from ffgym.envs.workcell_circles import CONTROLLER
-from ffgym.errors import FFGymError
+from ffgym.errors import FFGymError, check_whole
 from ffgym.files import write_json, write_text
 from ffgym.paths import SPEEDS
 from ffgym.plant import Machine, load_machine
@@ -41,6 +42,9 @@ class Improve:
     """What is recorded in each round, as for ffgym record; what a diagnosis proposes is added to the next round."""
     rounds: int = 4
     """At most; there are fewer where a diagnosis finds nothing to add."""
+    most_causes: int = 3
+    """Causes that are looked for in each round, 1 to 8. Time grows with their square, and what is left the next round
+    finds beside numbers that were fitted again."""
     positions: tuple[str, ...] = ()
     """Positions of the circles that laws are compared on; none given is all but the first, where protocols draw
     theirs."""
@@ -79,7 +83,7 @@ class Improve:
             plan,
             folder,
             diagnose=lambda machine, recordings, calibration: diagnose(
-                machine, recordings, calibration=calibration, seed=self.seed
+                machine, recordings, calibration=calibration, seed=self.seed, most=self.most_causes
             ),
             stage=progress_bar,
             positions=self.positions or None,
@@ -103,6 +107,7 @@ class Improve:
             raise FFGymError("Say where recordings, diagnoses and models go: --out FOLDER.")
         if self.out.exists() and not self.out.is_dir():
             raise FFGymError(f"--out {self.out}: is a file, must be a folder; choose another name.")
+        check_whole("--most-causes", self.most_causes, low=1, high=MOST)
         for name in self.protocols:
             load_protocols(name)
         check_outputs({"--json": self.json}, inputs=(self.rig, self.robot, *self.protocols))

@@ -22,7 +22,7 @@ from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
 from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.result import Diagnosis
-from ffgym.diagnosis.search.search import Report, search
+from ffgym.diagnosis.search.search import MOST, Report, search
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
 from ffgym.provenance import versions
@@ -53,6 +53,7 @@ def diagnose(
     seed: int = 0,
     report: Report = lambda what, share: None,
     memory: Memory | None = None,
+    most: int = MOST,
 ) -> Diagnosis:
     """Diagnose logs of a machine.
 
@@ -63,11 +64,15 @@ def diagnose(
         seed: of resamples and of simulated noise.
         report: told what is done.
         memory: kept from one diagnosis to the next, which is faster where many logs are of the same motions.
+        most: causes to look for, 1 to 8; a diagnosis of the extended model finds further ones, and several short ones
+            take less time than a long one.
 
     Raises:
         FFGymError: if there is nothing to diagnose, or logs and robot do not fit.
     """
-    return examine(nominal, recordings, calibration=calibration, seed=seed, report=report, memory=memory).diagnosis
+    return examine(
+        nominal, recordings, calibration=calibration, seed=seed, report=report, memory=memory, most=most
+    ).diagnosis
 
 
 def examine(
@@ -79,6 +84,7 @@ def examine(
     report: Report = lambda what, share: None,
     first: Callable[[FirstLook], None] | None = None,
     memory: Memory | None = None,
+    most: int = MOST,
 ) -> Examined:
     """Diagnose logs of a machine, and keep what that was made from.
 
@@ -90,8 +96,10 @@ def examine(
         report: see there.
         first: told what stands out, soon and before anything is sure; None saves that time.
         memory: see `diagnose`.
+        most: see there.
     """
     machine = Machine.of(nominal)
+    check_whole("most causes", most, low=1, high=MOST)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     flagged, refused = _quality(recordings, machine.physical)
     provenance = {"seed": seed, "versions": versions()}
@@ -113,7 +121,7 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    return _examined(log, machine, known, ready, rng, report, flagged, provenance, memory)
+    return _examined(log, machine, known, ready, rng, report, flagged, provenance, memory, most)
 
 
 def _examined(
@@ -126,11 +134,12 @@ def _examined(
     flagged: tuple[str, ...],
     provenance: Mapping[str, object],
     memory: Memory | None,
+    most: int,
 ) -> Examined:
     setting = ready.setting
     kinds, not_judgeable = judgeable_kinds(log, machine)
     report("computing what each effect would change", 0.1)
-    found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report)
+    found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
     first = without_calibration(setting, found.nominal.fit)
     rest = without_calibration(setting, found.final.fit)
     after = residual_of(log, found.final.fit.run, rest, ready.floor)

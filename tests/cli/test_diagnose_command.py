@@ -50,6 +50,7 @@ def logs(tmp_path_factory):
         (["--columns", "map.toml"], "--columns has no effect on the example logs"),
         (["--calibration", "2"], "--calibration = 2.0 is out of range"),
         (["--seed", "-1"], "--seed"),
+        (["--most-causes", "9"], "--most-causes = 9"),
         (["--out", "file"], "cannot be made a folder"),
         (["--json", "numbers.txt"], "must end in .json"),
     ],

@@ -15,6 +15,7 @@ from ffgym.plant import Machine, load_machine, save_machine
         ([], "--out FOLDER"),
         (["--out", "cell.toml"], "is a file, must be a folder"),
         (["--out", "folder", "--rounds", "0"], "rounds"),
+        (["--out", "folder", "--most-causes", "0"], "--most-causes = 0"),
         (["--out", "folder", "--protocols", "magic"], "Unknown protocol 'magic'"),
         (["--out", "folder", "--rig", "workcell:nowhere"], "Unknown workcell"),
         (["--out", "folder", "--rig", "one_axis"], "no work area with two positions"),

@@ -61,6 +61,7 @@ def search(
     faultless: Values,
     rng: np.random.Generator,
     report: Report = lambda what, share: None,
+    most: int = MOST,
 ) -> Found:
     """Find the effects that explain a log.
 
@@ -70,13 +71,14 @@ def search(
         faultless: residuals of faultless logs, (R, M, K) by component.
         rng: resamples blocks.
         report: told what is done.
+        most: causes to be found, from 1 to MOST; each wave of one that repeats with an angle counts.
     """
     nominal = now = judged_with(setting, ())
     first = candidates(now.fit)
     rounds = [_round(setting, first, faultless, nominal, now, report)]
     while (one := rounds[-1]).adopted:
         now = _without_needless(setting, _polished(setting, one.tried[0]))
-        if len(now.fit.hypotheses) >= MOST:
+        if len(now.fit.hypotheses) >= most:
             break
         rounds.append(_round(setting, candidates(now.fit), faultless, nominal, now, report))
     beside = compared(setting, nominal, now, rounds, rng)

@@ -117,8 +117,13 @@ class RigidArm:
     def inverse_dynamics(self, q: Array, dq: Array, ddq: Array, *, gravity: bool = False) -> Array:
         """Joint torque [N m] of the rigid links for a motion, M(q) ddq + C(q, dq) dq (+ g(q)), shape (T, N)."""
         ddq = check_shape("ddq", ddq, (len(q), self._n))
+        mass, bias = self.equations_of_motion(q, dq, gravity=gravity)
+        return np.einsum("tij,tj->ti", mass, ddq) + bias
+
+    def equations_of_motion(self, q: Array, dq: Array, *, gravity: bool = False) -> tuple[Array, Array]:
+        """M(q) [kg m^2], shape (T, N, N), and C(q, dq) dq (+ g(q)) [N m], shape (T, N), in one evaluation."""
         out = self._evaluate(("M", "qfrc_bias"), q, dq, stage="velocity", gravity=gravity)
-        return np.einsum("tij,tj->ti", self._unpacked(out["M"]), ddq) + out["qfrc_bias"]
+        return self._unpacked(out["M"]), out["qfrc_bias"]
 
     def _tcp_id(self) -> int:
         if self._tcp is None:

@@ -1,0 +1,30 @@
+"""Terms of links between the places where they are evaluated are those of the arm there."""
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.replay.link_terms import link_terms
+from ffgym.robot import RigidArm, load_robot
+
+
+@pytest.mark.parametrize(
+    ("samples", "dt"),
+    [(400, 0.002), (402, 0.001), (100, 0.004), (5, 0.002), (3, 0.001), (1, 0.001)],
+    ids=["every 2nd", "every 4th, not to the end", "every one", "few", "fewer than a cubic takes", "one"],
+)
+def test_interpolated_terms_are_those_of_the_arm_at_every_sample(samples, dt):
+    robot = load_robot("irb4600_60_205")
+    arm = RigidArm(robot)
+    rng = np.random.default_rng(3)
+    t = dt * np.arange(samples)
+    swing = 2 * np.pi * rng.uniform(0.3, 1.0, (2, robot.n_joints))
+    phase = rng.uniform(0, 2 * np.pi, swing.shape)
+    angle = t[:, None, None] * swing + phase
+    q, dq, ddq = 0.4 * np.sin(angle), 0.4 * swing * np.cos(angle), -0.4 * swing**2 * np.sin(angle)
+    terms = link_terms(arm, q, dq, dt)
+    rows = (-1, robot.n_joints)
+    true = arm.inverse_dynamics(q.reshape(rows), dq.reshape(rows), ddq.reshape(rows), gravity=True)
+    true = true + arm.spring_torque(q.reshape(rows))
+    np.testing.assert_allclose(terms.torque(ddq).reshape(rows), true, rtol=0, atol=1e-6 * np.abs(true).max())
+    mass = arm.mass_matrix(q.reshape(rows)).reshape(terms.mass.shape)
+    np.testing.assert_allclose(terms.mass, mass, rtol=0, atol=1e-6 * np.abs(mass).max())
