@@ -173,6 +173,9 @@ class ModelEffect(Effect):
 class TorqueEffect(Effect):
     """An effect that adds torques, computed at every physics step."""
 
+    follows_motor: ClassVar[bool] = False
+    """Whether what it adds behind the gearbox depends on the motor alone, and not on how the joint bends."""
+
     def initial_memory(self, state: State) -> Array:
         """What is remembered at rest, shape (..., N, M); without memory M = 0."""
         return no_memory(state)

@@ -1,6 +1,6 @@
 """An effect on a joint with values for all its parameters: what a diagnosis tries, fits and names."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -82,6 +82,10 @@ class Hypothesis:
             if self.place == known.place
         )
         return self.place == known.place and not apart
+
+    def is_among(self, others: "Iterable[Hypothesis]") -> bool:
+        """Whether it is one of others once more."""
+        return any(self.repeats(other) for other in others)
 
     @property
     def implausible(self) -> str | None:

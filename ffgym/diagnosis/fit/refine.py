@@ -39,8 +39,20 @@ def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = Fal
         begun: whether its values are good already; else they are those of a linear fit.
         like: a fit of others among them, whose tangents serve here: they hardly change when one more comes.
     """
-    best = evaluated(setting, hypotheses if begun else _well_begun(setting, hypotheses), like)
-    for _ in range(_ROUNDS if hypotheses else 0):
+    return refined(setting, evaluated(setting, hypotheses if begun else _well_begun(setting, hypotheses), like), like)
+
+
+def refined(setting: Setting, begun: Fit, like: Fit | None = None, *, roughly: bool = False) -> Fit:
+    """A fit from where it is.
+
+    Args:
+        setting: the log.
+        begun: values that are good already.
+        like: as for `fit`.
+        roughly: whether only what it leaves is asked for, to a per cent: numbers that hardly change that stay anywhere.
+    """
+    best = begun
+    for _ in range(_ROUNDS if begun.hypotheses else 0):
         step, tried = _step(best), None
         for _ in range(_HALVINGS):
             tried = trial_of(setting, moved(best.hypotheses, step))
@@ -51,7 +63,7 @@ def fit(setting: Setting, hypotheses: Sequence[Hypothesis], *, begun: bool = Fal
             break
         gained = 1 - tried.left / best.left
         best = with_tangents(setting, tried, like)
-        if gained < _ENOUGH and float(np.max(np.abs(step))) < _SMALL:
+        if gained < _ENOUGH and (roughly or float(np.max(np.abs(step))) < _SMALL):
             break
     return best
 

@@ -34,6 +34,31 @@ def plus(total: Array | None, more: Array | None) -> Array | None:
     return more if total is None else total + more
 
 
+def deflected(
+    springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
+) -> Deflection:
+    """Deflections under `torque` (T, M, N) and what effects add; sample by sample where that depends on them.
+
+    Args:
+        springs: of the joints.
+        state: along the measured motion, where joints do not bend yet.
+        effects: that act behind the gearboxes.
+        torque: on the links, link side [N m].
+        start: about how the joints bend at the first sample, (M, N).
+        dt: sample time [s].
+
+    Raises:
+        FlownAwayError: if an effect pushes the arm away from its springs.
+    """
+    led = summed([effect for effect in effects if effect.follows_motor], state, dt)
+    load = torque if (push := plus(led.spring, led.link)) is None else torque + push
+    bending = [effect for effect in effects if not effect.follows_motor]
+    if bending:
+        return flown(springs, state, bending, load, start, dt)
+    bent = springs.bent_by(load[..., None])
+    return Deflection(angle=bent.angle[..., 0], rate=bent.rate[..., 0], acceleration=bent.acceleration[..., 0])
+
+
 def flown(
     springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
 ) -> Deflection:

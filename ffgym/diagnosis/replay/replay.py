@@ -17,7 +17,7 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log.derivatives import derivatives_of_motions
 from ffgym.diagnosis.replay.base import BaseTerms, Tilt, base_of, base_terms, tilt_of
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
-from ffgym.diagnosis.replay.flight import arm_effects, flown, plus, summed
+from ffgym.diagnosis.replay.flight import arm_effects, deflected, plus, summed
 from ffgym.diagnosis.replay.link_terms import LinkTerms, link_terms
 from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.diagnosis.replay.springs import Deflection, Springs
@@ -118,13 +118,8 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
     stands_alike = tilt is None and like is not None and like.tilt is None
     if like is not None and same_drive and stands_alike and not on_arm and not arm_effects(like.machine):
         deflection = like.deflection
-    elif on_arm:
-        deflection = flown(springs, state, on_arm, -rigid_torque, rough, log.dt)
     else:
-        bent = springs.bent_by(-rigid_torque[..., None])
-        deflection = Deflection(
-            angle=bent.angle[..., 0], rate=bent.rate[..., 0], acceleration=bent.acceleration[..., 0]
-        )
+        deflection = deflected(springs, state, on_arm, -rigid_torque, rough, log.dt)
     state = bent_state(state, deflection, robot)
     needed = rigid_torque + np.matmul(links.mass, deflection.acceleration[..., None])[..., 0]
     added = summed(on_arm, state, log.dt)

@@ -42,7 +42,7 @@ class Round:
     def of(self, hypotheses: Iterable[Hypothesis]) -> Tried | None:
         """The first that was tried of some hypotheses, whatever values they came to have; None if none was."""
         known = tuple(hypotheses)
-        return next((tried for tried in self.tried if any(tried.hypothesis.repeats(h) for h in known)), None)
+        return next((tried for tried in self.tried if tried.hypothesis.is_among(known)), None)
 
 
 def found_in(rounds: Iterable[Round], hypothesis: Hypothesis) -> tuple[Round, Tried]:

@@ -58,7 +58,7 @@ def compared(
     for one in rounds:
         stands = one.of(fitted.fit.hypotheses)
         if one.adopted and stands is not None:
-            others = [other for other in one.tried if not _is_among(other.hypothesis, fitted)]
+            others = [other for other in one.tried if not other.hypothesis.is_among(fitted.fit.hypotheses)]
             found += [_against(setting, nominal, fitted, one.before, stands, other, rng) for other in others]
     better = [one.instead for one in found if one.instead is not None and _is_better(one.instead, fitted, one.tied)]
     sure = {h.place for h in fitted.fit.hypotheses if not any(one.tied and one.best.repeats(h) for one in found)}
@@ -66,10 +66,6 @@ def compared(
         rivals=tuple(one.rival(sure, fitted) for one in found),
         better=min(better, key=lambda tried: tried.total, default=None),
     )
-
-
-def _is_among(hypothesis: Hypothesis, fitted: Tried) -> bool:
-    return any(hypothesis.repeats(known) for known in fitted.fit.hypotheses)
 
 
 def _oddity(tried: Tried) -> tuple[int, int]:

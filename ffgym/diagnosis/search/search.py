@@ -9,9 +9,9 @@ from ffgym.diagnosis.evidence.stack import Evidence, Values
 from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.fit import Fit, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place, machine_with
-from ffgym.diagnosis.fit.refine import polished
 from ffgym.diagnosis.fit.setting import Setting, values_of
 from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.search.causes import refitted, without_needless
 from ffgym.diagnosis.search.found import Found, Round, Tried
 from ffgym.diagnosis.search.judge import judged_with, scored
 from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
@@ -34,12 +34,6 @@ be true beside it, and are looked at when it is adopted."""
 
 ELSEWHERE = 2
 """Times that a round goes on with candidates of other joints, where the best is not adopted."""
-
-NEEDED = 0.05
-"""Share of the energy that a cause must keep away beside the others, else it is dropped."""
-
-QUIET = 1.05
-"""Energy left, in units of the noise's, from which on a fit may gain from being finer."""
 
 _HALVINGS = 4
 """Times that a linear fit is halved until a machine can be so."""
@@ -75,17 +69,19 @@ def search(
     """
     nominal = now = judged_with(setting, ())
     first = candidates(now.fit)
-    rounds = [_round(setting, first, faultless, nominal, now, report)]
+    rounds, needless = [_round(setting, first, faultless, nominal, now, (), report)], list[Hypothesis]()
     while (one := rounds[-1]).adopted:
-        now = _without_needless(setting, _polished(setting, one.tried[0]))
+        grown = refitted(setting, one.tried[0])
+        now = without_needless(setting, grown)
+        needless += [h for h in grown.fit.hypotheses if not h.is_among(now.fit.hypotheses)]
         if len(now.fit.hypotheses) >= most:
             break
-        rounds.append(_round(setting, candidates(now.fit), faultless, nominal, now, report))
+        rounds.append(_round(setting, candidates(now.fit), faultless, nominal, now, needless, report))
     beside = compared(setting, nominal, now, rounds, rng)
     for _ in range(EXCHANGES):
         if beside.better is None:
             break
-        now = _without_needless(setting, _polished(setting, beside.better))
+        now = without_needless(setting, refitted(setting, beside.better))
         beside = compared(setting, nominal, now, rounds, rng)
     rivals = beside.rivals
     unsure = tied_among(now.fit.hypotheses, rivals)
@@ -110,7 +106,13 @@ def search(
 
 
 def _round(
-    setting: Setting, candidates: Candidates, faultless: Values, nominal: Tried, now: Tried, report: Report
+    setting: Setting,
+    candidates: Candidates,
+    faultless: Values,
+    nominal: Tried,
+    now: Tried,
+    needless: Sequence[Hypothesis],
+    report: Report,
 ) -> Round:
     """Rank, fit the best, and see whether the best of those is to be adopted; if not, look at other joints."""
     residual = values_of(now.fit.residual)
@@ -119,7 +121,7 @@ def _round(
     ranking = ranked(evidence, candidates, candidates.calibration)
     done, beaten = Round(before=now, ranking=ranking, tried=(), adopted=False), set[str]()
     for _ in range(1 + ELSEWHERE):
-        tried = _tried(setting, candidates, ranking, evidence, now, beaten, report)
+        tried = _tried(setting, candidates, ranking, evidence, now, needless, beaten, report)
         if not tried:
             break
         worthy = next((other for other in tried if is_worth(setting, nominal, now, other)), None)
@@ -138,10 +140,14 @@ def _tried(
     ranking: Ranking,
     evidence: Evidence,
     now: Tried,
+    needless: Sequence[Hypothesis],
     beaten: Container[str],
     report: Report,
 ) -> list[Tried]:
-    """The best candidate on joints where none was beaten, and its rivals, fitted beside the causes; the best first."""
+    """The best candidate on joints where none was beaten, and its rivals, fitted beside the causes; the best first.
+
+    What others once made up for is not tried again: it would come and go for ever.
+    """
     fixed, tried = now.fit.hypotheses, list[Tried]()
     places: set[Place] = set()
     best, where = 0.0, dict[Component, float]()
@@ -154,7 +160,7 @@ def _tried(
         if where and overlap(where, here) < RIVAL:
             continue
         linear = start_of(evidence, candidates, int(i), candidates.calibration, setting.log.robot)
-        if linear.place in places or any(linear.repeats(known) for known in fixed):
+        if linear.place in places or linear.is_among((*fixed, *needless)):
             continue
         start = _possible(setting, fixed, linear)
         if start is None:
@@ -182,25 +188,3 @@ def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis)
             return start
         start = start.scaled(0.5)
     return None
-
-
-def _polished(setting: Setting, adopted: Tried) -> Tried:
-    """The adopted cause, fitted with tangents of all, and more finely if there is anything left to explain."""
-    if len(adopted.fit.hypotheses) > 1:
-        adopted = judged_with(setting, adopted.fit.hypotheses, begun=True)
-    if adopted.fit.left < QUIET * float(adopted.fit.evidence.rows.sum()):
-        return adopted
-    finer = polished(setting, adopted.fit)
-    return adopted if finer is adopted.fit else scored(setting, finer)
-
-
-def _without_needless(setting: Setting, now: Tried) -> Tried:
-    """Drop causes that the others make up for."""
-    for i in range(len(now.fit.hypotheses) - 1):
-        others = [h for k, h in enumerate(now.fit.hypotheses) if k != i]
-        if machine_with(setting.nominal, others) is None:
-            continue
-        fewer = judged_with(setting, others, now.fit, begun=True)
-        if fewer.total <= now.total * (1 + NEEDED):
-            return _without_needless(setting, fewer)
-    return now

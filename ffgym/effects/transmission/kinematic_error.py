@@ -31,6 +31,7 @@ class KinematicError(TorqueEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("F9", "M1", "M6")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "circles")
     needs_elasticity: ClassVar[bool] = True
+    follows_motor: ClassVar[bool] = True
 
     amplitude: Array = parameter(
         "A, link side",

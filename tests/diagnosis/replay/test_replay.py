@@ -8,7 +8,10 @@ import pytest
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import measured_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
-from ffgym.effects import EFFECTS
+from ffgym.diagnosis.replay.flight import deflected, flown
+from ffgym.diagnosis.replay.states import state_of
+from ffgym.effects import EFFECTS, TorqueEffect
+from ffgym.effects.along import torques_along
 from ffgym.plant import Machine
 from tests.diagnosis.replay.replay_samples import left, nominal, recorded, small, with_effect
 
@@ -81,3 +84,31 @@ def test_a_payload_lowers_the_tool_and_takes_torque(log):
     first = int(np.argmax(valid_rows(log)[:, 0]))
     assert full["tool"][first, 0, 2] < empty["tool"][first, 0, 2]
     assert np.abs(full["torque"]).mean() > np.abs(empty["torque"]).mean()
+
+
+def test_effects_that_follow_the_motor_do_not_see_how_joints_bend(log):
+    """As each of them says of itself, which spares going from sample to sample."""
+    state = replay(log, nominal()).state
+    further = replace(state, deflection=state.deflection + 1e-4, deflection_rate=state.deflection_rate + 1e-3)
+    behind = {kind for kind in EFFECTS.values() if issubclass(kind, TorqueEffect) and kind.side == "link"}
+    for kind in behind:
+        effect = small(kind, nominal().robot, share=0.3)
+        added, other = (torques_along(effect, one, log.dt) for one in (state, further))
+        parts = [(x, y) for x, y in ((added.spring, other.spring), (added.link, other.link)) if x is not None]
+        assert parts, kind.name
+        assert all(np.array_equal(x, y) for x, y in parts) == kind.follows_motor, kind.name
+    assert any(kind.follows_motor for kind in behind)
+
+
+def test_a_joint_bends_at_once_as_sample_by_sample_under_what_follows_its_motor(log):
+    robot = nominal().robot
+    effects = [small(EFFECTS[name], robot, share=0.5) for name in ("kinematic_error", "hardening")]
+    run = replay(log, nominal())
+    state = state_of(log, nominal(), run.bristles)
+    load, start = -run.links.torque(log.ddq), run.deflection.angle[0]
+    for some in (effects[:1], effects):
+        at_once = deflected(run.springs, state, some, load, start, log.dt)
+        each = flown(run.springs, state, some, load, start, log.dt)
+        for part in ("angle", "rate", "acceleration"):
+            one, other = getattr(at_once, part), getattr(each, part)
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max(), err_msg=part)

@@ -1,0 +1,45 @@
+"""What a round of the search tries."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.search import search as module
+from ffgym.effects import EFFECTS
+
+
+def cogging(joint, cycles):
+    values = {"amplitude": np.array(0.01), "cycles": np.array(cycles), "phase": np.array(0.0)}
+    return Hypothesis(kind=EFFECTS["cogging"], joint=joint, source=None, values=values)
+
+
+@pytest.fixture
+def candidates(monkeypatch):
+    """Candidates of a ranking, which may be tried beside causes that are there and such that were not needed."""
+
+    def tried(found, there=(), needless=()):
+        ranking = SimpleNamespace(order=range(len(found)), score=np.ones(len(found)), is_significant=lambda i: True)
+        known = SimpleNamespace(groups=range(len(found)), first=lambda i: found[i], calibration=None)
+        monkeypatch.setattr(module, "acts_on", lambda *_: {})
+        monkeypatch.setattr(module, "start_of", lambda evidence, candidates, i, *_: found[i])
+        monkeypatch.setattr(module, "_possible", lambda setting, others, start: start)
+        monkeypatch.setattr(
+            module, "judged_with", lambda setting, all_of, like: SimpleNamespace(hypothesis=all_of[-1], total=1.0)
+        )
+        now = SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(there)), total=2.0)
+        setting = SimpleNamespace(log=SimpleNamespace(robot=None))
+        report = lambda what, share: None  # noqa: E731
+        return [one.hypothesis for one in module._tried(setting, known, ranking, None, now, needless, (), report)]
+
+    return tried
+
+
+def test_a_cause_that_is_there_or_that_others_made_up_for_is_not_tried_again(candidates):
+    """Else it would come, be dropped beside the next, and come again."""
+    one, other, third = cogging("j1", 3.0), cogging("j2", 1.0), cogging("j3", 3.0)
+    assert candidates([one, other, third]) == [one, other, third]
+    assert candidates([one, other, third], there=[third]) == [one, other]
+    assert candidates([one, other, third], needless=[cogging("j1", 3.05)]) == [other, third]
+    assert candidates([one, other, third], needless=[cogging("j1", 6.0)]) == [one, other, third]
