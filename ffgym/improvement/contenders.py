@@ -56,7 +56,7 @@ def contenders(rig: Rig, plan: Plan, rounds: Sequence[Round], identified: RobotD
     ]
     if plan.fit:
         law = model_law(rounds[0].before, rig.arm, FITTED)
-        found.append(Contender(name=FITTED, title="nominal model, all numbers fitted", law=law))
+        found.append(Contender(name=FITTED, title="all numbers fitted", law=law))
     grown = [each for each in rounds if each.diagnosis.causes] or rounds[-1:]
     for each in grown:
         name = MODEL if each is grown[-1] else f"{MODEL}_{each.number}"
