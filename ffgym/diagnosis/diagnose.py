@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals
 from ffgym.diagnosis.answer.excitation import judgeable_kinds, not_excited
 from ffgym.diagnosis.answer.levels import levels
 from ffgym.diagnosis.answer.next_motion import next_motion
@@ -145,12 +146,13 @@ def _examined(
     after = residual_of(log, found.final.fit.run, rest, ready.floor)
     before = residual_of(log, found.nominal.fit.run, without_calibration(setting, found.nominal.fit), ready.floor)
     loud = loudness(setting, rest)
-    verdict = judged(setting, found, loudness(setting, first), loud)
+    blind = blind_rivals(found.final.fit.hypotheses, not_judgeable)
+    verdict = beside_blind(judged(setting, found, loudness(setting, first), loud), blind)
     report("looking at what is left", 0.95)
     patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
     causes = causes_of(found.final.fit, verdict.gains, calibration, rng)
-    rivals = found.rivals if causes else ()
-    ties = any(rival.tied for rival in rivals)
+    ties = bool(causes) and any(rival.tied for rival in found.rivals)
+    rivals = (*found.rivals, *(blind if verdict.verdict == "ambiguous" else ())) if causes else ()
     if ties:
         report("looking for a motion that tells rivals apart", 0.97)
     diagnosis = Diagnosis(

@@ -149,7 +149,8 @@ def handed_out(case: Case) -> Paper:
     """The log of a question, with effects as loud as they are to be, or as they can be within their plausible size."""
     if not case.hidden:
         return Paper(case=case, log=tuple(log_of_case(case)), loudness=())
-    listener = listener_of_exam(case.arm, case.is_poor, case.lacks)
+    lacks = tuple(family for family in case.lacks if family != "temperature")  # an effect is as loud without it
+    listener = listener_of_exam(case.arm, case.is_poor, lacks)
     sized = case.hidden
     if case.loudness:
         full = [listener.energy(one.effect) for one in case.hidden]

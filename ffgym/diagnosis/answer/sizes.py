@@ -32,7 +32,7 @@ def causes_of(
     draws = _resampled(fit, rng)
     found, at = [], 0
     for hypothesis, gain in zip(fit.hypotheses, gains, strict=True):
-        sizes, fixed = [], {}
+        sizes, fixed = [], {name: float(np.max(hypothesis.values[name])) for name in sorted(hypothesis.null)}
         for free in hypothesis.free():
             p = hypothesis.kind.parameters()[free.name]
             values = free.value + free.step * draws[:, at]

@@ -52,7 +52,7 @@ class Fit:
         at = 0
         for own in self.hypotheses:
             n = len(own.free())
-            if own.repeats(hypothesis):
+            if own.repeats(hypothesis) and own.null == hypothesis.null:
                 return self.columns[at : at + n]
             at += n
         return ()

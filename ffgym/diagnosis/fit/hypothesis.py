@@ -62,6 +62,8 @@ class Hypothesis:
     """Of an effect of one joint on another: the joint that causes it."""
     values: Mapping[str, Array]
     """Value of every parameter, () or (3,) each."""
+    null: frozenset[str] = frozenset()
+    """Sizes that stay at their null values."""
 
     @property
     def label(self) -> str:
@@ -126,11 +128,18 @@ class Hypothesis:
         """All numbers that are fitted: sizes, and shapes that are not a mere choice."""
         found = []
         for name, value in self.values.items():
+            if name in self.null:
+                continue
             p = self.kind.parameters()[name]
             for part in range(3) if p.per == "vector" else (None,):
                 at = float(value if part is None else value[part])
                 found.append(_free(p, part, at))
         return found
+
+    def without(self, size: str) -> Self:
+        """With one size at its null value for good."""
+        neutral = np.full_like(self.values[size], self.kind.parameters()[size].neutral)
+        return replace(self, values={**self.values, size: neutral}, null=self.null | {size})
 
     def scaled(self, factor: float) -> Self:
         """With all sizes as many times as far from their null values."""

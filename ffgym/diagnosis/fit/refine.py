@@ -20,6 +20,10 @@ _ENOUGH = 0.01
 _SIZES = (0.6, 1.0, 1.5, 2.2, 3.3)
 """Multiples of the size of a linear fit at which effects of springs are tried first."""
 
+_FURTHER, _GROWTH = 6, 1.4
+"""Times that a larger one is tried where the largest leaves least, and by which factor: to 25 times the linear fit,
+which is of a small effect, and sees little of one that grows with the cube."""
+
 _SOUGHT, _FINE = (-0.3, 0.3), 0.005
 """Logarithms of the factors between which a size is sought along a line, and how finely."""
 
@@ -98,8 +102,17 @@ def _well_begun(setting: Setting, hypotheses: Sequence[Hypothesis]) -> list[Hypo
     first = list(hypotheses)
     if not first or not _on_springs(first[-1]):
         return first
-    tries = [[*first[:-1], first[-1].scaled(factor)] for factor in _SIZES]
-    return min(tries, key=lambda one: left_by(setting, one))
+
+    def sized(factor: float) -> list[Hypothesis]:
+        return [*first[:-1], first[-1].scaled(factor)]
+
+    left = {factor: left_by(setting, sized(factor)) for factor in _SIZES}
+    for _ in range(_FURTHER):
+        largest = max(left)
+        if min(left, key=left.__getitem__) != largest:
+            break
+        left[largest * _GROWTH] = left_by(setting, sized(largest * _GROWTH))
+    return sized(min(left, key=left.__getitem__))
 
 
 def _step(now: Fit) -> Array:

@@ -6,11 +6,13 @@ import numpy as np
 
 from ffgym.diagnosis.evidence.fitted import left_by_block
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
+from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.fit.fit import Fit, evaluated
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.refine import fit
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.search.found import Tried
+from ffgym.types import Array
 
 
 def judged_with(
@@ -24,8 +26,12 @@ def judged_with(
 
 def scored(setting: Setting, found: Fit) -> Tried:
     """A fit with what it leaves in blocks that were left out."""
+    return Tried(fit=found, left=left_out(setting, found, found.priors))
+
+
+def left_out(setting: Setting, found: Fit, priors: Priors) -> Array:
+    """Energy that a fit leaves in blocks that were left out, both splits in mean, shape (B,)."""
     halves, motions = half_folds(setting.blocks), motion_folds(setting.blocks)
-    left = [
-        left_by_block(found.evidence, folds, found.everything, found.priors) for folds in (halves, motions) if folds
-    ]
-    return Tried(fit=found, left=np.mean(left, axis=0))
+    left = [left_by_block(found.evidence, folds, found.everything, priors) for folds in (halves, motions) if folds]
+    mean: Array = np.mean(left, axis=0)
+    return mean

@@ -16,6 +16,7 @@ from ffgym.diagnosis.search.found import Found, Round, Tried
 from ffgym.diagnosis.search.judge import judged_with, scored
 from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
 from ffgym.diagnosis.search.rivals import compared
+from ffgym.diagnosis.search.slim import slimmed
 from ffgym.diagnosis.search.ties import as_rivals, tied_among
 from ffgym.diagnosis.search.worth import explains_most, is_worth
 
@@ -168,7 +169,7 @@ def _tried(
         places.add(start.place)
         best, where = max(best, float(ranking.score[i])), where or here
         report(f"fitting {start.label}", len(tried) / TRIED)
-        tried.append(judged_with(setting, (*fixed, start), now.fit))
+        tried.append(slimmed(setting, judged_with(setting, (*fixed, start), now.fit), now.fit))
     return sorted(tried, key=lambda one: one.total + SLACK * len(one.hypothesis.free()) * _price(now, one))
 
 

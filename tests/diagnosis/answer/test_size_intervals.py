@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.answer.sizes import WIDENED, causes_of
+from ffgym.diagnosis.extended import extended_machine
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.effects import EFFECTS
+from ffgym.plant import Machine
 
 BLOCKS = 80
 NORMAL = 1.645
@@ -41,3 +43,23 @@ def test_an_interval_is_that_of_resampled_blocks_and_a_fifth_wider(one_axis):
     known = 2 * NORMAL * np.std(noise) / np.sqrt(BLOCKS) * offset.step
     assert np.mean(widths) == pytest.approx(WIDENED * known, rel=0.05)
     assert WIDENED > 1.1
+
+
+def test_a_size_that_stays_at_null_is_told_without_an_interval_and_the_extended_machine_has_it(one_axis):
+    values = {"viscous": 0.02, "scale": 25.0, "coulomb": -0.005, "breakaway": 0.001, "reference": 20.0}
+    full = {name: np.array(value) for name, value in values.items()}
+    kind, joint = EFFECTS["temperature_friction"], one_axis.joints[0]
+    slim = Hypothesis(kind=kind, joint=joint, source=None, values=full).without("viscous").without("breakaway")
+    n = len(slim.free())
+    fit = SimpleNamespace(
+        hypotheses=(slim,),
+        run=SimpleNamespace(robot=one_axis),
+        evidence=SimpleNamespace(gram=np.tile(np.eye(n), (BLOCKS, 1, 1)), moment=np.zeros((BLOCKS, n, 1))),
+        priors=SimpleNamespace(precision=np.zeros(n), low=np.full(n, -np.inf), high=np.full(n, np.inf)),
+        n_calibration=0,
+    )
+    (cause,) = causes_of(fit, (0.9,), SimpleNamespace(share=0.0), np.random.default_rng(0))
+    assert [size.name for size in cause.parameters] == ["coulomb"]
+    assert {"viscous": 0.0, "breakaway": 0.0}.items() <= cause.fixed.items()
+    (effect,) = extended_machine(Machine(robot=one_axis), (cause,)).effects
+    assert (effect.coulomb[0], effect.viscous[0], effect.breakaway[0]) == (-0.005, 0.0, 0.0)

@@ -1,0 +1,60 @@
+"""Hypotheses of several sizes: those that rows which were left out do not ask for stay at null."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.evidence.priors import Priors
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.search import slim as module
+from ffgym.effects import EFFECTS
+
+SIZES = {"viscous", "coulomb", "breakaway"}
+
+
+def warm():
+    values = {"viscous": 0.02, "scale": 25.0, "coulomb": -0.005, "breakaway": 0.001, "reference": 20.0}
+    return Hypothesis(
+        kind=EFFECTS["temperature_friction"],
+        joint="j3",
+        source=None,
+        values={n: np.array(v) for n, v in values.items()},
+    )
+
+
+def tried(hypothesis, total):
+    free = hypothesis.free()
+    n = len(free)
+    priors = Priors(precision=np.ones(n), low=np.full(n, -3.0), high=np.full(n, 3.0))
+    return SimpleNamespace(
+        hypothesis=hypothesis, total=total, fit=SimpleNamespace(hypotheses=(hypothesis,), priors=priors)
+    )
+
+
+@pytest.mark.parametrize("needed", [{"coulomb"}, {"coulomb", "viscous"}, {"viscous", "coulomb", "breakaway"}])
+def test_a_size_that_rows_left_out_do_not_ask_for_is_null(needed, monkeypatch):
+    """Each size costs 1; without one that is needed 100 more are left. By slopes, too, where one is held at null."""
+
+    def total(kept):
+        return 100.0 * len(needed - kept) + len(kept)
+
+    def left_out(setting, fit, priors):
+        free, held = fit.hypotheses[-1].free(), priors.high - priors.low < 1e-3
+        for number, bound in zip(free, held, strict=True):
+            if bound:
+                at = number.value + number.step * priors.low[free.index(number)]
+                assert at == pytest.approx(0.0, abs=1e-5)
+        return np.array([total({f.name for f, out in zip(free, held, strict=True) if not out} & SIZES)])
+
+    monkeypatch.setattr(module, "left_out", left_out)
+    monkeypatch.setattr(module, "evaluated", lambda setting, hypotheses, like: hypotheses)
+    monkeypatch.setattr(module, "refined", lambda setting, begun, like: begun)
+    monkeypatch.setattr(
+        module, "scored", lambda setting, begun: tried(begun[-1], total({f.name for f in begun[-1].free()} & SIZES))
+    )
+    slim = module.slimmed(None, tried(warm(), total(SIZES))).hypothesis
+    assert {free.name for free in slim.free()} & SIZES == needed
+    assert slim.null == SIZES - needed
+    assert all(slim.values[name] == 0.0 for name in slim.null)
+    assert slim.moved([0.1] * len(slim.free())).null == slim.null
