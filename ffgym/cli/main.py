@@ -3,13 +3,32 @@
 import os
 import sys
 from collections.abc import Sequence
-from typing import Annotated
+from importlib import import_module
+from typing import Any
 
 from ffgym.errors import FFGymError
 from ffgym.provenance import installed
 
 DESCRIPTION = "Feed-forward friction compensation on industrial robots: simulate, measure, identify, learn, compare."
 """What `ffgym --help` begins with."""
+
+COMMANDS = {
+    "bench-diagnosis": "BenchDiagnosis",
+    "demo": "Demo",
+    "diagnose": "Diagnose",
+    "export": "Export",
+    "identify": "Identify",
+    "improve": "Improve",
+    "lffc": "Lffc",
+    "log": "Log",
+    "record": "Record",
+    "reproduce": "Reproduce",
+    "robot": "Robot",
+    "simulate": "Simulate",
+    "stability": "Stability",
+    "video": "Video",
+}
+"""Classes of subcommands, each in the module of its name."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,54 +57,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     import tyro
 
-    from ffgym.cli.bench_diagnosis import BenchDiagnosis
-    from ffgym.cli.demo import Demo
-    from ffgym.cli.diagnose import Diagnose
-    from ffgym.cli.export import Export
-    from ffgym.cli.identify import Identify
-    from ffgym.cli.improve import Improve
-    from ffgym.cli.lffc import Lffc
-    from ffgym.cli.log import Log
-    from ffgym.cli.record import Record
-    from ffgym.cli.reproduce import Reproduce
-    from ffgym.cli.robot import Robot
-    from ffgym.cli.simulate import Simulate
-    from ffgym.cli.stability import Stability
-    from ffgym.cli.video import Video
-
-    command = Annotated[
-        Annotated[BenchDiagnosis, tyro.conf.subcommand("bench-diagnosis")]
-        | Annotated[Demo, tyro.conf.subcommand("demo")]
-        | Annotated[Diagnose, tyro.conf.subcommand("diagnose")]
-        | Annotated[Export, tyro.conf.subcommand("export")]
-        | Annotated[Identify, tyro.conf.subcommand("identify")]
-        | Annotated[Improve, tyro.conf.subcommand("improve")]
-        | Annotated[Lffc, tyro.conf.subcommand("lffc")]
-        | Annotated[Log, tyro.conf.subcommand("log")]
-        | Annotated[Record, tyro.conf.subcommand("record")]
-        | Annotated[Reproduce, tyro.conf.subcommand("reproduce")]
-        | Annotated[Robot, tyro.conf.subcommand("robot")]
-        | Annotated[Simulate, tyro.conf.subcommand("simulate")]
-        | Annotated[Stability, tyro.conf.subcommand("stability")]
-        | Annotated[Video, tyro.conf.subcommand("video")],
-        tyro.conf.OmitSubcommandPrefixes,
-    ]
-    chosen: (
-        BenchDiagnosis
-        | Demo
-        | Diagnose
-        | Export
-        | Identify
-        | Improve
-        | Lffc
-        | Log
-        | Record
-        | Reproduce
-        | Robot
-        | Simulate
-        | Stability
-        | Video
-    )
-    chosen = tyro.cli(command, prog="ffgym", args=arguments, description=DESCRIPTION)
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    config = (tyro.conf.OmitSubcommandPrefixes,)
+    if given and given[0] in COMMANDS:
+        chosen = tyro.cli(_command(given[0]), prog=f"ffgym {given[0]}", args=given[1:], config=config)
+    else:
+        commands: dict[str, Any] = {name: _command(name) for name in COMMANDS}
+        chosen = tyro.extras.subcommand_cli_from_dict(
+            commands, prog="ffgym", description=DESCRIPTION, args=given, config=config
+        )
     chosen.run()
     return 0
+
+
+def _command(name: str) -> type[Any]:
+    """The class of a subcommand; no other is imported, which takes a second."""
+    module = import_module(f"ffgym.cli.{name.replace('-', '_')}")
+    command: type[Any] = getattr(module, COMMANDS[name])
+    return command

@@ -9,7 +9,7 @@ import pytest
 
 from ffgym.cli.demo import Demo
 from ffgym.cli.export import Export
-from ffgym.cli.main import main
+from ffgym.cli.main import COMMANDS, _command, main
 from ffgym.diagnosis import Examined
 from ffgym.diagnosis.document import diagnosis_document
 from ffgym.errors import FFGymError
@@ -251,3 +251,13 @@ def test_agents_and_parameters_that_are_not_there_are_one_line(arguments, messag
     assert main(["demo", "--positions", "p1", "--speeds-mm-s", "100", *arguments]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
+
+
+def test_every_subcommand_is_found_and_only_the_one_that_runs_is_imported():
+    assert all(_command(name).__name__ == COMMANDS[name] for name in COMMANDS)
+    script = (
+        "import sys; from ffgym.cli.main import main; assert main(['diagnose', '--seed', '-1']) == 1; "
+        "print([name for name in sys.modules if name in ('ffgym.cli.lffc', 'ffgym.cli.video')])"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
