@@ -18,6 +18,9 @@ _LINES = {"both": "-", "forwards": "-", "back": "--"}
 _WIDEST = 3
 """Panels side by side."""
 
+_TICKS = 6
+"""Intervals between ticks at most: small numbers take much room."""
+
 
 def profiles_figure(
     logs: Mapping[str, LogRows], channel: Channel, component: int, joint: int, unit: str = "rad"
@@ -74,7 +77,14 @@ def _draw(axes: "Axes", found: Mapping[str, Profile], log: str, *, pale: bool) -
 
 
 def _name(axes: "Axes", variable: Variable, unit: str) -> None:
+    from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+
     axes.axhline(0.0, color="#666666", linewidth=0.6)
     axes.set_xlabel(f"{variable.label} [{unit}]")
     if variable.logarithmic:
         axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(_TICKS, steps=[1, 2, 2.5, 5, 10]))
