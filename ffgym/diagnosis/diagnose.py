@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals
+from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals, told
 from ffgym.diagnosis.answer.excitation import judgeable_kinds, not_excited
 from ffgym.diagnosis.answer.levels import levels
 from ffgym.diagnosis.answer.next_motion import next_motion
@@ -152,7 +152,7 @@ def _examined(
     patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
     causes = causes_of(found.final.fit, verdict.gains, calibration, rng)
     ties = bool(causes) and any(rival.tied for rival in found.rivals)
-    rivals = (*found.rivals, *(blind if verdict.verdict == "ambiguous" else ())) if causes else ()
+    rivals = (*found.rivals, *told(verdict, blind)) if causes else ()
     if ties:
         report("looking for a motion that tells rivals apart", 0.97)
     diagnosis = Diagnosis(

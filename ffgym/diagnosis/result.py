@@ -23,6 +23,11 @@ class Size:
     """90 %, by resampled blocks."""
 
 
+def label_of(effect: str, joint: str) -> str:
+    """Such as 'backlash on j2'."""
+    return f"{effect} on {joint}" if joint else effect
+
+
 @dataclass(frozen=True, kw_only=True)
 class Cause:
     """An effect that explains part of the residual."""
@@ -40,6 +45,11 @@ class Cause:
     """Share of the residual's energy above the noise floor, in the channels it acts on, removed on motions that were
     not used."""
 
+    @property
+    def label(self) -> str:
+        """What rivals call it."""
+        return label_of(self.effect, self.joint)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Rival:
@@ -51,7 +61,7 @@ class Rival:
     tied: bool
     """Whether these logs cannot tell it from the cause."""
     against: str
-    """Effect that it rivals."""
+    """Label of the cause that it rivals."""
     reason: str
     """Why it lost, or what would tell both apart."""
 

@@ -1,5 +1,6 @@
 """The verdict in one sentence: what is sure, what cannot be told apart, and what is left."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -37,6 +38,15 @@ def test_beside_sure_causes_those_that_tie_are_told_and_what_each_of_some_compon
     assert "; beyond that, payload would explain more; what is left depends on: first of j1; of x; of j2." in found
     assert "second of j1" not in found
     assert "of j3" not in found
+
+
+def test_a_rival_that_the_log_cannot_tell_from_a_cause_is_told_beside_it():
+    sample = full_diagnosis()
+    (cause,), (payload, *_) = sample.causes, sample.rivals
+    judged = Judged(verdict="partly", gains=(0.9,), removed=0.8, stretched=())
+    found = sentence_of(judged, [cause], [replace(payload, against=cause.label)], (), SimpleNamespace(name="arm"))
+    assert "Friction that grows with load of j2 (these logs cannot tell it from payload): that removes 80 %" in found
+    assert "beyond that" not in found
 
 
 def test_a_rival_that_lost_is_not_told():

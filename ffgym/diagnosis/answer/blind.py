@@ -30,3 +30,8 @@ def blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[Unjudged]
 def beside_blind(judged: Judged, rivals: Sequence[Rival]) -> Judged:
     """The verdict where there are such rivals: nothing that has one is named without reserve."""
     return replace(judged, verdict="ambiguous") if rivals and judged.verdict == "named" else judged
+
+
+def told(judged: Judged, rivals: Sequence[Rival]) -> Sequence[Rival]:
+    """Those of such rivals that belong to a verdict: of one that names causes, all."""
+    return rivals if judged.verdict in ("ambiguous", "partly") else ()

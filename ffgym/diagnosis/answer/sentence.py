@@ -20,8 +20,9 @@ def sentence_of(
 ) -> str:
     """What a diagnosis says, in one sentence."""
     tied = [rival for rival in rivals if rival.tied]
+    instead = [rival for rival in tied if rival.against in {cause.label for cause in causes}]
     left = "; ".join(_strongest(patterns))
-    named, others = _all_of(causes), " or ".join(dict.fromkeys(_place(r.effect, r.joint) for r in tied))
+    named, others = _all_of(causes), _any_of(tied)
     share = f"{100 * min(judged.removed, 1.0):.0f} %"
     if judged.verdict == "none":
         return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
@@ -34,9 +35,10 @@ def sentence_of(
         more = f"; what is left depends on: {left}" if left else ", and something is left"
         if judged.stretched:
             more = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
-        elif tied:
-            more = f"; beyond that, {others} would explain more{more}"
-        return f"Partly explained by {named}: that removes {share} of what noise does not explain{more}."
+        elif beyond := [rival for rival in tied if rival not in instead]:
+            more = f"; beyond that, {_any_of(beyond)} would explain more{more}"
+        besides = f" (these logs cannot tell it from {_any_of(instead)})" if instead else ""
+        return f"Partly explained by {named}{besides}: that removes {share} of what noise does not explain{more}."
     return f"Consistent with {named}, which removes {share} of what noise does not explain."
 
 
@@ -52,6 +54,10 @@ def _all_of(causes: Sequence[Cause]) -> str:
     """Each effect on its joint once, however many waves it has."""
     counts = Counter(_named(cause) for cause in causes)
     return ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
+
+
+def _any_of(rivals: Sequence[Rival]) -> str:
+    return " or ".join(dict.fromkeys(_place(rival.effect, rival.joint) for rival in rivals))
 
 
 def _named(cause: Cause) -> str:

@@ -16,9 +16,16 @@ RESAMPLES = 200
 COVERED = (0.05, 0.95)
 """Quantiles of the interval."""
 
-WIDENED = 1.2
+_DOWN_UP = np.array([-1.0, 1.0])
+
+WIDENED = 1.5
 """Quantiles of resamples are this much further from a size: what neither rows nor calibration vary (equations that are
-not straight, few blocks) counts too. Of 40 sizes of development exams 32 lay in the bare quantiles, 35 in these.
+not straight, few blocks) counts too."""
+
+INEXACT = 0.02
+"""Share of a size that is open whatever the rows say, as the model around it is inexact: numbers of the nominal model
+are off by half a per cent each, and a fit stops when it would gain nothing. Of 90 sizes of development exams 74 % lay
+in what rows alone give, a fifth wider; 88 % lie in intervals with both constants.
 """
 
 
@@ -40,8 +47,9 @@ def causes_of(
             if p.role == "size" and p.unit == "1":
                 values = values * (1 + calibration.share * rng.normal(size=len(values)))
             if p.role == "size" or p.role == "cycles":
-                ends = free.value + WIDENED * (np.quantile(values, COVERED) - free.value)
-                low, high = np.clip(ends, free.low, free.high)
+                reach = WIDENED * (np.quantile(values, COVERED) - free.value)
+                inexact = INEXACT * free.value if p.role == "size" else 0.0
+                low, high = np.clip(free.value + _DOWN_UP * np.hypot(reach, inexact), free.low, free.high)
                 interval = (float(low), float(high))
                 sizes.append(
                     Size(name=_name(hypothesis, free, fit.run.robot), value=free.value, unit=p.unit, interval=interval)
@@ -73,15 +81,17 @@ def _resampled(fit: Fit, rng: np.random.Generator) -> Array:
     """Changes of all free numbers, in practical steps, shape (B, P).
 
     Blocks of rows are resampled for what noise and motions leave open, and calibration errors drawn for what nobody
-    knows of the nominal numbers, which a size is relative to; all stay within their bounds, as in the fit.
+    knows of the nominal numbers, which a size is relative to; all stay within their bounds, as in the fit. What a step
+    from all rows would change is taken off: the fit has been there, and stayed.
     """
     gram, moment, priors = fit.evidence.gram, fit.evidence.moment[:, :, 0], fit.priors
     n, doubts = len(gram), fit.n_calibration
+    stays = bounded(gram.sum(axis=0), moment.sum(axis=0), priors.precision, priors.low, priors.high)[doubts:]
     found = []
     for _ in range(RESAMPLES):
         counts = np.bincount(rng.integers(n, size=n), minlength=n).astype(np.float64)
         drawn = np.concatenate([rng.normal(size=doubts), np.zeros(len(priors.low) - doubts)])
         pull = counts @ moment + priors.precision * drawn
         x = bounded(np.einsum("b,bpq->pq", counts, gram), pull, priors.precision, priors.low, priors.high)
-        found.append(x[doubts:])
+        found.append(x[doubts:] - stays)
     return np.array(found)

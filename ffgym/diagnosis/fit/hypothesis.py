@@ -6,6 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from ffgym.diagnosis.result import label_of
 from ffgym.diagnosis.signatures.variant import step_of
 from ffgym.effects import Effect
 from ffgym.effects.parameter import Parameter
@@ -68,7 +69,7 @@ class Hypothesis:
     @property
     def label(self) -> str:
         """Such as 'backlash on j2'."""
-        return f"{self.kind.name} on {self.joint}" if self.joint else self.kind.name
+        return label_of(self.kind.name, self.joint)
 
     @property
     def place(self) -> Place:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.result import Rival
+from ffgym.diagnosis.result import Rival, label_of
 from ffgym.diagnosis.search.found import Round, found_in
 from ffgym.diagnosis.search.rivals import ALIKE_TEXT
 
@@ -23,7 +23,7 @@ def as_rivals(unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Seq
             joint=one.joint,
             held_out_gain=_gain(one, rounds),
             tied=True,
-            against=_label(gains[one.label]),
+            against=label_of(gains[one.label].effect, gains[one.label].joint),
             reason=ALIKE_TEXT,
         )
         for one in unsure
@@ -34,7 +34,3 @@ def _gain(hypothesis: Hypothesis, rounds: Sequence[Round]) -> float:
     """Share of the energy that a cause removed in the round in which it was found."""
     one, tried = found_in(rounds, hypothesis)
     return 1.0 - tried.total / one.before.total
-
-
-def _label(rival: Rival) -> str:
-    return f"{rival.effect} on {rival.joint}" if rival.joint else rival.effect

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals
+from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals, told
 from ffgym.diagnosis.answer.verdict import Judged
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Unjudged
@@ -39,3 +39,12 @@ def test_nothing_that_may_be_temperature_is_named_without_reserve(verdict, drift
     judged = Judged(verdict=verdict, gains=(1.0,), removed=1.0, stretched=())
     rivals = blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE] if drifts else [])
     assert beside_blind(judged, rivals).verdict == becomes
+
+
+@pytest.mark.parametrize(
+    ("verdict", "is_told"), [("ambiguous", True), ("partly", True), ("unknown", False), ("none", False)]
+)
+def test_such_rivals_are_told_beside_causes_and_nowhere_else(verdict, is_told):
+    judged = Judged(verdict=verdict, gains=(1.0,), removed=1.0, stretched=())
+    rivals = blind_rivals([cause("viscous_drift")], [NO_TEMPERATURE])
+    assert bool(told(judged, rivals)) == is_told

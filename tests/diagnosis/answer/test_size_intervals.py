@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.sizes import WIDENED, causes_of
+from ffgym.diagnosis.answer.sizes import INEXACT, WIDENED, causes_of
 from ffgym.diagnosis.extended import extended_machine
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.effects import EFFECTS
@@ -16,33 +16,50 @@ NORMAL = 1.645
 """Of a 90 % interval, in standard deviations."""
 
 
-def fit_of(robot, noise):
-    """A fit of one torque offset, at its best, to blocks whose residuals are `noise`."""
+def fit_of(robot, noise, size=0.2):
+    """A fit of one torque offset to blocks whose residuals are `noise`."""
     known = EFFECTS["torque_offset"].parameters()
-    values = {name: np.array(0.2 if p.role == "size" else p.neutral) for name, p in known.items()}
+    values = {name: np.array(size if p.role == "size" else p.neutral) for name, p in known.items()}
     one = Hypothesis(kind=EFFECTS["torque_offset"], joint=robot.joints[0], source=None, values=values)
     return SimpleNamespace(
         hypotheses=(one,),
         run=SimpleNamespace(robot=robot),
-        evidence=SimpleNamespace(gram=np.ones((BLOCKS, 1, 1)), moment=(noise - noise.mean()).reshape(-1, 1, 1)),
+        evidence=SimpleNamespace(gram=np.ones((BLOCKS, 1, 1)), moment=noise.reshape(-1, 1, 1)),
         priors=SimpleNamespace(precision=np.zeros(1), low=np.array([-np.inf]), high=np.array([np.inf])),
         n_calibration=0,
     )
 
 
-def test_an_interval_is_that_of_resampled_blocks_and_a_fifth_wider(one_axis):
+def size_of(fit, rng):
+    (cause,) = causes_of(fit, (0.9,), SimpleNamespace(share=0.0), rng)
+    (size,) = cause.parameters
+    return size
+
+
+def test_an_interval_is_that_of_resampled_blocks_and_half_as_wide_again(one_axis):
     rng = np.random.default_rng(1)
     noise = rng.normal(0, 0.05, BLOCKS)
-    fit, widths = fit_of(one_axis, noise), []
+    fit, widths = fit_of(one_axis, noise - noise.mean()), []
     (offset,) = fit.hypotheses[0].free()
     for _ in range(20):
-        (cause,) = causes_of(fit, (0.9,), SimpleNamespace(share=0.0), rng)
-        (size,) = cause.parameters
+        size = size_of(fit, rng)
         assert size.interval[0] < size.value < size.interval[1]
         widths.append(size.interval[1] - size.interval[0])
-    known = 2 * NORMAL * np.std(noise) / np.sqrt(BLOCKS) * offset.step
-    assert np.mean(widths) == pytest.approx(WIDENED * known, rel=0.05)
+    rows = WIDENED * NORMAL * np.std(noise) / np.sqrt(BLOCKS) * offset.step
+    assert np.mean(widths) == pytest.approx(2 * np.hypot(rows, INEXACT * 0.2), rel=0.05)
     assert WIDENED > 1.1
+
+
+def test_a_size_that_rows_know_exactly_is_no_better_known_than_the_model_around_it(one_axis):
+    size = size_of(fit_of(one_axis, np.zeros(BLOCKS), size=0.3), np.random.default_rng(0))
+    assert size.interval == pytest.approx((0.3 * (1 - INEXACT), 0.3 * (1 + INEXACT)))
+
+
+def test_a_fit_that_stopped_where_rows_still_pull_lies_inside_its_interval(one_axis):
+    pulled = np.random.default_rng(2).normal(0.5, 0.05, BLOCKS)
+    size = size_of(fit_of(one_axis, pulled), np.random.default_rng(0))
+    assert size.interval[0] < size.value < size.interval[1]
+    assert np.mean(size.interval) == pytest.approx(size.value, rel=0.01)
 
 
 def test_a_size_that_stays_at_null_is_told_without_an_interval_and_the_extended_machine_has_it(one_axis):
