@@ -2,7 +2,9 @@
 # make test    set up, run the tests            make test-all   the slow ones too
 # make check   format, lint, types, import rules
 # make bench   speed and memory of simulation and environments, against the bare engine; BENCH="--json FILE" passes options;
-#               then a short exam of the diagnosis, docs/bench_diagnosis.md has the whole one
+#               then a short exam of the diagnosis
+# make exam    the whole exam, about two hours on 2 cores, onto its page docs/bench_diagnosis.md; goes on where it was
+#               interrupted; SEED=12 is another exam
 # PYTHON=python3.12 chooses the interpreter of a new environment; CONSTRAINTS= installs the newest versions.
 
 PYTHON ?= python3
@@ -10,10 +12,11 @@ CONSTRAINTS ?= -c constraints.txt
 BIN := .venv/bin
 # processes of the tests, which take up to 3 GB each; JOBS=0 runs them in one, as a debugger needs it
 JOBS ?= 2
+SEED ?= 7
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(CONSTRAINTS)
 
-.PHONY: demo test test-all check bench format clean
+.PHONY: demo test test-all check bench exam format clean
 
 demo: .venv/.demo
 	$(BIN)/ffgym demo
@@ -33,6 +36,10 @@ check: .venv/.dev
 bench: .venv/.dev
 	$(BIN)/python -m scripts.bench $(BENCH)
 	$(BIN)/ffgym bench-diagnosis --cases 1 --jobs 2
+
+exam: .venv/.dev
+	$(BIN)/ffgym bench-diagnosis --seed $(SEED) --jobs 2 --out out/exam
+	$(BIN)/python -m scripts.exam_page --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
 
 format: .venv/.dev
 	$(BIN)/ruff format .

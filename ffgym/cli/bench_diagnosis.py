@@ -15,6 +15,8 @@ from ffgym.exam.sitting import Question, hold
 from ffgym.exam.table import table
 from ffgym.exam.text import figures_text, misses_text, outcomes_text
 from ffgym.files import write_json
+from ffgym.report import check_figure, save_figure
+from ffgym.report.exam import outcomes_figure
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import SimulatedRig
 
@@ -37,6 +39,8 @@ class BenchDiagnosis:
     """Folder for the marks, one line for each question, as soon as it is answered. Those in it are not asked again."""
     json: Path | None = None
     """Also write every figure and mark to this file."""
+    figure: Path | None = None
+    """Also draw the answers over loudness to this file: svg, png or pdf."""
     jobs: int = 1
     """Questions that are answered at the same time, each in a process of its own; marks are the same at any number."""
 
@@ -44,7 +48,9 @@ class BenchDiagnosis:
         """Check, ask, mark, write, print."""
         check_whole("--seed", self.seed, low=0)
         check_whole("--jobs", self.jobs, low=1, high=1024)
-        check_outputs({"--json": self.json})
+        check_outputs({"--json": self.json, "--figure": self.figure})
+        if self.figure is not None:
+            check_figure(self.figure)
         place = self._place()
         questions = self._questions()
         kept = [] if place is None else read_marks(place, self.seed)
@@ -83,6 +89,8 @@ class BenchDiagnosis:
     def _tell(self, marks: Sequence[Mark]) -> None:
         lines = table(marks)
         print("\n\n".join(part for part in (figures_text(lines), outcomes_text(marks), misses_text(marks)) if part))
+        if self.figure is not None:
+            print(f"\npicture: {save_figure(outcomes_figure(marks), self.figure)}")
         if self.json is not None:
             physics = SimulatedRig(arm=RigidArm(load_robot(ROBOT))).fingerprint
             origin = provenance("ffgym bench-diagnosis", self, ROBOT, physics, self.seed)

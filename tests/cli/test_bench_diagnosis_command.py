@@ -84,6 +84,13 @@ def test_numbers_go_into_a_file_with_their_origin(asked, tmp_path, capsys):
     assert [mark["sentence"] for mark in found["marks"]] == ["seed 12"]
 
 
+def test_answers_are_drawn_if_asked_for(asked, tmp_path, capsys):
+    place = tmp_path / "exam.svg"
+    assert main(["bench-diagnosis", "--rows", "clean", "--cases", "3", "--figure", str(place)]) == 0
+    assert b"<svg" in place.read_bytes()
+    assert f"picture: {place}" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -92,6 +99,7 @@ def test_numbers_go_into_a_file_with_their_origin(asked, tmp_path, capsys):
         (["--seed", "-1"], "--seed"),
         (["--jobs", "0"], "--jobs"),
         (["--json", "exam.txt"], ".json"),
+        (["--figure", "exam.gif"], "figure format"),
     ],
     ids=lambda x: x[0] if isinstance(x, list) else "",
 )

@@ -1,0 +1,53 @@
+"""Results of an exam on a page: from kept marks, between its marks, with what was asked and what was not."""
+
+import re
+from dataclasses import replace
+
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.exam.draw import COUNTS
+from ffgym.exam.results import write_marks
+from scripts.exam_page import PAGE, Config, main
+from tests.report.test_exam_plot import mark
+
+MARKS = [mark("clean", "none", "none"), mark("foreign", "wrong", "named", number=3)]
+
+
+@pytest.fixture
+def config(tmp_path):
+    page = tmp_path / "docs" / "page.md"
+    (page.parent / "pictures").mkdir(parents=True)
+    page.write_text("a\n<!-- exam -->\nold\n<!-- end -->\nb\n", encoding="utf-8")
+    return Config(seed=12, out=tmp_path, commit="abc123", page=page)
+
+
+def test_tables_misses_and_the_picture_are_written(config):
+    write_marks(config.out / "seed_12.jsonl", 12, MARKS)
+    text = main(config)
+    assert config.page.read_text(encoding="utf-8") == f"a\n<!-- exam -->\n{text}\n<!-- end -->\nb\n"
+    assert "--seed 12" in text
+    assert "abc123" in text
+    assert f"2 of {sum(COUNTS.values())} questions (1 of 100 `clean`" in text
+    assert "foreign-3: cogging on j1 (20); named" in text
+    assert (config.page.parent / "pictures" / "exam.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_whole_exam_says_so(config):
+    whole = [
+        replace(mark(row, "right", "named"), number=k, outcome="none", truth=())
+        for row, n in COUNTS.items()
+        for k in range(n)
+    ]
+    write_marks(config.out / "seed_12.jsonl", 12, whole)
+    assert f"all {sum(COUNTS.values())} questions" in main(config)
+
+
+def test_without_marks_nothing_is_written(config):
+    with pytest.raises(FFGymError, match=r"seed_12\.jsonl: holds no marks"):
+        main(config)
+    assert "old" in config.page.read_text(encoding="utf-8")
+
+
+def test_the_page_of_the_project_has_the_place():
+    assert len(re.findall(r"<!-- exam -->\n.*?\n<!-- end -->", PAGE.read_text(encoding="utf-8"), flags=re.S)) == 1
