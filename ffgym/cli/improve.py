@@ -75,6 +75,7 @@ class Improve:
             fit=self.fit,
             protocols=self.protocols,
             rounds=self.rounds,
+            most_causes=self.most_causes,
             seed=self.seed,
             n_threads=self.threads,
         )
@@ -82,8 +83,8 @@ class Improve:
             rig,
             plan,
             folder,
-            diagnose=lambda machine, recordings, calibration: diagnose(
-                machine, recordings, calibration=calibration, seed=self.seed, most=self.most_causes
+            diagnose=lambda machine, recordings, calibration, most: diagnose(
+                machine, recordings, calibration=calibration, seed=self.seed, most=most
             ),
             stage=progress_bar,
             positions=self.positions or None,

@@ -12,6 +12,7 @@ from ffgym.diagnosis.document import read_diagnosis, write_diagnosis
 from ffgym.diagnosis.extended import extended_machine, save_extended
 from ffgym.diagnosis.nominal import LEAST_SHARE
 from ffgym.diagnosis.result import Diagnosis
+from ffgym.diagnosis.search.search import MOST
 from ffgym.diagnosis.tuning import tuned
 from ffgym.effects import Origin
 from ffgym.errors import FFGymError, check_whole
@@ -32,8 +33,9 @@ PAUSE = 60.0
 _FITTED = Calibration.of_share(LEAST_SHARE)
 """How well numbers are known that were fitted to the very recordings."""
 
-Diagnose = Callable[[Machine, Sequence[Recording], Calibration], Diagnosis]
-"""What a model lacks, by recordings of the machine, and how well the numbers of the model are known."""
+Diagnose = Callable[[Machine, Sequence[Recording], Calibration, int], Diagnosis]
+"""What a model lacks, by recordings of the machine, how well the numbers of the model are known, and the most causes to
+look for."""
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Something that takes its time: its title and the unit of its progress."""
@@ -56,6 +58,8 @@ class Plan:
     """What is recorded in each round, as for `ffgym record`."""
     rounds: int = 4
     """At most."""
+    most_causes: int = 3
+    """Causes that a diagnosis looks for."""
     seed: int = 0
     """Of the sensors' noise."""
     n_threads: int = 0
@@ -63,6 +67,7 @@ class Plan:
 
     def __post_init__(self) -> None:
         check_whole("rounds", self.rounds, low=1, high=20)
+        check_whole("most causes", self.most_causes, low=1, high=MOST)
         check_whole("seed", self.seed, low=0)
         if not self.protocols:
             raise FFGymError("There is nothing to record in a round: name a protocol.")
@@ -123,7 +128,7 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
         before = machine
         with stage(f"diagnosing, round {number}", "") as progress:
             progress(0, 1)
-            diagnosis = _diagnosed(place, before, recordings, calibration, diagnose)
+            diagnosis = _diagnosed(place, before, recordings, calibration, plan.most_causes, diagnose)
             progress(1, 1)
         if plan.fit and diagnosis.causes:
             grown = extended_machine(before, diagnosis.causes)
@@ -172,13 +177,19 @@ def _fitted(place: Path, machine: Machine, plan: Plan, recordings: Sequence[Reco
 
 
 def _diagnosed(
-    place: Path, machine: Machine, recordings: Sequence[Recording], calibration: Calibration, diagnose: Diagnose
+    place: Path,
+    machine: Machine,
+    recordings: Sequence[Recording],
+    calibration: Calibration,
+    most: int,
+    diagnose: Diagnose,
 ) -> Diagnosis:
-    """The diagnosis of a round: the one in its folder, if it is of these recordings and this model."""
-    key, file, about = place / "diagnosed.json", place / "diagnosis.json", _about(machine, recordings)
+    """The diagnosis of a round: the one in its folder, if it is of these recordings, this model and as many causes."""
+    key, file = place / "diagnosed.json", place / "diagnosis.json"
+    about = _about(machine, recordings) | {"most_causes": most}
     if key.exists() and file.exists() and _json(key) == about:
         return read_diagnosis(file)
-    diagnosis = diagnose(machine, recordings, calibration)
+    diagnosis = diagnose(machine, recordings, calibration, most)
     write_diagnosis(file, diagnosis)
     write_json(key, about)
     return diagnosis

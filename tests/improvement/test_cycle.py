@@ -35,7 +35,10 @@ def rig(one_axis):
 def rounds(rig, tmp_path_factory):
     nominal = Machine(robot=rig.robot)
     plan = Plan(nominal=nominal, robot=rig.robot.name, rounds=4, n_threads=1)
-    ask = lambda machine, recordings, calibration: diagnose(machine, recordings, calibration=calibration)  # noqa: E731
+
+    def ask(machine, recordings, calibration, most):
+        return diagnose(machine, recordings, calibration=calibration, most=most)
+
     return improved(rig, plan, tmp_path_factory.mktemp("cycle"), ask, quiet)
 
 

@@ -42,7 +42,7 @@ class Knowing:
     def __init__(self, found=FOUND):
         self.found, self.asked = found, []
 
-    def __call__(self, machine, recordings, calibration):
+    def __call__(self, machine, recordings, calibration, most):
         causes = tuple(self.found[len(machine.effects) and (1 if len(machine.effects) == 2 else 2)])
         self.asked.append([recording.header.segment for recording in recordings])
         proposed = SeparatingMotion(between=("a", "b"), protocol="table_6_1", toml=MORE, expected=1.0)
@@ -128,6 +128,13 @@ def test_a_diagnosis_of_another_model_is_made_again(improvement, rig, plan, fold
     assert len(again.asked) == 1
 
 
+def test_a_diagnosis_that_looked_for_fewer_causes_is_made_again(improvement, rig, plan, folder, tmp_path):
+    copy = shutil.copytree(folder, tmp_path / "copy")
+    again = Knowing()
+    improved(rig, replace(plan, most_causes=5, rounds=1), copy, again, quiet)
+    assert len(again.asked) == 1
+
+
 def test_numbers_text_and_page_tell_of_all_laws_and_rounds(improvement):
     document = json.loads(json.dumps(improvement.document()))
     assert len(document["rounds"]) == 3
@@ -152,5 +159,7 @@ def test_robots_without_circles_are_refused_before_anything_is_recorded(one_axis
 def test_a_plan_without_rounds_or_protocols_is_none(plan):
     with pytest.raises(FFGymError, match="rounds"):
         replace(plan, rounds=0)
+    with pytest.raises(FFGymError, match="most causes"):
+        replace(plan, most_causes=0)
     with pytest.raises(FFGymError, match="nothing to record"):
         replace(plan, protocols=())
