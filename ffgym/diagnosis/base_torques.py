@@ -3,7 +3,7 @@
 import numpy as np
 
 from ffgym.diagnosis.replay import Replay
-from ffgym.diagnosis.signatures.column import Parts
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.identification.rigid_body.arm_terms import Bodies
 from ffgym.identification.rigid_body.base import base_parameters
 from ffgym.identification.rigid_body.link_motion import rigid_motion

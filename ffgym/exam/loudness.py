@@ -24,7 +24,7 @@ from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Parts
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.effects import Effect
 from ffgym.exam.case import Case, protocol_of
 from ffgym.exam.recording import log_of_case, recorded

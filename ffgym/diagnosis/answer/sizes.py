@@ -5,7 +5,8 @@ import numpy as np
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.fit.hypothesis import Free, Hypothesis
+from ffgym.diagnosis.fit.free import Free
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Cause, Size
 from ffgym.robot import RobotDescription
 from ffgym.types import Array

@@ -11,7 +11,7 @@ from ffgym.diagnosis.result import Verdict
 from ffgym.diagnosis.search.found import Found, found_in
 from ffgym.diagnosis.search.ties import tied_among
 from ffgym.diagnosis.search.worth import removed_by
-from ffgym.diagnosis.signatures.column import Parts
+from ffgym.diagnosis.signatures.parts import Parts
 
 NAMED = 0.9
 """Share of the energy above the noise that causes must remove in each component to be named without reserve..."""

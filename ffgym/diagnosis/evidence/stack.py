@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Parts
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.types import Array, BoolArray, IntArray
 
 BLOCK = 1.0

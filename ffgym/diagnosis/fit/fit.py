@@ -15,7 +15,7 @@ from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Parts
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.errors import FFGymError
 from ffgym.types import Array, IntArray
 

@@ -6,23 +6,13 @@ from typing import Any, Self
 
 import numpy as np
 
+from ffgym.diagnosis.fit.free import Free, free_number
 from ffgym.diagnosis.result import label_of
-from ffgym.diagnosis.signatures.variant import step_of
 from ffgym.effects import Effect
-from ffgym.effects.parameter import Parameter
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
-
-_CYCLES = 0.05
-"""Step of a frequency as a share of itself; a frequency is looked for before, and only refined here."""
-
-
-_NUDGE, _CYCLES_NUDGE = 0.05, 1e-5
-"""Change of a number by which slopes are found, as a share of its practical step: small against where effects bend,
-large against rounding; and of a frequency, as a share of itself: after a hundred turns of a motor at sixty cycles per
-turn, the phase is 0.4 rad further."""
 
 _IMPLAUSIBLE = 1.0
 """Widths of its plausible range by which a size must lie beyond it to be held against a hypothesis: ranges are chosen,
@@ -34,22 +24,6 @@ _OTHER_WAVE = 0.3
 
 Place = tuple[str, str, int | None]
 """Effect, joint, and the joint that causes it."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Free:
-    """One number of a hypothesis that is fitted."""
-
-    name: str
-    part: int | None
-    """Which number of a vector."""
-    value: float
-    step: float
-    """A practical change, > 0."""
-    low: float
-    high: float
-    nudge: float
-    """A change by which slopes are found, > 0."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -134,7 +108,7 @@ class Hypothesis:
             p = self.kind.parameters()[name]
             for part in range(3) if p.per == "vector" else (None,):
                 at = float(value if part is None else value[part])
-                found.append(_free(p, part, at))
+                found.append(free_number(p, part, at))
         return found
 
     def without(self, size: str) -> Self:
@@ -190,27 +164,3 @@ def machine_of(like: Machine, effects: Sequence[Effect]) -> Machine | None:
     except FFGymError:
         return None
     return machine
-
-
-def _free(p: Parameter, part: int | None, value: float) -> Free:
-    step, low, high = _span(p, value)
-    nudge = _CYCLES_NUDGE * max(abs(value), 1.0) if p.role == "cycles" else _NUDGE * step
-    return Free(name=p.name, part=part, value=value, step=step, low=low, high=high, nudge=nudge)
-
-
-def _span(p: Parameter, value: float) -> tuple[float, float, float]:
-    """Practical step, lowest and highest value of a number."""
-    if p.role == "size":
-        return abs(step_of(p)), p.minimum, p.maximum
-    if p.role == "phase":
-        return 0.5, -np.inf, np.inf
-    if p.is_looked_for:  # and found there
-        step = _CYCLES * max(abs(value), 1.0)
-        return step, max(p.minimum, value - step), value + step
-    # beyond its plausible range a shape makes of an effect another one: a drift of a second is a level, and so is
-    # friction that repeats after many turns
-    low, high = min(p.low, value), max(p.high, value)
-    if p.role == "cycles":  # somewhere between those that were tried
-        step = 0.5 * float(np.min(np.diff(p.tries)))
-        return step, max(low, value - step), min(high, value + step)
-    return 0.1 * (p.high - p.low), low, high

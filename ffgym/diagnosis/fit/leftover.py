@@ -10,7 +10,7 @@ from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Parts
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.types import Array
 
 _TOUCHED = 0.01

@@ -9,7 +9,7 @@ from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Parts
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.plant import Machine
 from ffgym.types import Array
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
 from ffgym.diagnosis.replay import Replay
-from ffgym.diagnosis.signatures.column import Parts
 from ffgym.diagnosis.signatures.exchange import exchanged
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 

@@ -7,7 +7,7 @@ import numpy as np
 from ffgym.diagnosis.calibration import BOUND
 from ffgym.diagnosis.evidence.stack import Blocks, Values
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Parts
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.types import Array
 
 DRAWS = 60

@@ -23,8 +23,8 @@ from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Parts
 from ffgym.diagnosis.signatures.exchange import exchanged
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.plant import Machine
 from ffgym.protocols import SessionMotion, record
 from ffgym.robot import RigidArm

@@ -5,13 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tracked
-from ffgym.diagnosis.replay.clocks import late
-from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.difference import Change, Push, changes, misread_on, misread_push, only_joint, push_of
+from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
+from ffgym.diagnosis.signatures.bending import changes
+from ffgym.diagnosis.signatures.parts import Parts, clock_parts, replayed_parts, shown
+from ffgym.diagnosis.signatures.push import Push, misread_on, misread_push, only_joint, push_of
 from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
-from ffgym.plant import Machine
 from ffgym.types import Array
 
 _TOGETHER = 24
@@ -20,9 +19,6 @@ _TOGETHER = 24
 
 _SMALL = 0.3
 """Share of a practical step by which what swings is perturbed; chosen: a base of 30 Hz, faster than machines move."""
-
-Parts = Mapping[tuple[Channel, int], Array]
-"""By channel and component, shape (R, M) each; what is not there does not change."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -156,32 +152,12 @@ def _tracker_columns(run: Replay, variant: Variant) -> list[Column]:
     return found
 
 
-def clock_parts(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) -> Parts:
-    """Change of the channels whose clocks are exchanged."""
-    found: dict[tuple[Channel, int], Array] = {}
-    of_channel: list[tuple[Channel, Array]] = [("torque", run.torque)]
-    if run.log.link is not None:
-        of_channel.append(("link", run.link_q))
-    for channel, values in of_channel:
-        before, after = late(values, channel, gone, run.log), late(values, channel, come, run.log)
-        if before is not after:
-            rows = run.log.sampling(after - before)
-            found |= {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
-    return found
-
-
 def _model_column(run: Replay, variant: Variant) -> Column:
     """Of an effect with joints of its own, which swing: a small one is more like one of any size."""
     values = variant.effect.values()
     small = type(variant.effect)(**values | {variant.parameter: _SMALL * values[variant.parameter]})
     parts = replayed_parts(run, with_effect(run.machine, small))
     return _column(run, variant, "", {key: rows / _SMALL for key, rows in parts.items()})
-
-
-def replayed_parts(run: Replay, machine: Machine) -> Parts:
-    """Change of all channels if the log is replayed on another machine: of what has joints of its own."""
-    before, after = predicted(run), predicted(replay(run.log, machine, run))
-    return {(c, k): after[c][..., k] - rows[..., k] for c, rows in before.items() for k in range(rows.shape[2])}
 
 
 def _on_one(variant: Variant, joint: str, run: Replay) -> Effect:
@@ -205,19 +181,6 @@ def _pushes(run: Replay, variant: Variant) -> list[tuple[str, Push]]:
         return [(joints[j], misread_on(run, misread, j)) for j in variant.joints]
     push = push_of(run, effect)
     return [(joints[j], only_joint(push, j)) for j in variant.joints] or [("", push)]
-
-
-def shown(run: Replay, change: Change) -> Parts:
-    """What a change shows in each channel that the log has."""
-    parts: dict[tuple[Channel, int], Array] = {}
-    for j in range(run.robot.n_joints):
-        parts["torque", j] = change.torque[..., j]
-        if run.log.link is not None:
-            parts["link", j] = change.link[..., j]
-    if run.log.tool is not None:
-        tool = np.matmul(run.tool_jacobian, change.link[..., None])[..., 0]
-        parts |= {("tool", k): tool[..., k] for k in range(3)}
-    return parts
 
 
 def together(columns: Sequence[Column]) -> list[list[int]]:

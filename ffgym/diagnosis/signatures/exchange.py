@@ -3,8 +3,9 @@
 from collections.abc import Sequence
 
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
-from ffgym.diagnosis.signatures.column import Parts, clock_parts, replayed_parts, shown
-from ffgym.diagnosis.signatures.difference import Push, changes, moved, of_numbers
+from ffgym.diagnosis.signatures.bending import changes
+from ffgym.diagnosis.signatures.parts import Parts, clock_parts, replayed_parts, shown
+from ffgym.diagnosis.signatures.push import Push, moved, of_numbers
 from ffgym.effects import ClockEffect, ModelEffect, NativeEffect, TorqueEffect, Torques, TrackerEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect

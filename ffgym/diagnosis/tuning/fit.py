@@ -28,7 +28,8 @@ from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.sampling import CUTOFF
 from ffgym.diagnosis.measured import counting_rows, valid_rows
 from ffgym.diagnosis.replay import Replay, replay
-from ffgym.diagnosis.signatures.column import Parts, columns_of
+from ffgym.diagnosis.signatures.column import columns_of
+from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.diagnosis.tuning.numbers import PRECISION, as_described, distance, with_numbers
 from ffgym.effects.drive import TorqueOffset
 from ffgym.plant import Machine
