@@ -16,6 +16,7 @@ import numpy as np
 
 from agents.effects.states import Place, States
 from ffgym.effects import State, TorqueEffect, Torques
+from ffgym.effects.leads import Leads
 from ffgym.effects.transmission import Backlash
 from ffgym.types import Array
 
@@ -150,12 +151,12 @@ class Springs:
     def _sum(self, place: Place, memories: Sequence[Array], dt: float) -> tuple[Torques, list[Array]]:
         """All torques together; what a spring adds is load for the next effect, as in a plant."""
         state, total, later = self._state(place), Torques(), []
-        alone = state.load
+        alone, leads = state.load, Leads(are_in_load=True)
         for effect, memory in zip(self.effects, memories, strict=True):
             added, after = effect.torques(state, memory, dt)
             later.append(after)
             total = Torques(
-                motor=_plus(total.motor, added.motor),
+                motor=_plus(_plus(total.motor, added.motor), leads.beside(effect, state, added.spring)),
                 spring=_plus(total.spring, added.spring),
                 link=_plus(total.link, added.link),
             )

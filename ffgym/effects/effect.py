@@ -187,6 +187,13 @@ class TorqueEffect(Effect):
         Only elementwise arithmetic, so that a result does not depend on how many robots are computed together.
         """
 
+    def lead_slope(self, state: State) -> Array | None:
+        r"""Slope :math:`\partial e / \partial \theta` of an effect by which the output leads the motor by e, (..., N).
+
+        Link side over motor side [1]; None for all other effects.
+        """
+        return None
+
     def torques_over(self, states: State, dt: float) -> Torques | None:
         """The same at T samples `dt` [s] apart at once, (T, ..., N), for an effect whose memory is a linear filter.
 

@@ -11,6 +11,7 @@ import numpy as np
 from mujoco import batch
 
 from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
+from ffgym.effects.leads import Leads
 from ffgym.effects.stack import by_kind, stacked
 from ffgym.plant.addresses import Addresses
 from ffgym.plant.engine_state import EngineState
@@ -145,9 +146,11 @@ class Forces:
         """All torques together; `memories` are replaced by those after `dt` [s]."""
         total = Torques()
         alone: tuple[Array, Array] | None = None
+        leads = Leads(are_in_load=True)
         for k, (effect, present) in enumerate(zip(chosen.torque, chosen.present, strict=True)):
             added, memories[k] = effect.torques(state, memories[k], dt)
             total.motor = _added(total.motor, added.motor, present)
+            total.motor = _added(total.motor, leads.beside(effect, state, added.spring, present), None)
             total.link = _added(total.link, added.link, present)
             total.spring = spring = _added(total.spring, added.spring, present)
             if added.spring is not None and spring is not None:

@@ -9,6 +9,7 @@ from agents.model import ModelLaw, left_alone, model_law
 from ffgym.control import joint_reference
 from ffgym.effects import EFFECTS, NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.errors import FFGymError
+from ffgym.exam.equations import VARIANTS
 from ffgym.paths import multisine
 from ffgym.plant import Climate, Machine, save_machine
 from ffgym.robot import RigidArm
@@ -104,6 +105,17 @@ def test_effects_at_their_null_value_change_nothing(name, arm, circle):
     law = model_law(Machine(robot=arm.robot, effects=(without_effect(EFFECTS[name], arm.robot),)), arm)
     assert isinstance(law, ModelLaw)
     np.testing.assert_allclose(law.torque(circle), elastic_law(arm).torque(circle), rtol=0, atol=2e-4)
+
+
+def test_two_waves_of_a_gear_error_are_one_error_of_that_shape(arm, circle):
+    kind, robot = EFFECTS["kinematic_error"], arm.robot
+    waves = (
+        kind.on(robot, amplitude=3e-4, cycles=1.0, phase=0.6),
+        kind.on(robot, amplitude=1.2e-4, cycles=2.0, phase=2.2),
+    )
+    both = VARIANTS["two_wave_gear_error"].on(robot, amplitude=3e-4, cycles=1.0, phase=0.6)
+    laws = [model_law(Machine(robot=robot, effects=effects), arm) for effects in (waves, (both,))]
+    np.testing.assert_allclose(laws[0].torque(circle), laws[1].torque(circle), rtol=0, atol=1e-9)
 
 
 def test_samples_and_batches_with_effects_are_the_same_law(arm, circle):

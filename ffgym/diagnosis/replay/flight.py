@@ -5,6 +5,7 @@ import numpy as np
 from ffgym.diagnosis.replay.springs import Deflection, Springs, resting
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.along import samples, torques_along
+from ffgym.effects.leads import Leads
 from ffgym.plant import Machine
 from ffgym.types import Array
 
@@ -16,11 +17,11 @@ def arm_effects(machine: Machine) -> list[TorqueEffect]:
 
 def summed(effects: list[TorqueEffect], state: State, dt: float) -> Torques:
     """Torques of several effects together; each of them sees the load of the springs alone."""
-    total = Torques()
+    total, leads = Torques(), Leads(are_in_load=False)
     for effect in effects:
         added = torques_along(effect, state, dt)
         total.motor, total.spring, total.link = (
-            plus(total.motor, added.motor),
+            plus(plus(total.motor, added.motor), leads.beside(effect, state, added.spring)),
             plus(total.spring, added.spring),
             plus(total.link, added.link),
         )

@@ -18,7 +18,7 @@ class KinematicError(TorqueEffect):
 
     The spring is wound by :math:`\delta - e(\theta)` in place of :math:`\delta`. Its energy gives what acts on the
     deflection, :math:`k e + d \dot e`, and what acts back on the motor, :math:`-\tau_l\, \partial e / \partial \theta`,
-    with the load :math:`\tau_l` passed on, so that no energy is made.
+    with the load :math:`\tau_l` passed on, so that no energy is made. Several on one joint are waves of one error.
     """
 
     name: ClassVar[str] = "kinematic_error"
@@ -65,8 +65,15 @@ class KinematicError(TorqueEffect):
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
-        angle = self.cycles * state.motor_angle + self.phase
-        error = self.amplitude * np.sin(angle)
-        slope = self.amplitude * self.cycles * np.cos(angle)
+        error, slope = self.amplitude * np.sin(self._angle(state)), self.lead_slope(state)
         spring = state.joint_stiffness * error + state.joint_damping * slope * state.motor_speed
         return Torques(spring=spring, motor=-(state.load + spring) * slope), memory
+
+    def lead_slope(self, state: State) -> Array:
+        """See base class."""
+        slope: Array = self.amplitude * self.cycles * np.cos(self._angle(state))
+        return slope
+
+    def _angle(self, state: State) -> Array:
+        angle: Array = self.cycles * state.motor_angle + self.phase
+        return angle

@@ -55,8 +55,8 @@ def small(kind, robot, share=0.01):
     return kind.on(robot, **values)
 
 
-def with_effect(effect):
-    return replace(nominal(), effects=(effect,))
+def with_effect(*effects):
+    return replace(nominal(), effects=effects)
 
 
 def left(recordings, machine):
