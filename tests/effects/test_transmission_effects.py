@@ -64,6 +64,15 @@ def test_a_loaded_joint_with_backlash_hangs_half_a_gap_lower(irb4600, corners):
     np.testing.assert_allclose((loose - tight)[loaded], 3e-4 * np.sign(tight[loaded]), rtol=2e-2)
 
 
+def test_a_joint_that_hardly_carries_anything_hangs_within_its_backlash(irb4600, corners):
+    gap = 3e-4
+    machine = irb4600_machine(irb4600, backlash={"half_gap": [0, 0, 0, 0, 0, gap]})
+    for q in corners.values():
+        for turned in np.linspace(-0.002, 0.002, 9):
+            bent = resting(machine, q + turned * np.eye(6)[5])
+            assert abs(bent[5]) <= gap * (1 + 1e-3) + 1e-6
+
+
 def test_backlash_carries_nothing_within_its_gap(irb4600):
     effect = EFFECTS["backlash"].on(irb4600, half_gap=2e-4)
     stiffness, damping = irb4600.drive.joint_stiffness, irb4600.drive.joint_damping
