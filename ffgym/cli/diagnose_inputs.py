@@ -1,7 +1,7 @@
 """What a diagnosis begins with: logs from files, folders or the package, and the nominal model by its name."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from ffgym.cli.descriptions import described_robot
@@ -44,7 +44,9 @@ def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescriptio
     read = [(path, recording) for path in paths for recording in _read(path, columns, robot)]
     names = [recording.header.segment for _, recording in read]
     return [
-        _renamed(recording, path) if names.count(recording.header.segment) > 1 else recording
+        recording.renamed(f"{path.stem}/{recording.header.segment}")
+        if names.count(recording.header.segment) > 1
+        else recording
         for path, recording in read
     ]
 
@@ -90,8 +92,3 @@ def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Reco
     if columns is None and path.is_dir():
         return read_folder(path)
     return read_logs(path, columns, robot=None if columns is None else robot)
-
-
-def _renamed(recording: Recording, path: Path) -> Recording:
-    header = replace(recording.header, segment=f"{path.stem}/{recording.header.segment}")
-    return Recording(columns=recording.columns, header=header)

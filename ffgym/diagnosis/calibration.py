@@ -21,8 +21,10 @@ from ffgym.errors import check_number
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
-BOUND = 3.0
-"""Standard deviations beyond which a calibration error is none: without a bound calibration swallows effects."""
+BOUND = 4.0
+"""Standard deviations beyond which a calibration error is none: without a bound calibration swallows effects. Of the
+sixty numbers of a robot one lies beyond 3 in every seventh robot, beyond 4 in one of 260.
+"""
 
 SHARE = 0.005
 """Default standard deviation of nominal numbers, relative: of robots that are calibrated one by one."""

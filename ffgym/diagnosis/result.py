@@ -148,7 +148,7 @@ class Diagnosis:
     separating_motion: SeparatingMotion | None = None
     levels: tuple[Level, ...] = ()
     threshold: float = 0.0
-    """Energy that the best effect removes by chance in one of a hundred logs of a perfect model, on rows that were not
+    """Energy that the best effect removes by chance in one of a thousand logs of a perfect model, on rows that were not
     used; 1 is the energy of noise in one component. Effects are tried whose score is larger. No share."""
     quality: tuple[str, ...] = ()
     """What the quality gate flagged or refused."""

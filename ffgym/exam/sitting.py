@@ -102,7 +102,8 @@ def _resolved(paper: Paper, answer: Diagnosis) -> Outcome | None:
             start=start,
             lacks=case.lacks,
         )
-    return outcome(answered([*paper.log, *more]), case.hidden)
+    later = [recording.renamed(f"proposed/{recording.header.segment}") for recording in more]
+    return outcome(answered([*paper.log, *later]), case.hidden)
 
 
 def hold(

@@ -19,6 +19,10 @@ _REACH = 10
 _FLOOR = 1e-3
 """Share of the range of a column that never counts as more than noise: what this check overlooks (docs/quality.md)."""
 
+_NOISE = (0.95, 0.8)
+"""Quantile of how far rows of a column stick out, and how many times that is usual anywhere in it: a spike then sticks
+out by 7 standard deviations of a noise whose steps a coarse column hides around some rows."""
+
 _STEPS = 8
 """Steps that a column must have for the smallest to be its resolution: those of one spike are two."""
 
@@ -64,7 +68,8 @@ def outlier_ratio(x: Array, resolution: float) -> Array:
     out[1:-1] = np.where(into * away > 0, np.minimum(np.abs(into), np.abs(away)), 0.0)
     out[:2] = 0.0  # a run may begin with a step of its servo
     out[-1] = min(abs(steps[-1]), abs(steps[-1] - steps[-2]))  # from the last row, and from where it led
-    return np.asarray(out / usual_steps(x, resolution))
+    noise = _NOISE[1] * float(np.quantile(out, _NOISE[0]))
+    return np.asarray(out / np.maximum(usual_steps(x, resolution), noise))
 
 
 def jump_ratio(x: Array, resolution: float) -> Array:
@@ -179,7 +184,7 @@ def noise_levels(x: Array) -> Array:
 CELLS = (
     Check(
         name="spike",
-        figure="Largest excursion of a single row over the largest steps around it",
+        figure="Largest excursion of a single row over the largest steps around it, or those of a noisy column",
         unit="1",
         flag=_SPIKE,
         refuse=8.0,

@@ -67,6 +67,10 @@ class Recording:
     def __reduce__(self) -> tuple[Any, ...]:
         return Recording, (dict(self.columns), self.header)  # a mapping proxy cannot be pickled
 
+    def renamed(self, segment: str) -> "Recording":
+        """The same of a segment with another name."""
+        return Recording(columns=self.columns, header=replace(self.header, segment=segment))
+
     @property
     def t(self) -> Array:
         """Controller clock [s], shape (T,), strictly increasing."""

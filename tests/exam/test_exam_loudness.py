@@ -48,7 +48,7 @@ def test_what_calibration_may_be_wrong_by_is_not_heard_but_what_is_more_than_tha
     doubt = valid * np.sin(np.arange(400))[:, None]
     calibrated = yardstick_of({"torque": noise}, valid, ROW_DT, [{("torque", 0): doubt}])
     plain = yardstick_of({"torque": noise}, valid, ROW_DT)
-    for size, left in ((2.0, 0.0), (13.0, 10.0)):  # three standard deviations are the most
+    for size, left in ((2.0, 0.0), (14.0, 10.0)):  # four standard deviations are the most
         error = {"torque": np.stack([size * doubt, np.zeros_like(doubt)], axis=-1)}
         rest = {"torque": np.stack([left * doubt, np.zeros_like(doubt)], axis=-1)}
         assert calibrated.energy(error) == pytest.approx(plain.energy(rest), abs=1e-3)

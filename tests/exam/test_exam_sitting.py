@@ -40,7 +40,7 @@ def test_what_a_poor_log_proposes_is_recorded_on_the_same_machine_and_diagnosed_
     assert (mark.outcome, mark.proposed, mark.then) == ("wrong_tie", "proposed", "none")
     first, both = logs
     assert both[: len(first)] == first
-    assert [name.split(".")[0] for name in both[len(first) :]] == ["dwell_restart"]
+    assert [name.split(".")[0] for name in both[len(first) :]] == ["proposed/dwell_restart"]
 
 
 def test_every_so_often_a_question_is_answered_twice(monkeypatch):

@@ -167,3 +167,16 @@ def test_the_last_of_coarse_values_is_no_spike_for_being_as_far_off_as_noise_may
     readings[-1] = 24.0
     said = objections(replace(log, columns=columns), described("one_axis", "sine"))
     assert any("temperature.j1: 24 at" in message for message in said)
+
+
+def test_noise_of_a_coarse_column_is_no_spike_where_it_happens_to_be_still_around():
+    """A thermometer that reads in tenths: half a kelvin off, among twelve rows within a tenth."""
+    log = clean_log("one_axis", "sine", sensors=True)
+    readings = 25 + 0.1 * np.round(np.random.default_rng(1).normal(0, 1, len(log)))
+    readings[200:224] = 25.0 + 0.1 * (np.arange(24) % 2)
+    readings[212] = 25.5
+    columns = {**log.columns, "temperature.j1": readings}
+    assert objections(replace(log, columns=columns), described("one_axis", "sine")) == []
+    readings[212] = 26.0
+    said = objections(replace(log, columns=columns), described("one_axis", "sine"))
+    assert any("temperature.j1: 26 at" in message for message in said)

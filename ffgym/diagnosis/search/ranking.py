@@ -24,8 +24,8 @@ sine and cosine of a joint that hardly turns, are no start for a fit where an ar
 Component = tuple[Channel, int]
 """Joint of a channel, or axis of the tool."""
 
-LEVEL = 0.99
-"""Share of faultless logs whose largest score lies below the threshold."""
+LEVEL = 0.999
+"""Share of faultless logs whose largest score lies below the threshold: of a hundred none should be above."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

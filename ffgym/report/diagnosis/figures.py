@@ -100,7 +100,7 @@ def candidate_figures(report: DiagnosisReport) -> list[ReportFigure]:
     caption = (
         "Share of the residual's energy above the noise floor that each effect removes on rows that were not used to "
         "fit it. Only effects are tried whose score on such rows is above what the best of all reaches by chance in "
-        "one of a hundred logs of a perfect model: "
+        "one of a thousand logs of a perfect model: "
         f"{report.diagnosis.threshold:.2g} times the energy of noise in one component."
     )
     return [_figure("candidates", "Causes and rivals", caption, candidates_figure(report.diagnosis))]

@@ -44,11 +44,11 @@ def test_errors_of_calibration_are_drawn_with_their_deviation():
     assert np.std(without.mean(axis=(0, 1))) < 5.0
 
 
-def test_chance_exceeds_the_threshold_about_once_in_a_hundred():
+def test_chance_exceeds_the_threshold_a_few_times_in_a_thousand():
     """Largest of many scores in each of as many faultless logs as are drawn, and one more."""
     rng = np.random.default_rng(2)
     alarms = 0
     for _ in range(2000):
         largest = rng.chisquare(1, size=(DRAWS + 1, 40)).max(axis=1)
         alarms += largest[-1] > _extreme(largest[:-1])
-    assert 0.002 < alarms / 2000 < 0.025
+    assert 0.0005 <= alarms / 2000 < 0.006
