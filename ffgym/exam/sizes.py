@@ -36,15 +36,14 @@ class SizeMark:
         return self.interval[0] <= self.true <= self.interval[1]
 
 
-def _cause(hidden: Hidden, answer: Diagnosis) -> Cause | None:
-    """The cause that names what is hidden, if one does."""
-    same = [c for c in answer.causes if (c.effect, c.joint) == (hidden.answer, hidden.joint)]
-    return same[0] if same else None
+def _causes(hidden: Hidden, answer: Diagnosis) -> list[Cause]:
+    """Causes that name what is hidden: one, or one for each wave."""
+    return [c for c in answer.causes if (c.effect, c.joint) == (hidden.answer, hidden.joint)]
 
 
 def marked_sizes(hidden: Hidden, answer: Diagnosis, robot: RobotDescription) -> list[SizeMark]:
     """Sizes of an effect of the library that is named; none where another shape was chosen, or the equation differs."""
-    cause = _cause(hidden, answer)
+    cause = next(iter(_causes(hidden, answer)), None)
     if cause is None or hidden.is_foreign or not _same_shape(hidden, cause, robot):
         return []
     numbers, found = hidden.numbers(robot), []
@@ -72,10 +71,14 @@ def _same_shape(hidden: Hidden, cause: Cause, robot: RobotDescription) -> bool:
 
 
 def marked_cycles(hidden: Hidden, answer: Diagnosis, robot: RobotDescription) -> float | None:
-    """Cycles per motor turn in an answer less the true ones; None where nothing is periodic, or it is not named."""
-    cause, known = _cause(hidden, answer), hidden.effect.parameters()
+    """Cycles per motor turn in an answer less the true ones, of the wave of the cause that is nearest to the main one.
+
+    None where nothing is periodic, or it is not named.
+    """
+    known = hidden.effect.parameters()
     name = next((p.name for p in known.values() if p.role == "cycles" and p.unit == "1"), None)
-    if cause is None or name is None:
+    if name is None:
         return None
-    said = {p.name: p.value for p in cause.parameters} | cause.fixed
-    return float(said[name] - hidden.numbers(robot)[name]) if name in said else None
+    said = [{p.name: p.value for p in cause.parameters} | cause.fixed for cause in _causes(hidden, answer)]
+    off = [float(numbers[name] - hidden.numbers(robot)[name]) for numbers in said if name in numbers]
+    return min(off, key=abs, default=None)

@@ -114,6 +114,17 @@ def test_a_variant_is_named_by_the_effect_that_it_is_of(paper, irb4600):
     assert mark.sizes == ()  # sizes of two equations are not the same
 
 
+def test_of_two_waves_that_are_named_the_main_one_counts_whichever_comes_first(paper, irb4600):
+    hidden = Hidden(effect=TwoWaveCogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
+    waves = [
+        cause("cogging", "j1", cycles=12.01),
+        cause("cogging", "j1", cycles=5.97),
+        cause("cogging", "j2", cycles=6),
+    ]
+    mark = marked(paper(hidden), says("named", *waves))
+    assert mark.cycles_off == pytest.approx(-0.03)
+
+
 def test_an_effect_outside_the_library_has_no_right_name(paper, irb4600):
     effect = FloorVibration.on(irb4600, "j2", share=0.1, frequency=17.0, phase=0.0)
     hidden = Hidden(effect=effect, joint="j2")
