@@ -65,12 +65,17 @@ def noise_of(log: Log) -> Noise:
         raise FFGymError("The log has no torque.")
     return Noise(
         angle=np.stack([white_noise(angle, low_pass, log.dt) for angle in raw]),
-        step=np.stack([_steps(angle, recording) for angle, recording in zip(raw, log.recordings, strict=True)]),
+        step=encoder_steps(log),
         torque=torque,
         tool=each(log.tool),
         link=each(log.link),
         feedback=each(log.feedback),
     )
+
+
+def encoder_steps(log: Log) -> Array:
+    """Steps of the encoders in each motion, shape (M, N), motor side [rad]; 0 where there are none."""
+    return np.stack([_steps(_angles(log, recording), recording) for recording in log.recordings])
 
 
 def _angles(log: Log, recording: Recording) -> Array:

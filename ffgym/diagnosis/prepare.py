@@ -12,7 +12,7 @@ from ffgym.diagnosis.exact import exact_recordings, is_same_motion
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
-from ffgym.diagnosis.noise import Faultless, faultless_residuals
+from ffgym.diagnosis.noise import Faultless, encoder_steps, faultless_residuals
 from ffgym.diagnosis.outliers import bounded_weights
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
@@ -20,6 +20,7 @@ from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.search.surrogates import surrogates
 from ffgym.diagnosis.signatures.column import Column, columns_of
 from ffgym.diagnosis.signatures.variant import variants
+from ffgym.diagnosis.standing import misread_friction
 from ffgym.effects import Effect, State, TorqueEffect, Torques
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
@@ -108,6 +109,7 @@ def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | No
     clean = log_of(log.robot, exact.recordings, like=log)
     run = replay(clean, like.machine)
     bias = residual_rows(clean, predicted(run))
+    bias["torque"] = bias["torque"] - misread_friction(exact.recordings, clean, run, encoder_steps(log))
     doubts = tuple(doubts_of(run, calibration))
     known = NominalRun(exact=exact.recordings, run=run, bias=bias, doubts=doubts, simulated=exact.simulated)
     if memory is not None and exact.simulated:
@@ -121,7 +123,7 @@ def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:
     digest.update(like.machine.physics(ModelOptions(looks=False)).encode())
     digest.update(repr([log.tool is None, log.link is None, log.feedback is None]).encode())
     hot = log.temperature if any(reads_temperature(effect, like) for effect in like.machine.torque_effects) else None
-    for values in (*(log.reference or ()), log.started, log.trembling, hot):
+    for values in (*(log.reference or ()), log.started, log.trembling, encoder_steps(log), hot):
         digest.update(b"-" if values is None else np.ascontiguousarray(values).tobytes())
     return digest.digest()
 

@@ -64,6 +64,11 @@ class Log:
     """[degC], shape (T, M, N)."""
 
     @property
+    def reading_noise(self) -> Array:
+        """White noise of the motors' readings that has such a band, standard deviation (N,), link side [rad]."""
+        return self.trembling / (_TREMBLING * _passed(self.sampling.motion_filter, self.dt))
+
+    @property
     def dt(self) -> float:
         """Sample period [s]."""
         return self.sampling.dt
@@ -170,12 +175,16 @@ def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pas
     for recording in recordings:
         raw = recording.joint_array("motor.position")
         angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
-        passed = np.sqrt(min(1.0, 2 * low_pass.cutoff * recording.dt))
-        noise.append(passed * white_noise(angle, low_pass, recording.dt))
+        noise.append(_passed(low_pass, recording.dt) * white_noise(angle, low_pass, recording.dt))
     width = _TREMBLING * np.median(noise, axis=0)
     steps = np.round(_PER_OCTAVE * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))
     rounded: Array = np.where(width > 0, 2.0 ** (steps / _PER_OCTAVE), 0.0)
     return rounded
+
+
+def _passed(low_pass: LowPass, dt: float) -> float:
+    """Share of white noise that a low-pass lets through."""
+    return float(np.sqrt(min(1.0, 2 * low_pass.cutoff * dt)))
 
 
 def _check(robot: RobotDescription, recordings: Sequence[Recording]) -> None:

@@ -1,0 +1,58 @@
+"""Motors that creep after a stop, read with noise and in steps: what replays of such logs share is no fault."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.measured import valid_rows
+from ffgym.diagnosis.noise import encoder_steps, faultless_residuals
+from ffgym.diagnosis.prepare import prepared
+from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.standing import misread_friction
+from ffgym.exam.recording import recorded
+from ffgym.plant import Machine
+from ffgym.protocols import load_protocols
+
+BLOCK = 60
+"""Rows of a mean [8 ms each]: torque noise of one row is an eighth of itself there."""
+
+
+@pytest.fixture(scope="module")
+def log(arm):
+    machine = Machine(robot=arm.robot)
+    return log_of(arm.robot, recorded(arm, machine, load_protocols("dwell_restart"), seed=3))
+
+
+@pytest.fixture(scope="module")
+def nominal(log):
+    return prepared(log, Machine(robot=log.robot), Calibration(), np.random.default_rng(0))
+
+
+def worst_means(log, draws):
+    """Largest mean over a block, mean of all draws, in RMS of noise, each joint."""
+    rows = np.where(valid_rows(log)[..., None, None], draws["torque"], 0.0)[:, 0]
+    rms = np.sqrt(np.mean(rows**2, axis=(0, 2)))
+    blocks = rows[: len(rows) // BLOCK * BLOCK].reshape(-1, BLOCK, *rows.shape[1:])
+    return np.abs(blocks.mean(axis=(1, 3))).max(axis=0) / rms
+
+
+def test_what_noise_does_to_standing_friction_on_average_is_taken_off(log, nominal):
+    run, exact = nominal.run, nominal.run.log.recordings
+    rng = np.random.default_rng(5)
+    with_it = faultless_residuals(log, exact, nominal.setting.bias, run.machine, rng).draws
+    loosened = misread_friction(exact, run.log, run, encoder_steps(log))
+    bias = {**nominal.setting.bias, "torque": nominal.setting.bias["torque"] + loosened}
+    without = faultless_residuals(log, exact, bias, run.machine, np.random.default_rng(5)).draws
+    assert worst_means(log, without).min() > 1.0
+    assert np.median(worst_means(log, with_it)) < 0.4 * np.median(worst_means(log, without))
+
+
+def test_an_exact_reading_loosens_nothing(log, nominal):
+    exact = nominal.run.log
+    silent = replace(exact, trembling=np.zeros_like(exact.trembling))
+    silent = log_of(log.robot, exact.recordings, like=silent)
+    run = replay(silent, Machine(robot=log.robot))
+    assert np.abs(misread_friction(exact.recordings, silent, run, np.zeros((1, 6)))).max() == 0.0
