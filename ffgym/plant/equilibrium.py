@@ -14,6 +14,8 @@ from ffgym.types import Array, IntArray
 
 _TOLERANCE = 1e-14
 """Change of deflection [rad] at which the search for equilibrium stops: rounding of angles of order 1 rad."""
+_TURN = 1e-9
+"""Change of deflection [rad] from which on a joint turns back, not rounding; gaps between teeth are far wider."""
 _MAX_ITERATIONS = 200
 """A load takes ten; a joint that hangs within its backlash is halved into place, which takes some hundred."""
 
@@ -65,8 +67,8 @@ def bent_by_load(
             full[:, at.is_elastic] = load[:, :n_own]
             update[:, :n_own] = effects(rows[moving]).deflection(full)[:, at.is_elastic]
         step, before = update - qpos[here], last[moving]
-        turns = (step * before < 0) & (np.abs(step) > 0.5 * np.abs(before))
-        most[moving] = np.where(turns, 0.5 * np.abs(before), most[moving])
+        turns = (step * before < 0) & (np.abs(step) > np.maximum(0.5 * np.abs(before), _TURN))
+        most[moving] = np.where(turns, 0.5 * np.minimum(most[moving], np.abs(step)), most[moving])
         slowed = np.abs(step) > most[moving]
         step = np.clip(step, -most[moving], most[moving])
         update = np.where(slowed, qpos[here] + step, update)

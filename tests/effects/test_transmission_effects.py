@@ -6,6 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ffgym.control import joint_reference
+from ffgym.diagnosis.examples import example_logs
 from ffgym.effects import EFFECTS, torques_along
 from ffgym.errors import FFGymError
 from ffgym.paths import multisine
@@ -62,6 +63,19 @@ def test_a_loaded_joint_with_backlash_hangs_half_a_gap_lower(irb4600, corners):
     loaded = np.abs(tight) > 1e-6
     assert loaded[1:5].all()
     np.testing.assert_allclose((loose - tight)[loaded], 3e-4 * np.sign(tight[loaded]), rtol=2e-2)
+
+
+def test_robots_find_their_rest_in_any_pose(irb4600, arm):
+    low, high = irb4600.kinematics.range.T
+    starts = [log.joint_array("reference.position")[0] for log in example_logs()]
+    poses = np.random.default_rng(0).uniform(low, high, size=(400, 6))
+    poses = np.concatenate([poses, irb4600.drive.joint_angle(np.array(starts))])
+    plant = Plant(Machine(robot=irb4600), len(poses), n_threads=1)
+    plant.rest(poses)
+    state = plant.state()
+    bent = state.link_position - poses
+    _, bias = arm.equations_of_motion(state.link_position, np.zeros_like(poses), gravity=True)
+    np.testing.assert_allclose(-irb4600.drive.joint_stiffness * bent, bias, rtol=1e-9, atol=1e-6)
 
 
 def test_a_joint_that_hardly_carries_anything_hangs_within_its_backlash(irb4600, corners):
