@@ -36,6 +36,7 @@ def mark(row="single", outcome="right", verdict="named", loudness=20.0, number=0
         ("pair", "surplus", "partly", PART),
         ("clean", "none", "none", GOOD),
         ("clean", "wrong", "named", WRONG),
+        ("clean", "insufficient", "insufficient", SILENT),
         ("outside", "unknown", "unknown", GOOD),
         ("outside", "wrong_partly", "partly", GOOD),
         ("outside", "wrong", "named", WRONG),

@@ -13,7 +13,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-GOOD, TIE, PART, SILENT, WRONG = "right", "tie with the truth in it", "part, or more than all", "not found", "wrong"
+GOOD, TIE, PART, SILENT, WRONG = (
+    "right",
+    "tie with the truth in it",
+    "part, or more than all",
+    "not found, or refused",
+    "wrong",
+)
 """What answers are summed up to."""
 
 _LOOKS = {
@@ -41,7 +47,7 @@ def summed_up(mark: Mark) -> str:
     if mark.row == "outside":
         return WRONG if mark.verdict in ("named", "ambiguous") else SILENT if mark.outcome == "none" else GOOD
     if not mark.truth:
-        return GOOD if mark.outcome in ("none", "insufficient") else WRONG
+        return {"none": GOOD, "insufficient": SILENT}.get(mark.outcome, WRONG)
     return {"right": GOOD, "tie": TIE, "part": PART, "surplus": PART}.get(
         mark.outcome, SILENT if mark.outcome in ("none", "unknown", "insufficient") else WRONG
     )
