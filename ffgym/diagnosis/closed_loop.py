@@ -70,15 +70,16 @@ def closed_loop_gain(
         raise FFGymError("There is nothing to compare: name recordings that were not diagnosed.")
     robot = nominal.robot
     runs = [_run_again(nominal, recording) for recording in recordings]
-    models = (nominal, extended)
-    found = simulate(
-        [run for _ in models for run in runs],
-        arm=RigidArm(robot),
-        machine=[_started(model, recording) for model in models for recording in recordings],
-        n_threads=n_threads,
-        progress=progress,
+    before, after = (
+        simulate(
+            runs,
+            arm=RigidArm(robot),
+            machine=[_started(model, recording) for recording in recordings],
+            n_threads=n_threads,
+            progress=part,
+        )
+        for model, part in zip((nominal, extended), _halves(progress), strict=True)
     )
-    before, after = found[: len(runs)], found[len(runs) :]
     has_tool = robot.tool is not None and all(recording.has("tcp.position") for recording in recordings)
     levels: list[LoopLevel] = []
     for quantity, unit in UNITS.items():
@@ -95,6 +96,16 @@ def closed_loop_gain(
             for name, a, b, c in zip(names, own.tolist(), first.tolist(), second.tolist(), strict=True)
         ]
     return tuple(levels)
+
+
+def _halves(progress: Progress | None) -> tuple[Progress | None, Progress | None]:
+    """Progress of two simulations of as long motions, one after the other: an effect may need an engine of its own."""
+    if progress is None:
+        return None, None
+    return (
+        lambda done, total: progress(done, 2 * total),
+        lambda done, total: progress(total + done, 2 * total),
+    )
 
 
 def check_comparable(nominal: Machine, recordings: Sequence[Recording]) -> None:

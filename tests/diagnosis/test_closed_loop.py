@@ -46,6 +46,19 @@ def test_the_model_of_the_machine_leaves_noise_and_the_nominal_one_what_it_lacks
     assert all(level.after < irb4600.sensors.tracker_noise for key, level in found.items() if key[0] == "tool")
 
 
+def test_a_base_that_gives_way_has_joints_that_the_nominal_model_lacks(reference, irb4600):
+    nominal = Machine(robot=irb4600)
+    soft = Machine(robot=irb4600, effects=(EFFECTS["base_flexibility"].on(irb4600, compliance=1e-7),))
+    recordings = simulate([Run(reference=reference)], machine=soft, sensors=sensors_of(irb4600), n_threads=1)
+    done = []
+    levels = closed_loop_gain(nominal, soft, recordings, n_threads=1, progress=lambda *now: done.append(now))
+    tool = [level for level in levels if level.quantity == "tool"]
+    assert all(level.after < irb4600.sensors.tracker_noise for level in tool)
+    assert max(level.before for level in tool) > 3 * irb4600.sensors.tracker_noise
+    assert [now[0] for now in done] == sorted(now[0] for now in done)
+    assert {total for _, total in done} == {done[-1][0]}, "the total of both simulations, from the beginning"
+
+
 def test_what_a_law_added_is_added_again(machine, recordings, irb4600):
     compensated = levels(Machine(robot=irb4600), machine, recordings[1:])
     assert compensated["tracking error", "j1"].after < 0.1 * compensated["tracking error", "j1"].measured
