@@ -144,12 +144,15 @@ def _examined(
     first = without_calibration(setting, found.nominal.fit)
     rest = without_calibration(setting, found.final.fit)
     after = residual_of(log, found.final.fit.run, rest, ready.floor)
-    before = residual_of(log, found.nominal.fit.run, without_calibration(setting, found.nominal.fit), ready.floor)
+    before = residual_of(log, found.nominal.fit.run, first, ready.floor)
     loud = loudness(setting, rest)
     blind = blind_rivals(found.final.fit.hypotheses, not_judgeable)
     verdict = beside_blind(judged(setting, found, loudness(setting, first), loud), blind)
     report("looking at what is left", 0.95)
-    patterns = find_patterns(after, rng) if verdict.verdict in ("unknown", "partly") else ()
+    left = after
+    if found.unsure:
+        left = residual_of(log, found.whole.fit.run, without_calibration(setting, found.whole.fit), ready.floor)
+    patterns = find_patterns(left, rng) if verdict.verdict in ("unknown", "partly") else ()
     causes = causes_of(found.final.fit, verdict.gains, calibration, rng)
     ties = bool(causes) and any(rival.tied for rival in found.rivals)
     rivals = (*found.rivals, *told(verdict, blind)) if causes else ()

@@ -35,9 +35,14 @@ def sentence(verdict, *, tied=True, stretched=(), patterns=PATTERNS):
 def test_beside_sure_causes_those_that_tie_are_told_and_what_each_of_some_components_depends_on():
     found = sentence("partly")
     assert found.startswith("Partly explained by Friction that grows with load of j2: that removes 80 %")
-    assert "; beyond that, payload would explain more; what is left depends on: first of j1; of x; of j2." in found
+    assert "; beyond that, payload would explain more; what is left then depends on: first of j1; of x; of j2." in found
     assert "second of j1" not in found
     assert "of j3" not in found
+
+
+def test_nothing_is_said_to_be_left_where_those_that_tie_would_leave_nothing():
+    assert sentence("partly", patterns=()).endswith("; beyond that, payload would explain more.")
+    assert sentence("partly", patterns=(), tied=False).endswith(", and something is left.")
 
 
 def test_a_rival_that_the_log_cannot_tell_from_a_cause_is_told_beside_it():

@@ -36,7 +36,8 @@ def sentence_of(
         if judged.stretched:
             more = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
         elif beyond := [rival for rival in tied if rival not in instead]:
-            more = f"; beyond that, {_any_of(beyond)} would explain more{more}"
+            then = f"; what is left then depends on: {left}" if left else ""
+            more = f"; beyond that, {_any_of(beyond)} would explain more{then}"
         besides = f" (these logs cannot tell it from {_any_of(instead)})" if instead else ""
         return f"Partly explained by {named}{besides}: that removes {share} of what noise does not explain{more}."
     return f"Consistent with {named}, which removes {share} of what noise does not explain."

@@ -61,6 +61,8 @@ class Found:
     """Of the first round; those of later ones take much memory, and nothing is asked of them."""
     final: Tried
     """With all causes that are sure, or with all if none is; the nominal model if they explain too little."""
+    whole: Tried
+    """With those causes too that cannot be told from a rival: what it leaves, neither of them explains."""
     rounds: tuple[Round, ...]
     rivals: tuple[Rival, ...]
     unsure: tuple[Hypothesis, ...]

@@ -89,21 +89,31 @@ def search(
     sure = [hypothesis for hypothesis in now.fit.hypotheses if hypothesis not in unsure]
     if sure and unsure:
         rivals = (*rivals, *as_rivals(unsure, rivals, rounds))
-        now = judged_with(setting, sure)
-    final = nominal
-    if now.fit.hypotheses and explains_most(setting, nominal, now):
-        report("fitting all of it once more", 1.0)
-        final = scored(setting, corrected(setting, now.fit))
+    final = _final(setting, nominal, now, sure or now.fit.hypotheses, report)
+    is_left_out = bool(sure and unsure and final.fit.hypotheses)
     rows = float(now.fit.evidence.rows.sum())
     return Found(
         nominal=nominal,
         candidates=first,
         final=final,
+        whole=now if is_left_out else final,
         rounds=tuple(rounds),
         rivals=rivals,
-        unsure=tuple(unsure) if sure else (),
+        unsure=tuple(unsure) if is_left_out else (),
         rows=rows,
     )
+
+
+def _final(setting: Setting, nominal: Tried, now: Tried, kept: Sequence[Hypothesis], report: Report) -> Tried:
+    """The model with those causes that are kept; the nominal one if all together explain too little.
+
+    What a cause explains that ties with a rival is explained by one of both, whoever it is.
+    """
+    if not kept or not explains_most(setting, nominal, now):
+        return nominal
+    report("fitting all of it once more", 1.0)
+    model = now if len(kept) == len(now.fit.hypotheses) else judged_with(setting, kept)
+    return scored(setting, corrected(setting, model.fit))
 
 
 def _round(

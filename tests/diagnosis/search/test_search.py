@@ -43,3 +43,22 @@ def test_a_cause_that_is_there_or_that_others_made_up_for_is_not_tried_again(can
     assert candidates([one, other, third], there=[third]) == [one, other]
     assert candidates([one, other, third], needless=[cogging("j1", 3.05)]) == [other, third]
     assert candidates([one, other, third], needless=[cogging("j1", 6.0)]) == [one, other, third]
+
+
+def test_what_ties_with_a_rival_is_explained_all_the_same(monkeypatch):
+    """A quiet cause beside a loud one that ties: alone it would seem to leave nearly all where both act."""
+    loud, quiet = cogging("j1", 3.0), cogging("j1", 7.0)
+    model = lambda setting, kept: SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(kept)))  # noqa: E731
+    monkeypatch.setattr(module, "explains_most", lambda setting, nominal, now: loud in now.fit.hypotheses)
+    monkeypatch.setattr(module, "judged_with", model)
+    monkeypatch.setattr(module, "corrected", lambda setting, fit: fit)
+    monkeypatch.setattr(module, "scored", lambda setting, fit: SimpleNamespace(fit=fit))
+    nominal = model(None, ())
+
+    def kept_of(all_of, kept):
+        return module._final(None, nominal, model(None, all_of), kept, lambda what, share: None).fit.hypotheses
+
+    assert kept_of([loud, quiet], [quiet]) == (quiet,)
+    assert kept_of([loud, quiet], [loud, quiet]) == (loud, quiet)
+    assert kept_of([quiet], [quiet]) == ()
+    assert kept_of([], []) == ()
