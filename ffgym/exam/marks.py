@@ -16,10 +16,10 @@ from ffgym.exam.sizes import SizeMark, marked_cycles, marked_sizes
 Outcome = Literal[
     "right", "surplus", "part", "tie", "none", "unknown", "insufficient", "wrong", "wrong_partly", "wrong_tie"
 ]
-"""`right`: all that is hidden is named, and nothing else; `surplus`: and something else, too; `part`: some of it, and
-nothing else; `tie`: what is hidden is among what the log cannot tell apart; `wrong`: something is named that is not
-there, and what is hidden comes later or not at all; `wrong_partly`: the same, said to explain only a part; `wrong_tie`:
-only what is not there is in the tie. Of nothing hidden, `none` is right."""
+"""`right`: all that is hidden is named, and nothing else; `surplus`: and something else, too; `part`: some of it, for
+sure or in a tie, and nothing else; `tie`: what is hidden is among what the log cannot tell apart; `wrong`: something is
+named that is not there, and what is hidden comes later or not at all; `wrong_partly`: the same, said to explain only a
+part; `wrong_tie`: only what is not there is in the tie. Of nothing hidden, `none` is right."""
 
 _TOLERANCE = 0.02
 """Relative error of a frequency in time that is right; chosen: lines of a motion of ten seconds are as wide."""
@@ -151,7 +151,9 @@ def outcome(answer: Diagnosis, hidden: Sequence[Hidden]) -> Outcome:
     truths = {(_family(one.answer), one.joint) for one in hidden if one.answer}
     if answer.verdict == "ambiguous":
         tied = {*named, *((_family(rival.effect), rival.joint) for rival in answer.rivals if rival.tied)}
-        return "tie" if truths and truths <= tied else "wrong_tie"
+        if not truths & tied:
+            return "wrong_tie"
+        return "tie" if truths <= tied else "part"
     false = [one for one in named if one not in truths]
     if not false and named:
         return "right" if truths <= set(named) else "part"

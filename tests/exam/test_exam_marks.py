@@ -106,6 +106,14 @@ def test_of_a_pair_both_must_be_named(paper, load, cogging, causes, outcome):
     assert marked(paper(load, cogging, row="pair"), says("named", *causes)).outcome == outcome
 
 
+@pytest.mark.parametrize(
+    ("listed", "outcome"), [((("cogging", "j3"),), "tie"), ((("payload", ""),), "part"), ((), "part")]
+)
+def test_of_a_pair_both_must_be_in_a_tie(paper, load, cogging, listed, outcome):
+    answer = says("ambiguous", RIGHT, rivals=tuple(rival(*one) for one in listed))
+    assert marked(paper(load, cogging, row="pair"), answer).outcome == outcome
+
+
 def test_a_variant_is_named_by_the_effect_that_it_is_of(paper, irb4600):
     hidden = Hidden(effect=TwoWaveCogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
     mark = marked(paper(hidden), says("named", cause("cogging", "j1", cycles=6.04)))
