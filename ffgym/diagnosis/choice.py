@@ -30,8 +30,9 @@ at each resonance; they may be loud without a peak."""
 _LOUD = 1.1
 """Energy over that of noise from which on something may have a period in it."""
 
-_APART = 0.2
-"""Cycles per turn by which two such peaks differ at least."""
+_APART, _SHAFT_APART = 0.2, 0.02
+"""Cycles per turn by which two such peaks differ at least, and a shaft's frequency from any: the peak of a torque that
+changes with the speed lies beside it, by up to 0.16 in a log of small turns."""
 
 
 class Choice:
@@ -85,7 +86,8 @@ def _not_among(cycles: Cycles, tried: Cycles) -> dict[str, tuple[float, ...]]:
     for joint, frequencies in cycles.items():
         for frequency in frequencies:
             known = (*tried.get(joint, ()), *new.get(joint, ()))
-            if all(abs(frequency - other) >= _APART for other in known):
+            apart = _SHAFT_APART if frequency in _SHAFT else _APART
+            if all(abs(frequency - other) >= apart for other in known):
                 new[joint] = (*new.get(joint, ()), frequency)
     return new
 

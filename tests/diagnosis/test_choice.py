@@ -16,6 +16,13 @@ def test_a_frequency_is_tried_once_however_often_it_was_found():
     assert _not_among(found, {"j1": (12.0, 1.0, 2.0), "j2": (5.7,)}) == {"j2": (6.0,)}
 
 
+def test_a_peak_beside_what_turns_with_the_shaft_does_not_stand_for_it():
+    """The torque of a resolver's second wave peaked at 1.84 cycles per turn, which explained a tenth of it."""
+    assert _not_among({"j1": [0.994, 1.839, 1.0, 2.0]}, {}) == {"j1": (0.994, 1.839, 2.0)}
+    assert _not_among({"j1": [1.84, 2.0]}, {"j1": (0.994, 1.839, 2.0)}) == {}
+    assert _not_among({"j1": [2.0]}, {"j1": (1.839,)}) == {"j1": (2.0,)}
+
+
 @pytest.mark.parametrize(("loud", "tried"), [(("torque", 0), True), (("torque", 1), False), (("tool", 2), False)])
 def test_what_turns_with_the_shaft_is_tried_where_the_torque_of_its_joint_is_loud(monkeypatch, loud, tried):
     """Though nothing peaks there: the torque of an angle that is wrong turns its phase at each resonance."""
