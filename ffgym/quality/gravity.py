@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from ffgym.quality.check import Check, NotJudgedError, Seen
 from ffgym.quality.log import Log
-from ffgym.quality.model import Model, model_of, rms
-from ffgym.robot import RigidArm
+from ffgym.quality.model import model_of, rms
+from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array
 
 _SEEN = 0.2
@@ -28,7 +29,8 @@ def _direction(log: Log) -> Iterator[Seen]:
     q, rest = model.q[few], (model.measured - model.motion - model.friction)[few]
     rest = rest - model.robot.drive.motor_torque(log.arm.spring_torque(q))
     size = float(np.linalg.norm(model.robot.gravity))
-    columns = np.stack([(_torque(model, q, size * axis)[:, heavy] * weight).ravel() for axis in np.eye(3)], axis=1)
+    torques = [model.robot.drive.motor_torque(arm.gravity_torque(q)) for arm in _pulled_along_axes(model.robot)]
+    columns = np.stack([(torque[:, heavy] * weight).ravel() for torque in torques], axis=1)
     angle = _angle(columns, (rest[:, heavy] * weight).ravel(), model.robot.gravity / size)
     message = (
         f"motor.effort: gravity acts {angle:.0f} deg away from where the description of {model.robot.name} has it, "
@@ -38,10 +40,11 @@ def _direction(log: Log) -> Iterator[Seen]:
     yield Seen(value=angle, message=message, columns=tuple(f"motor.effort.{log.joints[j]}" for j in heavy))
 
 
-def _torque(model: Model, q: Array, gravity: Array) -> Array:
-    """Motor torque [N m] that holds the links in another gravity, (R, N)."""
-    robot = replace(model.robot, gravity=gravity)
-    return robot.drive.motor_torque(RigidArm(robot).gravity_torque(q))
+@lru_cache(maxsize=1)
+def _pulled_along_axes(robot: RobotDescription) -> tuple[RigidArm, ...]:
+    """The robot in gravity as strong as its own, along each axis of the world; kept for the next log."""
+    size = float(np.linalg.norm(robot.gravity))
+    return tuple(RigidArm(replace(robot, gravity=size * axis)) for axis in np.eye(3))
 
 
 def _angle(columns: Array, torque: Array, expected: Array) -> float:

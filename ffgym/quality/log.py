@@ -1,7 +1,7 @@
 """A recording as the checks look at it: link-side motion, speeds, and what is at rest, each computed once."""
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import final
 
 import numpy as np
@@ -106,7 +106,7 @@ class Log:
     def arm(self) -> RigidArm:
         """The rigid arm of the robot; there must be one."""
         assert self.robot is not None
-        return RigidArm(self.robot)
+        return _arm_of(self.robot)
 
     @cached_property
     def q(self) -> Array | None:
@@ -147,6 +147,12 @@ class Log:
             return np.zeros((len(self.t), len(self.joints)), dtype=np.bool_)
         speed = np.abs(self.dq)
         return self.excited & (speed > RESTING * speed.max(axis=0))
+
+
+@lru_cache(maxsize=1)
+def _arm_of(robot: RobotDescription) -> RigidArm:
+    """Its rigid arm, kept for the next log of the same robot."""
+    return RigidArm(robot)
 
 
 def averaged(values: Array, rows: int) -> Array:

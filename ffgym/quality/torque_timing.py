@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
+from scipy.fft import irfft, next_fast_len, rfft
 
 from ffgym.quality.check import Check, NotJudgedError, Seen
 from ffgym.quality.log import Log
@@ -52,15 +52,17 @@ def _smallest(cost: Array, least: float) -> int:
 def _leftover(parts: TorqueParts, joints: list[int], reach: int) -> Array:
     """Log of what nothing explains of torques that are moved by -reach to reach rows, against none, (2 reach + 1,)."""
     inner = slice(reach, len(parts.t) - reach)
-    shared = orthonormal(parts.common[inner])
+    shared, size = orthonormal(parts.common[inner]), next_fast_len(len(parts.t), real=True)
+    shared_waves = rfft(shared, size, axis=0)
     costs = np.zeros((len(joints), 2 * reach + 1))
     for cost, j in zip(costs, joints, strict=True):
         own = parts.friction(j)[inner]
         own = orthonormal(own - shared @ (shared.T @ own))
         torque = parts.torque[:, j] - parts.torque[:, j].mean()
-        moved = np.ascontiguousarray(sliding_window_view(torque, len(own)))
-        total = np.sum(moved**2, axis=1)
-        explained = np.sum((moved @ shared) ** 2, axis=1) + np.sum((moved @ own) ** 2, axis=1)
+        columns = np.concatenate([shared_waves, rfft(own, size, axis=0)], axis=1)
+        along = irfft(rfft(torque, size)[:, None] * columns.conj(), size, axis=0)[: 2 * reach + 1]
+        explained, energy = np.sum(along**2, axis=1), np.cumsum(np.append(0.0, torque**2))
+        total = energy[len(own) :] - energy[: -len(own)]
         cost[:] = np.log(np.maximum(total - explained, 1e-12 * total.max()))
     least: Array = np.median(costs - costs[:, [reach]], axis=0)
     return least
