@@ -1,9 +1,12 @@
 """How loud a hidden effect is: what it adds to the residual, in energies of the noise."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from ffgym.exam.loudness import yardstick_of
+from ffgym.diagnosis.replay.springs import FlownAwayError
+from ffgym.exam.loudness import _at_most, yardstick_of
 
 ROW_DT = 0.02
 
@@ -52,3 +55,30 @@ def test_what_calibration_may_be_wrong_by_is_not_heard_but_what_is_more_than_tha
         error = {"torque": np.stack([size * doubt, np.zeros_like(doubt)], axis=-1)}
         rest = {"torque": np.stack([left * doubt, np.zeros_like(doubt)], axis=-1)}
         assert calibrated.energy(error) == pytest.approx(plain.energy(rest), abs=1e-3)
+
+
+class Deaf:
+    """Hears effects up to some size, which is their energy; an arm would not hold larger ones."""
+
+    def __init__(self, most):
+        self.most = most
+
+    def energy(self, size):
+        if size > self.most:
+            raise FlownAwayError(f"An arm does not stay where its motors are: {size}.")
+        return size
+
+
+def sized(size):
+    return SimpleNamespace(effect=size, times=lambda factor: sized(factor * size))
+
+
+@pytest.mark.parametrize(("most", "found"), [(5.0, 2.0), (1.5, 1.0), (0.3, 0.25)])
+def test_an_effect_is_as_large_as_an_arm_holds_it(most, found):
+    one, energy = _at_most(Deaf(most), sized(2.0))
+    assert (one.effect, energy) == (found, found)
+
+
+def test_what_an_arm_never_holds_is_no_question():
+    with pytest.raises(FlownAwayError, match="stay"):
+        _at_most(Deaf(0.0), sized(2.0))
