@@ -2,34 +2,24 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.leftover import Loudness, removed, touched
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.result import Verdict
 from ffgym.diagnosis.search.found import Found, found_in
+from ffgym.diagnosis.search.stretched import stretched
 from ffgym.diagnosis.search.ties import tied_among
-from ffgym.diagnosis.search.worth import removed_by
-from ffgym.diagnosis.signatures.parts import Parts
+from ffgym.diagnosis.search.worth import QUIET, removed_by
 
 NAMED = 0.9
-"""Share of the energy above the noise that causes must remove in each component to be named without reserve..."""
+"""Share of the energy above the noise that causes must remove in each component to be named without reserve, or leave
+no more than QUIET."""
 
 HALF = 0.5
 """Share of what was left, where it acts, that each cause must remove to be named without reserve."""
 
-QUIET = 1.5
-"""...or what they may leave there, in units of the noise's energy."""
-
 LOUD = 1.5
 """Energy from which on a component has something in it that noise does not explain."""
-
-_AT_END = 1e-3
-"""Share of its plausible range within which a shape is at the end of it."""
-
-_SEEN = 10.0
-"""Energy of a tenth of a shape's range, in energies of the noise of a row, from which on the log says what it is."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,23 +68,8 @@ def _is_explained(before: Loudness, after: Loudness) -> bool:
 
 
 def stretched_shapes(setting: Setting, fit: Fit) -> tuple[str, ...]:
-    """Shapes of causes that the fit has moved to the end of their plausible range, where they change what is seen."""
-    found, at = [], 0
-    for hypothesis in fit.hypotheses:
-        for free in hypothesis.free():
-            p, column = hypothesis.kind.parameters()[free.name], fit.columns[at]
-            at += 1
-            near = _AT_END * (p.high - p.low)
-            is_shape = p.role == "shape" or (p.role == "cycles" and not p.is_looked_for)
-            is_at_end = is_shape and not p.low + near < free.value < p.high - near
-            if is_at_end and free.value != p.default and _energy(setting, column) > _SEEN:
-                found.append(f"{free.name} of {hypothesis.label}")
-    return tuple(found)
-
-
-def _energy(setting: Setting, column: Parts) -> float:
-    """Of a column, in energies of the noise of a row."""
-    return sum(float(np.sum((setting.weights[key] * rows) ** 2)) for key, rows in column.items())
+    """Shapes of causes that the fit has moved to the end of their plausible range, such as 'time of cogging on j1'."""
+    return tuple(f"{name} of {hypothesis.label}" for hypothesis, name in stretched(setting, fit))
 
 
 def _gains(setting: Setting, found: Found) -> tuple[float, ...]:

@@ -6,6 +6,7 @@ from ffgym.diagnosis.fit.leftover import Loudness, Removed, loudness, removed, t
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.found import Tried
+from ffgym.diagnosis.search.stretched import stretched
 
 EXPLAINS = 0.25
 """Share of what is left above the noise, where it acts, that a cause of one joint must remove to be adopted. One of
@@ -23,6 +24,10 @@ INEXACT = 0.1
 """Share of what the causes before removed from a component that another one must remove beyond: no equation is exact,
 and what is left of a cause that was adopted in another form is no cause of its own. What may be left of one that is
 named."""
+
+QUIET = 1.5
+"""Energy in units of the noise's that clean logs may have in a component: causes may leave it, and none whose shape is
+at the end of its range is adopted for it."""
 
 LEAKS = 0.02
 """Share of what is still above the noise in the loudest component of a channel that a cause must remove beyond, in any
@@ -66,7 +71,16 @@ def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> b
     witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
     explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses)
     holds = before.total - after.total > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
-    return holds and explains and min(gone.of_all, gone.excess) > FLOOR
+    return holds and explains and min(gone.of_all, gone.excess) > FLOOR and not _imitates(setting, before, after)
+
+
+def _imitates(setting: Setting, before: Tried, after: Tried) -> bool:
+    """Whether the newest cause bends to the end of what is plausible to explain what a clean log may have."""
+    if all(hypothesis is not after.hypothesis for hypothesis, _ in stretched(setting, after.fit)):
+        return False
+    own = after.fit.columns[-len(after.hypothesis.free()) :]
+    loud = loudness(setting, without_calibration(setting, before.fit))
+    return max((loud[key] for key in touched(setting, list(own))), default=0.0) <= QUIET
 
 
 def explains_most(setting: Setting, nominal: Tried, now: Tried) -> bool:

@@ -6,7 +6,13 @@ import pytest
 
 from ffgym.diagnosis.fit.leftover import Removed
 from ffgym.diagnosis.search import worth as module
-from ffgym.diagnosis.search.worth import EXPLAINS, LEAKS, explains_most, is_worth, removed_by
+from ffgym.diagnosis.search.worth import EXPLAINS, LEAKS, QUIET, explains_most, is_worth, removed_by
+
+
+@pytest.fixture(autouse=True)
+def plausible(monkeypatch):
+    """No shape is at the end of its range."""
+    monkeypatch.setattr(module, "stretched", lambda setting, fit: ())
 
 
 @pytest.mark.parametrize(
@@ -37,7 +43,25 @@ def test_a_cause_must_hold_on_rows_that_it_was_not_fitted_to(monkeypatch, held_o
 
 def fitted(total, left, joint="j1"):
     """Energy that is left on rows that were not used, and by a fit to all rows."""
-    return SimpleNamespace(total=total, fit=SimpleNamespace(left=left), hypothesis=SimpleNamespace(joint=joint))
+    newest = SimpleNamespace(joint=joint, free=lambda: [None])
+    return SimpleNamespace(total=total, fit=SimpleNamespace(left=left, columns=({},)), hypothesis=newest)
+
+
+@pytest.mark.parametrize(
+    ("loud", "whose", "enough"),
+    [(1.1, "newest", False), (QUIET + 0.1, "newest", True), (1.1, "another", True)],
+)
+def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_range(monkeypatch, loud, whose, enough):
+    """Noise of the readings of a motor that restarts looked like breakaway that is overcome within no way at all."""
+    after = fitted(5.0, 5.0)
+    gone = Removed(of_excess=0.9, of_all=0.9, excess=0.9, heard=1, best=0.9)
+    monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
+    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
+    monkeypatch.setattr(module, "loudness", lambda setting, rest: {TORQUES[0]: loud, TORQUES[1]: 9.0})
+    monkeypatch.setattr(module, "touched", lambda setting, columns: {TORQUES[0]})
+    bent = after.hypothesis if whose == "newest" else SimpleNamespace()
+    monkeypatch.setattr(module, "stretched", lambda setting, fit: ((bent, "slip"),))
+    assert is_worth(None, None, fitted(10.0, 10.0), after) == enough
 
 
 @pytest.mark.parametrize(("share", "best", "most"), [(0.6, 0.0, True), (0.3, 0.6, True), (0.3, 0.4, False)])
