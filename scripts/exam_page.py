@@ -66,7 +66,8 @@ def _asked(marks: Sequence[Mark]) -> str:
     """How much of a whole exam was asked."""
     counts, whole = Counter(mark.row for mark in marks), sum(COUNTS.values())
     if all(counts[row] >= count for row, count in COUNTS.items()):
-        return f"all {whole} questions"
+        more = len(marks) - whole
+        return f"all {whole} questions" + (f", and {more} more of some rows" if more else "")
     parts = ", ".join(f"{counts[row]} of {count} `{row}`" for row, count in COUNTS.items())
     return f"{len(marks)} of {whole} questions ({parts})"
 

@@ -91,6 +91,20 @@ def test_both_of_a_pair_are_named(question, answer, irb4600):
     assert outcome(answer(question(20, *both)), both) == "right"
 
 
+@pytest.mark.slow
+def test_a_quiet_cause_beside_a_loud_one_that_ties_is_named_and_no_pattern_is_left_of_either(question, answer, irb4600):
+    """A tool that sits deeper is a longer last link; what either explains is not unknown."""
+    both = (
+        hidden(irb4600, "tool_frame", offset=[-1e-4, 3e-5, 3e-4]),
+        hidden(irb4600, "flexible_load", "j3", inertia=2.0, frequency=31.5, damping=0.15),
+    )
+    found = answer(question(25, *both, row="pair"))
+    assert found.verdict == "partly", found.sentence
+    assert [(cause.effect, cause.joint) for cause in found.causes] == [("flexible_load", "j3")]
+    assert "tool_frame" in {rival.effect for rival in found.rivals if rival.tied}
+    assert not [pattern for pattern in found.patterns if pattern.channel == "tool"], found.sentence
+
+
 def outsiders(robot):
     """Effects that the library cannot express."""
     return {

@@ -40,7 +40,9 @@ def test_a_whole_exam_says_so(config):
         for k in range(n)
     ]
     write_marks(config.out / "seed_12.jsonl", 12, whole)
-    assert f"all {sum(COUNTS.values())} questions" in main(config)
+    assert f"all {sum(COUNTS.values())} questions." in main(config)
+    write_marks(config.out / "seed_12.jsonl", 12, [*whole, replace(whole[0], number=COUNTS["clean"])])
+    assert f"all {sum(COUNTS.values())} questions, and 1 more of some rows." in main(config)
 
 
 def test_without_marks_nothing_is_written(config):
