@@ -35,7 +35,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from agents.elasticity.existing_torque import given_torque, links_torque, wound_up, wound_up_sums
-from agents.elasticity.lead import Lead, lead_between
+from agents.elasticity.lead import Lead, error_of, lead_between
 from agents.elasticity.mean_friction import friction_along, step_friction
 from ffgym.control import CausalLaw, DynamicLuGreExact, Reference, Window
 from ffgym.errors import FFGymError, check_whole
@@ -184,6 +184,11 @@ class ElasticLaw(CausalLaw):
         next_integral = wound_up(integral + 0.5 * dt * (angle + next_lead.angle), self.known, gravity)
         memory = _remembered(gravity, links[..., 1:, :], next_lead, next_integral, next_bristle, next_friction)
         return needed - given_torque(self.known, *here, lead, integral), memory
+
+    def own_error(self, memory: Array) -> tuple[Array, Array]:
+        """See base class; motors lead their reference."""
+        rows = memory.reshape(*memory.shape[:-1], -1, self.n_joints)
+        return error_of(rows[..., -6, :], rows[..., -5, :], self.model.robot.drive)  # in the order of `_remembered`
 
     # Parts of the equation in the head of this file, shape (..., N)
 

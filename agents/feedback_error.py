@@ -2,7 +2,7 @@
 
 Idea and source: Kawato, Furukawa & Suzuki (1987), Biological Cybernetics 57: the feedback torque is the error of the
 feed-forward, and trains it; thesis 3.2 names it as where LFFC comes from. With motor speed v and acceleration a of the
-reference, in units of what breakaway torque f_s does (`ffgym.envs.observation.Scales`),
+reference, in units of what breakaway torque f_s does (`ffgym.control.observation.Scales`),
 
     u_lff / f_s = d + sum_h c_h tanh(w_h v + m_h a + b_h)
 
@@ -35,7 +35,7 @@ from agents.fitting import mlp_training
 from agents.fitting.mlp_training import Examples
 from agents.splines.recipes import thesis_training
 from ffgym.control import Window
-from ffgym.envs.observation import Scales
+from ffgym.control.observation import Scales
 from ffgym.errors import FFGymError, check_shape, check_whole
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array

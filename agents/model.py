@@ -41,7 +41,7 @@ from agents.effects.springs import Carried, Springs
 from agents.effects.states import Place, States
 from agents.elastic import ElasticLaw, elastic_law
 from agents.elasticity.existing_torque import given_torque, wound_up
-from agents.elasticity.lead import Lead
+from agents.elasticity.lead import Lead, error_of
 from agents.elasticity.mean_friction import bristles_within, in_parts
 from ffgym.control import CausalLaw, DynamicLuGreExact, Window
 from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
@@ -185,6 +185,11 @@ class ModelLaw(CausalLaw):
             motors=motors,
         )
         return needed - given, later.packed()
+
+    def own_error(self, memory: Array) -> tuple[Array, Array]:
+        """See base class; motors lead their reference, and resolvers read what they read."""
+        past = self._past(memory)
+        return error_of(past.lead.angle, past.lead.speed, self._drive)
 
     def _past(self, memory: Array) -> Past:
         springs, motors = self._lengths

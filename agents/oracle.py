@@ -12,17 +12,19 @@ Logged: nothing, nothing is learned. Departures from `agents.elastic`: none but 
 """
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from agents.common.law_agent import LawAgent, acting_in, attribute_of
 from agents.elastic import ElasticLaw, elastic_law
-from ffgym.envs import ObservationLayout
-from ffgym.envs.core import TrackingCore
+from ffgym.control import ObservationLayout
 from ffgym.errors import FFGymError
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array
+
+if TYPE_CHECKING:
+    from ffgym.envs.core import TrackingCore
 
 
 def oracle_law(truth: RobotDescription | None, controller: RigidArm) -> ElasticLaw:
@@ -49,7 +51,7 @@ def known_truth(truth: RobotDescription | None) -> RobotDescription:
 class OracleAgent:
     """The oracle in an environment: at each step it looks up which robots are simulated, also randomised ones."""
 
-    core: TrackingCore
+    core: "TrackingCore"
     """Engine of the environment."""
     layout: ObservationLayout
     """Of its observations."""

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.control import CausalLaw, Window
-from ffgym.envs import ObservationLayout
+from ffgym.control import CausalLaw, ObservationLayout, Window
 from ffgym.errors import FFGymError
 from ffgym.types import Array
 

@@ -6,6 +6,7 @@ from math import factorial
 
 import numpy as np
 
+from ffgym.robot.drive import Drive
 from ffgym.types import Array
 
 
@@ -42,6 +43,11 @@ def lead_between(bend: Array, relaxation: Array, dt: float) -> Lead:
         lead = derivative / dt**order - relaxation * lead
         found.append(lead)
     return Lead(angle=found[-1], speed=found[-2], acceleration=found[-3])
+
+
+def error_of(angle: Array, speed: Array, drive: Drive) -> tuple[Array, Array]:
+    """Errors [rad], [rad/s], reference - motor, motor side, of motors that lead by an angle and a speed, link side."""
+    return -drive.motor_angle(angle), -drive.motor_angle(speed)
 
 
 @cache

@@ -89,6 +89,16 @@ class CausalLaw(FeedForwardLaw):
         """What is remembered when a motion begins with `window`, shape (..., M); nothing, unless overridden."""
         return np.zeros((*window.q.shape[:-2], 0))
 
+    def own_error(self, memory: Array) -> tuple[Array, Array]:
+        """Error that the law itself asks for at sample 1 of the next window, whose `memory` (..., M) this is.
+
+        Returns:
+            Position error [rad] and speed error [rad/s] of the motors, reference - position, shape (..., N) each; zero
+            for a law that leaves the motors on their reference.
+        """
+        still = np.zeros((*memory.shape[:-1], self.n_joints))
+        return still, still
+
     def torque(self, reference: Reference) -> Array:
         """Torque along a whole reference, motor side [N m], shape (T, N); zero at sample 0, before which none is set.
 

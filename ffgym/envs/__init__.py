@@ -1,5 +1,6 @@
 """Gymnasium environments: one robot or many, tracking motions under their existing controller."""
 
+from ffgym.control.observation import ObservationLayout as ObservationLayout
 from ffgym.envs.circle_path import CirclePathEnv as CirclePathEnv
 from ffgym.envs.circle_path import CirclePathVectorEnv as CirclePathVectorEnv
 from ffgym.envs.follow_path import FollowPathEnv as FollowPathEnv
@@ -13,7 +14,6 @@ from ffgym.envs.layers import Layer as Layer
 from ffgym.envs.layers import LowPass as LowPass
 from ffgym.envs.layers import Passing as Passing
 from ffgym.envs.layers import Residual as Residual
-from ffgym.envs.observation import ObservationLayout as ObservationLayout
 from ffgym.envs.one_axis import OneAxisEnv as OneAxisEnv
 from ffgym.envs.one_axis import OneAxisVectorEnv as OneAxisVectorEnv
 from ffgym.envs.recorder import EpisodeRecorder as EpisodeRecorder

@@ -12,12 +12,12 @@ import mujoco
 import numpy as np
 from gymnasium import spaces
 
+from ffgym.control.observation import BOUND, ObservationLayout
 from ffgym.control.servo import servo_torque
 from ffgym.control.setpoints import interpolate_motion, interpolate_torque
 from ffgym.envs.bank import MotionBank
 from ffgym.envs.geometry import path_error
 from ffgym.envs.motion import Columns, Motion
-from ffgym.envs.observation import BOUND, ObservationLayout
 from ffgym.envs.rewards import Reward, Signals, reward_of
 from ffgym.envs.sensing import MotorSensors
 from ffgym.envs.setpoint_table import SetpointTable

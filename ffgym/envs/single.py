@@ -7,8 +7,8 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from ffgym.control.observation import ObservationLayout
 from ffgym.envs.arguments import check_seed
-from ffgym.envs.observation import ObservationLayout
 from ffgym.envs.vector import TrackingVectorEnv
 from ffgym.errors import FFGymError, check_shape
 from ffgym.types import Array

@@ -10,11 +10,11 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from ffgym.control.observation import ObservationLayout
 from ffgym.envs.arguments import autoreset_mode_of, checked_actions, options_for_each, reset_mask, seeds_for_each
 from ffgym.envs.core import TrackingCore
 from ffgym.envs.infos import finals, masks_for, score
 from ffgym.envs.layers import stacked
-from ffgym.envs.observation import ObservationLayout
 from ffgym.envs.rendering import EpisodeRenderer, check_render_mode
 from ffgym.envs.settings import Settings
 from ffgym.envs.stage import Transition

@@ -6,7 +6,7 @@ vector environment, in every autoreset mode and in the SB3 adapter. (Gymnasium's
 `make_vec` takes none for an environment that is a vector environment by nature.)
 """
 
-from ffgym.envs.layers.agent import Agent as Agent
+from ffgym.control import Agent as Agent
 from ffgym.envs.layers.filters import Hold as Hold
 from ffgym.envs.layers.filters import LowPass as LowPass
 from ffgym.envs.layers.history import History as History

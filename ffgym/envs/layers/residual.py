@@ -6,9 +6,8 @@ from typing import Any, final
 
 import numpy as np
 
-from ffgym.control import FeedForwardLaw
+from ffgym.control import Agent, FeedForwardLaw
 from ffgym.envs.core import TrackingCore
-from ffgym.envs.layers.agent import Agent
 from ffgym.envs.layers.layer import Layer, Passing
 from ffgym.envs.motion import Motion
 from ffgym.envs.stage import Stage, Transition

@@ -1,0 +1,1 @@
+"""Training of residual policies with stable-baselines3; the only part of `agents.residual` that needs torch."""

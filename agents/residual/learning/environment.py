@@ -1,0 +1,56 @@
+"""The environment that a residual policy is trained in: features in, residuals out, the law below in between."""
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from stable_baselines3.common.vec_env import VecEnvWrapper
+
+from agents.residual.composition import Composition, Seen, chosen
+from agents.residual.features import LIMIT
+from ffgym.envs.sb3 import SB3VecEnv
+from ffgym.types import Array
+
+
+class ResidualVecEnv(VecEnvWrapper):
+    """Observations are features of a `Composition`, float32 (B, N F); actions its residuals in [-1, 1], (B, N)."""
+
+    def __init__(self, venv: SB3VecEnv, composition: Composition) -> None:
+        size, n = composition.features.size, composition.features.layout.n_joints
+        super().__init__(
+            venv,
+            observation_space=spaces.Box(-LIMIT, LIMIT, shape=(size,), dtype=np.float32),
+            action_space=spaces.Box(-1.0, 1.0, shape=(n,), dtype=np.float32),
+        )
+        self.composition = composition
+        self._seen: Seen | None = None
+        self._residual = np.zeros((venv.num_envs, n))
+
+    def reset(self) -> Array:
+        """See base class."""
+        self._seen = self.composition.begin(self.venv.reset())  # type: ignore[arg-type]
+        return self._seen.features.astype(np.float32)
+
+    def step_async(self, actions: Array) -> None:
+        """See base class."""
+        assert self._seen is not None  # reset comes first
+        self._residual = np.clip(np.asarray(actions, dtype=np.float64), -1.0, 1.0)
+        self.venv.step_async(self.composition.action(self._seen, self._residual))
+
+    def step_wait(self) -> tuple[Array, Array, Array, list[dict[str, Any]]]:
+        """See base class; last observations of episodes are features too."""
+        observation, reward, done, infos = self.venv.step_wait()
+        assert isinstance(observation, np.ndarray)
+        assert self._seen is not None
+        last = observation
+        if done.any():
+            last = observation.copy()
+            for i in np.flatnonzero(done):
+                last[i] = infos[i]["terminal_observation"]
+        seen = self.composition.follow(self._seen.memory, last, self._residual)
+        if done.any():
+            for i in np.flatnonzero(done):
+                infos[i]["terminal_observation"] = seen.features[i].astype(np.float32)
+            seen = chosen(done, self.composition.begin(observation), seen)
+        self._seen = seen
+        return seen.features.astype(np.float32), reward, done, infos

@@ -1,0 +1,93 @@
+"""Machines that every agent is scored on: the nominal robot, a workcell, and robots drawn by number."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from ffgym.envs.rigs import WORKCELL, is_workcell, rig_of
+from ffgym.errors import FFGymError
+from ffgym.plant import Machine, PlantDistribution
+from ffgym.robot import RigidArm, RobotDescription, load_robot
+from ffgym.simulation import Rig, Sensor, SimulatedRig
+
+ROBOT = "irb4600_60_205"
+"""Robot of the leaderboard."""
+NOMINAL = "nominal"
+"""Plant that is what its controller believes."""
+THESIS_WORKCELL = WORKCELL + "thesis"
+"""Workcell of the leaderboard."""
+DRAW = "draw:"
+"""What names of drawn plants begin with."""
+_DRAWS = 20261122
+"""Begins the seeds of drawn plants, so that none is a plant that a training met: those draw from seeds of their own."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TestPlant:
+    """A machine under its controller, for laws (a rig) and for agents (an environment)."""
+
+    __test__ = False
+    """No test of pytest's."""
+    name: str
+    rig: Rig
+    env_id: str
+    """Environment with the same machine."""
+    env_arguments: Mapping[str, Any] = field(default_factory=dict)
+    """Its keyword arguments."""
+    sensors: tuple[Sensor, ...] = ()
+    """What measures recordings of the environment, as on the rig."""
+    truth: RobotDescription | None = None
+    """The machine's true parameters; None where they are shut away."""
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the physics."""
+        return self.rig.fingerprint
+
+
+def draw_name(number: int) -> str:
+    """Name of a drawn plant."""
+    return f"{DRAW}{number}"
+
+
+def drawn_robot(number: int) -> RobotDescription:
+    """Robot of a drawn plant: friction, stiffness, masses and payload differ from the nominal ones."""
+    rng = np.random.default_rng([_DRAWS, number])
+    return PlantDistribution().draw(load_robot(ROBOT), rng)
+
+
+@cache
+def plant_named(name: str) -> TestPlant:
+    """A plant by its name: 'nominal', 'workcell:<name or seed>' or 'draw:<number>'.
+
+    Raises:
+        FFGymError: if there is none of that name.
+    """
+    if is_workcell(name):
+        return _workcell(name)
+    robot = load_robot(ROBOT)
+    if name == NOMINAL:
+        rig = SimulatedRig(arm=RigidArm(robot), name=name)
+        return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", truth=robot)
+    kind, _, number = name.partition(":")
+    if kind + ":" != DRAW or not number.isdecimal():
+        raise FFGymError(
+            f"Unknown plant {name!r}. Available: {NOMINAL}, {WORKCELL}<name or seed>, {DRAW}<number>, e.g. {DRAW}0."
+        )
+    truth = drawn_robot(int(number))
+    rig = SimulatedRig(arm=RigidArm(robot), machine=Machine.of(truth), name=name)
+    return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments={"plant": truth}, truth=truth)
+
+
+def _workcell(name: str) -> TestPlant:
+    rig = rig_of(name)
+    return TestPlant(
+        name=name,
+        rig=rig,
+        env_id="ffgym/WorkcellCircles-v0",
+        env_arguments={"workcell": name},
+        sensors=tuple(getattr(rig, "sensors", ())),
+    )

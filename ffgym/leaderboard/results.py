@@ -1,0 +1,174 @@
+"""Results of one row of the leaderboard as a file: every seed on every plant, every circle."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from ffgym.errors import FFGymError, check_choice
+from ffgym.files import write_text
+from ffgym.leaderboard.tasks import SPLITS
+
+FORMAT = 1
+"""Version of the file format; see docs/leaderboard/results.md."""
+DIGITS = 6
+"""Significant digits of errors in files: a thousandth of what the laser tracker resolves, of the largest error."""
+
+_AGAIN = "Remove it, and run `ffgym leaderboard` again."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """One circle: path errors [mm], motor errors [rad]; None where the robot stopped before its end."""
+
+    split: str
+    position: str
+    radius_mm: float
+    speed_mm_s: float
+    rms_mm: float | None
+    """In the plane of the circle, as the thesis."""
+    max_mm: float | None
+    rms_3d_mm: float | None
+    """In space."""
+    max_3d_mm: float | None
+    motor_rms_rad: tuple[float, ...] | None
+    """Per joint, motor side, over lead-in, circle and lead-out."""
+
+    @property
+    def key(self) -> tuple[str, str, float, float]:
+        """Which circle it is: split, position, radius [mm], speed [mm/s]."""
+        return self.split, self.position, self.radius_mm, self.speed_mm_s
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """One agent with one seed on one plant."""
+
+    seed: int
+    """Of its training and, on the workcell, of the sensors' noise."""
+    plant: str
+    """'nominal', 'workcell:<name>' or 'draw:<k>'."""
+    fingerprint: str
+    """Of the plant's physics."""
+    artefact: str | None
+    """sha256 of the file that the agent was read from; None if it was made from nothing but the robot's description."""
+    robot_seconds: float
+    """Time that a machine moved while the agent learned for this plant [s]."""
+    env_steps: int
+    """Control steps of simulated training, which cost no robot time."""
+    inference_us: float | None
+    """Median time of one decision for one robot [us]; None for a law that is computed before the motion."""
+    cells: tuple[Cell, ...]
+
+    @property
+    def plant_draw(self) -> int | None:
+        """Number of the drawn plant; None for others."""
+        kind, _, number = self.plant.partition(":")
+        return int(number) if kind == "draw" else None
+
+    @property
+    def key(self) -> tuple[int, str]:
+        """Which one it is."""
+        return self.seed, self.plant
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One agent on the leaderboard."""
+
+    name: str
+    title: str
+    track: str
+    """What it may know; see `agents.catalogue.Track`."""
+    about: str
+    """One or two sentences: what it does, and what it learned from."""
+    page: str | None
+    """Its page below docs/agents."""
+    base: str | None
+    """Name of the row that it is a residual on."""
+    learned: bool
+    """Whether a seed changes it."""
+    command: str | None
+    """What makes its artefacts again."""
+    ranked: bool
+    """False for rows that are shown only."""
+    outcomes: tuple[Outcome, ...]
+    provenance: Mapping[str, Any] = field(default_factory=dict)
+    """Versions and date."""
+    learning_curve: tuple[tuple[float, float], ...] = ()
+    """Steps of training, mean reward per step over seeds; empty for what is not trained with steps."""
+
+    def with_outcomes(self, new: Sequence[Outcome]) -> "Row":
+        """The row with outcomes added; those of the same seed and plant are replaced."""
+        merged = {outcome.key: outcome for outcome in (*self.outcomes, *new)}
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return Row(**values | {"outcomes": tuple(merged.values())})
+
+
+def write_row(path: Path, row: Row) -> None:
+    """Write a row, whole or not at all."""
+    write_text(path, encode_row(row))
+
+
+def encode_row(row: Row) -> str:
+    """Text of a row's file: one line per circle, so that differences can be read."""
+    head = {"format": FORMAT} | {key: value for key, value in asdict(row).items() if key != "outcomes"}
+    lines = []
+    for outcome in row.outcomes:
+        entry = asdict(outcome)
+        cells = ",\n".join("   " + json.dumps(_short(cell), allow_nan=False) for cell in entry.pop("cells"))
+        start = json.dumps(_short(entry), allow_nan=False)[:-1]
+        lines.append(f'  {start}, "cells": [\n{cells}]}}')
+    text = json.dumps(head, indent=1, allow_nan=False)[:-2]
+    body = ",\n".join(lines)
+    return f'{text},\n "outcomes": [\n{body}\n ]\n}}\n'
+
+
+def read_row(path: Path) -> Row:
+    """Read a row that `write_row` wrote.
+
+    Raises:
+        FFGymError: if the file cannot be read, is damaged, or of another format.
+    """
+    try:
+        tree = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
+    except ValueError as error:
+        raise FFGymError(
+            f"{path}: is damaged, no JSON: {error}. Remove it, and run `ffgym leaderboard` again."
+        ) from error
+    found = tree.get("format") if isinstance(tree, dict) else None
+    if found != FORMAT:
+        raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
+    try:
+        return _row(tree)
+    except (KeyError, TypeError, AttributeError, FFGymError) as error:
+        raise FFGymError(f"{path}: is no result of the leaderboard: {error}. {_AGAIN}") from error
+
+
+def _row(tree: dict[str, Any]) -> Row:
+    values = {key: value for key, value in tree.items() if key != "format"}
+    curve = tuple((float(x), float(y)) for x, y in values.pop("learning_curve"))
+    outcomes = tuple(_outcome(entry) for entry in values.pop("outcomes"))
+    return Row(**values, learning_curve=curve, outcomes=outcomes)
+
+
+def _outcome(tree: dict[str, Any]) -> Outcome:
+    return Outcome(**tree | {"cells": tuple(_cell(cell) for cell in tree["cells"])})
+
+
+def _cell(tree: dict[str, Any]) -> Cell:
+    check_choice("split", tree["split"], SPLITS)
+    motor = tree["motor_rms_rad"]
+    return Cell(**tree | {"motor_rms_rad": None if motor is None else tuple(map(float, motor))})
+
+
+def _short(value: Any) -> Any:
+    """Numbers with DIGITS significant digits."""
+    if isinstance(value, float):
+        return float(f"{value:.{DIGITS}g}")
+    if isinstance(value, dict):
+        return {key: _short(entry) for key, entry in value.items()}
+    return [_short(entry) for entry in value] if isinstance(value, list | tuple) else value

@@ -1,0 +1,64 @@
+"""Circles that every agent is scored on: those of the thesis, and circles that nobody learns on; in named splits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ffgym.control import Reference
+from ffgym.errors import check_choice
+from ffgym.paths import RADII, SPEEDS
+from ffgym.robot import RigidArm
+from ffgym.studies import circle_references
+
+SPLITS = ("train", "positions", "radii", "speeds")
+"""Where agents may learn; the other three are never learned on: other positions, radii, speeds."""
+HELD_OUT = SPLITS[1:]
+"""Splits that nobody learns on, but families that practise the very task."""
+THESIS = ("train", "positions")
+"""Splits that together are the 36 circles of the thesis."""
+
+TRAIN_POSITION = "p1"
+"""Where the thesis trains (5.3.2)."""
+NEW_RADII = (0.002, 0.004)
+"""Radii between those of the thesis [m]; chosen."""
+NEW_SPEEDS = (0.020, 0.070)
+"""TCP speeds between those of the thesis [m/s]; chosen."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One motion: circles of some radii, one after the other, at one position and one speed."""
+
+    position: str
+    speed: float
+    """Of the TCP [m/s]."""
+    radii: tuple[float, ...]
+    """[m]."""
+    split: str
+
+
+def tasks_of(splits: Sequence[str], positions: Sequence[str]) -> list[Task]:
+    """Motions of splits, in the order of SPLITS.
+
+    Args:
+        splits: names in SPLITS.
+        positions: names in the robot's work area, among them TRAIN_POSITION.
+
+    Raises:
+        FFGymError: if a split is unknown, or the work area has no TRAIN_POSITION.
+    """
+    check_choice("position", TRAIN_POSITION, positions)
+    for split in splits:
+        check_choice("split", split, SPLITS)
+    others = [position for position in positions if position != TRAIN_POSITION]
+    every = {
+        "train": [Task(TRAIN_POSITION, speed, RADII, "train") for speed in SPEEDS],
+        "positions": [Task(position, speed, RADII, "positions") for speed in SPEEDS for position in others],
+        "radii": [Task(TRAIN_POSITION, speed, NEW_RADII, "radii") for speed in SPEEDS],
+        "speeds": [Task(TRAIN_POSITION, speed, RADII, "speeds") for speed in NEW_SPEEDS],
+    }
+    return [task for split in SPLITS if split in splits for task in every[split]]
+
+
+def reference_of(arm: RigidArm, task: Task) -> Reference:
+    """Reference of a task."""
+    return next(iter(circle_references(arm, [task.position], [task.speed], task.radii).values()))
