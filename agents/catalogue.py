@@ -42,6 +42,8 @@ class Setting:
     """Motions the law will be run on; per-task families learn on them, others must not look."""
     truth: RobotDescription | None = None
     """The machine's true parameters, for the oracle alone; None if nobody may know them."""
+    seed: int = 0
+    """Of first weights that are drawn; noise of sensors has the seed of the trial."""
 
     @classmethod
     def of(cls, robot: RobotDescription, references: Sequence[Reference] = (), n_threads: int = 0) -> "Setting":
@@ -129,7 +131,7 @@ _ENTRIES = (
         title="perceptron, feedback-error learning",
         track="causal, nominal parameters",
         page="feedback_error.md",
-        make=lambda setting: trained_mlp(setting.arm, setting.trial),
+        make=lambda setting: trained_mlp(setting.arm, setting.trial, setting.seed),
         package="torch",
     ),
     Entry(
@@ -137,7 +139,7 @@ _ENTRIES = (
         title="NARX network",
         track="causal",
         page="narx.md",
-        make=lambda setting: trained_narx(setting.arm, setting.trial),
+        make=lambda setting: trained_narx(setting.arm, setting.trial, setting.seed),
     ),
     Entry(
         name="residual_gp",

@@ -176,13 +176,13 @@ class MLP(Network):
         return Examples(inputs=inputs.swapaxes(0, 1), targets=(wanted / self.scales[2]).T)
 
 
-def trained_mlp(arm: RigidArm, trial: Trial) -> Network:
-    """Member of the catalogue: on the motions of every speed, with rate and iterations of the thesis, seed 0.
+def trained_mlp(arm: RigidArm, trial: Trial, seed: int = 0) -> Network:
+    """Member of the catalogue: on the motions of every speed, with rate and iterations of the thesis.
 
     Raises:
         FFGymError: if torch is missing, or the robot has neither a work area nor one joint alone.
     """
-    first = MLP.untrained(arm.robot, np.random.default_rng(0))
+    first = MLP.untrained(arm.robot, np.random.default_rng(seed))
     return thesis_training(arm.robot.n_joints).learn(first, every_speed(arm), trial).best
 
 

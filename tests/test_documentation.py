@@ -32,6 +32,7 @@ EXECUTED = [
     "docs/agents/lugre.md",
     "docs/agents/online_lffc.md",
     "docs/agents/feedback_error.md",
+    "docs/agents/residual.md",
     "docs/agents/residual_torque.md",
     "docs/agents/narx.md",
     *sorted(

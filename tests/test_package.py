@@ -26,6 +26,7 @@ EXTRAS = {
     "dev",
     "all",
     "paths",
+    "tune",
 }
 OPTIONAL = (
     "torch",
@@ -45,6 +46,7 @@ OPTIONAL = (
     "sklearn",
     "lark",
     "ruckig",
+    "optuna",
 )
 MODULES = (
     "simulation",

@@ -74,6 +74,24 @@ class SimulatedTrial:
         return trial(runs, number)
 
 
+class CountedTrial:
+    """Trials of a machine, counted."""
+
+    def __init__(self, trial: Trial) -> None:
+        """Count from 0."""
+        self.trial = trial
+        self.trials = 0
+        """Calls, each of which may run several motions."""
+        self.robot_seconds = 0.0
+        """Time that the machine moved [s]."""
+
+    def __call__(self, runs: Sequence[Run], number: int) -> Sequence[Recording]:
+        """Run and count; see `Trial`."""
+        self.trials += 1
+        self.robot_seconds += sum(run.reference.duration for run in runs)
+        return self.trial(runs, number)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Lesson:
     """What one recording says about each motor: T rows in time order, motor side."""

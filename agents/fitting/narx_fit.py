@@ -54,13 +54,13 @@ def learn_narx(
     return learn(trial, references, fit, n_trials)
 
 
-def trained_narx(arm: RigidArm, trial: Trial) -> NARX:
-    """Member of the catalogue: thesis (6.20), on the motions of every speed, seed 0.
+def trained_narx(arm: RigidArm, trial: Trial, seed: int = 0) -> NARX:
+    """Member of the catalogue: thesis (6.20), on the motions of every speed.
 
     Raises:
         FFGymError: if the robot has neither a work area nor one joint alone.
     """
-    return learn_narx(trial, every_speed(arm), np.random.default_rng(0)).law
+    return learn_narx(trial, every_speed(arm), np.random.default_rng(seed)).law
 
 
 def samples_of(record: MotorRecord) -> Samples:

@@ -19,6 +19,7 @@ COMMANDS = {
     "export": "Export",
     "identify": "Identify",
     "improve": "Improve",
+    "leaderboard": "Leaderboard",
     "lffc": "Lffc",
     "log": "Log",
     "record": "Record",
@@ -26,6 +27,9 @@ COMMANDS = {
     "robot": "Robot",
     "simulate": "Simulate",
     "stability": "Stability",
+    "submit": "Submit",
+    "train": "Train",
+    "verify": "Verify",
     "video": "Video",
 }
 """Classes of subcommands, each in the module of its name."""

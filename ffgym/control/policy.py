@@ -25,10 +25,13 @@ class Agent(Protocol):
 class Policy(Protocol):
     """What makes an agent for an environment, from nothing but what a controller knows."""
 
-    preview: int
-    """Samples of the reference that it must see ahead, as the environment's keyword argument."""
-    action_scale: float
-    """Torque of an action of 1 in breakaway torques, as the environment's keyword argument."""
+    @property
+    def preview(self) -> int:
+        """Samples of the reference that it must see ahead, as the environment's keyword argument."""
+
+    @property
+    def action_scale(self) -> float:
+        """Torque of an action of 1 in breakaway torques, as the environment's keyword argument."""
 
     def agent(self, robot: RobotDescription, layout: ObservationLayout) -> Agent:
         """Return the agent.

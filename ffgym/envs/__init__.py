@@ -21,6 +21,7 @@ from ffgym.envs.rendering import Rendering as Rendering
 from ffgym.envs.rewards import FeedbackEffort as FeedbackEffort
 from ffgym.envs.rewards import MotorError as MotorError
 from ffgym.envs.rewards import PathError as PathError
+from ffgym.envs.rewards import RelativePathError as RelativePathError
 from ffgym.envs.rewards import Reward as Reward
 from ffgym.envs.rewards import Signals as Signals
 from ffgym.envs.sensing import Sensing as Sensing

@@ -22,6 +22,10 @@ links within 30 % and rotors within a factor of two (docs/robots). A narrower bo
 _NEAR_BOUND = 0.99
 """Share of a bound from which on a fit ends at it: the solver stays inside."""
 
+_LEAST_RATIO = 0.01
+"""Smallest share of its estimate that a resampled static parameter counts as: one that ends at zero, where its
+logarithm is not finite, is far outside of what one Gauss-Newton step can follow. Chosen."""
+
 BLOCK = 0.5
 """Duration of a block that is resampled [s]: long against the filter's memory of 25 ms, some of them in each record."""
 
@@ -177,7 +181,8 @@ def _resampled(problem: _Problem, x: Array, static_resampled: Array, rng: np.ran
     pull = blocks.sums(own * errors[:, None])
     cross = blocks.sums(np.einsum("si,sj->sij", own, static))
     found = np.empty((len(static_resampled), 2))
-    for row, moved in zip(found, np.log(static_resampled / problem.static), strict=True):
+    ratio = np.divide(static_resampled, problem.static, out=np.ones_like(static_resampled), where=problem.static > 0)
+    for row, moved in zip(found, np.log(np.maximum(ratio, _LEAST_RATIO)), strict=True):
         counts = blocks.draw(rng)
         h, g, c = (np.tensordot(counts, part, axes=1) for part in (curvature, pull, cross))
         row[:] = x[:2] - np.linalg.solve(h, g + c @ moved)[:2]

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.envs import Sensing
 from ffgym.envs.rigs import WORKCELL, is_workcell, rig_of
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine, PlantDistribution
@@ -68,18 +69,30 @@ def plant_named(name: str) -> TestPlant:
     """
     if is_workcell(name):
         return _workcell(name)
-    robot = load_robot(ROBOT)
+    arm = _nominal_arm()
     if name == NOMINAL:
-        rig = SimulatedRig(arm=RigidArm(robot), name=name)
-        return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", truth=robot)
+        rig = SimulatedRig(arm=arm, name=name)
+        return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments=_seen(), truth=arm.robot)
     kind, _, number = name.partition(":")
     if kind + ":" != DRAW or not number.isdecimal():
         raise FFGymError(
             f"Unknown plant {name!r}. Available: {NOMINAL}, {WORKCELL}<name or seed>, {DRAW}<number>, e.g. {DRAW}0."
         )
     truth = drawn_robot(int(number))
-    rig = SimulatedRig(arm=RigidArm(robot), machine=Machine.of(truth), name=name)
-    return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments={"plant": truth}, truth=truth)
+    rig = SimulatedRig(arm=arm, machine=Machine.of(truth), name=name)
+    arguments = _seen() | {"plant": truth}
+    return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments=arguments, truth=truth)
+
+
+@cache
+def _nominal_arm() -> RigidArm:
+    """One for all plants that have it, so that references are made once."""
+    return RigidArm(load_robot(ROBOT))
+
+
+def _seen() -> dict[str, Any]:
+    """How agents see a simulated robot: by a resolver, as on a workcell."""
+    return {"sensing": Sensing(encoder_bits=16)}
 
 
 def _workcell(name: str) -> TestPlant:

@@ -42,6 +42,17 @@ class Cell:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Trail:
+    """Where the tool went on one circle, for pictures."""
+
+    position: str
+    radius_mm: float
+    speed_mm_s: float
+    deviation_um: tuple[float, ...]
+    """Outward deviation from the circle at even times, in its plane."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Outcome:
     """One agent with one seed on one plant."""
 
@@ -60,6 +71,8 @@ class Outcome:
     inference_us: float | None
     """Median time of one decision for one robot [us]; None for a law that is computed before the motion."""
     cells: tuple[Cell, ...]
+    trails: tuple[Trail, ...] = ()
+    """Of some circles, where pictures are drawn."""
 
     @property
     def plant_draw(self) -> int | None:
@@ -132,13 +145,24 @@ def read_row(path: Path) -> Row:
         FFGymError: if the file cannot be read, is damaged, or of another format.
     """
     try:
-        tree = json.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
     except ValueError as error:
-        raise FFGymError(
-            f"{path}: is damaged, no JSON: {error}. Remove it, and run `ffgym leaderboard` again."
-        ) from error
+        raise FFGymError(f"{path}: is damaged, no text: {error}. {_AGAIN}") from error
+    return decode_row(text, str(path))
+
+
+def decode_row(text: str, path: str) -> Row:
+    """The row in the text of a file; `path` is for errors.
+
+    Raises:
+        FFGymError: if it is damaged, or of another format.
+    """
+    try:
+        tree = json.loads(text)
+    except ValueError as error:
+        raise FFGymError(f"{path}: is damaged, no JSON: {error}. {_AGAIN}") from error
     found = tree.get("format") if isinstance(tree, dict) else None
     if found != FORMAT:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
@@ -156,7 +180,8 @@ def _row(tree: dict[str, Any]) -> Row:
 
 
 def _outcome(tree: dict[str, Any]) -> Outcome:
-    return Outcome(**tree | {"cells": tuple(_cell(cell) for cell in tree["cells"])})
+    trails = tuple(Trail(**trail | {"deviation_um": tuple(trail["deviation_um"])}) for trail in tree["trails"])
+    return Outcome(**tree | {"cells": tuple(_cell(cell) for cell in tree["cells"]), "trails": trails})
 
 
 def _cell(tree: dict[str, Any]) -> Cell:

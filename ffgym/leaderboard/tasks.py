@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from zlib import crc32
 
 from ffgym.control import Reference
 from ffgym.errors import check_choice
@@ -59,6 +61,16 @@ def tasks_of(splits: Sequence[str], positions: Sequence[str]) -> list[Task]:
     return [task for split in SPLITS if split in splits for task in every[split]]
 
 
-def reference_of(arm: RigidArm, task: Task) -> Reference:
-    """Reference of a task."""
+def noise_seed(task: Task, seed: int) -> list[int]:
+    """Seed of the sensors' noise in a task, the same whatever runs beside it."""
+    return [seed, crc32(repr(task).encode())]
+
+
+def references_of(arm: RigidArm, tasks: Sequence[Task]) -> list[Reference]:
+    """References of tasks; those of one arm are made once."""
+    return [_reference(arm, task) for task in tasks]
+
+
+@lru_cache(maxsize=64)
+def _reference(arm: RigidArm, task: Task) -> Reference:
     return next(iter(circle_references(arm, [task.position], [task.speed], task.radii).values()))

@@ -12,5 +12,6 @@ from ffgym.metrics.motor_error import motor_error as motor_error
 from ffgym.metrics.motor_error import motor_error_rms as motor_error_rms
 from ffgym.metrics.path_error import PathError as PathError
 from ffgym.metrics.path_error import circle_deviation as circle_deviation
+from ffgym.metrics.path_error import deviation_along as deviation_along
 from ffgym.metrics.path_error import path_errors as path_errors
 from ffgym.metrics.path_error import standstill_offset as standstill_offset

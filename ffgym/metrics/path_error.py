@@ -85,11 +85,26 @@ def _seen(points: Array, phase: Phase, recording: Recording) -> Array:
     return seen
 
 
-def _on_circle(recording: Recording, phase: Phase, tcp: Array) -> PathError:
+def deviation_along(recording: Recording, phase: Phase, n: int) -> Array:
+    """Signed deviation in the plane (outward > 0) at `n` even times of a circle [m], shape (n,).
+
+    Raises:
+        FFGymError: as `path_errors`.
+    """
+    tcp = recording.vector("tcp.position") - standstill_offset(recording)
+    _, outward, _ = _deviations(recording, phase, tcp)
+    return outward[np.linspace(0, len(outward) - 1, n).round().astype(np.int64)]
+
+
+def _deviations(recording: Recording, phase: Phase, tcp: Array) -> tuple[Circle, Array, Array]:
+    """Circle of a phase, and deviation in its plane and out of it [m] at the samples that were seen."""
     rows = (recording.t >= phase.start) & (recording.t < phase.end)
-    reference = recording.vector("tcp_reference.position")[rows]
-    circle = fit_circle(reference)
-    outward, height = circle_deviation(_seen(tcp[rows], phase, recording), circle)
+    circle = fit_circle(recording.vector("tcp_reference.position")[rows])
+    return circle, *circle_deviation(_seen(tcp[rows], phase, recording), circle)
+
+
+def _on_circle(recording: Recording, phase: Phase, tcp: Array) -> PathError:
+    circle, outward, height = _deviations(recording, phase, tcp)
     distance = np.hypot(outward, height)
     return PathError(
         label=phase.label,

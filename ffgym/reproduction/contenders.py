@@ -1,31 +1,10 @@
 """Members of the agents' catalogue, made and counted: what each needed to know and to try."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from agents.catalogue import Entry, Setting, entry_of
-from agents.common.trials import Trial
+from agents.common.trials import CountedTrial
 from ffgym.control import FeedForwardLaw
-from ffgym.recordings import Recording
-from ffgym.simulation import Run
-
-
-class CountedTrial:
-    """Trials of a machine, counted."""
-
-    def __init__(self, trial: Trial) -> None:
-        """Count from 0."""
-        self.trial = trial
-        self.trials = 0
-        """Calls, each of which may run several motions."""
-        self.robot_seconds = 0.0
-        """Time that the machine moved [s]."""
-
-    def __call__(self, runs: Sequence[Run], number: int) -> Sequence[Recording]:
-        """Run and count; see `Trial`."""
-        self.trials += 1
-        self.robot_seconds += sum(run.reference.duration for run in runs)
-        return self.trial(runs, number)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

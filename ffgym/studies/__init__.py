@@ -1,5 +1,8 @@
 """The experiments of the thesis, and any motion, simulated and scored."""
 
+from ffgym.studies.circle_scores import CircleScore as CircleScore
+from ffgym.studies.circle_scores import circle_scores as circle_scores
+from ffgym.studies.circle_scores import in_mm as in_mm
 from ffgym.studies.circle_study import Cell as Cell
 from ffgym.studies.circle_study import CircleStudy as CircleStudy
 from ffgym.studies.circle_study import circle_references as circle_references

@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from ffgym.control import (
     DynamicLuGreExact,
     FeedForwardLaw,
@@ -14,12 +12,12 @@ from ffgym.control import (
     cartesian_reference,
 )
 from ffgym.errors import FFGymError, check_shape
-from ffgym.metrics import motor_error_rms, path_errors
 from ffgym.paths import RADII, SPEEDS, circle_test
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import Rig, Run, SimulatedRig
 from ffgym.simulation.simulate import Progress
+from ffgym.studies.circle_scores import circle_scores, in_mm
 from ffgym.studies.selection import distinct, picked
 
 
@@ -76,7 +74,7 @@ class CircleStudy:
         keys = picked(self.recordings, law=laws, position=positions, speed=speeds)
         return replace(
             self,
-            cells=[c for key in keys for c in self.select(agent=key[0], position=key[1], speed_mm_s=_in_mm(key[2]))],
+            cells=[c for key in keys for c in self.select(agent=key[0], position=key[1], speed_mm_s=in_mm(key[2]))],
             recordings={key: self.recordings[key] for key in keys},
         )
 
@@ -124,8 +122,8 @@ def circle_references(
     names = list(robot.work_area.positions) if positions is None else list(positions)
     speeds = check_shape("speeds", list(speeds), (None,)).tolist()
     _check_distinct("positions", names)
-    _check_distinct("speeds [mm/s]", [_in_mm(speed) for speed in speeds])
-    _check_distinct("radii [mm]", [_in_mm(radius) for radius in check_shape("radii", radii, (None,))])
+    _check_distinct("speeds [mm/s]", [in_mm(speed) for speed in speeds])
+    _check_distinct("radii [mm]", [in_mm(radius) for radius in check_shape("radii", radii, (None,))])
     normal, dt = robot.work_area.normal, robot.servo.control_dt
 
     def reference(name: str, speed: float) -> Reference:
@@ -134,11 +132,6 @@ def circle_references(
         return cartesian_reference(arm, path)
 
     return {(name, speed): reference(name, speed) for speed in speeds for name in names}
-
-
-def _in_mm(length: float) -> float:
-    """Millimetres as cells carry them, without the rounding of binary fractions."""
-    return round(float(length) * 1e3, 6)
 
 
 def _check_distinct(what: str, values: Sequence[object]) -> None:
@@ -194,22 +187,7 @@ def circle_study(
 def _cells(
     agent: str, position: str, speed: float, plant: str, radii: Sequence[float], recording: Recording
 ) -> list[Cell]:
-    leads = zip(recording.phases_of("lead_in"), recording.phases_of("lead_out"), strict=True)
-    cells = []
-    for error, radius, (lead_in, lead_out) in zip(path_errors(recording), radii, leads, strict=True):
-        stretch = recording.slice(lead_in.start, lead_out.end)
-        cells.append(
-            Cell(
-                agent=agent,
-                plant=plant,
-                position=position,
-                radius_mm=_in_mm(radius),
-                speed_mm_s=_in_mm(speed),
-                rms_mm=error.rms * 1e3,
-                max_mm=error.max * 1e3,
-                rms_3d_mm=error.rms_3d * 1e3,
-                max_3d_mm=error.max_3d * 1e3,
-                motor_rms_rad=[float(x) for x in np.asarray(motor_error_rms(stretch))],
-            )
-        )
-    return cells
+    return [
+        Cell(agent=agent, plant=plant, position=position, speed_mm_s=in_mm(speed), **vars(score))
+        for score in circle_scores(recording, radii)
+    ]

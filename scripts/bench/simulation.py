@@ -3,27 +3,15 @@
 import time
 
 import numpy as np
-from mujoco import batch
 
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, load_robot
+from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.bare import bare_rate
 from ffgym.studies import circle_references, thesis_laws
 from scripts.bench.turns import Ratio
 
 SPEEDS = (0.040, 0.100)
 """Circles at these speeds [m/s]; those at 10 mm/s take three quarters of the time, and show nothing else."""
-
-
-def bare_rate(robot: RobotDescription, lengths: np.ndarray, threads: int) -> float:
-    """Physics steps per second of `mujoco.batch` alone: as many simulations of the same lengths, held at rest."""
-    engine = batch.Batch(compile_model(robot, ModelOptions(looks=False)), nsim=len(lengths), nthread=threads)
-    engine.reset()
-    began = time.perf_counter()
-    done = 0
-    for end in np.unique(lengths):
-        engine.step(np.flatnonzero(lengths >= end), nstep=int(end - done))
-        done = int(end)
-    return float(lengths.sum()) / (time.perf_counter() - began)
 
 
 def measure(arm: RigidArm, runs: list[Run], threads: int) -> tuple[float, float, float]:

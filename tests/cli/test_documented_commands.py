@@ -20,6 +20,9 @@ from ffgym.cli.reproduce import Reproduce
 from ffgym.cli.robot import Robot
 from ffgym.cli.simulate import Simulate
 from ffgym.cli.stability import Stability
+from ffgym.cli.submit import Submit
+from ffgym.cli.train import Train
+from ffgym.cli.verify import Verify
 from ffgym.cli.video import Video
 
 ROOT = Path(__file__).parent.parent.parent
@@ -37,6 +40,9 @@ COMMANDS = (
     Robot,
     Simulate,
     Stability,
+    Submit,
+    Train,
+    Verify,
     Video,
 )
 

@@ -5,7 +5,17 @@ import numpy as np
 import pytest
 
 from ffgym.control import NoCompensation
-from ffgym.envs import EpisodeRecorder, History, Hold, LowPass, MotorError, PathError, Residual, Sensing
+from ffgym.envs import (
+    EpisodeRecorder,
+    History,
+    Hold,
+    LowPass,
+    MotorError,
+    PathError,
+    RelativePathError,
+    Residual,
+    Sensing,
+)
 from ffgym.errors import FFGymError
 from tests.envs.env_samples import CIRCLE, FAST_SERVO, JOINTS, ONE_AXIS, OTHER_GEAR, Remembering
 
@@ -112,6 +122,7 @@ def test_arguments_that_make_no_vector_environment_are_refused(kwargs, message):
         (lambda: MotorError(effort_weight=-1.0), "effort_weight = -1.0"),
         (lambda: MotorError(stop_steps=-1), "stop_steps = -1"),
         (lambda: PathError(scale=0.0), "scale = 0.0 m"),
+        (lambda: RelativePathError(scale=0.0), "scale = 0.0 m"),
         (lambda: EpisodeRecorder(keep=-1), "keep = -1"),
         (lambda: EpisodeRecorder(record_dt=0.0), "record_dt = 0.0 s"),
         (lambda: EpisodeRecorder(sensors=[5]), r"sensors = \[5\] must be a list of sensors"),

@@ -1,10 +1,12 @@
 """Rewards: minus a cost with a physical meaning, for every sub-environment its own."""
 
+from dataclasses import replace
+
 import gymnasium as gym
 import numpy as np
 import pytest
 
-from ffgym.envs import EpisodeRecorder, FeedbackEffort, MotorError, PathError, Reward
+from ffgym.envs import EpisodeRecorder, FeedbackEffort, MotorError, PathError, RelativePathError, Reward
 from ffgym.envs.rewards import REWARDS, STOP_STEPS
 from ffgym.errors import FFGymError
 from ffgym.metrics import path_errors
@@ -60,6 +62,16 @@ def test_path_error_is_the_scored_deviation_on_circles():
         assert away[on].max() == pytest.approx(score.max, rel=1e-6)
         assert score.max > 1e-5
     np.testing.assert_allclose(away[time < 0.28], 0.0, atol=1e-9)  # at rest in equilibrium nothing is amiss
+
+
+def test_halving_a_large_path_error_is_worth_the_same_at_every_size():
+    env = gym.make(CIRCLE, reward="relative_path_error")
+    for _, reward, _, _, info in steps(env, 60, options=SHORT_CIRCLE):
+        assert reward == pytest.approx(-np.log1p(info["path_error"] / 2e-5), rel=1e-12, abs=1e-15)
+    assert info["path_error"] > 1e-6
+    signals = replace(env.unwrapped.core.signals, path_error=np.array([1e-3, 5e-4, 1e-2, 5e-3]))
+    cost = RelativePathError(scale=1e-9).cost(signals, env.unwrapped.core.robot)
+    np.testing.assert_allclose(cost[::2] - cost[1::2], np.log(2), rtol=1e-5)
 
 
 def test_path_error_beside_circles_is_the_distance_across_the_motion():
@@ -130,6 +142,7 @@ def test_rewards_by_name_say_whether_they_need_what_no_robot_measures():
     assert {name: kind.privileged for name, kind in REWARDS.items()} == {
         "motor_error": False,
         "path_error": True,
+        "relative_path_error": True,
         "feedback_effort": False,
     }
     for name, kind in REWARDS.items():
@@ -151,8 +164,9 @@ def test_a_reward_of_ones_own_is_taken():
 
 def test_the_path_error_of_a_robot_without_tool_is_refused_before_it_moves():
     for name, kwargs in ((ONE_AXIS, {}), (JOINTS, {"robot": "one_axis"})):
-        with pytest.raises(FFGymError, match=r"'one_axis' has no tool.*motor_error"):
-            gym.make(name, reward="path_error", **kwargs)
+        for reward in ("path_error", "relative_path_error"):
+            with pytest.raises(FFGymError, match=r"'one_axis' has no tool.*motor_error"):
+                gym.make(name, reward=reward, **kwargs)
     env = gym.make(ONE_AXIS)
     env.reset(seed=0)
     with pytest.raises(FFGymError, match="'one_axis' has no tool"):

@@ -115,6 +115,15 @@ def test_bristles_of_a_joint_without_a_stribeck_peak_are_found_with_intervals(fo
     np.testing.assert_allclose(fit.resampled, np.tile(fit.values, (20, 1)), rtol=0.1)
 
 
+def test_a_resample_without_viscous_friction_leaves_intervals_finite(found):
+    [joint] = found.joints
+    static = np.array([0.55, 0.55, 0.0437, 0.15])
+    resampled = np.tile(static, (20, 1))
+    resampled[3, 2] = 0.0
+    fit = fit_bristles(joint.bristles.data, static, resampled, np.random.default_rng(0))
+    assert np.isfinite(fit.resampled).all()
+
+
 def test_a_given_stribeck_velocity_is_kept(wrong, exact):
     torques = friction_torques(wrong, measured(exact[0]))
     (joint,) = identify_friction(torques, stribeck_velocity={"j1": 0.15}, n_resamples=50).joints

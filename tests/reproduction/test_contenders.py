@@ -6,10 +6,11 @@ import pytest
 
 from agents.catalogue import CATALOGUE, Setting
 from agents.common.lessons import thesis_motions
+from agents.common.trials import CountedTrial
 from ffgym.control import NoCompensation
 from ffgym.reproduction import ITEMS
 from ffgym.reproduction.claims import judge
-from ffgym.reproduction.contenders import CountedTrial, contender
+from ffgym.reproduction.contenders import contender
 from ffgym.simulation import Run
 
 CLAIMS = {claim.name: claim for item in ITEMS for claim in item.claims}

@@ -6,9 +6,13 @@ import numpy as np
 from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnvWrapper
 
+from agents.residual.bases import base_law
 from agents.residual.composition import Composition, Seen, chosen
 from agents.residual.features import LIMIT
-from ffgym.envs.sb3 import SB3VecEnv
+from agents.residual.plan import ENCODER_BITS, ENVIRONMENT, POSITION, Training
+from ffgym.envs import Sensing
+from ffgym.envs.sb3 import SB3VecEnv, make_sb3_env
+from ffgym.plant import PlantDistribution
 from ffgym.types import Array
 
 
@@ -54,3 +58,31 @@ class ResidualVecEnv(VecEnvWrapper):
             seen = chosen(done, self.composition.begin(observation), seen)
         self._seen = seen
         return seen.features.astype(np.float32), reward, done, infos
+
+
+def environment_of(training: Training, n_envs: int | None = None, **changes: Any) -> ResidualVecEnv:
+    """The environment of a training.
+
+    Args:
+        training: what is trained.
+        n_envs: robots side by side; None is the training's.
+        changes: keyword arguments of the environment in place of the training's.
+    """
+    robot = training.known()
+    own: dict[str, Any] = {
+        "robot": training.robot,
+        "positions": [POSITION],
+        "order": "one",
+        "reward": training.reward,
+        "action_scale": training.action_scale,
+        "preview": training.preview,
+        "sensing": Sensing(encoder_bits=ENCODER_BITS),
+        "n_threads": 1,
+    }
+    if training.randomization:
+        own["randomization"] = PlantDistribution()
+    env = make_sb3_env(ENVIRONMENT, n_envs=n_envs or training.integer("n_envs"), **own | changes)
+    law = base_law(training.base, training.machine, robot)
+    layout = env.get_attr("observation_layout")[0]
+    composition = Composition.over(law, robot, layout, memory=training.memory, bound=training.bound)
+    return ResidualVecEnv(env, composition)

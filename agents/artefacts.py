@@ -1,0 +1,120 @@
+"""Trained agents that ship with the package: files by name, plant and seed, each with what made it.
+
+`agents/trained/<name>/manifest.json` lists the files beside it, with their sha256; a file that is not what its manifest
+says is refused.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from ffgym.errors import FFGymError
+from ffgym.files import write_json
+
+TRAINED = Path(__file__).with_name("trained")
+"""Where they are."""
+ANYWHERE = "any"
+"""Plant of an artefact that was not trained on the plant that it runs on."""
+_MANIFEST = "manifest.json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Artefact:
+    """One trained agent."""
+
+    file: str
+    """Name below the folder of its manifest."""
+    sha256: str
+    seed: int
+    plant: str
+    """Where it learned, and what it is for: 'nominal', 'workcell:<name>', or ANYWHERE."""
+    fingerprint: str
+    """Of the physics that it learned on."""
+    robot_seconds: float
+    """Time that this machine moved for it [s]; 0 where it learned in simulation to be used elsewhere."""
+    env_steps: int
+    """Control steps of simulated training."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Manifest:
+    """All artefacts of one name."""
+
+    name: str
+    command: str
+    """What makes them again."""
+    artefacts: tuple[Artefact, ...]
+    versions: Mapping[str, str]
+    learning_curve: tuple[tuple[float, float], ...] = ()
+    """Steps and mean reward per step, mean over seeds."""
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Of all artefacts."""
+        return tuple(sorted({artefact.seed for artefact in self.artefacts}))
+
+    def find(self, plant: str, seed: int) -> Artefact | None:
+        """Artefact for a plant and a seed; None if there is none."""
+        for artefact in self.artefacts:
+            if artefact.seed == seed and artefact.plant in (plant, ANYWHERE):
+                return artefact
+        return None
+
+
+@cache
+def manifest_of(name: str, folder: Path = TRAINED) -> Manifest | None:
+    """Manifest of an agent; None if nothing was trained under that name.
+
+    Raises:
+        FFGymError: if it is damaged.
+    """
+    place = folder / name / _MANIFEST
+    if not place.exists():
+        return None
+    try:
+        tree = json.loads(place.read_text(encoding="utf-8"))
+        artefacts = tuple(Artefact(**entry) for entry in tree.pop("artefacts"))
+        curve = tuple((float(x), float(y)) for x, y in tree.pop("learning_curve"))
+        return Manifest(artefacts=artefacts, learning_curve=curve, **tree)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise FFGymError(f"{place}: is no manifest of trained agents: {error}. Install ffgym again.") from error
+
+
+def path_of(name: str, artefact: Artefact, folder: Path = TRAINED) -> Path:
+    """File of an artefact, after its contents were compared with the manifest.
+
+    Raises:
+        FFGymError: if it is missing, or another than the manifest says.
+    """
+    place = folder / name / artefact.file
+    try:
+        found = sha256(place.read_bytes()).hexdigest()
+    except OSError as error:
+        raise FFGymError(f"{place}: cannot be read: {error.strerror}. Install ffgym again, or train it.") from error
+    if found != artefact.sha256:
+        raise FFGymError(
+            f"{place}: has sha256 {found[:16]}..., its manifest says {artefact.sha256[:16]}...: one of them was "
+            f"changed. Install ffgym again, or train it."
+        )
+    return place
+
+
+def described(name: str, file: str, folder: Path = TRAINED, **what: Any) -> Artefact:
+    """Entry of a manifest for a file that was just written."""
+    data = (folder / name / file).read_bytes()
+    return Artefact(file=file, sha256=sha256(data).hexdigest(), **what)
+
+
+def write_manifest(manifest: Manifest, folder: Path = TRAINED) -> None:
+    """Write a manifest beside its artefacts."""
+    write_json(folder / manifest.name / _MANIFEST, asdict(manifest))
+
+
+def merged(old: Sequence[Artefact], new: Sequence[Artefact]) -> tuple[Artefact, ...]:
+    """Entries of a manifest, the new ones in place of old ones of the same seed and plant, by plant and seed."""
+    every = {(each.plant, each.seed): each for each in (*old, *new)}
+    return tuple(every[key] for key in sorted(every))

@@ -1,0 +1,38 @@
+"""Random torque: what an agent is worth that knows nothing; a row to compare with.
+
+Idea: independent torque at every sample, uniform between minus and plus a share of each joint's breakaway torque.
+
+Run it:
+
+    ffgym leaderboard --agents none random
+
+Logged: nothing, nothing is learned.
+"""
+
+from dataclasses import dataclass
+from typing import final
+from zlib import crc32
+
+import numpy as np
+
+from ffgym.control import FeedForwardLaw, Reference
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RandomTorque(FeedForwardLaw):
+    """Torque that no motion has anything to do with."""
+
+    seed: int
+    share: float = 1.0
+    """Largest torque in breakaway torques f_s of each joint."""
+    name: str = "random"
+
+    def torque(self, reference: Reference) -> Array:
+        """See base class; a motion of one name gets the same torque again."""
+        rng = np.random.default_rng([self.seed, crc32(reference.name.encode())])
+        bound = self.share * reference.robot.friction.static
+        torque = bound * rng.uniform(-1.0, 1.0, size=reference.q.shape)
+        torque[0] = 0.0
+        return torque

@@ -1,0 +1,132 @@
+r"""Residual policies: reinforcement learning on top of a feed-forward law that knows the nominal robot.
+
+Idea: a law made from nominal parameters leaves an error because the machine differs from them. A small network sees
+that error, what it did about it, and the reference ahead, and adds a bounded torque; with f_s the breakaway torque,
+
+.. math:: u_{lff} = u_{base} + \beta f_s r(x), \qquad r \in [-1, 1]^N, \quad r = 0 \text{ before training}
+
+It is trained on robots drawn around the nominal one, so that it learns to adapt by what it sees, not one machine.
+
+Source: residual policy learning (Silver et al. 2018, arXiv:1812.06298; Johannink et al., ICRA 2019); PPO (Schulman et
+al. 2017), SAC (Haarnoja et al. 2018), TQC (Kuznetsov et al. 2020) as in stable-baselines3 and sb3-contrib. Departures:
+features in units of each motor's own friction, one network for all motors, the last layer zero at first, the base acts
+while replay buffers are filled (docs/agents/residual.md).
+
+Train it, and run it:
+
+    ffgym train --algorithm ppo --base elastic --seed 0 --out trained
+    policy = load_policy("trained/policy.npz")
+
+Logged: the reward per step while training, with exploration, in `meta["learning_curve"]` and TensorBoard.
+"""
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from agents.common.law_files import FORMAT, pack, unpack
+from agents.residual.actor import Actor
+from agents.residual.agent import ResidualAgent
+from agents.residual.bases import base_law
+from agents.residual.composition import Composition
+from agents.residual.features import AHEAD
+from ffgym.control import ObservationLayout
+from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.files import check_writable, write_bytes
+from ffgym.provenance import versions
+from ffgym.robot import RobotDescription
+
+KIND = "residual_policy"
+"""In the header of a file."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResidualPolicy:
+    """A base law by name, and a network; `ffgym.control.Policy` describes how it is used."""
+
+    base: str
+    """One of `agents.residual.bases.BASES`."""
+    machine: str | None = field(default=None, repr=False)
+    """Text of the machine file that the base 'model' is made from."""
+    actor: Actor = field(repr=False)
+    memory: int
+    """Samples of errors and residuals that it sees."""
+    bound: float
+    """Largest residual torque, in units of each joint's breakaway torque."""
+    action_scale: float
+    """Torque of an action of 1 in breakaway torques, as the environment's keyword argument."""
+    meta: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    """Where it comes from: algorithm, hyper-parameters, seed, steps, environment, versions, learning curve."""
+    preview: int = AHEAD[-1]
+    """Samples of the reference that it sees, as the environment's keyword argument."""
+
+    def __post_init__(self) -> None:
+        check_whole("memory", self.memory, unit="samples", low=1, high=1000)
+        check_number("bound of the residual", self.bound, unit="breakaway torques", low=0.0, open_low=True)
+        check_number("action_scale", self.action_scale, unit="breakaway torques", low=0.0, open_low=True)
+        check_whole("preview", self.preview, unit="samples", low=AHEAD[-1], high=1000)
+
+    def agent(self, robot: RobotDescription, layout: ObservationLayout) -> ResidualAgent:
+        """The policy in an environment.
+
+        Args:
+            robot: what the controller of the machine knows of it.
+            layout: of the observations.
+
+        Raises:
+            FFGymError: if the robot has another number of motors, or too little of the reference is observed.
+        """
+        law = base_law(self.base, self.machine, robot)
+        composition = Composition.over(law, robot, layout, memory=self.memory, bound=self.bound)
+        return ResidualAgent(composition=composition, actor=self.actor)
+
+
+def encode_policy(policy: ResidualPolicy) -> bytes:
+    """A policy as a file; equal policies give equal bytes."""
+    own = {name: getattr(policy, name) for name in _SETTINGS}
+    header = {
+        "format": FORMAT,
+        "kind": KIND,
+        "settings": own | {"actor": policy.actor.settings()},
+        "meta": dict(policy.meta),
+        "versions": versions(),
+    }
+    return pack(header, policy.actor.arrays())
+
+
+def save_policy(path: str | os.PathLike[str], policy: ResidualPolicy) -> Path:
+    """Write a policy, whole or not at all.
+
+    Raises:
+        FFGymError: if the file cannot be written, or its name does not end in .npz.
+    """
+    target = Path(path)
+    if target.suffix != ".npz":
+        raise FFGymError(f"{path}: the name of a policy's file must end in .npz.")
+    check_writable(target)
+    write_bytes(target, encode_policy(policy))
+    return target
+
+
+def load_policy(path: str | os.PathLike[str]) -> ResidualPolicy:
+    """Read a policy that `save_policy` wrote.
+
+    Raises:
+        FFGymError: if the file is missing or damaged, or holds something else.
+    """
+    header, arrays = unpack(path)
+    check_choice(f"kind of policy in {path}", str(header.get("kind")), [KIND])
+    try:
+        settings = dict(header["settings"])
+        actor = Actor.from_parts(settings.pop("actor"), arrays)
+        if set(settings) != set(_SETTINGS):
+            raise FFGymError(f"settings {sorted(settings)} must be {sorted(_SETTINGS)}.")
+        return ResidualPolicy(actor=actor, meta=header["meta"], **settings)
+    except (KeyError, TypeError, AttributeError, FFGymError) as error:
+        reason = str(error).rstrip(".")
+        raise FFGymError(f"{path}: holds no complete residual policy: {reason}. Train it again.") from error
+
+
+_SETTINGS = ("base", "machine", "memory", "bound", "action_scale", "preview")

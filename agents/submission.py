@@ -1,0 +1,116 @@
+"""Agents of this package as submissions: which file or name is of which kind, and how each is made from it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from agents.catalogue import CATALOGUE, Setting, entry_of, law_named
+from agents.common.law_agent import LawAgent
+from agents.common.law_files import load_law, unpack
+from agents.residual.policy import KIND, load_policy
+from ffgym.control import Agent, CausalLaw, FeedForwardLaw, ObservationLayout, Policy
+from ffgym.errors import FFGymError
+from ffgym.files import read_bytes
+from ffgym.robot import RobotDescription
+
+LOADERS: Mapping[str, str] = {
+    "law": "agents.submission",
+    "policy": "agents.submission",
+    "python": "ffgym.leaderboard.submission.python_agent",
+}
+"""Module whose `load` makes an agent, by its kind."""
+ACTION_SCALE = 200.0
+"""Torque of an action of 1 for laws, in breakaway torques. Elastic feed-forward needs 102 on the fastest circles of the
+nominal robot (`ffgym.envs.settings`); chosen: twice that, as identified machines may be softer."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LawPolicy:
+    """A causal law as what `ffgym.control.Policy` describes."""
+
+    make: Callable[[RobotDescription], FeedForwardLaw]
+    preview: int
+    action_scale: float = ACTION_SCALE
+
+    def agent(self, robot: RobotDescription, layout: ObservationLayout) -> Agent:
+        """See `ffgym.control.Policy`.
+
+        Raises:
+            FFGymError: if the law does not fit the robot.
+        """
+        return LawAgent(law=_causal(self.make(robot)), layout=layout, control_dt=robot.servo.control_dt)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Source:
+    """What a submission of an agent consists of, see `ffgym.leaderboard.submission.manifest.AgentSource`."""
+
+    kind: str
+    law: str | None = None
+    file: str | None = None
+    content: bytes | None = field(default=None, repr=False)
+    """Of the file."""
+
+
+def submitted(agent: str) -> Source:
+    """What a submission of `agent` consists of.
+
+    Args:
+        agent: name in the catalogue, model:machine.toml, or a path: .npz of a law or a residual policy, .py.
+
+    Raises:
+        FFGymError: if there is no such agent, it is trained anew each time it is made, or its file cannot be read.
+    """
+    if agent.endswith(".py"):
+        return Source(kind="python", file="agent.py", content=read_bytes(agent))
+    if agent.endswith(".npz"):
+        kind = "policy" if unpack(agent)[0].get("kind") == KIND else "law"
+        return Source(kind=kind, file="agent.npz", content=read_bytes(agent))
+    name, colon, file = agent.partition(":")
+    entry = entry_of(name)
+    if name not in SUBMITTED:
+        raise FFGymError(
+            f"Agent {name!r} cannot be submitted by its name, it learns, or is no law that runs sample by sample. "
+            f"Submit {', '.join(SUBMITTED)}, or the file .npz of what was learned, or a .py."
+        )
+    if not colon:
+        return Source(kind="law", law=name)
+    if not entry.takes_machine:
+        raise FFGymError(f"Agent {name!r} takes no file, got {agent!r}.")
+    return Source(kind="law", law=name, file="agent.toml", content=read_bytes(file))
+
+
+def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> Policy:
+    """Policy from a source and the folder with its file.
+
+    Raises:
+        FFGymError: if the file is damaged, or holds something else.
+    """
+    if source["kind"] == "policy":
+        return load_policy(folder / str(source["file"]))
+    make = _maker(source, folder)
+    return LawPolicy(make=make, preview=_causal(make(robot)).preview)
+
+
+def _maker(source: Mapping[str, Any], folder: Path) -> Callable[[RobotDescription], FeedForwardLaw]:
+    file, name = source["file"], source["law"]
+    if name is None:
+        law = load_law(folder / str(file))
+        return lambda robot: law
+    if name not in SUBMITTED:
+        raise FFGymError(f"law = {name!r} must be one of {', '.join(SUBMITTED)}.")
+    full = name if file is None else f"{name}:{folder / str(file)}"
+    return lambda robot: law_named(full, Setting.of(robot))
+
+
+def _causal(law: FeedForwardLaw) -> CausalLaw:
+    if not isinstance(law, CausalLaw):
+        raise FFGymError(f"Law {law.name!r} does not run sample by sample, so that it cannot act on observations.")
+    return law
+
+
+SUBMITTED = tuple(
+    name for name, entry in CATALOGUE.items() if entry.track == "causal, nominal parameters" and entry.package is None
+)
+"""Laws that are made from the robot's description alone."""

@@ -1,0 +1,134 @@
+"""The leaderboard as a folder: one file per row; what is missing in it is run, and kept as soon as it is complete."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from ffgym.errors import FFGymError
+from ffgym.executors import Executor
+from ffgym.files import made_folder, write_text
+from ffgym.leaderboard.entrants import Entrant, entrants_in
+from ffgym.leaderboard.evaluation import Wanted, evaluated, jobs_for
+from ffgym.leaderboard.plants import plant_named
+from ffgym.leaderboard.results import Outcome, Row, decode_row, encode_row, read_row
+from ffgym.leaderboard.scoring import lost_cells
+from ffgym.leaderboard.tasks import Task, references_of, tasks_of
+from ffgym.provenance import versions
+from ffgym.simulation.simulate import Progress
+
+
+@dataclass(kw_only=True, eq=False)
+class Board:
+    """Rows, in memory and, if there is a folder, in files."""
+
+    registry: str
+    """Where entrants are found, see `entrants_in`."""
+    folder: Path | None = None
+    rows: dict[str, Row] = field(default_factory=dict, init=False)
+
+    def __post_init__(self) -> None:
+        """Read what the folder holds.
+
+        Raises:
+            FFGymError: if it is no folder, or a file in it cannot be read.
+        """
+        if self.folder is None:
+            return
+        if self.folder.exists() and not self.folder.is_dir():
+            raise FFGymError(f"{self.folder}: is a file, must be a folder of result files; choose another name.")
+        for path in sorted(self.folder.glob("*.json")):
+            row = read_row(path)
+            if row.name != path.stem:
+                raise FFGymError(f"{path}: holds the row {row.name!r}; rename it to {row.name}.json, or remove it.")
+            self.rows[row.name] = row
+
+    def run(
+        self,
+        entrants: Sequence[Entrant],
+        plants: Sequence[str],
+        splits: Sequence[str],
+        n_seeds: int,
+        executor: Executor,
+        progress: Progress | None = None,
+    ) -> float:
+        """Run what is missing; returns the simulated seconds of what was run.
+
+        Args:
+            entrants: who.
+            plants: where, by name.
+            splits: circles.
+            n_seeds: of rows that a seed changes, at most.
+            executor: where the work is done.
+            progress: called with the simulated seconds done and their total.
+
+        Raises:
+            FFGymError: if an agent or a plant cannot be run, or a result cannot be written. What was complete is kept.
+        """
+        missing = list(self._missing(entrants, plants, splits, n_seeds))
+        jobs = jobs_for(self.registry, missing, splits)
+        seconds = {plant: simulated_seconds([plant], splits) for plant in dict.fromkeys(plants)}
+        total, done = sum(seconds[plant] for _, _, plant in missing), 0.0
+        for job, outcomes in evaluated(jobs, executor):
+            self._keep(outcomes)
+            done += len(job.agents) * seconds[job.plant]
+            if progress is not None:
+                progress(done, total)
+        return total
+
+    def _missing(
+        self, entrants: Iterable[Entrant], plants: Sequence[str], splits: Sequence[str], n_seeds: int
+    ) -> Iterable[Wanted]:
+        for plant in plants:
+            fingerprint = plant_named(plant).fingerprint
+            keys = {cell.key for task in _tasks(plant, splits) for cell in lost_cells(task)}
+            for entrant in entrants:
+                for seed in entrant.seeds[:n_seeds]:
+                    known, artefact = self._known(entrant.name, seed, plant), entrant.artefact(plant, seed)
+                    same = known is not None and (known.fingerprint, known.artefact) == (fingerprint, artefact)
+                    if known is None or not same or not keys <= {cell.key for cell in known.cells}:
+                        yield entrant.name, seed, plant
+
+    def _known(self, name: str, seed: int, plant: str) -> Outcome | None:
+        row = self.rows.get(name)
+        return None if row is None else next((o for o in row.outcomes if o.key == (seed, plant)), None)
+
+    def _keep(self, outcomes: Sequence[tuple[str, Outcome]]) -> None:
+        """Take outcomes into their rows, and write these."""
+        every = entrants_in(self.registry)
+        for name in dict.fromkeys(name for name, _ in outcomes):
+            head = every[name].row()
+            before = self.rows[name].outcomes if name in self.rows else ()
+            new = [_joined(self._known(name, *o.key), o) for own, o in outcomes if own == name]
+            row = replace(head, outcomes=before, provenance=versions()).with_outcomes(new)
+            text = encode_row(replace(row, outcomes=tuple(sorted(row.outcomes, key=_order))))
+            self.rows[name] = decode_row(text, name)  # with the digits of a file: the same as when it is read
+            if self.folder is not None:
+                with made_folder(self.folder):
+                    write_text(self.folder / f"{name}.json", text)
+
+
+def _order(outcome: Outcome) -> tuple[bool, str, int, int]:
+    """Nominal, workcell, draws by number; then seeds."""
+    draw = outcome.plant_draw
+    return draw is not None, "" if draw is not None else outcome.plant, -1 if draw is None else draw, outcome.seed
+
+
+def _joined(old: Outcome | None, new: Outcome) -> Outcome:
+    """The new outcome, with cells and trails of the old one that it lacks, if that is of the same agent and physics."""
+    if old is None or (old.fingerprint, old.artefact) != (new.fingerprint, new.artefact):
+        return new
+    cells = {cell.key: cell for cell in (*old.cells, *new.cells)}
+    trails = {(trail.position, trail.radius_mm, trail.speed_mm_s): trail for trail in (*old.trails, *new.trails)}
+    return replace(new, cells=tuple(cells.values()), trails=tuple(trails.values()))
+
+
+def _tasks(plant: str, splits: Sequence[str]) -> list[Task]:
+    area = plant_named(plant).rig.robot.work_area
+    assert area is not None  # robots of the leaderboard have one
+    return tasks_of(splits, list(area.positions))
+
+
+def simulated_seconds(plants: Sequence[str], splits: Sequence[str]) -> float:
+    """How long all motions of splits on these plants last, once each [s]."""
+    arms = [(plant_named(plant).rig.arm, _tasks(plant, splits)) for plant in plants]
+    return sum(reference.duration for arm, tasks in arms for reference in references_of(arm, tasks))

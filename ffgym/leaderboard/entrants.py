@@ -1,0 +1,87 @@
+"""Who is compared: an agent by name, and what makes it ready for a plant."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+
+from ffgym.control import FeedForwardLaw, Policy
+from ffgym.errors import FFGymError, check_choice
+from ffgym.leaderboard.plants import TestPlant
+from ffgym.leaderboard.results import Row
+from ffgym.leaderboard.tasks import Task
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ready:
+    """An agent for one plant: a law, which runs along whole references, or a policy, which acts in an environment."""
+
+    law: FeedForwardLaw | None = None
+    policy: Policy | None = None
+    timed: Policy | None = None
+    """A law as a policy, whose decisions are timed; None where a law needs the whole motion beforehand."""
+    artefact: str | None = None
+    """sha256 of the file it was read from; None if it was not read from one."""
+    robot_seconds: float = 0.0
+    """Time that a machine moved while it learned for this plant [s]."""
+    env_steps: int = 0
+    """Control steps of simulated training."""
+
+    def __post_init__(self) -> None:
+        if (self.law is None) == (self.policy is None):
+            raise FFGymError("An agent is either a law or a policy; give one of both.")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Entrant:
+    """An agent that takes part; what its fields mean says `Row`."""
+
+    name: str
+    title: str
+    track: str
+    about: str
+    page: str | None = None
+    base: str | None = None
+    seeds: tuple[int, ...] = (0,)
+    """One, unless a seed changes it."""
+    command: str | None = None
+    ranked: bool = True
+    slow: bool = False
+    """Whether it practises on every task first, which takes minutes; it takes part if it is named."""
+    artefact: Callable[[str, int], str | None] = field(default=lambda plant, seed: None, repr=False)
+    """sha256 of the file for a plant, by name, and a seed; None if it is not read from one."""
+    learning_curve: Callable[[], tuple[tuple[float, float], ...]] = field(default=tuple, repr=False)
+    ready: Callable[[TestPlant, int, tuple[Task, ...]], Ready | None] = field(repr=False)
+    """Makes the agent for a plant, a seed, and the tasks that come; None if it has nothing for this plant."""
+
+    def row(self) -> Row:
+        """Its row, without outcomes."""
+        return Row(
+            name=self.name,
+            title=self.title,
+            track=self.track,
+            about=self.about,
+            page=self.page,
+            base=self.base,
+            learned=len(self.seeds) > 1,
+            command=self.command,
+            ranked=self.ranked,
+            outcomes=(),
+            learning_curve=self.learning_curve(),
+        )
+
+
+def entrants_in(registry: str) -> Mapping[str, Entrant]:
+    """Everybody in a registry 'package.module:NAME', a mapping from names to entrants that other processes find."""
+    module, _, name = registry.partition(":")
+    found: Mapping[str, Entrant] = getattr(import_module(module), name)
+    return found
+
+
+def entrant_named(registry: str, name: str) -> Entrant:
+    """One of them.
+
+    Raises:
+        FFGymError: if there is none of that name.
+    """
+    every = entrants_in(registry)
+    return every[check_choice("agent", name, list(every))]

@@ -1,0 +1,138 @@
+"""Agents on plants: cut into jobs that any process can do, and put together as outcomes."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+
+from ffgym.executors import Executor
+from ffgym.leaderboard.closed_loop import fly, inference_time
+from ffgym.leaderboard.entrants import Ready, entrant_named
+from ffgym.leaderboard.plants import DRAW, TestPlant, plant_named
+from ffgym.leaderboard.results import Outcome
+from ffgym.leaderboard.scoring import cells_of, lost_cells, trails_of
+from ffgym.leaderboard.tasks import Task, noise_seed, references_of, tasks_of
+from ffgym.recordings import Recording
+from ffgym.simulation import Run
+
+TOGETHER = 8
+"""Agents of one job on one plant. More side by side cost less each, as a workcell's effects are computed for all at
+once; chosen so that a dozen agents keep two cores busy."""
+
+Wanted = tuple[str, int, str]
+"""Name of an agent, its seed, name of a plant."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """Some agents, each with a seed, on one plant."""
+
+    registry: str
+    """Where entrants are found, see `entrants_in`."""
+    plant: str
+    agents: tuple[tuple[str, int], ...]
+    """Names and seeds."""
+    splits: tuple[str, ...]
+    threads: int = 1
+    """Of the engine."""
+
+
+def jobs_for(registry: str, wanted: Sequence[Wanted], splits: Sequence[str], threads: int = 1) -> list[Job]:
+    """Jobs for agents, seeds and plants; those of one plant go together, the longest work first."""
+    jobs = []
+    order = sorted(wanted, key=lambda each: (not each[2].startswith("workcell:"), each[2]))
+    for plant, group in groupby(order, key=lambda each: each[2]):
+        agents = [(name, seed) for name, seed, _ in group]
+        n_jobs = -(-len(agents) // TOGETHER)
+        jobs += [Job(registry, plant, tuple(agents[i::n_jobs]), tuple(splits), threads) for i in range(n_jobs)]
+    return jobs
+
+
+def evaluated(jobs: Sequence[Job], executor: Executor) -> Iterator[tuple[Job, list[tuple[str, Outcome]]]]:
+    """Outcomes of jobs as they come, by names of agents; without those that have nothing for the plant.
+
+    Raises:
+        FFGymError: if an agent cannot be read or does not fit, or a simulation becomes unstable.
+    """
+    for i, outcomes in executor.run(run_job, jobs):
+        yield jobs[i], outcomes
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Starter:
+    """An agent on the start."""
+
+    name: str
+    seed: int
+    ready: Ready
+
+
+def run_job(job: Job) -> list[tuple[str, Outcome]]:
+    """Run one job here."""
+    plant = plant_named(job.plant)
+    assert plant.rig.robot.work_area is not None  # robots of the leaderboard have one
+    tasks = tasks_of(job.splits, list(plant.rig.robot.work_area.positions))
+    starters = []
+    for name, seed in job.agents:
+        ready = entrant_named(job.registry, name).ready(plant, seed, tuple(tasks))
+        if ready is not None:
+            starters.append(_Starter(name=name, seed=seed, ready=ready))
+    laws = [starter for starter in starters if starter.ready.law is not None]
+    policies = [starter for starter in starters if starter.ready.policy is not None]
+    runs = _run_laws(plant, laws, tasks, job.threads) + _fly_policies(plant, policies, tasks, job.threads)
+    return [
+        (starter.name, _outcome(plant, starter, tasks, recordings))
+        for starter, recordings in zip((*laws, *policies), runs, strict=True)
+    ]
+
+
+def _outcome(
+    plant: TestPlant, starter: _Starter, tasks: Sequence[Task], recordings: Sequence[Recording | None]
+) -> Outcome:
+    ready, acts = starter.ready, starter.ready.policy or starter.ready.timed
+    pairs = list(zip(tasks, recordings, strict=True))
+    cells = [
+        cell for task, recording in pairs for cell in (cells_of(task, recording) if recording else lost_cells(task))
+    ]
+    pictured = starter.seed == 0 and not plant.name.startswith(DRAW)
+    trails = [trail for task, recording in pairs if pictured and recording for trail in trails_of(task, recording)]
+    return Outcome(
+        seed=starter.seed,
+        plant=plant.name,
+        fingerprint=plant.fingerprint,
+        artefact=ready.artefact,
+        robot_seconds=ready.robot_seconds,
+        env_steps=ready.env_steps,
+        inference_us=None if acts is None else inference_time(plant, acts),
+        cells=tuple(cells),
+        trails=tuple(trails),
+    )
+
+
+def _run_laws(
+    plant: TestPlant, laws: Sequence[_Starter], tasks: Sequence[Task], threads: int
+) -> list[list[Recording | None]]:
+    """Recordings of laws, all side by side in one batch."""
+    if not laws:
+        return []
+    references = references_of(plant.rig.arm, tasks)
+    runs, noise = [], []
+    for starter in laws:
+        assert starter.ready.law is not None
+        runs += [Run(reference=reference, law=starter.ready.law) for reference in references]
+        noise += [np.random.default_rng(noise_seed(task, starter.seed)) for task in tasks]
+    recordings = plant.rig.run(runs, seed=noise, n_threads=threads)
+    return [list(recordings[i : i + len(tasks)]) for i in range(0, len(recordings), len(tasks))]
+
+
+def _fly_policies(
+    plant: TestPlant, policies: Sequence[_Starter], tasks: Sequence[Task], threads: int
+) -> list[list[Recording | None]]:
+    """Recordings of policies, one policy after the other."""
+    recordings = []
+    for starter in policies:
+        assert starter.ready.policy is not None
+        (flights,) = fly(plant, [starter.ready.policy], tasks, seed=starter.seed, n_threads=threads)
+        recordings.append([flight.recording for flight in flights])
+    return recordings

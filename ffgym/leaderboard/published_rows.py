@@ -1,0 +1,92 @@
+"""What the thesis published of the real robot, as rows of reference: another machine, never ranked."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import fsum
+from typing import final
+
+from ffgym.leaderboard.samples import CellKey
+from ffgym.leaderboard.tasks import THESIS
+from ffgym.paths import RADII, SPEEDS
+from ffgym.published import METHODS, published_mm
+from ffgym.report.laws import UNCOMPENSATED, law_styles
+from ffgym.studies import in_mm
+
+_POSITIONS = ("p1", "p2", "p3", "p4")
+"""Corners of the work area (thesis, 2.2.5)."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PublishedSpeed:
+    """Mean of published RMS path errors at one speed."""
+
+    speed_mm_s: float
+    rms_um: float
+    reduction: float
+    """Share of the mean without compensation on the same circles that is gone."""
+    circles: int
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class PublishedRow:
+    """One method of the thesis on the real robot."""
+
+    method: str
+    title: str
+    speeds: tuple[PublishedSpeed, ...]
+    max_um: float | None
+    """Largest published deviation; None if none was published."""
+
+
+def published_rows(cells: Sequence[CellKey]) -> list[PublishedRow]:
+    """Methods of the thesis on those of the circles that it measured; none if it measured none of them."""
+    styles = law_styles(METHODS)
+    rows = [
+        PublishedRow(
+            method=method,
+            title=styles[method].label,
+            speeds=tuple(each for speed in _speeds(cells) if (each := _at_speed(method, cells, speed)) is not None),
+            max_um=_largest(method, cells),
+        )
+        for method in METHODS
+    ]
+    return [row for row in rows if row.speeds]
+
+
+def best_reductions() -> dict[float, tuple[str, float]]:
+    """Best published method and its reduction of the mean over all circles, by TCP speed [mm/s]."""
+    cells = [(THESIS[0], p, in_mm(r), in_mm(v)) for v in SPEEDS for r in RADII for p in _POSITIONS]
+    best: dict[float, tuple[str, float]] = {}
+    for row in published_rows(cells):
+        for each in row.speeds:
+            if each.speed_mm_s not in best or each.reduction > best[each.speed_mm_s][1]:
+                best[each.speed_mm_s] = (row.title, each.reduction)
+    return best
+
+
+def _speeds(cells: Sequence[CellKey]) -> list[float]:
+    return sorted({speed for *_, speed in cells})
+
+
+def _at_speed(method: str, cells: Sequence[CellKey], speed: float) -> PublishedSpeed | None:
+    own = [cell for cell in cells if cell[3] == speed]
+    pairs = [(_value(method, "rms", cell), _value(UNCOMPENSATED, "rms", cell)) for cell in own]
+    known = [(value, zero) for value, zero in pairs if value is not None and zero is not None]
+    if not known:
+        return None
+    total, zero = fsum(value for value, _ in known), fsum(zero for _, zero in known)
+    return PublishedSpeed(
+        speed_mm_s=speed, rms_um=total / len(known) * 1e3, reduction=1 - total / zero, circles=len(known)
+    )
+
+
+def _largest(method: str, cells: Sequence[CellKey]) -> float | None:
+    values = [_value(method, "max", cell) for cell in cells]
+    return max((value * 1e3 for value in values if value is not None), default=None)
+
+
+def _value(method: str, statistic: str, cell: CellKey) -> float | None:
+    _, position, radius, speed = cell
+    return published_mm(method, statistic, speed / 1e3, radius / 1e3, position)

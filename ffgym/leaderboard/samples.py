@@ -1,0 +1,137 @@
+"""Results of a row as arrays over seeds, plants and circles, and what a row lacks to be compared."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeAlias, final
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_choice
+from ffgym.leaderboard.plants import DRAW, NOMINAL, THESIS_WORKCELL
+from ffgym.leaderboard.results import Cell, Outcome, Row
+from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS
+from ffgym.types import Array
+
+DRAWS = "draws"
+"""Group of all drawn plants."""
+GROUPS = (THESIS_WORKCELL, NOMINAL, DRAWS)
+"""Plants that standings are made on; the one that counts most first."""
+SELECTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"held_out": HELD_OUT, "thesis": THESIS} | {split: (split,) for split in SPLITS}
+)
+"""Splits of circles by the name of their selection; the one that counts most first."""
+
+CellKey: TypeAlias = tuple[str, str, float, float]
+"""Split, position, radius [mm], speed [mm/s]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """Plants and circles that rows are compared on."""
+
+    plants: tuple[str, ...]
+    cells: tuple[CellKey, ...]
+
+    @property
+    def speeds_mm_s(self) -> tuple[float, ...]:
+        """Slowest first."""
+        return tuple(sorted({speed for *_, speed in self.cells}))
+
+    def at(self, speed_mm_s: float) -> list[int]:
+        """Indices of the circles at a speed."""
+        return [k for k, (*_, speed) in enumerate(self.cells) if speed == speed_mm_s]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sample:
+    """Errors of a row over S seeds, P plants and C circles; infinite where the robot stopped."""
+
+    seeds: tuple[int, ...]
+    rms: Array
+    """In the plane of the circle [mm], shape (S, P, C)."""
+    max: Array
+    """Largest deviation in the plane [mm], shape (S, P, C)."""
+    rms_3d: Array
+    """In space [mm], shape (S, P, C)."""
+    motor: Array
+    """RMS of each joint, motor side [rad], shape (S, P, C, N); N is 0 if the robot stopped everywhere."""
+
+
+def in_group(plant: str, group: str) -> bool:
+    """Whether a plant belongs to a group of GROUPS."""
+    return plant.startswith(DRAW) if group == DRAWS else plant == group
+
+
+def outcomes_on(row: Row, grid: Grid) -> list[Outcome]:
+    """Outcomes of a row on the plants of a grid, by seed and plant."""
+    return sorted((each for each in row.outcomes if each.plant in grid.plants), key=lambda each: each.key)
+
+
+def grid_of(row: Row, group: str, splits: Sequence[str]) -> Grid:
+    """Plants and circles that a row ran on; order of results in the row does not matter.
+
+    Raises:
+        FFGymError: if the group or a split is unknown.
+    """
+    check_choice("group of plants", group, GROUPS)
+    for split in splits:
+        check_choice("split", split, SPLITS)
+    outcomes = [outcome for outcome in row.outcomes if in_group(outcome.plant, group)]
+    keys = {cell.key for outcome in outcomes for cell in outcome.cells if cell.split in splits}
+    return Grid(plants=tuple(sorted({outcome.plant for outcome in outcomes})), cells=tuple(sorted(keys)))
+
+
+def lacking(row: Row, grid: Grid) -> str | None:
+    """What a row lacks to be compared on a grid, in words; None if nothing."""
+    outcomes = {outcome.key: outcome for outcome in outcomes_on(row, grid)}
+    if not outcomes:
+        return "not run on these plants"
+    for seed in sorted({seed for seed, _ in outcomes}):
+        for plant in grid.plants:
+            if (seed, plant) not in outcomes:
+                return f"seed {seed} was not run on plant {plant}"
+            absent = set(grid.cells) - {cell.key for cell in outcomes[seed, plant].cells}
+            if absent:
+                return f"seed {seed} on plant {plant} lacks {len(absent)} of {len(grid.cells)} circles"
+    return None
+
+
+def sample_of(row: Row, grid: Grid) -> Sample:
+    """Errors of a row on a grid.
+
+    Raises:
+        FFGymError: if the row lacks anything, or an error is not above 0, so that it has no logarithm.
+    """
+    why = lacking(row, grid)
+    if why is not None:
+        raise FFGymError(f"Row {row.name!r} cannot be compared: {why}. Run `ffgym leaderboard` for it again.")
+    outcomes = outcomes_on(row, grid)
+    seeds = tuple(sorted({outcome.seed for outcome in outcomes}))
+    cells = [_in_order(outcome, grid) for outcome in outcomes]
+    shape = (len(seeds), len(grid.plants), len(grid.cells))
+    joints = max((len(cell.motor_rms_rad or ()) for each in cells for cell in each), default=0)
+    sample = Sample(
+        seeds=seeds,
+        rms=np.reshape([[_error(cell.rms_mm) for cell in each] for each in cells], shape),
+        max=np.reshape([[_error(cell.max_mm) for cell in each] for each in cells], shape),
+        rms_3d=np.reshape([[_error(cell.rms_3d_mm) for cell in each] for each in cells], shape),
+        motor=np.reshape(
+            [[cell.motor_rms_rad or (np.inf,) * joints for cell in each] for each in cells], (*shape, joints)
+        ),
+    )
+    if not np.all(sample.rms > 0):
+        raise FFGymError(f"Row {row.name!r}: RMS path error {sample.rms.min():g} mm must be > 0. Evaluate it again.")
+    return sample
+
+
+def _in_order(outcome: Outcome, grid: Grid) -> list[Cell]:
+    by_key = {cell.key: cell for cell in outcome.cells}
+    return [by_key[key] for key in grid.cells]
+
+
+def _error(value: float | None) -> float:
+    """A robot that stopped is worse than any error."""
+    return np.inf if value is None or np.isnan(value) else value

@@ -1,0 +1,165 @@
+"""What one row scores on a grid of plants and circles, beside the row that adds no torque."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from ffgym.leaderboard.results import Row
+from ffgym.leaderboard.samples import Grid, Sample, outcomes_on
+from ffgym.leaderboard.statistics import (
+    Interval,
+    Resamples,
+    difference,
+    interquartile_mean,
+    interval,
+    resampled_iqms,
+    resampled_means,
+    resamples,
+)
+from ffgym.types import Array
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SpeedScore:
+    """Mean RMS path error over all circles at one speed, seeds and plants."""
+
+    speed_mm_s: float
+    rms_um: float
+    """Infinite if the robot stopped on any of them."""
+    interval_um: Interval | None
+    """None if nothing is random."""
+    reduction: float
+    """Share of the zero action's mean that is gone; negative if the error has grown."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """One row on one grid. Infinite stands for a robot that stopped; an interval is None if nothing is random."""
+
+    left: float
+    """Geometric mean over seeds, plants and circles of error / error with zero action: what rows are ranked by."""
+    left_interval: Interval | None
+    iqm_um: float
+    """Interquartile mean of the RMS path error."""
+    iqm_interval_um: Interval | None
+    speeds: tuple[SpeedScore, ...]
+    """Slowest first."""
+    max_um: float
+    """Largest deviation of all."""
+    iqm_3d_um: float
+    """Interquartile mean of the RMS path error in space."""
+    motor_mrad: tuple[float, ...]
+    """Mean RMS position error of every joint, motor side; empty if the robot stopped everywhere."""
+    normalised: float | None
+    """Interquartile mean of (zero - e) / (zero - oracle) over circles on which the oracle helps; None without one."""
+    worse: float
+    """Share of runs with a larger error than zero action on the same plant and circle."""
+    stopped: float
+    """Share of runs in which the robot stopped."""
+    seeds: tuple[int, ...]
+    robot_seconds: float
+    """Mean over seeds and plants [s]."""
+    env_steps: float
+    """Mean over seeds and plants."""
+    inference_us: float | None
+    """Median over seeds and plants of the time of one decision."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scored:
+    """A row's errors on a grid and the logarithm of what they leave of the zero action's error, resampled."""
+
+    row: Row
+    sample: Sample
+    logs: Array
+    """ln(e / e_zero), shape (S, P, C)."""
+    by: Resamples
+    means: Array
+    """Mean of `logs` in every resample, shape (R,)."""
+
+    @classmethod
+    def of(cls, row: Row, sample: Sample, zero: Sample) -> "Scored":
+        """Score a row; `zero` are the errors with zero action on the same grid."""
+        logs = np.log(sample.rms) - np.log(zero.rms).mean(axis=0)
+        by = resamples(row.name, *logs.shape[:2])
+        return cls(row=row, sample=sample, logs=logs, by=by, means=resampled_means(logs, by))
+
+    @property
+    def mean(self) -> float:
+        """Mean of `logs`: the score, smaller is better."""
+        return float(self.logs.mean())
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Difference:
+    """What one row leaves of another row's error, paired by plant and circle."""
+
+    ratio: float
+    """Geometric mean of the ratio of both rows' errors; below 1 the first one is better."""
+    interval: Interval | None
+    """None if nothing is random."""
+
+    @property
+    def sign(self) -> int:
+        """-1 if the first row is better, 1 if it is worse, 0 if the interval includes no difference."""
+        if self.interval is not None and self.interval.includes(1.0):
+            return 0
+        return int(np.sign(self.ratio - 1))
+
+
+def compared(first: Scored, second: Scored) -> Difference:
+    """Difference of two rows on the same grid; two that both stopped do not differ."""
+    levels = min((each.by.levels for each in (first, second) if each.by.levels > 1), default=1)
+    spread = interval(np.exp(difference(first.means, second.means)), levels)
+    return Difference(ratio=float(np.exp(difference(np.array(first.mean), np.array(second.mean)))), interval=spread)
+
+
+def score_of(scored: Scored, grid: Grid, zero: Sample, oracle: Sample | None) -> Score:
+    """All figures of a row on a grid, beside zero action and the oracle there."""
+    sample, by = scored.sample, scored.by
+    outcomes = outcomes_on(scored.row, grid)
+    times = [outcome.inference_us for outcome in outcomes if outcome.inference_us is not None]
+    spread = interval(scored.means, by.levels)
+    return Score(
+        left=float(np.exp(scored.mean)),
+        left_interval=None if spread is None else Interval(float(np.exp(spread.low)), float(np.exp(spread.high))),
+        iqm_um=interquartile_mean(sample.rms) * 1e3,
+        iqm_interval_um=None if by.levels < 2 else interval(resampled_iqms(sample.rms * 1e3, by), by.levels),
+        speeds=tuple(_at_speed(speed, grid.at(speed), sample, zero, by) for speed in grid.speeds_mm_s),
+        max_um=float(sample.max.max()) * 1e3,
+        iqm_3d_um=interquartile_mean(sample.rms_3d) * 1e3,
+        motor_mrad=tuple(float(value) * 1e3 for value in sample.motor.mean(axis=(0, 1, 2))),
+        normalised=None if oracle is None else _normalised(sample, zero, oracle),
+        worse=float((scored.logs > 0).mean()),
+        stopped=float(np.isinf(sample.rms).mean()),
+        seeds=sample.seeds,
+        robot_seconds=float(np.mean([outcome.robot_seconds for outcome in outcomes])),
+        env_steps=float(np.mean([outcome.env_steps for outcome in outcomes])),
+        inference_us=float(np.median(times)) if times else None,
+    )
+
+
+def _at_speed(speed: float, cells: Sequence[int], sample: Sample, zero: Sample, by: Resamples) -> SpeedScore:
+    values = sample.rms[..., cells] * 1e3
+    mean = float(values.mean())
+    return SpeedScore(
+        speed_mm_s=speed,
+        rms_um=mean,
+        interval_um=interval(resampled_means(values, by), by.levels),
+        reduction=1 - mean / float(zero.rms[..., cells].mean() * 1e3),
+    )
+
+
+def _normalised(sample: Sample, zero: Sample, oracle: Sample) -> float | None:
+    nothing, best = zero.rms.mean(axis=0), oracle.rms.mean(axis=0)
+    helps = best < nothing
+    if not helps.any():
+        return None
+    shares = (nothing - sample.rms)[:, helps] / (nothing - best)[helps]
+    return 0.0 - interquartile_mean(-shares)  # the worst, minus infinity, at the end where a mean looks for it

@@ -1,0 +1,175 @@
+"""Who is where: scores, ranks and ties of all rows on one group of plants and one selection of circles."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import final
+
+from ffgym.errors import FFGymError, check_choice
+from ffgym.leaderboard.results import Row
+from ffgym.leaderboard.samples import SELECTIONS, Grid, grid_of, lacking, sample_of
+from ffgym.leaderboard.scores import Difference, Score, Scored, compared, score_of
+from ffgym.leaderboard.tasks import HELD_OUT
+from ffgym.report.laws import ORACLE, UNCOMPENSATED
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class AgainstBase:
+    """A residual beside the row that it is a residual on, on circles that nobody learned on."""
+
+    base: str
+    difference: Difference | None
+    """None if there is nothing to compare."""
+    sentence: str
+    """'better than its base', 'worse than its base', 'not better: the interval includes zero', or why it is unknown."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """One row in the standings."""
+
+    row: Row
+    score: Score
+    rank: int | None
+    """Among all tracks; None if it is shown only."""
+    track_rank: int | None
+    """Within its track."""
+    against_base: AgainstBase | None
+    """None if it is no residual."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Standings:
+    """All rows on one group of plants and one selection of circles: ranked ones best first, then those shown only."""
+
+    group: str
+    selection: str
+    grid: Grid
+    lines: tuple[Standing, ...]
+    missing: Mapping[str, str]
+    """Why a row is not here, by its name."""
+
+    @property
+    def ranked(self) -> tuple[Standing, ...]:
+        """Best first."""
+        return tuple(line for line in self.lines if line.rank is not None)
+
+    def line(self, name: str) -> Standing | None:
+        """Line by the row's name; None if it is not here."""
+        return next((line for line in self.lines if line.row.name == name), None)
+
+
+def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
+    """Compare rows; neither their order nor that of their results matters.
+
+    A row that lacks a plant or a circle of the zero action's row is left out, and the reason is told: a mean over
+    fewer circles is another number.
+
+    Args:
+        rows: with different names, among them one named 'none', the zero action.
+        group: of plants, in GROUPS.
+        selection: of circles, in SELECTIONS.
+
+    Raises:
+        FFGymError: if two rows have one name, the zero action was not run here or stopped, or a name is unknown.
+    """
+    splits = SELECTIONS[check_choice("selection of circles", selection, list(SELECTIONS))]
+    by_name = _by_name(rows)
+    grid, scored = _scored(by_name, group, splits)
+    missing = {name: why for name, row in sorted(by_name.items()) if (why := lacking(row, grid))}
+    zero = scored[UNCOMPENSATED].sample
+    oracle = scored[ORACLE].sample if ORACLE in scored else None
+    against = _against_bases(by_name, group)
+    ranked = sorted((each for each in scored.values() if _is_ranked(each.row)), key=_order)
+    others = sorted((each for each in scored.values() if not _is_ranked(each.row)), key=_order)
+    ranks = ranks_of(ranked, compared)
+    tracks = dict.fromkeys(each.row.track for each in ranked)
+    within = {
+        name: rank
+        for track in tracks
+        for name, rank in ranks_of([each for each in ranked if each.row.track == track], compared).items()
+    }
+    lines = tuple(
+        Standing(
+            row=each.row,
+            score=score_of(each, grid, zero, oracle),
+            rank=ranks.get(each.row.name),
+            track_rank=within.get(each.row.name),
+            against_base=against.get(each.row.name),
+        )
+        for each in (*ranked, *others)
+    )
+    return Standings(group=group, selection=selection, grid=grid, lines=lines, missing=missing)
+
+
+def ranks_of(best_first: Sequence[Scored], compare: Callable[[Scored, Scored], Difference]) -> dict[str, int]:
+    """Ranks by name: 1, 1, 3, 4, 4, ...
+
+    The first row of a rank leads it. A row shares the rank of the leader before it if the interval of their difference
+    includes zero; otherwise it leads the next rank, whose number is its place. So a rank never says that its members
+    are equal, only that none of them was told from its leader; and two neighbours on either side of a border may be as
+    near to each other.
+    """
+    ranks: dict[str, int] = {}
+    leader: Scored | None = None
+    for place, each in enumerate(best_first, start=1):
+        if leader is not None and compare(leader, each).sign == 0:
+            ranks[each.row.name] = ranks[leader.row.name]
+        else:
+            leader, ranks[each.row.name] = each, place
+    return ranks
+
+
+def _by_name(rows: Sequence[Row]) -> dict[str, Row]:
+    by_name = {row.name: row for row in rows}
+    if len(by_name) != len(rows):
+        raise FFGymError("Two rows of the leaderboard have one name; names must differ. Remove one of their files.")
+    if UNCOMPENSATED not in by_name:
+        raise FFGymError(f"Standings need the zero action's row {UNCOMPENSATED!r}; run `ffgym leaderboard` for it.")
+    return by_name
+
+
+def _scored(by_name: Mapping[str, Row], group: str, splits: Sequence[str]) -> tuple[Grid, dict[str, Scored]]:
+    """Grid of the zero action's row, and all rows that are complete on it."""
+    grid = grid_of(by_name[UNCOMPENSATED], group, splits)
+    if not grid.cells:
+        raise FFGymError(f"The zero action {UNCOMPENSATED!r} was not run on {group} with {', '.join(splits)}.")
+    zero = sample_of(by_name[UNCOMPENSATED], grid)
+    if not (zero.rms < float("inf")).all():
+        raise FFGymError(f"The robot stopped with zero action on {group}, so that nothing can be compared with it.")
+    complete = [row for row in by_name.values() if lacking(row, grid) is None]
+    return grid, {row.name: Scored.of(row, sample_of(row, grid), zero) for row in complete}
+
+
+def _is_ranked(row: Row) -> bool:
+    return row.ranked and row.name not in (UNCOMPENSATED, ORACLE)
+
+
+def _order(scored: Scored) -> tuple[float, str]:
+    return scored.mean, scored.row.name
+
+
+def _against_bases(by_name: Mapping[str, Row], group: str) -> dict[str, AgainstBase]:
+    residuals = [row for row in by_name.values() if row.base is not None]
+    if not residuals or not grid_of(by_name[UNCOMPENSATED], group, HELD_OUT).cells:
+        return {row.name: _unknown(row, "zero action has no held-out circles here") for row in residuals}
+    needed = {UNCOMPENSATED, *(row.name for row in residuals), *(row.base for row in residuals)}
+    scored = _scored({name: row for name, row in by_name.items() if name in needed}, group, HELD_OUT)[1]
+    return {row.name: _against(row, scored) for row in residuals}
+
+
+def _against(row: Row, scored: Mapping[str, Scored]) -> AgainstBase:
+    base = str(row.base)
+    for name in (row.name, base):
+        if name not in scored:
+            return _unknown(row, f"{name} has not run on all held-out circles here")
+    found = compared(scored[row.name], scored[base])
+    words = {-1: "better than its base", 1: "worse than its base", 0: "not better: the interval includes zero"}
+    exact = {0: "not better: the same as its base"} if found.interval is None else {}
+    return AgainstBase(base=base, difference=found, sentence=(words | exact)[found.sign])
+
+
+def _unknown(row: Row, why: str) -> AgainstBase:
+    return AgainstBase(base=str(row.base), difference=None, sentence=f"unknown: {why}")

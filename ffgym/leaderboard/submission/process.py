@@ -1,0 +1,222 @@
+"""An agent in a process of its own, asked from here as if it were at hand; what goes wrong there is a refusal here."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Self
+
+import numpy as np
+
+from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.leaderboard.submission.manifest import AgentSource
+from ffgym.leaderboard.submission.protocol import (
+    ACTIONS,
+    JSON,
+    OBSERVATIONS,
+    REFUSED,
+    Channel,
+    Closed,
+    pack_observations,
+    unpack_actions,
+)
+from ffgym.leaderboard.submission.refusal import Refused
+from ffgym.leaderboard.submission.watchdog import Watchdog
+from ffgym.robot import load_robot
+from ffgym.types import Array
+
+WORKER = "ffgym.leaderboard.submission.worker"
+_CHECK = "agent"
+_KEPT = ("SYSTEMROOT", "TZ")
+"""Variables of the environment that a process of Python may need; no others are passed on."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What an agent may use; chosen so that honest ones never meet them."""
+
+    start_s: float = 120.0
+    """Time to load it, with libraries [s]."""
+    decision_s: float = 20.0
+    """Time of one decision, for all robots of a run [s]; what is usual is measured apart."""
+    memory_bytes: int = 32 * 2**30
+    """Address space: libraries reserve much more than they use."""
+    cpu_seconds: int = 1800
+    """Of one process, all threads together [s]."""
+
+
+class AgentProcess:
+    """An agent of others; `predict` is stable-baselines3's. Use it in a `with` block.
+
+    Args:
+        source: what it is made from.
+        content: of its file; None if there is none.
+        robot: name of what it may know of its robot.
+        loaders: modules that load agents, by kind: each has load(source, folder, robot), which returns a Policy, and
+            may have prepare(source, folder), which is called before the agent is watched.
+        seed: of its randomness.
+        limits: what it may use.
+
+    Raises:
+        Refused: if it cannot be made, or does what it must not.
+    """
+
+    def __init__(
+        self,
+        source: AgentSource,
+        content: bytes | None,
+        robot: str,
+        *,
+        loaders: Mapping[str, str],
+        seed: int,
+        limits: Limits | None = None,
+    ) -> None:
+        self._limits = limits or Limits()
+        self._n_joints = load_robot(robot).n_joints
+        self._folders = TemporaryDirectory(prefix="ffgym-agent-")
+        own = Path(self._folders.name).resolve() / "agent"
+        own.mkdir()
+        if source.file is not None and content is not None:
+            (own / source.file).write_bytes(content)
+        self._log = own.with_name("log.txt")
+        self._start(own)
+        self._order = {
+            "source": asdict(source),
+            "folder": str(own),
+            "robot": robot,
+            "loader": loaders[source.kind],
+            "seed": seed,
+            "memory_bytes": self._limits.memory_bytes,
+            "cpu_seconds": self._limits.cpu_seconds,
+        }
+        self.elapsed_ns = 0
+        """Time of the last decision [ns], measured beside the agent."""
+
+    def _start(self, own: Path) -> None:
+        variables = {"PATH": os.defpath, "HOME": str(own), "TMPDIR": str(own), "TEMP": str(own), "LC_ALL": "C.UTF-8"}
+        variables |= {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
+        variables |= {name: os.environ[name] for name in _KEPT if name in os.environ}
+        with self._log.open("wb") as log:
+            self._process = subprocess.Popen(
+                [sys.executable, "-I", "-B", "-m", WORKER],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                cwd=own,
+                env=variables,
+                start_new_session=True,
+            )
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._channel = Channel(self._process.stdout.fileno(), self._process.stdin.fileno())
+        self._watch = Watchdog(self._kill)
+
+    def __enter__(self) -> Self:
+        """Make the agent."""
+        try:
+            order = json.dumps(self._order).encode()
+            told = _tree(self._ask(JSON, order, JSON, self._limits.start_s, "to be made"))
+            try:
+                self.preview = check_whole("PREVIEW", told.get("preview"), low=0, high=1000)
+                self.action_scale = check_number("ACTION_SCALE", told.get("action_scale"), low=0.0, open_low=True)
+            except FFGymError as error:
+                raise Refused(_CHECK, str(error)) from error
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
+        """End the process; what it tried until its end counts."""
+        try:
+            if kind is None:
+                self._end()
+        finally:
+            self.close()
+
+    def predict(
+        self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Array, Any]:
+        """Actions (B, N) for observations (B, D), and a state that says that there is one; it stays with the agent.
+
+        Raises:
+            Refused: if the agent fails, takes too long, answers with something else, or did what it must not.
+        """
+        payload = pack_observations(observation, episode_start, first=state is None)
+        answer = self._ask(OBSERVATIONS, payload, ACTIONS, self._limits.decision_s, "for one decision")
+        try:
+            action, self.elapsed_ns = unpack_actions(answer, len(observation), self._n_joints)
+        except FFGymError as error:
+            raise Refused(_CHECK, str(error)) from error
+        if not np.all(np.isfinite(action)):
+            raise Refused(_CHECK, "it answered with NaN or infinity.")
+        return action, True
+
+    def _ask(self, kind: bytes, payload: bytes, wanted: bytes, limit: float, what: str) -> bytes:
+        """Answer to a frame."""
+        try:
+            with self._watch.limit(limit):
+                self._channel.send(kind, payload)
+                found, answer = self._channel.receive()
+        except Closed:
+            if self._watch.expired:
+                raise Refused(_CHECK, f"it took more than {limit:g} s {what}, and was ended.") from None
+            raise Refused(_CHECK, f"its process ended by itself{self._last_words()}.") from None
+        except FFGymError as error:
+            raise Refused(_CHECK, str(error)) from error
+        if found == REFUSED:
+            raise Refused(_CHECK, str(_tree(answer).get("reason")))
+        if found != wanted:
+            raise Refused(_CHECK, f"it answered with a message of kind {found!r}, not {wanted!r}.")
+        return answer
+
+    def _end(self) -> None:
+        """Let the process end, and hear what was tried on the way."""
+        with suppress(Closed), self._watch.limit(self._limits.decision_s):
+            self._channel.send_json({"end": True})
+            kind, answer = self._channel.receive()  # nothing is left to say but what it tried
+            said = _tree(answer).get("reason") if kind == REFUSED else f"it spoke unasked, a message of kind {kind!r}."
+            raise Refused(_CHECK, str(said))
+
+    def _last_words(self) -> str:
+        """Exit code, and the last line that the process wrote."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(timeout=5.0)
+        lines = self._log.read_bytes()[-2000:].decode(errors="replace").strip().splitlines()
+        last = f": {lines[-1][:300]}" if lines else ""
+        return f" with code {self._process.returncode}{last}"
+
+    def _kill(self) -> None:
+        """End the process and what it started."""
+        with suppress(OSError):
+            if hasattr(os, "killpg"):
+                os.killpg(self._process.pid, signal.SIGKILL)
+            else:
+                self._process.kill()
+
+    def close(self) -> None:
+        """End the process and remove its files."""
+        self._watch.stop()
+        if self._process.poll() is None:
+            self._kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with suppress(OSError):
+                    pipe.close()
+        self._folders.cleanup()
+
+
+def _tree(payload: bytes) -> dict[str, Any]:
+    """JSON object of an answer; what is none says nothing."""
+    try:
+        tree = json.loads(payload)
+    except (ValueError, RecursionError):
+        return {}
+    return tree if isinstance(tree, dict) else {}

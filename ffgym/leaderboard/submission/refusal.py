@@ -1,0 +1,18 @@
+"""Why a submission is not accepted."""
+
+from ffgym.errors import FFGymError
+
+
+class Refused(FFGymError):
+    """A submission that is not accepted; the message is the reason.
+
+    Args:
+        check: name of the check that it did not pass, in `ffgym.leaderboard.submission.verify.CHECKS`.
+        reason: what is wrong, and what would be right.
+    """
+
+    def __init__(self, check: str, reason: str) -> None:
+        plain = "".join(letter if letter.isprintable() else " " for letter in reason)  # it may be an agent's own words
+        super().__init__(f"refused, {check}: {plain}")
+        self.check = check
+        self.reason = plain

@@ -1,0 +1,168 @@
+"""Whether a submission is what it says: its files, its physics, its actions, its agent."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ffgym.leaderboard.submission import plan as plans
+from ffgym.leaderboard.submission.archive import decode_archive
+from ffgym.leaderboard.submission.checks import (
+    check_actions,
+    check_claims,
+    check_files,
+    check_physics,
+    logged_actions,
+)
+from ffgym.leaderboard.submission.manifest import ACTIONS, MANIFEST, Claim, Manifest, decode_manifest
+from ffgym.leaderboard.submission.plan import Plan, controller_of
+from ffgym.leaderboard.submission.process import AgentProcess, Limits
+from ffgym.leaderboard.submission.refusal import Refused
+from ffgym.leaderboard.submission.runs import (
+    Contract,
+    Replay,
+    Stage,
+    Watched,
+    check_decision_time,
+    claims_of,
+    decision_time,
+    run,
+    silent,
+)
+from ffgym.leaderboard.tasks import Task
+from ffgym.robot import load_robot
+from ffgym.types import Array
+
+CHECKS: Mapping[str, str] = {
+    "archive": "a readable ZIP file of a few plain files, small, with nothing outside of it",
+    "manifest": "complete, and as it was written",
+    "files": "each as it was packed, none missing, none more",
+    "physics": "the plants here are those of the claims",
+    "replay": "the logged actions give the claimed errors in the simulation here",
+    "time": "one decision for one robot fits into a control step",
+    "agent": "alone with its observations, it decides what was logged, and does nothing that it must not",
+    "score": "the errors of that run are the claimed ones",
+}
+"""What is checked, in this order."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """What was found of a submission that is accepted."""
+
+    manifest: Manifest
+    claims: tuple[Claim, ...]
+    """Errors of the run here."""
+    inference_us: float
+    """Median time of one decision for one robot, here [us]."""
+    action_difference: float
+    """Largest, in the largest logged action of that motor and task."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verifier:
+    """How submissions are checked."""
+
+    loaders: Mapping[str, str]
+    """Modules that load agents, by kind."""
+    plan: Plan | None = None
+    """What is run; None is the standard."""
+    limits: Limits | None = None
+    """What agents may use."""
+    n_threads: int = 0
+    """Of the simulation, 0 for all cores."""
+    stage: Stage = silent
+    """Shows how far the work is."""
+
+    def verify(self, data: bytes) -> Verdict:
+        """Check the bytes of a submission.
+
+        Raises:
+            Refused: with the first check that it does not pass.
+        """
+        files = decode_archive(data)
+        if MANIFEST not in files:
+            raise Refused("archive", f"it has no {MANIFEST}.")
+        manifest = decode_manifest(files[MANIFEST])
+        tasks = (self.plan or plans.STANDARD).tasks
+        check_files(manifest, files)
+        check_physics(manifest, tasks)
+        actions = logged_actions(files[ACTIONS], tasks)
+        seen = self._replay(manifest, tasks, actions)
+        time_us = self._time(manifest, files, next(iter(tasks)), seen)
+        claims, difference = self._run_again(manifest, files, tasks, actions)
+        return Verdict(manifest=manifest, claims=claims, inference_us=time_us, action_difference=difference)
+
+    def _replay(
+        self, manifest: Manifest, tasks: Mapping[str, Sequence[Task]], actions: Mapping[str, list[Array]]
+    ) -> list[Array]:
+        """Check claims by logged actions; returns first observations of the first robot."""
+        found: list[Claim] = []
+        seen: list[Array] = []
+        for name in tasks:
+            watched = Watched(Replay(actions[name]))
+            flights = run(
+                name,
+                tasks[name],
+                Contract(manifest.preview, manifest.action_scale),
+                watched,
+                seed=manifest.seed,
+                n_threads=self.n_threads,
+                stage=self.stage,
+                title="replaying",
+            )
+            found += claims_of(name, tasks[name], flights, "replay")
+            seen = seen or watched.seen
+            for logged, flight in zip(actions[name], flights, strict=True):
+                if len(logged) != len(flight.actions):
+                    raise Refused(
+                        "replay", f"{ACTIONS} has {len(logged)} steps of a motion that has {len(flight.actions)}."
+                    )
+        check_claims(manifest.claims, found, "replay")
+        return seen
+
+    def _process(self, manifest: Manifest, files: Mapping[str, bytes], plant: str) -> AgentProcess:
+        agent = manifest.agent
+        content = None if agent.file is None else files[agent.file]
+        robot = controller_of(plant)
+        return AgentProcess(agent, content, robot, loaders=self.loaders, seed=manifest.seed, limits=self.limits)
+
+    def _time(self, manifest: Manifest, files: Mapping[str, bytes], plant: str, seen: Sequence[Array]) -> float:
+        """Check the time of a decision [us]; and that the agent asks for what its manifest says."""
+        with self._process(manifest, files, plant) as agent:
+            own = (agent.preview, agent.action_scale)
+            if own != (manifest.preview, manifest.action_scale):
+                raise Refused(
+                    "agent",
+                    f"it asks for preview and action scale {own}, its manifest says "
+                    f"{(manifest.preview, manifest.action_scale)}.",
+                )
+            time_us = decision_time(agent, seen)
+        check_decision_time(time_us, load_robot(controller_of(plant)).servo.control_dt, "time")
+        return time_us
+
+    def _run_again(
+        self,
+        manifest: Manifest,
+        files: Mapping[str, bytes],
+        tasks: Mapping[str, Sequence[Task]],
+        actions: Mapping[str, list[Array]],
+    ) -> tuple[tuple[Claim, ...], float]:
+        """Errors of the agent itself, and the largest difference of its actions from the logged ones."""
+        found: list[Claim] = []
+        largest = 0.0
+        for name in tasks:
+            with self._process(manifest, files, name) as agent:
+                flights = run(
+                    name,
+                    tasks[name],
+                    Contract(manifest.preview, manifest.action_scale),
+                    agent,
+                    seed=manifest.seed,
+                    n_threads=self.n_threads,
+                    stage=self.stage,
+                    title="running the agent",
+                )
+            for k, (logged, flight) in enumerate(zip(actions[name], flights, strict=True)):
+                largest = max(largest, check_actions(logged, flight.actions, f"{name}, motion {k}"))
+            found += claims_of(name, tasks[name], flights, "score")
+        check_claims(manifest.claims, found, "score")
+        return tuple(found), largest

@@ -1,0 +1,152 @@
+"""The process that holds an agent of others: it is told what a controller knows, sees observations, and decides.
+
+    python -I -B -m ffgym.leaderboard.submission.worker
+
+is started by `ffgym.leaderboard.submission.process`, and speaks `ffgym.leaderboard.submission.protocol`.
+"""
+
+import json
+import os
+import random
+import sys
+import time
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ffgym.control import Agent, ObservationLayout
+from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.leaderboard.submission import guard
+from ffgym.leaderboard.submission.protocol import (
+    ACTIONS,
+    JSON,
+    OBSERVATIONS,
+    REFUSED,
+    Channel,
+    Closed,
+    pack_actions,
+    unpack_observations,
+)
+from ffgym.robot import RobotDescription, load_robot
+from ffgym.types import Array, BoolArray
+
+_CLOCK = time.perf_counter_ns
+
+
+def main() -> None:
+    """Serve until the other side has no more to ask."""
+    channel = _own_channel()
+
+    def refuse(tried: str) -> None:
+        channel.send_json({"reason": f"it tried to {tried}."}, REFUSED)
+
+    try:
+        _, payload = channel.receive()
+        _serve(channel, _begin(channel, json.loads(payload), refuse))
+    except Closed:
+        return
+    except BaseException as error:  # whatever the agent raises, SystemExit included
+        text = " ".join(str(error).split())[:500]
+        reason = text if isinstance(error, FFGymError) else f"it raised {type(error).__name__}: {text}"
+        channel.send_json({"reason": reason}, REFUSED)
+
+
+def _own_channel() -> Channel:
+    """The pipes under other numbers, so that what an agent prints or reads does not get into them."""
+    reads, writes = os.dup(0), os.dup(1)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(nothing, 0)
+    os.dup2(2, 1)
+    return Channel(reads, writes)
+
+
+def _begin(channel: Channel, order: Mapping[str, Any], refuse: Callable[[str], None]) -> "_Decider":
+    """Make the agent, and tell what it asks of an environment."""
+    folder = Path(order["folder"])
+    _limit(order["memory_bytes"], order["cpu_seconds"])
+    loader = import_module(order["loader"])
+    robot = load_robot(order["robot"])
+    if hasattr(loader, "prepare"):
+        loader.prepare(order["source"], folder)
+    random.seed(order["seed"])
+    np.random.seed(order["seed"] % 2**32)  # noqa: NPY002 - agents may use the old way
+    if "torch" in sys.modules:
+        sys.modules["torch"].manual_seed(order["seed"])
+    guard.install(refuse, folder)
+    policy = loader.load(order["source"], folder, robot)
+    preview = check_whole("PREVIEW", policy.preview, unit="samples", low=0, high=1000)
+    scale = check_number("ACTION_SCALE", policy.action_scale, unit="breakaway torques", low=0.0, open_low=True)
+    layout = ObservationLayout(robot, preview, scale * robot.friction.static)
+    decider = _Decider(policy.agent(robot, layout), robot)
+    channel.send_json({"preview": preview, "action_scale": scale})
+    return decider
+
+
+class _Decider:
+    """An agent, and its state."""
+
+    def __init__(self, agent: Agent, robot: RobotDescription) -> None:
+        self._agent, self._n = agent, robot.n_joints
+        self._state: Any = None
+
+    def __call__(self, observation: Array, starts: BoolArray, first: bool) -> tuple[Array, int]:
+        """Actions (B, N), and the time that they took [ns].
+
+        Raises:
+            FFGymError: if they are no finite numbers of the right shape.
+        """
+        state = None if first else self._state
+        began = _CLOCK()
+        answer = self._agent.predict(observation, state, starts, True)
+        elapsed = _CLOCK() - began
+        if not isinstance(answer, tuple) or len(answer) != 2:
+            raise FFGymError("predict must return actions and state, a pair.")
+        action, self._state = answer
+        return self._checked(action, len(observation)), elapsed
+
+    def _checked(self, action: Any, rows: int) -> Array:
+        numbers = np.asarray(action)
+        if numbers.dtype.kind not in "fiu":
+            raise FFGymError(f"predict returned actions of type {numbers.dtype}, must be numbers.")
+        if numbers.shape != (rows, self._n):
+            raise FFGymError(f"predict returned actions of shape {numbers.shape}, must be {(rows, self._n)}.")
+        if not np.all(np.isfinite(numbers)):
+            raise FFGymError("predict returned NaN or infinity.")
+        return np.clip(numbers, -1.0, 1.0)
+
+
+def _serve(channel: Channel, decide: _Decider) -> None:
+    while True:
+        kind, payload = channel.receive()
+        if kind == OBSERVATIONS:
+            channel.send(ACTIONS, pack_actions(*decide(*unpack_observations(payload))))
+        elif kind == JSON:  # the only further order is to end
+            return
+
+
+def _limit(memory_bytes: int, cpu_seconds: int) -> None:
+    """Bound memory, time, and the size of files, where the system can."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    limits = {
+        resource.RLIMIT_AS: memory_bytes,
+        resource.RLIMIT_CPU: cpu_seconds,
+        resource.RLIMIT_FSIZE: 2**26,
+        resource.RLIMIT_CORE: 0,
+    }
+    for which, wanted in limits.items():
+        _, hard = resource.getrlimit(which)
+        bound = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        try:
+            resource.setrlimit(which, (bound, bound))
+        except (ValueError, OSError):  # a system that knows the limit and cannot set it
+            continue
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,53 @@
+"""Standings as plain text for a terminal, at most 120 columns wide."""
+
+from ffgym.leaderboard.columns import columns_of
+from ffgym.leaderboard.figures import Figure
+from ffgym.leaderboard.standings import Standings
+from ffgym.leaderboard.words import GROUP_TITLES, SELECTION_TITLES, circles_note, residual_sentence
+from ffgym.report.circles.tables import Column, aligned, filled, shortened
+
+_KEYS = ("left", "iqm", "largest", "worse", "score", "seeds", "robot", "steps", "decision")
+"""Columns of the page that a terminal gets too."""
+_LEGEND = (
+    "error left: geometric mean of RMS path error / that with zero action over seeds, plants and circles, with its "
+    "95 % interval; rows are ranked by it, ties share a rank. At each speed: mean RMS path error and its change. "
+    "'-' as rank: shown only."
+)
+"""How to read it."""
+
+
+def format_standings(standings: Standings) -> str:
+    """One table: rank, agent, and figures side by side; what does not fit goes below."""
+    title = f"{GROUP_TITLES[standings.group]}; {SELECTION_TITLES[standings.selection]}"
+    lines = standings.lines
+    fixed: list[Column] = [
+        ("rank", ["-" if line.rank is None else str(line.rank) for line in lines]),
+        ("agent", [shortened(line.row.name) for line in lines]),
+    ]
+    columns = {column.key: column for column in columns_of(standings)}
+    left, *others = (columns[key] for key in _KEYS)
+    speeds = [columns[f"speed{speed:g}"] for speed in standings.grid.speeds_mm_s]
+    blocks = [
+        [
+            (
+                f"{column.title} [{column.unit}]" if column.unit else column.title,
+                [_ascii(column.of(line)) for line in lines],
+            )
+        ]
+        for column in (left, *speeds, *others)
+    ]
+    told = residual_sentence(standings)
+    words = [_LEGEND, *([] if told is None else [told]), circles_note(standings)]
+    parts = [title, "-" * len(title), aligned(fixed, blocks), "", *map(filled, words)]
+    return "\n".join(_plain(part) for part in parts)
+
+
+def _ascii(figure: Figure) -> str:
+    return f"{figure.text} {figure.detail}".strip()
+
+
+def _plain(text: str) -> str:
+    """With the signs of a terminal."""
+    for sign, plain in (("−", "-"), ("–", "-"), ("“", "'"), ("”", "'"), ("±", "")):
+        text = text.replace(sign, plain)
+    return text

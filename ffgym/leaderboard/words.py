@@ -1,0 +1,141 @@
+"""What standings say in words, all of it computed."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import final
+
+from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
+from ffgym.leaderboard.published_rows import PublishedRow, best_reductions
+from ffgym.leaderboard.samples import DRAWS
+from ffgym.leaderboard.scores import Difference
+from ffgym.leaderboard.standings import Standing, Standings
+from ffgym.report.circles.comparison import percent
+
+GROUP_TITLES: Mapping[str, str] = {
+    THESIS_WORKCELL: "workcell “thesis”",
+    NOMINAL: "nominal robot",
+    DRAWS: "drawn robots",
+}
+"""Groups of plants, for readers."""
+SELECTION_TITLES: Mapping[str, str] = {
+    "held_out": "held out: positions, radii, speeds",
+    "positions": "held-out positions",
+    "radii": "held-out radii",
+    "speeds": "held-out speeds",
+    "train": "where agents may learn",
+    "thesis": "circles of the thesis",
+}
+"""Selections of circles, for readers."""
+PRACTISED = "per task"
+"""Track of agents that practise the very motion that is scored."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Headline:
+    """Who is best on the workcell's held-out positions, by how much at each speed, beside the best of the thesis."""
+
+    sentences: tuple[str, ...]
+    speeds: tuple[float, ...] = ()
+    """[mm/s]."""
+    lines: tuple[tuple[str, str, tuple[str, ...]], ...] = ()
+    """Who, with what knowledge, and the change of the mean RMS path error against no compensation at each speed."""
+
+
+def headline(positions: Standings | None) -> Headline:
+    """Headline from standings on the workcell's held-out positions; None if they were not run."""
+    if positions is None:
+        return Headline(sentences=("The workcell's held-out positions have not been run yet.",))
+    speeds = positions.grid.speeds_mm_s
+    before = [line for line in positions.ranked if line.row.track != PRACTISED]
+    after = [line for line in positions.ranked if line.row.track == PRACTISED]
+    sentences, lines = [], []
+    if before:
+        best = before[0]
+        ties = [line.row.title for line in before[1:] if line.rank == best.rank]
+        shared = f", which shares its rank with {_listed(ties)}," if ties else ""
+        sentences.append(
+            f"On the workcell, at positions where nobody trained, {best.row.title}{shared} leaves the least error of "
+            f"all agents that have not practised the very motion: {_said(best)} than without compensation."
+        )
+        lines.append((best.row.title, "workcell, held-out positions", _changes(best)))
+    if after:
+        lines.append((after[0].row.title, "workcell, practised on the very motion", _changes(after[0])))
+    published = best_reductions()
+    lines.append(
+        (
+            "best method of the thesis at each speed",
+            "real robot, another machine, published",
+            tuple(_published(published.get(speed)) for speed in speeds),
+        )
+    )
+    return Headline(sentences=tuple(sentences), speeds=speeds, lines=tuple(lines))
+
+
+def residual_sentence(standings: Standings) -> str | None:
+    """How many residuals are better than their bases; None if there is none."""
+    pairs = [(line, line.against_base) for line in standings.lines if line.against_base is not None]
+    if not pairs:
+        return None
+    better = [
+        f"{line.row.title} ({_told(against.difference)})"
+        for line, against in pairs
+        if against.difference is not None and against.difference.sign < 0
+    ]
+    names = f": {_listed(better)}" if better else ""
+    return (
+        f"Of {len(pairs)} agents that learned on top of another one, {len(better)} "
+        f"{'is' if len(better) == 1 else 'are'} better than their base on held-out circles, "
+        f"{GROUP_TITLES[standings.group]}{names}."
+    )
+
+
+def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -> str:
+    """Which circles on which plants, and which rows are missing and why."""
+    grid = standings.grid
+    plants = f"{len(grid.plants)} drawn robots" if len(grid.plants) > 1 else GROUP_TITLES[standings.group]
+    parts = [
+        f"{len(grid.cells)} circles at {_numbers(speed for *_, speed in grid.cells)} mm/s, radii "
+        f"{_numbers(radius for _, _, radius, _ in grid.cells)} mm, positions "
+        f"{', '.join(sorted({position for _, position, _, _ in grid.cells}))}; {plants}."
+    ]
+    if published:
+        counts = ", ".join(f"{each.circles} circles at {each.speed_mm_s:g} mm/s" for each in published[0].speeds)
+        parts.append(
+            f"Published rows: measured on the real robot of the thesis, another machine, never ranked; means over "
+            f"those of the circles above that it measured ({counts})."
+        )
+    if standings.missing:
+        parts.append(f"Not here: {'; '.join(f'{name}: {why}' for name, why in standings.missing.items())}.")
+    return " ".join(parts)
+
+
+def _said(line: Standing) -> str:
+    return _listed([f"{_change(1 - each.reduction)} at {each.speed_mm_s:g} mm/s" for each in line.score.speeds])
+
+
+def _changes(line: Standing) -> tuple[str, ...]:
+    return tuple(_change(1 - each.reduction) for each in line.score.speeds)
+
+
+def _published(best: tuple[str, float] | None) -> str:
+    return "figures only, about none" if best is None else f"{percent(best[1])} ({best[0]})"
+
+
+def _told(found: Difference) -> str:
+    spread = found.interval
+    ends = "" if spread is None else f", between {_change(spread.high)} and {_change(spread.low)}"
+    return f"{_change(found.ratio)} error{ends}"
+
+
+def _change(ratio: float) -> str:
+    return percent(1 - ratio) if isfinite(ratio) else "unknown (the robot stopped)"
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return ", ".join(f"{value:g}" for value in sorted(set(values)))

@@ -1,0 +1,99 @@
+"""Learning laws of the leaderboard, trained with several seeds on the nominal robot and on the workcell.
+
+`python -m scripts.train_laws` makes all artefacts of `agents/trained` that trials on a machine make, in about ten
+minutes; `--agents narx --plants nominal` some of them.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+
+from agents.artefacts import TRAINED, Artefact, Manifest, described, manifest_of, merged, write_manifest
+from agents.catalogue import Setting, entry_of
+from agents.common.law_files import StoredLaw, save_law
+from agents.common.shared_trials import learn_together
+from agents.common.trials import CountedTrial, Trial
+from ffgym.control import FeedForwardLaw
+from ffgym.errors import FFGymError
+from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, plant_named
+from ffgym.provenance import versions
+from ffgym.simulation import Rig, SimulatedRig
+from ffgym.simulation.sensors import sensors_of
+
+LEARNERS = ("bsn_static", "bsn_extended", "bsn_extended_prior", "mlp_fel", "narx", "residual_gp")
+COMMAND = "python -m scripts.train_laws"
+
+
+@dataclass(frozen=True)
+class Config:
+    """What to train."""
+
+    agents: tuple[str, ...] = LEARNERS
+    """Names in the catalogue."""
+    plants: tuple[str, ...] = (NOMINAL, THESIS_WORKCELL)
+    """Where."""
+    seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
+    """Of the sensors' noise and of first weights."""
+    out: Path = TRAINED
+    """Folder of the artefacts."""
+
+
+Learned = tuple[FeedForwardLaw, float]
+"""A law, and the time that the machine moved for it [s]."""
+
+
+def main(config: Config) -> None:
+    """Train and write."""
+    for plant in config.plants:
+        rig = measured(plant_named(plant).rig)
+        learners: dict[tuple[str, int], tuple[int, Callable[[Trial], Learned]]] = {
+            (name, seed): (seed, partial(learned, name, rig, seed)) for name in config.agents for seed in config.seeds
+        }
+        found = learn_together(rig, learners)
+        for name in config.agents:
+            own = {seed: found[name, seed] for seed in config.seeds}
+            store(name, plant, rig.fingerprint, own, config.out)
+
+
+def measured(rig: Rig) -> Rig:
+    """The rig with the sensors that its robot has: whoever learns on a machine sees it through them."""
+    return replace(rig, sensors=sensors_of(rig.robot)) if isinstance(rig, SimulatedRig) else rig
+
+
+def learned(name: str, rig: Rig, seed: int, trial: Trial) -> Learned:
+    """A member of the catalogue, trained."""
+    counted = CountedTrial(trial)
+    law = entry_of(name).make(Setting(arm=rig.arm, trial=counted, seed=seed))
+    return law, counted.robot_seconds
+
+
+def store(name: str, plant: str, fingerprint: str, laws: dict[int, Learned], out: Path) -> None:
+    """Write the laws of one name on one plant, and their manifest."""
+    folder = plant.replace(":", "_")
+    (out / name / folder).mkdir(parents=True, exist_ok=True)
+    entries: list[Artefact] = []
+    for seed, (law, robot_seconds) in laws.items():
+        if not isinstance(law, StoredLaw):
+            raise FFGymError(f"Agent {name!r} learns nothing that a file could hold; it needs no artefact.")
+        file = f"{folder}/seed_{seed}.npz"
+        save_law(out / name / file, law, {"plant": plant, "seed": seed, "robot_seconds": robot_seconds})
+        what = {
+            "seed": seed,
+            "plant": plant,
+            "fingerprint": fingerprint,
+            "robot_seconds": robot_seconds,
+            "env_steps": 0,
+        }
+        entries.append(described(name, file, out, **what))
+    before = manifest_of(name, out)
+    known = () if before is None else before.artefacts
+    manifest = Manifest(name=name, command=COMMAND, artefacts=merged(known, entries), versions=versions())
+    write_manifest(manifest, out)
+    manifest_of.cache_clear()
+
+
+if __name__ == "__main__":
+    import tyro
+
+    main(tyro.cli(Config))

@@ -1,0 +1,83 @@
+"""`ffgym train`: options, what it writes and prints, and what it refuses."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from agents.residual.policy import load_policy
+from ffgym.cli import train as under_test
+from ffgym.cli.main import main
+from ffgym.cli.train import Train
+
+FEW = ["--set", "n_envs=2", "n_steps=8", "batch_size=8", "segment_steps=16", "n_epochs=2"]
+
+
+def test_a_policy_its_numbers_and_the_way_to_it_are_written(tmp_path, capsys):
+    out, numbers = tmp_path / "trained", tmp_path / "numbers.json"
+    options = ["--base", "lugre_dynamic", "--steps", "32", "--seed", "7", "--json", str(numbers), *FEW]
+    assert main(["train", "--out", str(out), *options]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0] == "ppo on lugre_dynamic, seed 7: 32 steps"
+    assert printed[1].startswith("reward per step, with exploration: -")
+    assert printed[2] == f"policy: {out / 'policy.npz'}"
+    found = json.loads(numbers.read_text())
+    assert (found["command"], found["seed"], found["env_steps"]) == ("ffgym train", 7, 32)
+    assert found["sha256"] == json.loads((out / "training.json").read_text())["sha256"]
+    assert found["physics_fingerprint"]
+    assert found["training"]["base"] == "lugre_dynamic"
+    policy = load_policy(out / "policy.npz")
+    assert (policy.base, policy.meta["seed"], policy.actor.factored) == ("lugre_dynamic", 7, True)
+    assert main(["train", "--out", str(out), *options]) == 0  # it is done
+    assert main(["train", "--out", str(out), *options, "--seed", "8"]) == 1
+    assert "training.seed was 7, now 8" in capsys.readouterr().err
+
+
+def test_options_make_the_training():
+    training = Train(algorithm="recurrent_ppo", nominal=True, set=("lstm_cells=4",)).with_seed(3)
+    assert training.seed == 3
+    assert not training.factored
+    assert not training.randomization
+    assert training.hyperparameters["lstm_cells"] == 4
+    assert Train().with_seed(0).factored
+    assert not Train(joint=True).with_seed(0).factored
+
+
+def test_a_machine_file_is_kept_with_the_training(tmp_path):
+    file = tmp_path / "machine.toml"
+    file.write_text('[machine]\ntitle = "mine"\nrobot = "irb4600_60_205"\n')
+    training = Train(base=f"model:{file}").with_seed(0)
+    assert (training.base, training.machine) == ("model", file.read_text())
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ([], "--out FOLDER"),
+        (["--out", "file"], "--out file: is a file"),
+        (["--out", "new", "--base", "oracle"], "Unknown base 'oracle'"),
+        (["--out", "new", "--set", "gama=1"], "Unknown hyper-parameter of ppo 'gama'"),
+        (["--out", "new", "--json", "numbers.txt"], "must end in .json"),
+        (["--out", "new", "--reward", "best"], "Unknown reward 'best'"),
+    ],
+)
+def test_what_cannot_be_trained_is_refused_and_nothing_is_left(options, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    assert main(["train", *options]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert message in line
+    assert {path.name for path in tmp_path.iterdir()} == {"file"}
+
+
+def test_what_is_missing_is_named_with_the_way_to_get_it(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(under_test, "installed", lambda name: name != "sb3-contrib")
+    assert main(["train", "--out", str(tmp_path / "new")]) == 1
+    assert "needs sb3-contrib; pip install 'ffgym[rl]'" in capsys.readouterr().err
+
+
+def test_the_command_does_not_load_torch_to_say_what_it_can():
+    code = "import ffgym.cli.train, sys; print([m for m in ('torch', 'stable_baselines3') if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

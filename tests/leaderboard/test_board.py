@@ -1,0 +1,174 @@
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from types import MappingProxyType
+
+import pytest
+
+from agents.entrants import ENTRANTS, REGISTRY
+from ffgym.control import NoCompensation
+from ffgym.errors import FFGymError
+from ffgym.executors import Executor
+from ffgym.leaderboard import evaluation
+from ffgym.leaderboard.board import Board
+from ffgym.leaderboard.entrants import Entrant, Ready
+from ffgym.leaderboard.results import encode_row, read_row, write_row
+from ffgym.provenance import installed
+
+HERE = Executor(jobs=1)
+
+
+def entrants(*names):
+    return [ENTRANTS[name] for name in names]
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """Jobs that were run."""
+    jobs = []
+    run_job = evaluation.run_job
+
+    def counting(job):
+        jobs.append(job)
+        return run_job(job)
+
+    monkeypatch.setattr(evaluation, "run_job", counting)
+    return jobs
+
+
+def run(board, names=("none", "lugre_static"), plants=("nominal",), splits=("speeds",)):
+    return board.run(entrants(*names), plants, splits, 1, HERE)
+
+
+def test_what_is_in_the_folder_is_not_run_again(tmp_path, counted):
+    assert run(Board(registry=REGISTRY, folder=tmp_path / "board")) > 0
+    files = {path.name: path.read_bytes() for path in (tmp_path / "board").iterdir()}
+    assert sorted(files) == ["lugre_static.json", "none.json"]
+    assert run(Board(registry=REGISTRY, folder=tmp_path / "board")) == 0
+    assert len(counted) == 1
+    assert {path.name: path.read_bytes() for path in (tmp_path / "board").iterdir()} == files
+
+
+def test_only_what_is_missing_is_run(tmp_path, counted):
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"])
+    board = Board(registry=REGISTRY, folder=tmp_path)
+    run(board, plants=["nominal", "draw:0"])
+    assert sorted((job.plant, job.agents) for job in counted[1:]) == [
+        ("draw:0", (("none", 0), ("lugre_static", 0))),
+        ("nominal", (("lugre_static", 0),)),
+    ]
+    assert [outcome.plant for outcome in board.rows["none"].outcomes] == ["nominal", "draw:0"]
+
+
+def test_circles_of_another_run_stay(tmp_path):
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"], splits=["speeds"])
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"], splits=["radii"])
+    [outcome] = read_row(tmp_path / "none.json").outcomes
+    assert {cell.split for cell in outcome.cells} == {"speeds", "radii"}
+
+
+@pytest.mark.parametrize("change", [{"fingerprint": "0" * 16}, {"artefact": "0" * 64}])
+def test_results_of_other_physics_or_another_artefact_are_made_again(tmp_path, counted, change):
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"])
+    row, first = read_row(tmp_path / "none.json"), timeless(tmp_path / "none.json")
+    write_row(tmp_path / "none.json", replace(row, outcomes=tuple(replace(o, **change) for o in row.outcomes)))
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"])
+    assert len(counted) == 2
+    assert timeless(tmp_path / "none.json") == first
+
+
+def test_a_file_holds_what_was_found(tmp_path):
+    board = Board(registry=REGISTRY, folder=tmp_path)
+    run(board, ["none"])
+    assert read_row(tmp_path / "none.json") == board.rows["none"]
+
+
+def test_any_number_of_processes_gives_the_same_rows(tmp_path):
+    for jobs in (1, 2):
+        board = Board(registry=REGISTRY, folder=tmp_path / str(jobs))
+        board.run(entrants("none", "lugre_static"), ["nominal", "draw:0"], ["speeds"], 1, Executor(jobs=jobs))
+    for name in ("none.json", "lugre_static.json"):
+        assert timeless(tmp_path / "1" / name) == timeless(tmp_path / "2" / name)
+
+
+def timeless(path):
+    """A row's file without how long decisions took, which no two runs have in common."""
+    row = read_row(path)
+    return encode_row(replace(row, outcomes=tuple(replace(o, inference_us=None) for o in row.outcomes)))
+
+
+@pytest.mark.skipif(not installed("ray"), reason="Ray is not installed")
+@pytest.mark.filterwarnings("ignore")
+def test_a_ray_cluster_gives_the_same_rows(tmp_path):
+    for executor in (Executor(jobs=1), Executor(kind="ray", jobs=2)):
+        board = Board(registry=REGISTRY, folder=tmp_path / executor.kind)
+        board.run(entrants("none", "elastic"), ["nominal", "draw:0"], ["speeds"], 1, executor)
+    for name in ("none.json", "elastic.json"):
+        assert timeless(tmp_path / "local" / name) == timeless(tmp_path / "ray" / name)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("{", "is damaged, no JSON"),
+        ('{"format": 7}', "has format 7, this version of ffgym reads 1"),
+        ('{"format": 1, "name": "none"}', "is no result of the leaderboard"),
+        ("[]", "has format None"),
+    ],
+)
+def test_a_damaged_file_is_told_and_kept(tmp_path, text, reason):
+    place = tmp_path / "none.json"
+    place.write_text(text)
+    with pytest.raises(FFGymError, match=reason):
+        Board(registry=REGISTRY, folder=tmp_path)
+    assert place.read_text() == text
+
+
+def test_a_file_of_another_name_is_refused(tmp_path):
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"])
+    (tmp_path / "none.json").rename(tmp_path / "best.json")
+    with pytest.raises(FFGymError, match="holds the row 'none'; rename it"):
+        Board(registry=REGISTRY, folder=tmp_path)
+
+
+def test_a_folder_that_is_a_file_is_refused(tmp_path):
+    (tmp_path / "board").touch()
+    with pytest.raises(FFGymError, match="is a file, must be a folder"):
+        Board(registry=REGISTRY, folder=tmp_path / "board")
+
+
+def _nothing(plant, seed, tasks):
+    return Ready(law=NoCompensation()) if plant.name == "nominal" else None
+
+
+SHY = MappingProxyType({"none": Entrant(name="none", title="-", track="causal", about="-", ready=_nothing)})
+"""Somebody who has nothing for drawn plants."""
+
+
+def test_who_has_nothing_for_a_plant_has_no_outcome_there():
+    board = Board(registry=f"{__name__}:SHY")
+    board.run(list(SHY.values()), ["nominal", "draw:0"], ["speeds"], 1, HERE)
+    assert [outcome.plant for outcome in board.rows["none"].outcomes] == ["nominal"]
+
+
+def test_killed_in_the_middle_it_goes_on_to_the_same_files(tmp_path):
+    plants = [f"draw:{k}" for k in range(6)]
+    command = [sys.executable, "-m", "ffgym", "leaderboard", "--agents", "lugre_static", "--plants", *plants]
+    command += ["--splits", "speeds", "--jobs", "1", "--out"]
+    whole, broken = tmp_path / "whole", tmp_path / "broken"
+    subprocess.run([*command, str(whole)], check=True, capture_output=True)
+    process = subprocess.Popen([*command, str(broken)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not list(broken.glob("*.json")):
+        assert process.poll() is None
+        time.sleep(0.01)
+    os.kill(process.pid, signal.SIGKILL)
+    process.wait()
+    before = read_row(broken / "none.json")
+    assert 0 < len(before.outcomes) < len(plants)
+    subprocess.run([*command, str(broken)], check=True, capture_output=True)
+    for name in ("none.json", "lugre_static.json"):
+        assert timeless(broken / name) == timeless(whole / name)
+    assert not [path for path in broken.iterdir() if path.suffix != ".json"]

@@ -1,0 +1,149 @@
+import numpy as np
+import pytest
+
+from agents.catalogue import CATALOGUE, Setting
+from agents.entrants import ENTRANTS, REGISTRY
+from agents.submission import LawPolicy
+from ffgym.errors import FFGymError
+from ffgym.leaderboard.closed_loop import fly
+from ffgym.leaderboard.entrants import Entrant, Ready
+from ffgym.leaderboard.evaluation import TOGETHER, Job, jobs_for, run_job
+from ffgym.leaderboard.plants import plant_named
+from ffgym.leaderboard.results import Cell
+from ffgym.leaderboard.scoring import cells_of, lost_cells, trails_of
+from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS, Task, noise_seed, references_of, tasks_of
+from ffgym.paths import RADII, SPEEDS
+from ffgym.simulation import Run
+
+POSITIONS = ["p1", "p2", "p3", "p4"]
+FAST = Task("p2", 0.1, (0.003,), "positions")
+
+
+def elastic(robot):
+    return CATALOGUE["elastic"].make(Setting.of(robot))
+
+
+def law_cells(plant, law, task, seed=0):
+    noise = [np.random.default_rng(noise_seed(task, seed))]
+    [recording] = plant.rig.run([Run(reference=references_of(plant.rig.arm, [task])[0], law=law)], seed=noise)
+    return cells_of(task, recording)
+
+
+@pytest.mark.parametrize("name", ["nominal", "draw:4"])
+def test_a_law_scores_the_same_on_a_rig_and_as_a_policy_in_the_environment(name):
+    plant = plant_named(name)
+    [[flight]] = fly(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
+    flown, run = cells_of(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
+    for one, other in zip(flown, run, strict=True):
+        assert one.key == other.key
+        assert one.rms_mm == pytest.approx(other.rms_mm, rel=1e-6)
+        assert one.motor_rms_rad == pytest.approx(other.motor_rms_rad, rel=1e-6)
+
+
+def test_a_law_scores_the_same_on_the_workcell_with_the_same_noise():
+    plant = plant_named("workcell:thesis")
+    [[flight]] = fly(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
+    [flown], [run] = cells_of(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
+    assert flown.rms_mm == pytest.approx(run.rms_mm, rel=1e-6)
+
+
+def test_who_flies_beside_changes_nothing():
+    plant = plant_named("nominal")
+    other = Task("p1", 0.1, (0.001,), "train")
+    [[alone]] = fly(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
+    flights = fly(plant, [LawPolicy(make=elastic, preview=4)] * 2, [other, FAST])
+    for mine in flights:
+        assert mine[1].actions.tobytes() == alone.actions.tobytes()
+        assert cells_of(FAST, mine[1].recording) == cells_of(FAST, alone.recording)
+
+
+def test_actions_that_push_the_robot_out_of_its_limits_lose_the_cell():
+    class Push:
+        preview, action_scale = 1, 200.0
+
+        def agent(self, robot, layout):
+            return self
+
+        def predict(self, observation, state=None, episode_start=None, deterministic=True):
+            return np.ones((len(observation), 6)), None
+
+    [[flight]] = fly(plant_named("nominal"), [Push()], [FAST])
+    assert flight.recording is None
+    assert len(flight.actions) < 600
+    assert [cell.rms_mm for cell in lost_cells(FAST)] == [None]
+
+
+def test_splits_cover_the_thesis_and_share_no_circle():
+    cells = [cell.key[1:] for task in tasks_of(SPLITS, POSITIONS) for cell in lost_cells(task)]
+    assert len(set(cells)) == len(cells) == 48
+    thesis = {cell.key[1:] for task in tasks_of(THESIS, POSITIONS) for cell in lost_cells(task)}
+    assert thesis == {(p, r * 1e3, round(v * 1e3)) for p in POSITIONS for r in RADII for v in SPEEDS}
+    held_out = {cell.key[1:] for task in tasks_of(HELD_OUT, POSITIONS) for cell in lost_cells(task)}
+    trained = {cell.key[1:] for task in tasks_of(["train"], POSITIONS) for cell in lost_cells(task)}
+    assert not held_out & trained
+
+
+def test_noise_differs_from_task_to_task_and_seed_to_seed():
+    tasks = tasks_of(SPLITS, POSITIONS)
+    assert len({tuple(noise_seed(task, seed)) for task in tasks for seed in range(3)}) == 3 * len(tasks)
+
+
+def test_drawn_plants_are_all_different_and_always_the_same():
+    prints = [plant_named(f"draw:{k}").fingerprint for k in range(4)]
+    assert len(set(prints)) == 4
+    plant_named.cache_clear()
+    assert plant_named("draw:2").fingerprint == prints[2]
+
+
+@pytest.mark.parametrize("name", ["draw", "draw:x", "draw:-1", "moon", "workcell:moon"])
+def test_an_unknown_plant_is_refused(name):
+    with pytest.raises(FFGymError, match="Unknown"):
+        plant_named(name)
+
+
+def test_jobs_keep_plants_apart_and_begin_with_the_long_ones():
+    wanted = [(name, 0, plant) for plant in ("nominal", "workcell:thesis") for name in "abcdefghij"]
+    jobs = jobs_for("registry", wanted, ["train"])
+    assert [job.plant for job in jobs] == ["workcell:thesis"] * 2 + ["nominal"] * 2
+    assert sorted(agent for job in jobs for agent in job.agents) == sorted((name, 0) for name in "abcdefghij" * 2)
+    assert max(len(job.agents) for job in jobs) <= TOGETHER
+
+
+def test_a_job_gives_outcomes_of_everybody_who_is_ready():
+    job = Job(REGISTRY, "nominal", (("none", 0), ("elastic", 0), ("oracle", 0)), ("speeds",), 2)
+    outcomes = dict(run_job(job))
+    assert list(outcomes) == ["none", "elastic", "oracle"]
+    plain, best = (np.array([cell.rms_mm for cell in outcomes[name].cells]) for name in ("none", "elastic"))
+    assert len(plain) == 6
+    assert (best < 0.2 * plain).all()
+    assert outcomes["oracle"].cells == outcomes["elastic"].cells  # the nominal plant is what is believed
+    assert outcomes["none"].fingerprint == plant_named("nominal").fingerprint
+
+
+def test_the_oracle_has_nothing_to_say_on_a_workcell():
+    plant = plant_named("workcell:thesis")
+    assert ENTRANTS["oracle"].ready(plant, 0, ()) is None
+
+
+def test_pictures_show_one_held_out_circle_and_its_error():
+    plant = plant_named("nominal")
+    task = Task("p2", 0.1, (0.001, 0.003), "positions")
+    [recording] = plant.rig.run([Run(reference=references_of(plant.rig.arm, [task])[0])])
+    [trail] = trails_of(task, recording)
+    assert (trail.radius_mm, trail.speed_mm_s) == (3.0, 100.0)
+    cell: Cell = cells_of(task, recording)[1]
+    assert np.sqrt(np.mean(np.square(trail.deviation_um))) == pytest.approx(1e3 * cell.rms_mm, rel=0.05)
+    assert trails_of(FAST.__class__("p1", 0.1, (0.003,), "train"), recording) == []
+
+
+def test_an_agent_is_a_law_or_a_policy():
+    with pytest.raises(FFGymError, match="either a law or a policy"):
+        Ready()
+
+
+def test_everybody_has_what_a_row_needs():
+    for name, entrant in ENTRANTS.items():
+        assert isinstance(entrant, Entrant)
+        assert entrant.name == name
+        assert entrant.row().about.endswith(".")
+        assert len(entrant.seeds) in (1, 5)

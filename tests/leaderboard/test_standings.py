@@ -1,0 +1,245 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ffgym.errors import FFGymError
+from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
+from ffgym.leaderboard.results import Cell, Outcome, Row
+from ffgym.leaderboard.samples import DRAWS, SELECTIONS
+from ffgym.leaderboard.standings import standings
+
+KEYS = [
+    ("train", "p1", 1.0, 10.0),
+    ("train", "p1", 3.0, 100.0),
+    ("positions", "p2", 1.0, 10.0),
+    ("positions", "p2", 3.0, 100.0),
+    ("radii", "p1", 2.0, 40.0),
+    ("speeds", "p1", 3.0, 20.0),
+]
+
+
+def cell(key, rms, motor=(1e-3, 2e-3)):
+    split, position, radius, speed = key
+    values = (None,) * 4 if rms is None else (rms, 2 * rms, 1.1 * rms, 2.2 * rms)
+    names = ("rms_mm", "max_mm", "rms_3d_mm", "max_3d_mm")
+    return Cell(
+        split=split, position=position, radius_mm=radius, speed_mm_s=speed,
+        motor_rms_rad=None if rms is None else motor, **dict(zip(names, values, strict=True)),
+    )  # fmt: skip
+
+
+def row(name, errors, *, plants=(NOMINAL,), track="causal", base=None, ranked=True, seconds=0.0):
+    """A row whose error in mm on each circle `errors(seed, plant, key)` tells; five seeds if it takes them."""
+    seeds = range(5) if "seed" in errors.__code__.co_varnames[:1] else range(1)
+    outcomes = [
+        Outcome(
+            seed=seed, plant=plant, fingerprint="f", artefact=None, robot_seconds=seconds, env_steps=0,
+            inference_us=None, cells=tuple(cell(key, errors(seed, plant, key)) for key in KEYS),
+        )
+        for seed in seeds
+        for plant in plants
+    ]  # fmt: skip
+    return Row(
+        name=name, title=name.title(), track=track, about="", page=None, base=base, learned=len(seeds) > 1,
+        command=None, ranked=ranked, outcomes=tuple(outcomes),
+    )  # fmt: skip
+
+
+def zero_error(key):
+    return {10.0: 0.1, 20.0: 0.15, 40.0: 0.25, 100.0: 0.7}[key[3]]
+
+
+def fixed(name, factor, **options):
+    return row(name, lambda _, plant, key: factor * zero_error(key), **options)
+
+
+def learned(name, factor, spread, **options):
+    rng = np.random.default_rng(sum(map(ord, name)))
+    factors = factor * np.exp(spread * rng.normal(size=5))
+    return row(name, lambda seed, plant, key: factors[seed] * zero_error(key), **options)
+
+
+NONE = fixed("none", 1.0, ranked=False)
+
+
+def ranks(rows, group=NOMINAL, selection="held_out"):
+    return {line.row.name: line.rank for line in standings(rows, group, selection).lines}
+
+
+def test_what_is_left_is_the_geometric_mean_of_errors_over_those_with_zero_action():
+    half = row("half", lambda _, plant, key: zero_error(key) * (0.25 if key[3] == 10 else 1.0))
+    line = standings([NONE, half], NOMINAL, "train").line("half")
+    assert line.score.left == pytest.approx(0.5)
+    assert line.score.left_interval is None  # nothing is random
+
+
+def test_figures_of_a_row_are_those_of_its_circles():
+    line = standings([NONE, fixed("half", 0.5, seconds=12.0)], NOMINAL, "held_out").line("half")
+    score = line.score
+    assert [each.speed_mm_s for each in score.speeds] == [10, 20, 40, 100]
+    assert [each.rms_um for each in score.speeds] == pytest.approx([50, 75, 125, 350])
+    assert [each.reduction for each in score.speeds] == pytest.approx([0.5] * 4)
+    assert score.iqm_um == pytest.approx((75 + 125) / 2)
+    assert score.iqm_3d_um == pytest.approx(110)
+    assert score.max_um == pytest.approx(700)
+    assert score.motor_mrad == pytest.approx((1, 2))
+    assert (score.worse, score.stopped, score.robot_seconds) == (0, 0, 12)
+
+
+def test_cells_made_worse_are_counted():
+    mixed = row("mixed", lambda _, plant, key: zero_error(key) * (1.5 if key[3] == 100 else 0.5))
+    found = standings([NONE, mixed], NOMINAL, "held_out")
+    assert found.line("mixed").score.worse == pytest.approx(1 / 4)
+    assert found.line("none").score.worse == 0
+
+
+def test_the_score_is_0_for_zero_action_and_1_for_the_oracle_and_unknown_without_one():
+    rows = [NONE, fixed("oracle", 0.2, track="oracle"), fixed("some", 0.6)]
+    found = standings(rows, NOMINAL, "held_out")
+    scores = {line.row.name: line.score.normalised for line in found.lines}
+    assert scores == pytest.approx({"none": 0, "oracle": 1, "some": 0.5})
+    assert standings(rows[::2], NOMINAL, "held_out").line("some").score.normalised is None
+
+
+def test_circles_on_which_the_oracle_does_not_help_tell_no_score():
+    useless = fixed("oracle", 1.1, track="oracle")
+    assert standings([NONE, useless, fixed("some", 0.6)], NOMINAL, "held_out").line("some").score.normalised is None
+
+
+def test_oracle_zero_and_rows_that_are_shown_only_have_no_rank_and_come_last():
+    rows = [NONE, fixed("oracle", 0.1), fixed("random", 2.0, ranked=False), fixed("good", 0.5), fixed("bad", 0.9)]
+    assert ranks(rows) == {"good": 1, "bad": 2, "oracle": None, "none": None, "random": None}
+    assert list(ranks(rows)) == ["good", "bad", "oracle", "none", "random"]
+
+
+def test_rows_whose_difference_may_be_zero_share_a_rank_and_the_next_rank_is_its_place():
+    rows = [NONE, learned("a", 0.5, 0.1), learned("b", 0.51, 0.1), learned("c", 0.9, 0.01)]
+    assert ranks(rows) == {"a": 1, "b": 1, "c": 3} | {"none": None}
+
+
+def test_two_rows_without_chance_differ_however_little():
+    assert ranks([NONE, fixed("a", 0.5), fixed("b", 0.5001), fixed("c", 0.5)]) == {
+        "a": 1, "c": 1, "b": 3, "none": None,
+    }  # fmt: skip
+
+
+def test_plants_are_paired_so_that_a_small_difference_on_unlike_plants_counts():
+    plants = tuple(f"draw:{k}" for k in range(8))
+    hard = {plant: 1 + k for k, plant in enumerate(plants)}
+    zero = row("none", lambda _, plant, key: zero_error(key), plants=plants, ranked=False)
+    a = row("a", lambda _, plant, key: 0.05 * hard[plant] * zero_error(key), plants=plants)
+    b = row("b", lambda _, plant, key: 0.0505 * hard[plant] * zero_error(key), plants=plants)
+    found = standings([zero, a, b], DRAWS, "held_out")
+    first, second = (found.line(name).score.left_interval for name in "ab")
+    assert second.low < first.high
+    assert [found.line(name).rank for name in "ab"] == [1, 2]
+
+
+def test_ranks_within_a_track_leave_the_others_out():
+    rows = [
+        NONE,
+        fixed("a", 0.2),
+        fixed("b", 0.3, track="per task"),
+        fixed("c", 0.4),
+        fixed("d", 0.5, track="per task"),
+    ]
+    lines = standings(rows, NOMINAL, "held_out").ranked
+    assert [(line.row.name, line.rank, line.track_rank) for line in lines] == [
+        ("a", 1, 1), ("b", 2, 1), ("c", 3, 2), ("d", 4, 2),
+    ]  # fmt: skip
+
+
+def test_neither_the_order_of_rows_nor_that_of_results_matters():
+    rows = [NONE, learned("a", 0.5, 0.1), learned("b", 0.6, 0.1, base="a"), fixed("c", 0.55)]
+    turned = [
+        replace(each, outcomes=tuple(replace(one, cells=one.cells[::-1]) for one in each.outcomes[::-1]))
+        for each in rows[::-1]
+    ]
+    for one, other in zip(
+        standings(rows, NOMINAL, "held_out").lines, standings(turned, NOMINAL, "held_out").lines, strict=True
+    ):
+        assert (one.row.name, one.score, one.rank) == (other.row.name, other.score, other.rank)
+        assert one.against_base == other.against_base
+
+
+@pytest.mark.parametrize(
+    ("factor", "spread", "words", "sign"),
+    [
+        (0.3, 0.02, "better than its base", -1),
+        (0.7, 0.02, "worse than its base", 1),
+        (0.5, 0.2, "not better: the interval includes zero", 0),
+    ],
+)
+def test_a_residual_is_told_against_its_base_on_held_out_circles(factor, spread, words, sign):
+    rows = [NONE, fixed("base", 0.5), learned("residual", factor, spread, base="base")]
+    for selection in SELECTIONS:
+        found = standings(rows, NOMINAL, selection).line("residual").against_base
+        assert (found.base, found.sentence, found.difference.sign) == ("base", words, sign)
+        assert found.difference.interval.includes(found.difference.ratio)
+
+
+def test_what_a_residual_does_where_agents_may_learn_is_no_better_than_its_base():
+    overfit = row("residual", lambda _, plant, key: (0.1 if key[0] == "train" else 0.6) * zero_error(key), base="base")
+    found = standings([NONE, fixed("base", 0.5), overfit], NOMINAL, "train").line("residual")
+    assert found.rank == 1
+    assert found.against_base.sentence == "worse than its base"
+
+
+def test_a_residual_without_its_base_is_told_to_be_unknown():
+    found = standings([NONE, fixed("residual", 0.3, base="base")], NOMINAL, "train").line("residual").against_base
+    assert found.difference is None
+    assert "base has not run" in found.sentence
+
+
+def test_a_robot_that_stopped_is_worse_than_any_error_and_never_left_out():
+    stopped = row("stopped", lambda _, plant, key: None if key[3] == 40 else 0.01 * zero_error(key))
+    found = standings([NONE, stopped, fixed("bad", 3.0)], NOMINAL, "held_out")
+    score = found.line("stopped").score
+    assert [line.row.name for line in found.ranked] == ["bad", "stopped"]
+    assert (score.left, score.max_um, score.stopped, score.worse) == (np.inf, np.inf, 0.25, 0.25)
+    assert score.speeds[2].reduction == -np.inf
+    assert score.speeds[0].rms_um == pytest.approx(1.0)
+
+
+def test_two_rows_that_stopped_share_the_last_rank():
+    never = [row(name, lambda _, plant, key: None) for name in ("a", "b")]
+    assert ranks([NONE, *never, fixed("bad", 3.0)]) == {"bad": 1, "a": 2, "b": 2, "none": None}
+
+
+def test_a_row_that_lacks_circles_plants_or_seeds_is_left_out_and_the_reason_told():
+    whole = learned("whole", 0.5, 0.1)
+    first = whole.outcomes[0]
+    fewer = replace(whole, name="fewer", outcomes=(replace(first, cells=first.cells[:-1]), *whole.outcomes[1:]))
+    elsewhere = fixed("elsewhere", 0.5, plants=(THESIS_WORKCELL,))
+    found = standings([NONE, fewer, elsewhere], NOMINAL, "held_out")
+    assert found.missing == {
+        "fewer": "seed 0 on plant nominal lacks 1 of 4 circles", "elsewhere": "not run on these plants",
+    }  # fmt: skip
+    assert found.line("fewer") is None
+    assert standings([NONE, fewer], NOMINAL, "train").missing == {}
+
+
+def test_a_missing_plant_of_one_seed_is_told():
+    plants = ("draw:0", "draw:1")
+    zero = fixed("none", 1.0, plants=plants)
+    some = learned("some", 0.5, 0.1, plants=plants)
+    found = standings([zero, replace(some, outcomes=some.outcomes[:-1])], DRAWS, "held_out")
+    assert found.missing == {"some": "seed 4 was not run on plant draw:1"}
+
+
+@pytest.mark.parametrize(
+    ("rows", "group", "selection", "message"),
+    [
+        ([fixed("a", 0.5)], NOMINAL, "train", "zero action's row 'none'"),
+        ([NONE, NONE], NOMINAL, "train", "Two rows"),
+        ([NONE], DRAWS, "train", "was not run on draws"),
+        ([NONE], "moon", "train", "Unknown group of plants 'moon'"),
+        ([NONE], NOMINAL, "all", "Unknown selection of circles 'all'"),
+        ([row("none", lambda _, plant, key: None)], NOMINAL, "train", "stopped with zero action"),
+        ([NONE, fixed("a", 0.0)], NOMINAL, "train", "must be > 0"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(rows, group, selection, message):
+    with pytest.raises(FFGymError, match=message):
+        standings(rows, group, selection)

@@ -1,0 +1,28 @@
+import pytest
+
+from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
+from ffgym.leaderboard.samples import DRAWS
+from ffgym.leaderboard.standings import standings
+from ffgym.leaderboard.text import format_standings
+from tests.leaderboard.synthetic_rows import rows
+
+
+@pytest.fixture(scope="module")
+def some():
+    return rows(draws=2, seeds=3)
+
+
+@pytest.mark.parametrize("group", [NOMINAL, THESIS_WORKCELL, DRAWS])
+def test_standings_fit_a_terminal_and_name_every_row(some, group):
+    text = format_standings(standings(some, group, "thesis"))
+    assert max(map(len, text.splitlines())) <= 120
+    assert text.isascii()
+    assert all(row.name in text for row in some)
+
+
+def test_the_table_begins_with_the_best_and_says_who_is_missing(some):
+    text = format_standings(standings(some, THESIS_WORKCELL, "held_out"))
+    lines = text.splitlines()
+    assert lines[3].startswith("1     ilc_tcp")
+    assert "oracle: not run on these plants" in text
+    assert "better than their base" in text

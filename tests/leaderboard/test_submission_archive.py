@@ -1,0 +1,80 @@
+"""A submission's ZIP file is read without trust in what it says of itself."""
+
+import io
+import stat
+import zipfile
+
+import pytest
+
+from ffgym.leaderboard.submission import archive
+from ffgym.leaderboard.submission.archive import check_arrays, decode_archive, encode_archive
+from ffgym.leaderboard.submission.refusal import Refused
+
+FILES = {"manifest.json": b"{}", "agent.py": b"PREVIEW = 1\n" * 100}
+
+
+def zipped(*names, content=b"x", mode=0):
+    """A ZIP file with these names."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as file:
+        for name in names:
+            entry = zipfile.ZipInfo(name)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = mode << 16
+            file.writestr(entry, content)
+    return buffer.getvalue()
+
+
+def reason(data):
+    with pytest.raises(Refused) as caught:
+        decode_archive(data)
+    assert caught.value.check == "archive"
+    return caught.value.reason
+
+
+def test_files_come_out_as_they_went_in_and_bytes_are_reproducible():
+    data = encode_archive(FILES)
+    assert decode_archive(data) == FILES
+    assert encode_archive(FILES) == data
+
+
+@pytest.mark.parametrize("name", ["../agent.py", "/agent.py", "a/b.py", "..", "a\\b.py", ".hidden", "folder/"])
+def test_names_that_lead_elsewhere_are_refused(name):
+    assert "is no plain file name" in reason(zipped(name))
+
+
+def test_a_link_is_refused():
+    assert "agent.py is a link" in reason(zipped("agent.py", mode=stat.S_IFLNK | 0o777))
+
+
+def test_what_would_unpack_to_too_much_is_refused(monkeypatch):
+    monkeypatch.setattr(archive, "LARGEST", 10_000)
+    assert "would unpack to 20000 bytes" in reason(zipped("agent.py", content=bytes(20_000)))
+    with pytest.raises(Refused, match=r"actions.npz would unpack to"):
+        check_arrays("actions.npz", zipped("a.npy", content=bytes(20_000)))
+
+
+@pytest.mark.parametrize("told", [100, 5000])
+def test_a_size_that_is_told_wrong_is_refused(told):
+    data = bytearray(zipped("agent.py", content=bytes(range(256)) * 8))
+    place = data.rindex(b"PK\x01\x02") + 24  # uncompressed size in the directory
+    data[place : place + 4] = told.to_bytes(4, "little")
+    assert reason(bytes(data))
+
+
+def test_many_files_and_one_name_twice_are_refused():
+    assert "holds 9 files" in reason(zipped(*map(str, range(9))))
+    with pytest.warns(UserWarning, match="Duplicate name"):
+        data = zipped("agent.py", "agent.py")
+    assert "agent.py more than once" in reason(data)
+
+
+@pytest.mark.parametrize("length", [0, 10, 60, -30, -1])
+def test_a_file_that_is_cut_short_is_refused(length):
+    assert "damaged or cut short" in reason(encode_archive(FILES)[:length])
+
+
+def test_damaged_content_is_refused():
+    data = bytearray(encode_archive(FILES))
+    data[data.index(b"agent.py") + 12] ^= 0xFF
+    assert "damaged" in reason(bytes(data))

@@ -1,0 +1,164 @@
+"""An agent in its own process gets observations and nothing else; what it tries beyond is the reason it is refused."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ffgym.leaderboard.submission.guard import Judge
+from ffgym.leaderboard.submission.refusal import Refused
+from tests.leaderboard.submission_samples import agent_file, process
+
+PACKAGE = Path(__file__).parents[2] / "ffgym"
+LAYOUT_SIZE = 9 * 6
+"""Errors, last torque, and three numbers of two samples of the reference for each motor."""
+
+
+def outcome(content, steps=2, **limits):
+    """Why an agent is refused."""
+
+    def decide():
+        with process(content, **limits) as agent:
+            state = None
+            for _ in range(steps):
+                _, state = agent.predict(np.zeros((3, LAYOUT_SIZE)), state, np.zeros(3, dtype=bool))
+
+    with pytest.raises(Refused) as caught:
+        decide()
+    assert caught.value.check == "agent"
+    return caught.value.reason
+
+
+def test_an_honest_agent_answers_for_all_robots_and_remembers():
+    with process(agent_file("action = action + 0.01 * count")) as agent:
+        assert (agent.preview, agent.action_scale) == (1, 10.0)
+        first, state = agent.predict(np.zeros((3, LAYOUT_SIZE)))
+        second, _ = agent.predict(np.zeros((3, LAYOUT_SIZE)), state)
+    assert first.shape == (3, 6)
+    assert np.allclose(second - first, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("head", "body", "reason"),
+    [
+        ("import ffgym.workcell", "pass", "tried to import ffgym.workcell"),
+        ("", "import ffgym.envs", "tried to import ffgym.envs"),
+        (
+            "import contextlib\nwith contextlib.suppress(BaseException):\n    from ffgym.exam import draw",
+            "pass",
+            "tried to import ffgym.exam",
+        ),
+        (
+            "import importlib, sys",
+            "sys.meta_path[:] = [each for each in sys.meta_path if 'NoImports' not in repr(each)]\n"
+            "try:\n    importlib.import_module('ffgym.workcell')\nexcept BaseException:\n    pass",
+            "tried to",
+        ),
+        ("import gymnasium", "gymnasium.make('ffgym/OneAxis-v0')", "tried to import ffgym.envs"),
+        ("import atexit\natexit.register(lambda: open('/proc/self/maps'))", "pass", "tried to read /proc/"),
+    ],
+)
+def test_an_agent_that_looks_for_the_simulator_is_refused_with_what_it_tried(head, body, reason):
+    assert reason in outcome(agent_file(body, head))
+
+
+@pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="no memory as files here")
+def test_an_agent_that_reads_the_memory_of_the_simulator_is_refused():
+    body = "import os\ntry:\n    open(f'/proc/{os.getppid()}/mem', 'rb')\nexcept OSError:\n    pass"
+    assert f"tried to read /proc/{os.getpid()}/mem" in outcome(agent_file(body))
+
+
+@pytest.mark.parametrize(
+    ("event", "arguments", "tried"),
+    [
+        ("open", (str(PACKAGE / "workcell" / "cell.py"), "r", 0), "read"),
+        ("open", (str(PACKAGE / "envs" / ".." / "exam" / "draw.py"), "r", 0), "read"),
+        ("open", (PACKAGE / "leaderboard" / "plants.py", "r", 0), "read"),
+        ("open", (b"/proc/1/environ", None, os.O_RDONLY), "read /proc/1/environ"),
+        ("open", ("/dev/mem", "rb", 0), "read /dev/mem"),
+        ("open", ("elsewhere/file", "w", 0), "outside of its folder"),
+        ("open", ("/elsewhere/file", None, os.O_CREAT | os.O_WRONLY), "outside of its folder"),
+        ("os.rename", ("/a", "/b", -1, -1), "outside of its folder"),
+        ("os.listdir", ("/proc",), "read /proc"),
+        ("import", ("ffgym.workcell.cell", None, [], [], []), "import ffgym.workcell.cell"),
+        ("import", ("ffgym.leaderboard.plants", None, [], [], []), "import ffgym.leaderboard.plants"),
+        ("ctypes.dlopen", ("libc.so.6",), "ctypes"),
+        ("subprocess.Popen", ("ls", ["ls"], None, None), "start a process"),
+        ("os.fork", (), "start a process"),
+        ("os.kill", (1, 9), "send a signal"),
+        ("socket.connect", (None, ("127.0.0.1", 80)), "open a network connection"),
+    ],
+)
+def test_what_an_agent_must_not_do_is_said_in_words(event, arguments, tried, tmp_path):
+    assert tried in Judge(tmp_path)(event, arguments)
+
+
+@pytest.mark.parametrize(
+    ("event", "arguments"),
+    [
+        ("open", (3, "r", 0)),
+        ("open", (os.__file__, "r", os.O_RDONLY)),
+        ("open", (str(PACKAGE / "control" / "policy.py"), "rb", os.O_RDONLY)),
+        ("open", ("/proc/cpuinfo", "r", 0)),
+        ("open", (os.devnull, "w", os.O_WRONLY)),
+        ("os.listdir", (None,)),
+        ("import", ("ffgym.control", None, [], [], [])),
+        ("import", ("agents.elastic", None, [], [], [])),
+        ("compile", (b"", "<string>")),
+    ],
+)
+def test_what_every_library_does_is_allowed(event, arguments, tmp_path):
+    assert Judge(tmp_path)(event, arguments) is None
+
+
+def test_an_agent_may_write_in_its_own_folder(tmp_path):
+    assert Judge(tmp_path)("open", (str(tmp_path / "notes.txt"), "w", 0)) is None
+
+
+@pytest.mark.parametrize(
+    ("body", "reason"),
+    [
+        ("action = action * np.nan", "predict returned NaN"),
+        ("action = action[:, :5]", "predict returned actions of shape (3, 5), must be (3, 6)"),
+        ("return action", "predict must return actions and state"),
+        ("return np.array([['a'] * 6] * 3), None", "must be numbers"),
+        ("1 / 0", "it raised ZeroDivisionError: division by zero"),
+        ("import os\nos._exit(7)", "its process ended by itself with code 7"),
+        ("raise SystemExit", "it raised SystemExit"),
+    ],
+)
+def test_an_agent_that_fails_is_refused_with_how(body, reason):
+    assert reason in outcome(agent_file(body))
+
+
+def test_an_agent_that_never_answers_is_ended():
+    assert "it took more than 0.3 s for one decision, and was ended" in outcome(
+        agent_file("while True:\n    pass"), decision_s=0.3
+    )
+
+
+def test_an_agent_that_is_never_made_is_ended():
+    assert "it took more than 2 s to be made" in outcome(agent_file(head="time.sleep(600)"), start_s=2.0)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"PREVIEW = 1", "does not define ACTION_SCALE, make_agent"),
+        (b"PREVIEW = (", "It is no Python file"),
+        (agent_file(head="PREVIEW = 'x'"), "PREVIEW must be a number"),
+        (agent_file(head="ACTION_SCALE = float('inf')"), "ACTION_SCALE must be finite"),
+        (b"PREVIEW, ACTION_SCALE = 1, 1.0\ndef make_agent(robot, layout): return 5", "int, which has no predict"),
+    ],
+)
+def test_a_file_that_makes_no_agent_is_refused(content, reason):
+    assert reason in outcome(content)
+
+
+def test_what_an_agent_prints_is_no_answer_and_its_environment_is_its_own(monkeypatch):
+    monkeypatch.setenv("FFGYM_SECRET", "1")
+    head = "import os\nif any(name.startswith('FFGYM') for name in os.environ):\n    raise ValueError('seen')"
+    with process(agent_file("print('A' * 100, flush=True)", head)) as agent:
+        action, _ = agent.predict(np.zeros((3, LAYOUT_SIZE)))
+    assert action.shape == (3, 6)

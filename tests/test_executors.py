@@ -1,0 +1,134 @@
+import operator
+import os
+import signal
+import subprocess
+import sys
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from ffgym.errors import FFGymError, check_whole
+from ffgym.executors import Executor
+from ffgym.provenance import installed
+
+
+def square(x):
+    return x * x
+
+
+def refuse(x):
+    raise FFGymError(f"x = {x} must be nothing.")
+
+
+def die(x):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_results_are_those_of_a_loop_whatever_the_number_of_processes(jobs):
+    found = dict(Executor(jobs=jobs).run(square, [3, 1, 2]))
+    assert found == {0: 9, 1: 1, 2: 4}
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_an_error_in_a_process_is_the_same_error_here(jobs):
+    with pytest.raises(FFGymError, match="x = 1 must be nothing"):
+        list(Executor(jobs=jobs).run(refuse, [1, 1]))
+
+
+def test_a_process_that_is_killed_is_told_not_waited_for():
+    with pytest.raises(FFGymError, match="A process that worked on a part has died"):
+        list(Executor(jobs=2).run(die, [1, 2, 3]))
+
+
+def test_nothing_to_do_is_done():
+    assert list(Executor().run(square, [])) == []
+
+
+def test_processes_end_when_the_one_that_began_them_is_killed(tmp_path):
+    program = tmp_path / "sleepers.py"
+    program.write_text(
+        "import os, sys, time\n"
+        "from pathlib import Path\n"
+        "from ffgym.executors import Executor\n"
+        "def sleep(folder):\n"
+        "    (Path(folder) / f'{os.getpid()}.pid').touch()\n"
+        "    time.sleep(60)\n"
+        "if __name__ == '__main__':\n"
+        "    list(Executor(jobs=2).run(sleep, [sys.argv[1]] * 2))\n"
+    )
+    process = subprocess.Popen([sys.executable, str(program), str(tmp_path)])
+    try:
+        workers = waited(lambda: pids(tmp_path) if len(pids(tmp_path)) == 2 else None)
+    finally:
+        process.kill()
+        process.wait()
+    assert waited(lambda: not any(is_alive(pid) for pid in workers))
+
+
+def pids(folder):
+    return [int(path.stem) for path in folder.glob("*.pid")]
+
+
+def is_alive(pid):
+    stat = Path(f"/proc/{pid}/stat")
+    try:
+        return stat.read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def waited(condition, limit=30.0):
+    end = time.monotonic() + limit
+    while time.monotonic() < end:
+        found = condition()
+        if found:
+            return found
+        time.sleep(0.05)
+    return condition()
+
+
+def test_an_address_without_ray_is_refused():
+    with pytest.raises(FFGymError, match="choose the executor 'ray'"):
+        Executor(address="auto")
+
+
+def test_an_unknown_executor_is_refused():
+    with pytest.raises(FFGymError, match="Unknown executor 'slurm'"):
+        Executor(kind="slurm")
+
+
+needs_ray = pytest.mark.skipif(not installed("ray"), reason="Ray is not installed")
+
+
+@pytest.fixture(scope="module")
+def ray():
+    """A local Ray, begun once for all tests."""
+    import ray
+
+    ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, configure_logging=False)
+    yield ray
+    ray.shutdown()
+
+
+@needs_ray
+@pytest.mark.filterwarnings("ignore")
+def test_ray_gives_what_this_machine_gives(ray):
+    assert dict(Executor(kind="ray").run(operator.neg, [3, 1, 2])) == {0: -3, 1: -1, 2: -2}
+    assert dict(Executor(kind="ray", jobs=1).run(operator.neg, [3, 1, 2])) == {0: -3, 1: -1, 2: -2}
+    with pytest.raises(FFGymError, match=r"x = 7.0 is out of range"):
+        list(Executor(kind="ray").run(partial(check_whole, "x", low=0, high=5), [7]))
+    with pytest.raises(TypeError, match="bad operand"):
+        list(Executor(kind="ray").run(operator.neg, ["text"]))
+
+
+@needs_ray
+@pytest.mark.filterwarnings("ignore")
+def test_a_ray_cluster_that_is_not_there_is_told(monkeypatch):
+    import ray
+
+    monkeypatch.setattr(ray, "is_initialized", lambda: False)
+    with pytest.raises(FFGymError, match=r"No Ray cluster answers at '127.0.0.1:1': .*refused"):
+        list(Executor(kind="ray", address="127.0.0.1:1").run(operator.neg, [1]))
