@@ -22,7 +22,7 @@ def need_extra(who: str, *packages: str) -> None:
         raise FFGymError(f"{who} needs {', '.join(missing)}; pip install 'ffgym[cli,report]'.")
 
 
-_SUFFIXES = {"--report": ".html", "--json": ".json"}
+_SUFFIXES = {"--report": ".html", "--page": ".html", "--json": ".json"}
 """How files must end whose form does not follow from their name, so that no description or program is written over."""
 
 
