@@ -1,6 +1,7 @@
 import json
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -87,3 +88,26 @@ def test_bad_input_ends_with_one_line_that_names_it(arguments, reason, tmp_path,
 def test_a_page_that_is_not_html_is_refused(tmp_path, capsys):
     assert main(["leaderboard", "--page", str(tmp_path / "machine.toml")]) == 1
     assert "must end in .html" in capsys.readouterr().err
+
+
+def test_killed_while_it_builds_the_page_it_leaves_a_whole_one_or_none(finished, tmp_path):
+    folder, _ = finished
+    page = tmp_path / "page.html"
+    command = [sys.executable, "-m", "ffgym", "leaderboard", "--agents", "elastic", "oracle", *SMALL]
+    command += ["--out", str(folder / "rows"), "--page", str(page)]
+    for wait in (0.5, 1.5, 2.0, 2.5):
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(wait)
+        process.kill()
+        process.wait()
+        assert not page.exists() or page.read_text().rstrip().endswith("</html>")
+        page.unlink(missing_ok=True)
+    subprocess.run(command, check=True, capture_output=True)
+    assert tables(page.read_text()) == tables((folder / "page.html").read_text())
+
+
+def tables(page):
+    """The page without the lines that say what was written where."""
+    return [
+        line for line in page.splitlines() if not line.startswith(('<tr><th class="l">json', '<tr><th class="l">page'))
+    ]
