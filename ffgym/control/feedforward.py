@@ -1,6 +1,7 @@
 """Feed-forward laws: torque added to the drive's own control, from the reference alone."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, final
 
@@ -22,6 +23,10 @@ class FeedForwardLaw(ABC):
     @abstractmethod
     def torque(self, reference: Reference) -> Array:
         """Added torque at every sample, motor side [N m], shape (T, N)."""
+
+    def torques_along(self, references: Sequence[Reference]) -> list[Array]:
+        """What `torque` gives for each of several references."""
+        return [self.torque(reference) for reference in references]
 
 
 @final
@@ -116,6 +121,27 @@ class CausalLaw(FeedForwardLaw):
             torque[k + 1], memory = self.step(memory, windows[k])
         return torque
 
+    def torques_along(self, references: Sequence[Reference]) -> list[Array]:
+        """See base class; references go side by side through `step`, bit for bit what each gets alone."""
+        dts = {reference.robot.servo.control_dt for reference in references}
+        if type(self).torque is not CausalLaw.torque or len(dts) > 1 or len(references) < 2:
+            return super().torques_along(references)  # a law that computes a whole reference at once is fast enough
+        for reference in references:
+            self.check_joints(reference)
+        longest_first = sorted(range(len(references)), key=lambda i: -len(references[i].t))
+        windows = [Window.along(references[i], self.preview) for i in longest_first]
+        lengths = np.array([len(window.q) for window in windows])
+        memory = self.initial_memory(_side_by_side(windows, 0))
+        if memory.shape[-1] == 0:
+            return super().torques_along(references)
+        torques = [np.zeros_like(reference.q) for reference in references]
+        for k in range(lengths[0]):
+            going = int((lengths > k).sum())
+            torque, memory = self.step(memory[:going], _side_by_side(windows[:going], k))
+            for row, i in enumerate(longest_first[:going]):
+                torques[i][k + 1] = torque[row]
+        return torques
+
     def check_joints(self, reference: Reference) -> None:
         """Raise if the reference is for a robot with another number of joints."""
         if reference.robot.n_joints != self.n_joints:
@@ -123,3 +149,13 @@ class CausalLaw(FeedForwardLaw):
                 f"Feed-forward law {self.name!r} for {self.n_joints} joints does not fit robot "
                 f"{reference.robot.name!r} with {reference.robot.n_joints}."
             )
+
+
+def _side_by_side(windows: Sequence[Window], k: int) -> Window:
+    """Windows at sample `k` of several motions, shape (B, P + 1, N)."""
+    return Window(
+        q=np.stack([window.q[k] for window in windows]),
+        motor_dq=np.stack([window.motor_dq[k] for window in windows]),
+        motor_ddq=np.stack([window.motor_ddq[k] for window in windows]),
+        dt=windows[0].dt,
+    )

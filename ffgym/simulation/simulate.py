@@ -77,7 +77,7 @@ def simulate(
         id(run.reference): ReferenceRows.of(arm, run.reference, plant.n_substeps // stride)
         for run in {id(run.reference): run for run in runs}.values()
     }
-    added = [_added_torque(run) for run in runs]
+    added = _added_torques(runs)
     total = [shared[id(run.reference)].u_ff + u_lff for run, u_lff in zip(runs, added, strict=True)]
     traces = _run(plant, arm, runs, _setpoints(runs, total), stride, progress)
     recordings = []
@@ -146,12 +146,22 @@ def record_stride(plant: Plant, record_dt: float) -> int:
     return stride
 
 
-def _added_torque(run: Run) -> Array:
-    """Torque that the law adds, motor side [N m], (T, N); it starts at 0, as no torque is computed before t = 0."""
-    name = f"torque of feed-forward law {run.law.name!r}"
-    torque = check_shape(name, run.law.torque(run.reference), run.reference.q.shape).copy()
-    torque[0] = 0.0
-    return torque
+def _added_torques(runs: Sequence[Run]) -> list[Array]:
+    """Torque that each law adds, motor side [N m], (T, N); it starts at 0, as no torque is computed before t = 0.
+
+    All references of one law are given to it at once.
+    """
+    by_law: dict[int, list[int]] = {}
+    for i, run in enumerate(runs):
+        by_law.setdefault(id(run.law), []).append(i)
+    added: dict[int, Array] = {}
+    for rows in by_law.values():
+        law, references = runs[rows[0]].law, [runs[i].reference for i in rows]
+        for i, torque in zip(rows, law.torques_along(references), strict=True):
+            name = f"torque of feed-forward law {law.name!r}"
+            added[i] = check_shape(name, torque, runs[i].reference.q.shape).copy()
+            added[i][0] = 0.0
+    return [added[i] for i in range(len(runs))]
 
 
 def _setpoints(runs: Sequence[Run], torques: Sequence[Array]) -> Setpoints:

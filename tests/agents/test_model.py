@@ -15,7 +15,7 @@ from ffgym.plant import Climate, Machine, save_machine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
-from tests.contract.test_agents import check_batch, check_samples
+from tests.contract.test_agents import check_batch, check_samples, check_side_by_side
 from tests.effects.effect_samples import as_strong_as_plausible, without_effect
 from tests.robot.robot_samples import unusual
 
@@ -118,10 +118,11 @@ def test_two_waves_of_a_gear_error_are_one_error_of_that_shape(arm, circle):
     np.testing.assert_allclose(laws[0].torque(circle), laws[1].torque(circle), rtol=0, atol=1e-9)
 
 
-def test_samples_and_batches_with_effects_are_the_same_law(arm, circle):
+def test_samples_and_batches_with_effects_are_the_same_law(arm, circle, swing):
     law = model_law(machine_with(arm.robot, *WITH_MEMORY, *WITHOUT), arm)
     check_samples(law, circle)
     check_batch(law, circle)
+    check_side_by_side(law, [swing, circle])
 
 
 def test_on_a_rigid_axis_effects_of_the_motor_are_compensated(one_axis):

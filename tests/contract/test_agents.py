@@ -69,13 +69,28 @@ def test_a_batch_is_the_same_as_its_rows_one_by_one(make, sines, name):
     check_batch(make(name), sines[1.0])
 
 
+@pytest.mark.parametrize("name", ON_ONE_AXIS)
+def test_motions_side_by_side_have_the_same_bits_as_each_alone(make, sines, name):
+    check_side_by_side(make(name), [sines[1.0]] if CATALOGUE[name].track == "per task" else list(sines.values()))
+
+
 @pytest.mark.parametrize("name", ON_SIX_AXES)
 def test_on_six_axes_too_samples_and_batches_are_the_same_law(arm, name):
     circle = circle_references(arm, ["p1"], [0.1], [0.003])["p1", 0.1]
     law = law_named(name, Setting.of(arm.robot, references=[circle]))
+    shorter = (
+        [circle] if CATALOGUE[name].track == "per task" else [*circle_references(arm, ["p2"], [0.1], [0.001]).values()]
+    )
+    check_side_by_side(law, [*shorter, circle])
     assert law.torque(circle).any(axis=0).all()
     check_samples(law, circle)
     check_batch(law, circle)
+
+
+def check_side_by_side(law, references):
+    together = law.torques_along([*references, references[0]])
+    for torque, reference in zip(together, [*references, references[0]], strict=True):
+        assert torque.tobytes() == law.torque(reference).tobytes()
 
 
 def check_samples(law, reference):
