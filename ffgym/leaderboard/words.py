@@ -120,7 +120,7 @@ def _changes(line: Standing) -> tuple[str, ...]:
 
 
 def _published(best: tuple[str, float] | None) -> str:
-    return "figures only, about none" if best is None else f"{percent(best[1])} ({best[0]})"
+    return "published as figures only" if best is None else f"{percent(best[1])} ({best[0]})"
 
 
 def _told(found: Difference) -> str:

@@ -95,7 +95,7 @@ def test_the_headline_says_who_is_best_and_by_how_much(board_page):
         assert f"{change.strip('−%')}% less" in headline
     assert "iterative learning on the tool" in headline
     assert "54% less (dynamic LuGre)" in headline
-    assert "figures only, about none" in headline
+    assert "published as figures only" in headline
 
 
 def test_residuals_that_are_better_than_their_base_are_named_in_the_headline(board_page):
