@@ -12,7 +12,7 @@ from ffgym.leaderboard.evaluation import Wanted, evaluated, jobs_for
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.results import Outcome, Row, decode_row, encode_row, read_row
 from ffgym.leaderboard.scoring import lost_cells
-from ffgym.leaderboard.tasks import Task, references_of, tasks_of
+from ffgym.leaderboard.tasks import references_of
 from ffgym.provenance import versions
 from ffgym.simulation.simulate import Progress
 
@@ -69,7 +69,7 @@ class Board:
         seconds = {plant: simulated_seconds([plant], splits) for plant in dict.fromkeys(plants)}
         total, done = sum(seconds[plant] for _, _, plant in missing), 0.0
         for job, outcomes in evaluated(jobs, executor):
-            self._keep(outcomes)
+            self.keep(outcomes)
             done += len(job.agents) * seconds[job.plant]
             if progress is not None:
                 progress(done, total)
@@ -80,7 +80,7 @@ class Board:
     ) -> Iterable[Wanted]:
         for plant in plants:
             fingerprint = plant_named(plant).fingerprint
-            keys = {cell.key for task in _tasks(plant, splits) for cell in lost_cells(task)}
+            keys = {cell.key for task in plant_named(plant).tasks(splits) for cell in lost_cells(task)}
             for entrant in entrants:
                 for seed in entrant.seeds[:n_seeds]:
                     known, artefact = self._known(entrant.name, seed, plant), entrant.artefact(plant, seed)
@@ -92,7 +92,7 @@ class Board:
         row = self.rows.get(name)
         return None if row is None else next((o for o in row.outcomes if o.key == (seed, plant)), None)
 
-    def _keep(self, outcomes: Sequence[tuple[str, Outcome]]) -> None:
+    def keep(self, outcomes: Sequence[tuple[str, Outcome]]) -> None:
         """Take outcomes into their rows, and write these."""
         every = entrants_in(self.registry)
         for name in dict.fromkeys(name for name, _ in outcomes):
@@ -122,13 +122,7 @@ def _joined(old: Outcome | None, new: Outcome) -> Outcome:
     return replace(new, cells=tuple(cells.values()), trails=tuple(trails.values()))
 
 
-def _tasks(plant: str, splits: Sequence[str]) -> list[Task]:
-    area = plant_named(plant).rig.robot.work_area
-    assert area is not None  # robots of the leaderboard have one
-    return tasks_of(splits, list(area.positions))
-
-
 def simulated_seconds(plants: Sequence[str], splits: Sequence[str]) -> float:
     """How long all motions of splits on these plants last, once each [s]."""
-    arms = [(plant_named(plant).rig.arm, _tasks(plant, splits)) for plant in plants]
+    arms = [(plant_named(plant).rig.arm, plant_named(plant).tasks(splits)) for plant in plants]
     return sum(reference.duration for arm, tasks in arms for reference in references_of(arm, tasks))

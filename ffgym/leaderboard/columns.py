@@ -164,7 +164,7 @@ _ERRORS = (
         key="score",
         title="score",
         help="Interquartile mean of (zero - e) / (zero - oracle): 0 is zero action, 1 knows the true parameters. "
-        "Only where an oracle ran; nobody knows the workcell's parameters.",
+        "Only where an oracle ran; no command may know the workcell's parameters.",
         of=_normalised,
     ),
 )

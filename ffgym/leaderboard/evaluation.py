@@ -12,7 +12,7 @@ from ffgym.leaderboard.entrants import Ready, entrant_named
 from ffgym.leaderboard.plants import DRAW, TestPlant, plant_named
 from ffgym.leaderboard.results import Outcome
 from ffgym.leaderboard.scoring import cells_of, lost_cells, trails_of
-from ffgym.leaderboard.tasks import Task, noise_seed, references_of, tasks_of
+from ffgym.leaderboard.tasks import Task, noise_seed, references_of
 from ffgym.recordings import Recording
 from ffgym.simulation import Run
 
@@ -60,7 +60,7 @@ def evaluated(jobs: Sequence[Job], executor: Executor) -> Iterator[tuple[Job, li
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Starter:
+class Starter:
     """An agent on the start."""
 
     name: str
@@ -71,16 +71,22 @@ class _Starter:
 def run_job(job: Job) -> list[tuple[str, Outcome]]:
     """Run one job here."""
     plant = plant_named(job.plant)
-    assert plant.rig.robot.work_area is not None  # robots of the leaderboard have one
-    tasks = tasks_of(job.splits, list(plant.rig.robot.work_area.positions))
+    tasks = plant.tasks(job.splits)
     starters = []
     for name, seed in job.agents:
         ready = entrant_named(job.registry, name).ready(plant, seed, tuple(tasks))
         if ready is not None:
-            starters.append(_Starter(name=name, seed=seed, ready=ready))
+            starters.append(Starter(name=name, seed=seed, ready=ready))
+    return outcomes_of(plant, starters, tasks, job.threads)
+
+
+def outcomes_of(
+    plant: TestPlant, starters: Sequence[Starter], tasks: Sequence[Task], threads: int = 0
+) -> list[tuple[str, Outcome]]:
+    """Outcomes of agents on a plant, laws first, with their names."""
     laws = [starter for starter in starters if starter.ready.law is not None]
     policies = [starter for starter in starters if starter.ready.policy is not None]
-    runs = _run_laws(plant, laws, tasks, job.threads) + _fly_policies(plant, policies, tasks, job.threads)
+    runs = _run_laws(plant, laws, tasks, threads) + _fly_policies(plant, policies, tasks, threads)
     return [
         (starter.name, _outcome(plant, starter, tasks, recordings))
         for starter, recordings in zip((*laws, *policies), runs, strict=True)
@@ -88,7 +94,7 @@ def run_job(job: Job) -> list[tuple[str, Outcome]]:
 
 
 def _outcome(
-    plant: TestPlant, starter: _Starter, tasks: Sequence[Task], recordings: Sequence[Recording | None]
+    plant: TestPlant, starter: Starter, tasks: Sequence[Task], recordings: Sequence[Recording | None]
 ) -> Outcome:
     ready, acts = starter.ready, starter.ready.policy or starter.ready.timed
     pairs = list(zip(tasks, recordings, strict=True))
@@ -111,7 +117,7 @@ def _outcome(
 
 
 def _run_laws(
-    plant: TestPlant, laws: Sequence[_Starter], tasks: Sequence[Task], threads: int
+    plant: TestPlant, laws: Sequence[Starter], tasks: Sequence[Task], threads: int
 ) -> list[list[Recording | None]]:
     """Recordings of laws, all side by side in one batch."""
     if not laws:
@@ -127,7 +133,7 @@ def _run_laws(
 
 
 def _fly_policies(
-    plant: TestPlant, policies: Sequence[_Starter], tasks: Sequence[Task], threads: int
+    plant: TestPlant, policies: Sequence[Starter], tasks: Sequence[Task], threads: int
 ) -> list[list[Recording | None]]:
     """Recordings of policies, one policy after the other."""
     recordings = []

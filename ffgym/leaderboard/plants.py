@@ -1,6 +1,6 @@
 """Machines that every agent is scored on: the nominal robot, a workcell, and robots drawn by number."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -10,6 +10,7 @@ import numpy as np
 from ffgym.envs import Sensing
 from ffgym.envs.rigs import WORKCELL, is_workcell, rig_of
 from ffgym.errors import FFGymError
+from ffgym.leaderboard.tasks import Task, tasks_of
 from ffgym.plant import Machine, PlantDistribution
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Rig, Sensor, SimulatedRig
@@ -42,6 +43,11 @@ class TestPlant:
     """What measures recordings of the environment, as on the rig."""
     truth: RobotDescription | None = None
     """The machine's true parameters; None where they are shut away."""
+
+    def tasks(self, splits: Sequence[str]) -> list[Task]:
+        """Motions of splits."""
+        assert self.rig.robot.work_area is not None  # robots of the leaderboard have one
+        return tasks_of(splits, list(self.rig.robot.work_area.positions))
 
     @property
     def fingerprint(self) -> str:

@@ -1,0 +1,46 @@
+"""The oracle on a workcell, for the leaderboard: what a model without error is worth on that machine.
+
+Nobody but the workcell's own room, environments, scripts and tests may know its truth, so that no command of ffgym can
+run this row. `python -m scripts.workcell_oracle --out FOLDER` adds it to the row `oracle` of a folder that
+`ffgym leaderboard --out FOLDER` writes; the truth itself is written nowhere. The row is shown, never ranked.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from agents.entrants import REGISTRY
+from agents.model import model_law
+from agents.submission import LawPolicy
+from ffgym.leaderboard.board import Board
+from ffgym.leaderboard.entrants import Ready
+from ffgym.leaderboard.evaluation import Starter, outcomes_of
+from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named
+from ffgym.leaderboard.tasks import SPLITS
+from ffgym.workcell import workcell
+
+
+@dataclass(frozen=True)
+class Config:
+    """Where and on what."""
+
+    out: Path
+    """Folder of result files."""
+    splits: tuple[str, ...] = SPLITS
+    """Circles."""
+
+
+def main(config: Config) -> None:
+    """Run the oracle and keep its outcome."""
+    plant = plant_named(THESIS_WORKCELL)
+    truth = workcell(THESIS_WORKCELL.partition(":")[2])
+    law = model_law(truth.machine, plant.rig.arm, name="oracle")
+    acts = LawPolicy(make=lambda robot: law, preview=law.preview)
+    starter = Starter(name="oracle", seed=0, ready=Ready(law=law, timed=acts))
+    board = Board(registry=REGISTRY, folder=config.out)
+    board.keep(outcomes_of(plant, [starter], plant.tasks(config.splits)))
+
+
+if __name__ == "__main__":
+    import tyro
+
+    main(tyro.cli(Config))
