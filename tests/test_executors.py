@@ -68,6 +68,33 @@ def test_processes_end_when_the_one_that_began_them_is_killed(tmp_path):
     assert waited(lambda: not any(is_alive(pid) for pid in workers))
 
 
+def test_an_interruption_ends_the_processes_without_a_word_of_theirs(tmp_path):
+    program = tmp_path / "sleepers.py"
+    program.write_text(
+        "import os, sys, time\n"
+        "from pathlib import Path\n"
+        "from ffgym.executors import Executor\n"
+        "def sleep(folder):\n"
+        "    (Path(folder) / f'{os.getpid()}.pid').touch()\n"
+        "    time.sleep(60)\n"
+        "if __name__ == '__main__':\n"
+        "    try:\n"
+        "        list(Executor(jobs=2).run(sleep, [sys.argv[1]] * 2))\n"
+        "    except KeyboardInterrupt:\n"
+        "        print('interrupted')\n"
+    )
+    command = [sys.executable, str(program), str(tmp_path)]
+    process = subprocess.Popen(
+        command, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    workers = waited(lambda: pids(tmp_path) if len(pids(tmp_path)) == 2 else None)
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    printed, complaints = process.communicate(timeout=30)
+    assert printed == "interrupted\n"
+    assert complaints == ""
+    assert waited(lambda: not any(is_alive(pid) for pid in workers))
+
+
 def pids(folder):
     return [int(path.stem) for path in folder.glob("*.pid")]
 

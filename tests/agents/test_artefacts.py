@@ -76,3 +76,13 @@ def test_new_artefacts_take_the_place_of_old_ones():
 
 def test_what_was_never_trained_has_no_manifest():
     assert manifest_of("nothing") is None
+
+
+def test_on_drawn_robots_an_agent_is_what_it_learned_on_the_nominal_one():
+    learned, fitted = ENTRANTS["bsn_static"], ENTRANTS["model_fitted"]
+    plant = plant_named("draw:0")
+    ready = learned.ready(plant, 2, ())
+    assert ready.artefact == learned.artefact("draw:0", 2) == learned.artefact(NOMINAL, 2)
+    assert ready.artefact != learned.artefact("workcell:thesis", 2)
+    assert ready.robot_seconds > 100
+    assert fitted.ready(plant, 0, ()) is None  # it knows the workcell alone

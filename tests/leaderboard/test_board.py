@@ -80,6 +80,16 @@ def test_results_of_other_physics_or_another_artefact_are_made_again(tmp_path, c
     assert timeless(tmp_path / "none.json") == first
 
 
+def test_circles_of_other_physics_do_not_stay_beside_new_ones(tmp_path):
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"], splits=["radii"])
+    row = read_row(tmp_path / "none.json")
+    others = tuple(replace(outcome, fingerprint="0" * 16) for outcome in row.outcomes)
+    write_row(tmp_path / "none.json", replace(row, outcomes=others))
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"], splits=["speeds"])
+    [outcome] = read_row(tmp_path / "none.json").outcomes
+    assert {cell.split for cell in outcome.cells} == {"speeds"}
+
+
 def test_a_file_holds_what_was_found(tmp_path):
     board = Board(registry=REGISTRY, folder=tmp_path)
     run(board, ["none"])

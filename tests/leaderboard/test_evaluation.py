@@ -42,7 +42,7 @@ def test_a_law_scores_the_same_on_a_rig_and_as_a_policy_in_the_environment(name)
 
 def test_a_law_scores_the_same_on_the_workcell_with_the_same_noise():
     plant = plant_named("workcell:thesis")
-    [[flight]] = fly(plant, [LawPolicy(make=elastic, preview=4)], [FAST])
+    [[_, flight]] = fly(plant, [LawPolicy(make=elastic, preview=4)], [Task("p3", 0.1, (0.001,), "positions"), FAST])
     [flown], [run] = cells_of(FAST, flight.recording), law_cells(plant, elastic(plant.rig.robot), FAST)
     assert flown.rms_mm == pytest.approx(run.rms_mm, rel=1e-6)
 
