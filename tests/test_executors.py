@@ -74,12 +74,12 @@ def test_an_interruption_ends_the_processes_without_a_word_of_theirs(tmp_path):
         "import os, sys, time\n"
         "from pathlib import Path\n"
         "from ffgym.executors import Executor\n"
-        "def sleep(folder):\n"
-        "    (Path(folder) / f'{os.getpid()}.pid').touch()\n"
-        "    time.sleep(60)\n"
+        "def sleep(task):\n"
+        "    (Path(task[0]) / f'{os.getpid()}.pid').touch()\n"
+        "    time.sleep(task[1])\n"
         "if __name__ == '__main__':\n"
         "    try:\n"
-        "        list(Executor(jobs=2).run(sleep, [sys.argv[1]] * 2))\n"
+        "        list(Executor(jobs=3).run(sleep, [(sys.argv[1], wait) for wait in (60, 60, 1)]))\n"
         "    except KeyboardInterrupt:\n"
         "        print('interrupted')\n"
     )
@@ -87,7 +87,8 @@ def test_an_interruption_ends_the_processes_without_a_word_of_theirs(tmp_path):
     process = subprocess.Popen(
         command, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
-    workers = waited(lambda: pids(tmp_path) if len(pids(tmp_path)) == 2 else None)
+    workers = waited(lambda: pids(tmp_path) if len(pids(tmp_path)) == 3 else None)
+    time.sleep(1.5)  # one of them has nothing to do then
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
     printed, complaints = process.communicate(timeout=30)
     assert printed == "interrupted\n"
