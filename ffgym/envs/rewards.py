@@ -86,14 +86,12 @@ class MotorError(Reward):
         return np.sqrt(_mean_square(signals.error * (robot.servo.position_gain / robot.friction.static)))
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
-class PathError(Reward):
-    """Distance of the TCP from its path in units of `scale`. Privileged: a robot needs a laser tracker for it."""
+class OfPathError(Reward):
+    """A cost of the distance of the TCP from its path. Privileged: a robot needs a laser tracker for it."""
 
-    scale: float = 1e-4
-    """[m]; 0.1 mm is the order of the uncompensated error at 10 mm/s (thesis, Table 4.1)."""
-    name: ClassVar[str] = "path_error"
+    scale: float
+    """Unit of the distance [m], > 0."""
     privileged: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -103,43 +101,51 @@ class PathError(Reward):
 
     def check(self, robot: RobotDescription) -> None:
         """See base class."""
-        _check_tool(robot)
+        if robot.tool is None:
+            raise FFGymError(f"Robot {robot.name!r} has no tool, so there is no path error; use reward='motor_error'.")
 
     def cost(self, signals: Signals, robot: RobotDescription) -> Array:
         """See base class."""
         assert signals.path_error is not None  # `check` asks for a tool
-        return signals.path_error / self.scale
+        return self.of_path(signals.path_error / self.scale)
+
+    @abstractmethod
+    def of_path(self, error: Array) -> Array:
+        """Cost (B,) of distances (B,) in units of `scale`."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class RelativePathError(Reward):
+class PathError(OfPathError):
+    """Distance of the TCP from its path in units of `scale`. Privileged: a robot needs a laser tracker for it."""
+
+    scale: float = 1e-4
+    """[m]; 0.1 mm is the order of the uncompensated error at 10 mm/s (thesis, Table 4.1)."""
+    name: ClassVar[str] = "path_error"
+
+    def of_path(self, error: Array) -> Array:
+        """See base class."""
+        return error
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class RelativePathError(OfPathError):
     r"""Logarithm of the path error: halving an error is worth the same at every speed. Privileged, as `PathError`.
 
     .. math:: c = \ln(1 + e / s)
 
-    Errors grow with the square of the speed, so that a reward linear in them says little of slow motions.
+    Errors at 100 mm/s are ten times those at 10 mm/s, so that a reward linear in them says little of slow motions.
     """
 
     scale: float = 2e-5
     """s [m]; below it the cost is linear. Chosen: errors at 10 mm/s of a law with nominal parameters on robots whose
     friction is off by tens of per cent."""
     name: ClassVar[str] = "relative_path_error"
-    privileged: ClassVar[bool] = True
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        scale = check_number("scale", self.scale, unit="m", low=0.0, open_low=True)
-        object.__setattr__(self, "scale", scale)
-
-    def check(self, robot: RobotDescription) -> None:
+    def of_path(self, error: Array) -> Array:
         """See base class."""
-        _check_tool(robot)
-
-    def cost(self, signals: Signals, robot: RobotDescription) -> Array:
-        """See base class."""
-        assert signals.path_error is not None  # `check` asks for a tool
-        return np.log1p(signals.path_error / self.scale)
+        return np.log1p(error)
 
 
 @final
@@ -176,11 +182,6 @@ def reward_of(reward: str | Reward, robot: RobotDescription | None = None) -> Re
     if robot is not None:
         reward.check(robot)
     return reward
-
-
-def _check_tool(robot: RobotDescription) -> None:
-    if robot.tool is None:
-        raise FFGymError(f"Robot {robot.name!r} has no tool, so there is no path error; use reward='motor_error'.")
 
 
 def _mean_square(values: Array) -> Array:

@@ -40,11 +40,11 @@ class _BaseActsFirst(OffPolicyAlgorithm):
 
 
 class _SAC(_BaseActsFirst, SAC):
-    pass
+    """SAC that begins with the base."""
 
 
 class _TQC(_BaseActsFirst, TQC):
-    pass
+    """TQC that begins with the base."""
 
 
 def algorithm_of(training: Training, env: ResidualVecEnv, *, seed: int, segment: int) -> BaseAlgorithm:
