@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ffgym.control import Agent
+from ffgym.leaderboard.closed_loop import Flight
 from ffgym.leaderboard.submission import plan as plans
 from ffgym.leaderboard.submission.archive import decode_archive
 from ffgym.leaderboard.submission.checks import (
@@ -91,6 +93,21 @@ class Verifier:
         claims, difference = self._run_again(manifest, files, tasks, actions)
         return Verdict(manifest=manifest, claims=claims, inference_us=time_us, action_difference=difference)
 
+    def _flights(
+        self, manifest: Manifest, name: str, tasks: Sequence[Task], agent: Agent, title: str
+    ) -> Sequence[Flight]:
+        """What an agent does on the tasks of a plant, in the environment that the manifest asks for."""
+        return run(
+            name,
+            tasks,
+            Contract(manifest.preview, manifest.action_scale),
+            agent,
+            seed=manifest.seed,
+            n_threads=self.n_threads,
+            stage=self.stage,
+            title=title,
+        )
+
     def _replay(
         self, manifest: Manifest, tasks: Mapping[str, Sequence[Task]], actions: Mapping[str, list[Array]]
     ) -> list[Array]:
@@ -99,16 +116,7 @@ class Verifier:
         seen: list[Array] = []
         for name in tasks:
             watched = Watched(Replay(actions[name]))
-            flights = run(
-                name,
-                tasks[name],
-                Contract(manifest.preview, manifest.action_scale),
-                watched,
-                seed=manifest.seed,
-                n_threads=self.n_threads,
-                stage=self.stage,
-                title="replaying",
-            )
+            flights = self._flights(manifest, name, tasks[name], watched, "replaying")
             found += claims_of(name, tasks[name], flights, "replay")
             seen = seen or watched.seen
             for logged, flight in zip(actions[name], flights, strict=True):
@@ -151,16 +159,7 @@ class Verifier:
         largest = 0.0
         for name in tasks:
             with self._process(manifest, files, name) as agent:
-                flights = run(
-                    name,
-                    tasks[name],
-                    Contract(manifest.preview, manifest.action_scale),
-                    agent,
-                    seed=manifest.seed,
-                    n_threads=self.n_threads,
-                    stage=self.stage,
-                    title="running the agent",
-                )
+                flights = self._flights(manifest, name, tasks[name], agent, "running the agent")
             for k, (logged, flight) in enumerate(zip(actions[name], flights, strict=True)):
                 largest = max(largest, check_actions(logged, flight.actions, f"{name}, motion {k}"))
             found += claims_of(name, tasks[name], flights, "score")
