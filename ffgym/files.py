@@ -15,6 +15,9 @@ import numpy as np
 from ffgym.errors import FFGymError
 from ffgym.types import Array
 
+TEMPORARY = ".ffgym-{}.tmp"
+"""Name of what is written beside its place, until it is moved there."""
+
 
 def check_writable(path: str | os.PathLike[str]) -> None:
     """Check before long work that `path` can be written after it.
@@ -40,7 +43,7 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
         FFGymError: if the file cannot be written; an old file of that name stays as it was.
     """
     target = Path(os.path.realpath(path))  # through a link, as an ordinary write does
-    temporary = target.with_name(f".ffgym-{uuid4().hex}.tmp")
+    temporary = target.with_name(TEMPORARY.format(uuid4().hex))
     try:
         with open(temporary, "xb") as file:
             file.write(data)
@@ -122,7 +125,7 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     check_vacant(path)
     target = Path(os.path.realpath(path))
-    temporary = target.with_name(f".ffgym-{uuid4().hex}.tmp")
+    temporary = target.with_name(TEMPORARY.format(uuid4().hex))
     try:
         temporary.mkdir()
         yield temporary

@@ -13,7 +13,7 @@ from agents.model import model_law
 from agents.submission import LawPolicy
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.entrants import Ready
-from ffgym.leaderboard.evaluation import Starter, outcomes_of
+from ffgym.leaderboard.evaluation.jobs import Starter, outcomes_of
 from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named
 from ffgym.leaderboard.tasks import SPLITS
 from ffgym.workcell import workcell

@@ -5,13 +5,13 @@ import subprocess
 import sys
 import time
 from functools import partial
-from pathlib import Path
 
 import pytest
 
 from ffgym.errors import FFGymError, check_whole
 from ffgym.executors import Executor
 from ffgym.provenance import installed
+from tests.processes import is_alive, waited
 
 
 def square(x):
@@ -20,6 +20,10 @@ def square(x):
 
 def refuse(x):
     raise FFGymError(f"x = {x} must be nothing.")
+
+
+def what_interrupts(x):
+    return signal.Handlers(signal.getsignal(signal.SIGINT)).name
 
 
 def die(x):
@@ -96,26 +100,12 @@ def test_an_interruption_ends_the_processes_without_a_word_of_theirs(tmp_path):
     assert waited(lambda: not any(is_alive(pid) for pid in workers))
 
 
+def test_workers_leave_an_interruption_to_who_hands_out_the_work():
+    assert [found for _, found in Executor(jobs=2).run(what_interrupts, [0, 0])] == ["SIG_IGN", "SIG_IGN"]
+
+
 def pids(folder):
     return [int(path.stem) for path in folder.glob("*.pid")]
-
-
-def is_alive(pid):
-    stat = Path(f"/proc/{pid}/stat")
-    try:
-        return stat.read_text().rpartition(")")[2].split()[0] != "Z"
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-
-
-def waited(condition, limit=30.0):
-    end = time.monotonic() + limit
-    while time.monotonic() < end:
-        found = condition()
-        if found:
-            return found
-        time.sleep(0.05)
-    return condition()
 
 
 def test_an_address_without_ray_is_refused():

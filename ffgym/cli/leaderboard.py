@@ -16,11 +16,11 @@ from ffgym.errors import FFGymError, check_choice, check_whole
 from ffgym.executors import Executor
 from ffgym.files import write_json, write_text
 from ffgym.leaderboard.board import Board
+from ffgym.leaderboard.comparison.samples import DRAWS
+from ffgym.leaderboard.comparison.samples import GROUPS as GROUPS_OF_PLANTS
 from ffgym.leaderboard.entrants import Entrant
 from ffgym.leaderboard.plants import DRAW, NOMINAL, ROBOT, THESIS_WORKCELL, draw_name, plant_named
 from ffgym.leaderboard.results import Row
-from ffgym.leaderboard.samples import DRAWS
-from ffgym.leaderboard.samples import GROUPS as GROUPS_OF_PLANTS
 from ffgym.leaderboard.tasks import SPLITS, THESIS
 from ffgym.robot import load_robot
 from ffgym.simulation.bare import bare_rate
@@ -110,9 +110,9 @@ class Leaderboard:
 
     def _tell(self, rows: Sequence[Row], plants: Sequence[str], splits: Sequence[str]) -> None:
         """Print the standings of every group of plants that was run, on the circles that were."""
-        from ffgym.leaderboard.samples import SELECTIONS
-        from ffgym.leaderboard.standings import standings
-        from ffgym.leaderboard.text import format_standings
+        from ffgym.leaderboard.comparison.samples import SELECTIONS
+        from ffgym.leaderboard.comparison.standings import standings
+        from ffgym.leaderboard.presentation.text import format_standings
 
         groups = dict.fromkeys(DRAWS if plant.startswith(DRAW) else plant for plant in plants)
         selection = next((name for name, own in SELECTIONS.items() if set(own) <= set(splits)), None)
@@ -131,8 +131,8 @@ class Leaderboard:
         info = provenance("ffgym leaderboard", self, ROBOT, plant_named(plants[0]).fingerprint, None)
         info["fingerprints"] = {plant: plant_named(plant).fingerprint for plant in plants}
         if self.page is not None:
-            from ffgym.leaderboard.page import render_page
-            from ffgym.leaderboard.tool_paths import paths_of
+            from ffgym.leaderboard.presentation.page import render_page
+            from ffgym.leaderboard.presentation.tool_paths import paths_of
 
             write_text(self.page, render_page(rows, tracks=paths_of(rows), provenance=info))
             print(f"page: {self.page}")

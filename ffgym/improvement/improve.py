@@ -5,7 +5,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from ffgym.claims import claimed
 from ffgym.diagnosis.document import diagnosis_document
+from ffgym.files import made_folder
 from ffgym.improvement.contenders import contenders, identified_robot
 from ffgym.improvement.gain import HELD_OUT_RADII, Gain, gain_on, held_out_positions
 from ffgym.improvement.rounds import Diagnose, Plan, Round, Stage, improved
@@ -67,10 +69,11 @@ def improve(
         radii: of these circles [m].
 
     Raises:
-        FFGymError: if something cannot be recorded, diagnosed, run or written.
+        FFGymError: if something cannot be recorded, diagnosed, run or written, or another process fills the folder.
     """
     places = held_out_positions(rig.robot) if positions is None else positions
-    rounds = improved(rig, plan, folder, diagnose, stage)
+    with made_folder(folder), claimed(folder):
+        rounds = improved(rig, plan, folder, diagnose, stage)
     with stage("identifying friction", "joints") as progress:
         identified = identified_robot(plan, rounds[0], progress)
     laws = contenders(rig, plan, rounds, identified)

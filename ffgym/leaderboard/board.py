@@ -1,17 +1,19 @@
 """The leaderboard as a folder: one file per row; what is missing in it is run, and kept as soon as it is complete."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from ffgym.claims import claimed
 from ffgym.errors import FFGymError
 from ffgym.executors import Executor
 from ffgym.files import made_folder, write_text
 from ffgym.leaderboard.entrants import Entrant, entrants_in
-from ffgym.leaderboard.evaluation import Wanted, evaluated, jobs_for
+from ffgym.leaderboard.evaluation.jobs import Wanted, evaluated, jobs_for
+from ffgym.leaderboard.evaluation.scoring import lost_cells
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.results import Outcome, Row, decode_row, encode_row, read_row
-from ffgym.leaderboard.scoring import lost_cells
 from ffgym.leaderboard.tasks import references_of
 from ffgym.provenance import versions
 from ffgym.simulation.simulate import Progress
@@ -32,15 +34,26 @@ class Board:
         Raises:
             FFGymError: if it is no folder, or a file in it cannot be read.
         """
-        if self.folder is None:
-            return
-        if self.folder.exists() and not self.folder.is_dir():
+        if self.folder is not None and self.folder.exists() and not self.folder.is_dir():
             raise FFGymError(f"{self.folder}: is a file, must be a folder of result files; choose another name.")
-        for path in sorted(self.folder.glob("*.json")):
+        self._read()
+
+    def _read(self) -> None:
+        for path in sorted(self.folder.glob("*.json")) if self.folder is not None else ():
             row = read_row(path)
             if row.name != path.stem:
                 raise FFGymError(f"{path}: holds the row {row.name!r}; rename it to {row.name}.json, or remove it.")
             self.rows[row.name] = row
+
+    @contextmanager
+    def _claimed(self) -> Iterator[None]:
+        """Nobody else fills the folder meanwhile; what others wrote before is known."""
+        if self.folder is None:
+            yield
+            return
+        with made_folder(self.folder), claimed(self.folder):
+            self._read()
+            yield
 
     def run(
         self,
@@ -62,8 +75,21 @@ class Board:
             progress: called with the simulated seconds done and their total.
 
         Raises:
-            FFGymError: if an agent or a plant cannot be run, or a result cannot be written. What was complete is kept.
+            FFGymError: if an agent or a plant cannot be run, a result cannot be written, or another process fills the
+                folder. What was complete is kept.
         """
+        with self._claimed():
+            return self._run(entrants, plants, splits, n_seeds, executor, progress)
+
+    def _run(
+        self,
+        entrants: Sequence[Entrant],
+        plants: Sequence[str],
+        splits: Sequence[str],
+        n_seeds: int,
+        executor: Executor,
+        progress: Progress | None,
+    ) -> float:
         missing = list(self._missing(entrants, plants, splits, n_seeds))
         jobs = jobs_for(self.registry, missing, splits)
         seconds = {plant: simulated_seconds([plant], splits) for plant in dict.fromkeys(plants)}

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ffgym.leaderboard.page import render_page
+from ffgym.leaderboard.presentation.page import render_page
 from tests.leaderboard.synthetic_rows import rows, tracks
 
 PROVENANCE = {"ffgym": "0.0.test", "versions": {"numpy": "9.9"}}

@@ -6,8 +6,8 @@ from zlib import crc32
 
 import numpy as np
 
-from ffgym.leaderboard.page import ToolPath
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name
+from ffgym.leaderboard.presentation.page import ToolPath
 from ffgym.leaderboard.results import Cell, Outcome, Row
 
 POSITIONS = ("p1", "p2", "p3", "p4")

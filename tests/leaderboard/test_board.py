@@ -9,12 +9,13 @@ from types import MappingProxyType
 import pytest
 
 from agents.entrants import ENTRANTS, REGISTRY
+from ffgym.claims import claimed
 from ffgym.control import NoCompensation
 from ffgym.errors import FFGymError
 from ffgym.executors import Executor
-from ffgym.leaderboard import evaluation
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.entrants import Entrant, Ready
+from ffgym.leaderboard.evaluation import jobs
 from ffgym.leaderboard.results import encode_row, read_row, write_row
 from ffgym.provenance import installed
 
@@ -28,15 +29,15 @@ def entrants(*names):
 @pytest.fixture
 def counted(monkeypatch):
     """Jobs that were run."""
-    jobs = []
-    run_job = evaluation.run_job
+    done = []
+    run_job = jobs.run_job
 
     def counting(job):
-        jobs.append(job)
+        done.append(job)
         return run_job(job)
 
-    monkeypatch.setattr(evaluation, "run_job", counting)
-    return jobs
+    monkeypatch.setattr(jobs, "run_job", counting)
+    return done
 
 
 def run(board, names=("none", "lugre_static"), plants=("nominal",), splits=("speeds",)):
@@ -97,9 +98,9 @@ def test_a_file_holds_what_was_found(tmp_path):
 
 
 def test_any_number_of_processes_gives_the_same_rows(tmp_path):
-    for jobs in (1, 2):
-        board = Board(registry=REGISTRY, folder=tmp_path / str(jobs))
-        board.run(entrants("none", "lugre_static"), ["nominal", "draw:0"], ["speeds"], 1, Executor(jobs=jobs))
+    for n in (1, 2):
+        board = Board(registry=REGISTRY, folder=tmp_path / str(n))
+        board.run(entrants("none", "lugre_static"), ["nominal", "draw:0"], ["speeds"], 1, Executor(jobs=n))
     for name in ("none.json", "lugre_static.json"):
         assert timeless(tmp_path / "1" / name) == timeless(tmp_path / "2" / name)
 
@@ -164,8 +165,21 @@ def test_who_has_nothing_for_a_plant_has_no_outcome_there():
     assert [outcome.plant for outcome in board.rows["none"].outcomes] == ["nominal"]
 
 
+def test_a_folder_that_another_process_fills_is_refused_and_left_as_it_is(tmp_path, counted):
+    with claimed(tmp_path), pytest.raises(FFGymError, match="another process is filling this folder"):
+        run(Board(registry=REGISTRY, folder=tmp_path))
+    assert (counted, list(tmp_path.iterdir())) == ([], [])
+
+
+def test_what_another_process_wrote_meanwhile_is_not_run_again(tmp_path, counted):
+    early = Board(registry=REGISTRY, folder=tmp_path)
+    run(Board(registry=REGISTRY, folder=tmp_path), names=("none",))
+    run(early)
+    assert [dict(job.agents).keys() for job in counted] == [{"none"}, {"lugre_static"}]
+
+
 def test_killed_in_the_middle_it_goes_on_to_the_same_files(tmp_path):
-    plants = [f"draw:{k}" for k in range(6)]
+    plants = [f"draw:{k}" for k in range(20)]
     command = [sys.executable, "-m", "ffgym", "leaderboard", "--agents", "lugre_static", "--plants", *plants]
     command += ["--splits", "speeds", "--jobs", "1", "--out"]
     whole, broken = tmp_path / "whole", tmp_path / "broken"

@@ -5,12 +5,12 @@ from agents.catalogue import CATALOGUE, Setting
 from agents.entrants import ENTRANTS, REGISTRY
 from agents.submission import LawPolicy
 from ffgym.errors import FFGymError
-from ffgym.leaderboard.closed_loop import fly
 from ffgym.leaderboard.entrants import Entrant, Ready
-from ffgym.leaderboard.evaluation import TOGETHER, Job, jobs_for, run_job
+from ffgym.leaderboard.evaluation.closed_loop import fly
+from ffgym.leaderboard.evaluation.jobs import TOGETHER, Job, jobs_for, run_job
+from ffgym.leaderboard.evaluation.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.results import Cell
-from ffgym.leaderboard.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS, Task, noise_seed, references_of, tasks_of
 from ffgym.paths import RADII, SPEEDS
 from ffgym.simulation import Run

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
-from ffgym.leaderboard.page import ToolPath, render_page
+from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
-from ffgym.leaderboard.published_rows import best_reductions, published_rows
+from ffgym.leaderboard.presentation.page import ToolPath, render_page
+from ffgym.leaderboard.presentation.published_rows import best_reductions, published_rows
+from ffgym.leaderboard.presentation.svg import number
+from ffgym.leaderboard.presentation.tool_paths import paths_of, tool_pictures
 from ffgym.leaderboard.results import Trail
-from ffgym.leaderboard.samples import GROUPS, SELECTIONS
-from ffgym.leaderboard.svg import number
-from ffgym.leaderboard.tool_paths import paths_of, tool_pictures
 from tests.leaderboard.conftest import PROVENANCE
 from tests.leaderboard.synthetic_rows import SORTS, row, rows, tracks
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
+from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS
+from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.results import Cell, Outcome, Row
-from ffgym.leaderboard.samples import DRAWS, SELECTIONS
-from ffgym.leaderboard.standings import standings
 
 KEYS = [
     ("train", "p1", 1.0, 10.0),

@@ -1,9 +1,9 @@
 import pytest
 
+from ffgym.leaderboard.comparison.samples import DRAWS
+from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
-from ffgym.leaderboard.samples import DRAWS
-from ffgym.leaderboard.standings import standings
-from ffgym.leaderboard.text import format_standings
+from ffgym.leaderboard.presentation.text import format_standings
 from tests.leaderboard.synthetic_rows import rows
 
 

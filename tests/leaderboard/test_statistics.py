@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from ffgym.errors import FFGymError
-from ffgym.leaderboard.statistics import (
+from ffgym.leaderboard.comparison.statistics import (
     Interval,
     difference,
     interquartile_mean,

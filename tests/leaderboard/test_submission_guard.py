@@ -1,6 +1,8 @@
 """An agent in its own process gets observations and nothing else; what it tries beyond is the reason it is refused."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 from ffgym.leaderboard.submission.guard import Judge
 from ffgym.leaderboard.submission.refusal import Refused
 from tests.leaderboard.submission_samples import agent_file, process
+from tests.processes import is_alive, waited
 
 PACKAGE = Path(__file__).parents[2] / "ffgym"
 LAYOUT_SIZE = 9 * 6
@@ -136,6 +139,21 @@ def test_an_agent_that_never_answers_is_ended():
     assert "it took more than 0.3 s for one decision, and was ended" in outcome(
         agent_file("while True:\n    pass"), decision_s=0.3
     )
+
+
+def test_an_agent_that_never_answers_ends_with_who_asked_it():
+    code = (
+        "import numpy as np\n"
+        "from tests.leaderboard.submission_samples import agent_file, process\n"
+        "with process(agent_file('while True:\\n    pass')) as agent:\n"
+        "    print(agent._process.pid, flush=True)\n"
+        f"    agent.predict(np.zeros((3, {LAYOUT_SIZE})), None, np.zeros(3, dtype=bool))\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as asks:
+        agent = int(asks.stdout.readline())
+        assert is_alive(agent)
+        asks.kill()
+    assert waited(lambda: not is_alive(agent))
 
 
 def test_an_agent_that_is_never_made_is_ended():

@@ -12,9 +12,9 @@ import pytest
 from agents.submission import load
 from ffgym.control import ObservationLayout
 from ffgym.files import decode_arrays, encode_arrays
-from ffgym.leaderboard.closed_loop import fly
+from ffgym.leaderboard.evaluation.closed_loop import fly
+from ffgym.leaderboard.evaluation.scoring import cells_of
 from ffgym.leaderboard.plants import plant_named
-from ffgym.leaderboard.scoring import cells_of
 from ffgym.leaderboard.submission import python_agent
 from ffgym.leaderboard.submission.archive import decode_archive
 from ffgym.leaderboard.submission.checks import ACTION_TOLERANCE, SCORE_TOLERANCE, check_files, check_physics

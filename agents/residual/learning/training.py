@@ -27,6 +27,7 @@ from agents.residual.learning.environment import ResidualVecEnv, environment_of
 from agents.residual.learning.export import actor_of
 from agents.residual.plan import Training
 from agents.residual.policy import ResidualPolicy, encode_policy, load_policy
+from ffgym.claims import claimed
 from ffgym.errors import FFGymError
 from ffgym.files import made_folder, read_bytes, read_text, write_bytes, write_json
 from ffgym.provenance import installed, versions
@@ -71,10 +72,11 @@ def train(training: Training, out: Path, *, watch: Watch | None = None) -> Train
         watch: is told how far it is.
 
     Raises:
-        FFGymError: if the folder holds another training or a damaged one, or learning diverged.
+        FFGymError: if the folder holds another training or a damaged one, another process trains in it, or learning
+            diverged.
     """
     about = _plain({"training": training.document(), "origin": training.origin(), "versions": library_versions()})
-    with made_folder(out):
+    with made_folder(out), claimed(out):
         if not (out / NUMBERS).exists():
             torch.set_num_threads(1)
             env = environment_of(training)

@@ -9,9 +9,9 @@ import numpy as np
 
 from ffgym.control import Agent, ObservationLayout
 from ffgym.errors import FFGymError
-from ffgym.leaderboard.closed_loop import TIMED, Flight, fly
+from ffgym.leaderboard.evaluation.closed_loop import TIMED, Flight, fly
+from ffgym.leaderboard.evaluation.scoring import cells_of
 from ffgym.leaderboard.plants import plant_named
-from ffgym.leaderboard.scoring import cells_of
 from ffgym.leaderboard.submission.manifest import Claim
 from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.refusal import Refused

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ffgym.control import Agent
-from ffgym.leaderboard.closed_loop import Flight
+from ffgym.leaderboard.evaluation.closed_loop import Flight
 from ffgym.leaderboard.submission import plan as plans
 from ffgym.leaderboard.submission.archive import decode_archive
 from ffgym.leaderboard.submission.checks import (

@@ -9,6 +9,7 @@ import json
 import os
 import random
 import sys
+import threading
 import time
 from collections.abc import Callable, Mapping
 from importlib import import_module
@@ -34,11 +35,14 @@ from ffgym.robot import RobotDescription, load_robot
 from ffgym.types import Array, BoolArray
 
 _CLOCK = time.perf_counter_ns
+_LOOKS_EVERY = 0.5
+"""[s]."""
 
 
 def main() -> None:
     """Serve until the other side has no more to ask."""
     channel = _own_channel()
+    _end_with(os.getppid())
 
     def refuse(tried: str) -> None:
         channel.send_json({"reason": f"it tried to {tried}."}, REFUSED)
@@ -52,6 +56,17 @@ def main() -> None:
         text = " ".join(str(error).split())[:500]
         reason = text if isinstance(error, FFGymError) else f"it raised {type(error).__name__}: {text}"
         channel.send_json({"reason": reason}, REFUSED)
+
+
+def _end_with(parent: int) -> None:
+    """End when the process that asks has ended, however it did: an agent that loops would not notice."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(_LOOKS_EVERY)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _own_channel() -> Channel:

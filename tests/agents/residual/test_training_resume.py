@@ -15,6 +15,7 @@ from agents.residual.learning.environment import environment_of
 from agents.residual.learning.training import segment_seed, train
 from agents.residual.policy import load_policy
 from agents.residual.validation import POINTS
+from ffgym.claims import claimed
 from ffgym.errors import FFGymError
 from ffgym.robot import load_robot
 from tests.agents.residual.residual_samples import tiny
@@ -128,6 +129,11 @@ def test_seeds_differ_and_so_do_segments(done, tmp_path):
     own = load_policy(done("ppo") / "policy.npz").actor
     assert np.any(own.layers[0].weight != other.layers[0].weight)
     assert np.abs(own.layers[-1].weight).max() > 0  # it began at zero
+
+
+def test_a_folder_that_another_process_trains_in_is_refused(stopped):
+    with claimed(stopped), pytest.raises(FFGymError, match="another process is filling this folder"):
+        train(tiny(), stopped)
 
 
 @pytest.mark.parametrize("when", ["stopped", "done"])

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import final
 
 from ffgym.errors import FFGymError, check_choice
+from ffgym.leaderboard.comparison.samples import SELECTIONS, Grid, grid_of, lacking, sample_of
+from ffgym.leaderboard.comparison.scores import Difference, Score, Scored, compared, score_of
 from ffgym.leaderboard.results import Row
-from ffgym.leaderboard.samples import SELECTIONS, Grid, grid_of, lacking, sample_of
-from ffgym.leaderboard.scores import Difference, Score, Scored, compared, score_of
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import ORACLE, UNCOMPENSATED
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import final
 
+from ffgym.leaderboard.comparison.samples import DRAWS
+from ffgym.leaderboard.comparison.scores import Difference
+from ffgym.leaderboard.comparison.standings import Standing, Standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
-from ffgym.leaderboard.published_rows import PublishedRow, best_reductions
-from ffgym.leaderboard.samples import DRAWS
-from ffgym.leaderboard.scores import Difference
-from ffgym.leaderboard.standings import Standing, Standings
+from ffgym.leaderboard.presentation.published_rows import PublishedRow, best_reductions
 from ffgym.report.circles.comparison import percent
 
 GROUP_TITLES: Mapping[str, str] = {

@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ffgym.leaderboard.standings import Standings
+from ffgym.leaderboard.comparison.standings import Standings
 
 COLOURS = {"zero": "#E69F00", "own": "#0072B2", "ink": "#1c2430", "soft": "#5a6472", "line": "#d9dee5"}
 """Of lines and words; shades of Okabe and Ito on the greys of the pages."""

@@ -4,9 +4,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from ffgym.leaderboard.figures import NOTHING, Figure, change, changed, count, digits, duration, length, share, sortable
-from ffgym.leaderboard.published_rows import PublishedRow
-from ffgym.leaderboard.standings import Standing, Standings
+from ffgym.leaderboard.comparison.standings import Standing, Standings
+from ffgym.leaderboard.presentation.figures import (
+    NOTHING,
+    Figure,
+    change,
+    changed,
+    count,
+    digits,
+    duration,
+    length,
+    share,
+    sortable,
+)
+from ffgym.leaderboard.presentation.published_rows import PublishedRow
 
 
 @final

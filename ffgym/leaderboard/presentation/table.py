@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
-from ffgym.leaderboard.columns import Column, columns_of
-from ffgym.leaderboard.figures import Figure
-from ffgym.leaderboard.published_rows import PublishedRow, published_rows
+from ffgym.leaderboard.comparison.standings import Standing, Standings
+from ffgym.leaderboard.presentation.columns import Column, columns_of
+from ffgym.leaderboard.presentation.figures import Figure
+from ffgym.leaderboard.presentation.published_rows import PublishedRow, published_rows
+from ffgym.leaderboard.presentation.words import circles_note
 from ffgym.leaderboard.results import Row
-from ffgym.leaderboard.standings import Standing, Standings
-from ffgym.leaderboard.words import circles_note
 
 
 @final

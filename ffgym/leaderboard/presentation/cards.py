@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
-from ffgym.leaderboard.figures import change, count, digits, duration, share
+from ffgym.leaderboard.comparison.standings import Standing, Standings
 from ffgym.leaderboard.plants import DRAW
+from ffgym.leaderboard.presentation.figures import change, count, digits, duration, share
+from ffgym.leaderboard.presentation.svg import learning_curve
+from ffgym.leaderboard.presentation.tool_paths import Picture, ToolPaths, tool_pictures
+from ffgym.leaderboard.presentation.words import GROUP_TITLES
 from ffgym.leaderboard.results import Row
-from ffgym.leaderboard.standings import Standing, Standings
-from ffgym.leaderboard.svg import learning_curve
-from ffgym.leaderboard.tool_paths import Picture, ToolPaths, tool_pictures
-from ffgym.leaderboard.words import GROUP_TITLES
 from ffgym.report.html import provenance_lines
 from ffgym.report.laws import UNCOMPENSATED
 

@@ -6,9 +6,8 @@ from typing import final
 
 import numpy as np
 
-from ffgym.leaderboard.results import Row
-from ffgym.leaderboard.samples import Grid, Sample, outcomes_on
-from ffgym.leaderboard.statistics import (
+from ffgym.leaderboard.comparison.samples import Grid, Sample, outcomes_on
+from ffgym.leaderboard.comparison.statistics import (
     Interval,
     Resamples,
     difference,
@@ -18,6 +17,7 @@ from ffgym.leaderboard.statistics import (
     resampled_means,
     resamples,
 )
+from ffgym.leaderboard.results import Row
 from ffgym.types import Array
 
 

@@ -7,16 +7,16 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
 
-from ffgym.leaderboard.cards import cards_of
-from ffgym.leaderboard.columns import explanations
+from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of
+from ffgym.leaderboard.comparison.standings import Standings, standings
+from ffgym.leaderboard.presentation.cards import cards_of
+from ffgym.leaderboard.presentation.columns import explanations
+from ffgym.leaderboard.presentation.svg import overview
+from ffgym.leaderboard.presentation.table import Table, table_of
+from ffgym.leaderboard.presentation.tool_paths import ToolPath as ToolPath
+from ffgym.leaderboard.presentation.tool_paths import ToolPaths
+from ffgym.leaderboard.presentation.words import GROUP_TITLES, SELECTION_TITLES, headline, residual_sentence
 from ffgym.leaderboard.results import Row
-from ffgym.leaderboard.samples import GROUPS, SELECTIONS, grid_of
-from ffgym.leaderboard.standings import Standings, standings
-from ffgym.leaderboard.svg import overview
-from ffgym.leaderboard.table import Table, table_of
-from ffgym.leaderboard.tool_paths import ToolPath as ToolPath
-from ffgym.leaderboard.tool_paths import ToolPaths
-from ffgym.leaderboard.words import GROUP_TITLES, SELECTION_TITLES, headline, residual_sentence
 from ffgym.report.html import provenance_lines, render
 from ffgym.report.laws import UNCOMPENSATED
 

@@ -7,11 +7,11 @@ from itertools import groupby
 import numpy as np
 
 from ffgym.executors import Executor
-from ffgym.leaderboard.closed_loop import fly, inference_time
 from ffgym.leaderboard.entrants import Ready, entrant_named
+from ffgym.leaderboard.evaluation.closed_loop import fly, inference_time
+from ffgym.leaderboard.evaluation.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.plants import DRAW, TestPlant, plant_named
 from ffgym.leaderboard.results import Outcome
-from ffgym.leaderboard.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.tasks import Task, noise_seed, references_of
 from ffgym.recordings import Recording
 from ffgym.simulation import Run

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import isfinite, isinf
 from typing import final
 
-from ffgym.leaderboard.statistics import Interval
+from ffgym.leaderboard.comparison.statistics import Interval
 
 STOPPED = "stopped"
 """Instead of the error of a robot that stopped."""

@@ -1,9 +1,9 @@
 """Standings as plain text for a terminal, at most 120 columns wide."""
 
-from ffgym.leaderboard.columns import columns_of
-from ffgym.leaderboard.figures import Figure
-from ffgym.leaderboard.standings import Standings
-from ffgym.leaderboard.words import GROUP_TITLES, SELECTION_TITLES, circles_note, residual_sentence
+from ffgym.leaderboard.comparison.standings import Standings
+from ffgym.leaderboard.presentation.columns import columns_of
+from ffgym.leaderboard.presentation.figures import Figure
+from ffgym.leaderboard.presentation.words import GROUP_TITLES, SELECTION_TITLES, circles_note, residual_sentence
 from ffgym.report.circles.tables import Column, aligned, filled, shortened
 
 _KEYS = ("left", "iqm", "largest", "worse", "score", "seeds", "robot", "steps", "decision")

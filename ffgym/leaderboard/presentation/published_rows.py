@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import fsum
 from typing import final
 
-from ffgym.leaderboard.samples import CellKey
+from ffgym.leaderboard.comparison.samples import CellKey
 from ffgym.leaderboard.tasks import THESIS
 from ffgym.paths import RADII, SPEEDS
 from ffgym.published import METHODS, published_mm

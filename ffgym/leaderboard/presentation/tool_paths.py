@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from ffgym.errors import check_shape
 from ffgym.leaderboard.plants import THESIS_WORKCELL
+from ffgym.leaderboard.presentation.svg import COLOURS, number, polyline
 from ffgym.leaderboard.results import Row, Trail
-from ffgym.leaderboard.svg import COLOURS, number, polyline
 from ffgym.report.circles.paths_plot import MAGNIFICATIONS
 from ffgym.types import Array
 
