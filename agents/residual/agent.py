@@ -7,6 +7,7 @@ import numpy as np
 
 from agents.residual.actor import Actor
 from agents.residual.composition import Composition, Memory, chosen
+from agents.residual.crew import ActorCrew
 from ffgym.errors import FFGymError
 from ffgym.types import Array
 
@@ -24,10 +25,10 @@ class AgentState:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ResidualAgent:
-    """A composition and the network on top of it."""
+    """A composition and the network on top of it, or several networks that share its rows."""
 
     composition: Composition
-    actor: Actor
+    actor: Actor | ActorCrew
 
     def __post_init__(self) -> None:
         features = self.composition.features
@@ -63,9 +64,9 @@ class ResidualAgent:
                 f"for, got shape {seen_now.shape}."
             )
         rows = np.atleast_2d(seen_now)
-        fresh = self.composition.begin(rows)
         if state is None:
-            seen, network, begins = fresh, self.actor.initial_state((len(rows),)), np.ones(len(rows), dtype=np.bool_)
+            seen, network = self.composition.begin(rows), self.actor.initial_state((len(rows),))
+            begins = np.ones(len(rows), dtype=np.bool_)
         else:
             if len(state.residual) != len(rows):
                 raise FFGymError(
@@ -75,7 +76,7 @@ class ResidualAgent:
             begins = np.zeros(len(rows), dtype=np.bool_) if episode_start is None else _flags(episode_start, len(rows))
             seen, network = self.composition.follow(state.memory, rows, state.residual), state.network
             if begins.any():
-                seen = chosen(begins, fresh, seen)
+                seen = chosen(begins, self.composition.begin(rows), seen)
         residual, network = self.actor.act(seen.features, network, begins)
         action = self.composition.action(seen, residual)
         known = AgentState(memory=seen.memory, residual=residual, network=network)

@@ -21,7 +21,7 @@ Logged: the reward per step while training, with exploration, in `meta["learning
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -31,8 +31,9 @@ from agents.residual.actor import Actor
 from agents.residual.agent import ResidualAgent
 from agents.residual.bases import base_law
 from agents.residual.composition import Composition
+from agents.residual.crew import ActorCrew, same_shape
 from agents.residual.features import AHEAD
-from ffgym.control import ObservationLayout
+from ffgym.control import Agent, ObservationLayout, Policy
 from ffgym.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.files import check_writable, write_bytes
 from ffgym.provenance import versions
@@ -78,9 +79,21 @@ class ResidualPolicy:
         Raises:
             FFGymError: if the robot has another number of motors, or too little of the reference is observed.
         """
+        return self._acting(self.actor, robot, layout)
+
+    def together(self, others: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout) -> Agent | None:
+        """See `ffgym.control.Sociable`: for policies that differ in nothing but weights and origin."""
+        every = [self, *(other for other in others if isinstance(other, ResidualPolicy))]
+        alike = all(getattr(each, name) == getattr(self, name) for each in every for name in _SETTINGS)
+        actors = tuple(each.actor for each in every)
+        if len(every) <= len(others) or not alike or not same_shape(actors):
+            return None
+        return self._acting(ActorCrew(actors=actors), robot, layout)
+
+    def _acting(self, actor: Actor | ActorCrew, robot: RobotDescription, layout: ObservationLayout) -> ResidualAgent:
         law = base_law(self.base, self.machine, robot)
         composition = Composition.over(law, robot, layout, memory=self.memory, bound=self.bound)
-        return ResidualAgent(composition=composition, actor=self.actor)
+        return ResidualAgent(composition=composition, actor=actor)
 
 
 def encode_policy(policy: ResidualPolicy) -> bytes:

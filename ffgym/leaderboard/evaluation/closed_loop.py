@@ -10,7 +10,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import Agent, ObservationLayout, Policy
+from ffgym.control import Agent, ObservationLayout, Policy, Sociable
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.core import TrackingCore
 from ffgym.leaderboard.plants import TestPlant
@@ -41,7 +41,7 @@ def fly(
     tasks: Sequence[Task],
     *,
     agents: Sequence[Agent] | None = None,
-    seed: int = 0,
+    seeds: Sequence[int] | None = None,
     n_threads: int = 0,
     progress: Progress | None = None,
 ) -> list[list[Flight]]:
@@ -52,7 +52,8 @@ def fly(
         policies: what acts; all with one preview and one action scale.
         tasks: motions for each of them.
         agents: who decides in place of the policies' own agents, e.g. in another process; None makes these.
-        seed: of the sensors' noise; the same task has the same noise for every policy, and for laws on the rig.
+        seeds: of the sensors' noise for each policy, None for 0; the same task and seed have the same noise for every
+            policy, and for laws on the rig.
         n_threads: of the engine, 0 for all cores.
         progress: called now and then with the simulated seconds done and their total.
 
@@ -63,19 +64,30 @@ def fly(
     env = environment_for(plant, policies[0], len(policies) * len(tasks), recorder=recorder, n_threads=n_threads)
     core: TrackingCore = env.unwrapped.core
     robot, layout = core.robot, core.observation_layout
-    decide = agents or [policy.agent(robot, layout) for policy in policies]
+    own = [0] * len(policies) if seeds is None else list(seeds)
+    decide = list(agents) if agents is not None else _deciding(policies, robot, layout)
     each = [{"position": task.position, "speed": task.speed, "radii": task.radii} for task in tasks]
-    seeds = [seed + i for i in range(len(tasks))] * len(policies)
-    observation, _ = env.reset(seed=seeds, options={"each": each * len(policies)})
+    of_rows = [seed + i for seed in own for i in range(len(tasks))]
+    observation, _ = env.reset(seed=of_rows, options={"each": each * len(policies)})
     flown = _Flown(core, recorder, len(policies), len(tasks))
     try:
         flown.run(env, decide, observation, progress)
     finally:
         env.close()
     for i, recording in flown.recordings.items():
-        rng = np.random.default_rng(noise_seed(tasks[i % len(tasks)], seed))
+        rng = np.random.default_rng(noise_seed(tasks[i % len(tasks)], own[i // len(tasks)]))
         flown.recordings[i] = measure(recording, plant.sensors, rng)
     return flown.flights()
+
+
+def _deciding(policies: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout) -> list[Agent]:
+    """Agents that decide on equal shares of the rows: one for all policies if they can, one for each otherwise."""
+    first, *others = policies
+    if others and isinstance(first, Sociable):
+        agent = first.together(others, robot, layout)
+        if agent is not None:
+            return [agent]
+    return [policy.agent(robot, layout) for policy in policies]
 
 
 def environment_for(plant: TestPlant, policy: Policy, n: int, **arguments: Any) -> Any:
@@ -102,16 +114,15 @@ class _Flown:
 
     def run(self, env: Any, agents: Sequence[Agent], observation: Array, progress: Progress | None) -> None:
         """Step until every motion has ended."""
-        n_policies, n_tasks = self.shape
         total = sum(motion.n_steps for motion in self.core.motions if motion is not None)
-        going: BoolArray = np.ones(n_policies * n_tasks, dtype=np.bool_)
-        starts, states = going.copy(), [None] * n_policies
+        going: BoolArray = np.ones(len(self.lengths), dtype=np.bool_)
+        starts, states, share = going.copy(), [None] * len(agents), len(going) // len(agents)
         while going.any():
             action = np.zeros((len(going), self.core.robot.n_joints))
-            for p, agent in enumerate(agents):
-                rows = slice(p * n_tasks, (p + 1) * n_tasks)
+            for i, agent in enumerate(agents):
+                rows = slice(i * share, (i + 1) * share)
                 if going[rows].any():
-                    action[rows], states[p] = agent.predict(observation[rows], states[p], starts[rows], True)
+                    action[rows], states[i] = agent.predict(observation[rows], states[i], starts[rows], True)
             starts[:] = False
             observation, _, terminated, truncated, _ = env.step(action)
             self.actions.append(np.clip(action, -1.0, 1.0))

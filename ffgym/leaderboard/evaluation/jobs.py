@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -45,7 +45,10 @@ def jobs_for(registry: str, wanted: Sequence[Wanted], splits: Sequence[str], thr
     for plant, group in groupby(order, key=lambda each: each[2]):
         agents = [(name, seed) for name, seed, _ in group]
         n_jobs = -(-len(agents) // TOGETHER)
-        jobs += [Job(registry, plant, tuple(agents[i::n_jobs]), tuple(splits), threads) for i in range(n_jobs)]
+        cuts = [len(agents) * i // n_jobs for i in range(n_jobs + 1)]  # seeds of a row stay together
+        jobs += [
+            Job(registry, plant, tuple(agents[first:last]), tuple(splits), threads) for first, last in pairwise(cuts)
+        ]
     return jobs
 
 
@@ -135,10 +138,10 @@ def _run_laws(
 def _fly_policies(
     plant: TestPlant, policies: Sequence[Starter], tasks: Sequence[Task], threads: int
 ) -> list[list[Recording | None]]:
-    """Recordings of policies, one policy after the other."""
+    """Recordings of policies, those of one row side by side."""
     recordings = []
-    for starter in policies:
-        assert starter.ready.policy is not None
-        (flights,) = fly(plant, [starter.ready.policy], tasks, seed=starter.seed, n_threads=threads)
-        recordings.append([flight.recording for flight in flights])
+    for _, group in groupby(policies, key=lambda starter: starter.name):
+        row = [(starter.ready.policy, starter.seed) for starter in group if starter.ready.policy is not None]
+        flown = fly(plant, [each for each, _ in row], tasks, seeds=[seed for _, seed in row], n_threads=threads)
+        recordings += [[flight.recording for flight in flights] for flights in flown]
     return recordings

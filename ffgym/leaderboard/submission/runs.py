@@ -92,7 +92,7 @@ def run(
     """Flights of an agent on a plant, one per task."""
     with stage(f"{title}, {plant}", "s") as progress:
         (flights,) = fly(
-            plant_named(plant), [contract], tasks, agents=[agent], seed=seed, n_threads=n_threads, progress=progress
+            plant_named(plant), [contract], tasks, agents=[agent], seeds=[seed], n_threads=n_threads, progress=progress
         )
     return flights
 

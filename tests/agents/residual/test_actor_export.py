@@ -6,12 +6,12 @@ import torch
 from gymnasium import spaces
 from torch import nn
 
-from agents.residual.actor import LSTM, Actor, Layer
+from agents.residual.actor import LSTM, Actor
 from agents.residual.learning.algorithms import algorithm_of
 from agents.residual.learning.environment import environment_of
 from agents.residual.learning.export import actor_of
 from ffgym.errors import FFGymError
-from tests.agents.residual.residual_samples import tiny
+from tests.agents.residual.residual_samples import random_actor, tiny
 
 CASES = [("ppo", True), ("ppo", False), ("recurrent_ppo", False), ("sac", True), ("sac", False), ("tqc", True)]
 
@@ -49,17 +49,6 @@ def test_an_untrained_actor_adds_nothing(algorithm, env):
     actor = actor_of(algorithm_of(tiny(algorithm), env, seed=0, segment=0).policy)
     features = np.random.default_rng(1).normal(size=(5, actor.n_features))
     np.testing.assert_array_equal(actor.act(features, actor.initial_state((5,)))[0], np.zeros((5, 6)))
-
-
-def random_actor(rng, **options):
-    def layer(outputs, inputs):
-        return Layer(weight=rng.normal(size=(outputs, inputs)), bias=rng.normal(size=outputs))
-
-    factored = options.get("factored", False)
-    lstm = None if factored else LSTM(inputs=layer(20, 18), hidden=layer(20, 5))
-    layers = (layer(7, 9 if factored else 5), layer(1 if factored else 2, 7))
-    own = {"n_motors": 2, "activation": "relu", "output": "tanh", "factored": False, "lstm": lstm, "layers": layers}
-    return Actor(**own | options)
 
 
 @pytest.mark.parametrize("factored", [True, False])

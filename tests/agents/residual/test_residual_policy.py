@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from dataclasses import replace
-from itertools import pairwise
 
 import gymnasium as gym
 import numpy as np
@@ -12,30 +11,17 @@ import pytest
 from agents.common.law_agent import LawAgent
 from agents.common.law_files import pack, unpack
 from agents.elastic import elastic_feedforward
-from agents.residual.actor import Actor, Layer
+from agents.residual.actor import Layer
 from agents.residual.bases import BASES, base_law, base_named
 from agents.residual.learning.environment import environment_of
-from agents.residual.policy import ResidualPolicy, encode_policy, load_policy, save_policy
+from agents.residual.policy import encode_policy, load_policy, save_policy
 from agents.residual.validation import validate
 from ffgym.control import Agent, ObservationLayout, Policy
 from ffgym.errors import FFGymError
-from tests.agents.residual.residual_samples import tiny
+from tests.agents.residual.residual_samples import policy_of, tiny
 
 CIRCLE = "ffgym/CirclePath-v0"
 MACHINE = '[machine]\ntitle = "a machine"\nrobot = "irb4600_60_205"\n'
-
-
-def policy_of(size=0.3, memory=2, **options):
-    """A policy with random weights."""
-    rng = np.random.default_rng(5)
-    widths = (3 * memory + 12, 8, 1)
-    layers = tuple(
-        Layer(weight=(size * rng.normal(size=(b, a))).astype(np.float32), bias=rng.normal(size=b).astype(np.float32))
-        for a, b in pairwise(widths)
-    )
-    actor = Actor(n_motors=6, layers=layers, activation="tanh", output="clip", factored=True)
-    own = {"base": "lugre_dynamic", "bound": 0.6, "action_scale": 30.0, "meta": {"seed": 5}}
-    return ResidualPolicy(actor=actor, memory=memory, **own | options)
 
 
 @pytest.fixture(scope="module")
