@@ -31,6 +31,7 @@ EPISODES: tuple[dict[str, Any], ...] = (
     {"reward": "feedback_effort"},
     {"reward": "path_error", "speed": 0.1},
     {"error_limit": 1e-3},
+    {"reward": "relative_path_error", "speed": 0.1},
 )
 """Options of the episodes: defaults, every reward, a circle that is reached, and an emergency stop. What an environment
 does not offer is left out; seeds count from 0."""
@@ -58,7 +59,7 @@ def _episode(name: str, seed: int, options: dict[str, Any]) -> list[float]:
     limit = {key: options.pop(key) for key in ("error_limit",) if key in options}
     env = gym.make(name, **limit).unwrapped
     core = env.core  # type: ignore[attr-defined]
-    if options.get("reward") == "path_error" and core.robot.tool is None:
+    if str(options.get("reward")).endswith("path_error") and core.robot.tool is None:
         return []
     known = {key: value for key, value in options.items() if key in ("reward", *core.tasks.option_names)}
     observation, info = env.reset(seed=seed, options=known)

@@ -51,10 +51,11 @@ def test_a_changed_reward_asks_for_a_new_version(monkeypatch):
     [
         (ffgym.envs.core, "path_error", lambda original: lambda *a: 1.001 * original(*a)),
         (ffgym.envs.rewards.PathError, "cost", lambda original: lambda *a: 1.001 * original(*a)),
+        (ffgym.envs.rewards.RelativePathError, "cost", lambda original: lambda *a: 1.001 * original(*a)),
         (ffgym.envs.rewards.FeedbackEffort, "cost", lambda original: lambda *a: 1.001 * original(*a)),
         (ffgym.envs.rewards.Reward, "__call__", lambda original: lambda *a: original(*a) * np.where(a[3], 2, 1)),
     ],
-    ids=["path error", "privileged reward", "feedback reward", "price of a stop"],
+    ids=["path error", "privileged reward", "relative reward", "feedback reward", "price of a stop"],
 )
 def test_what_only_some_see_is_part_of_what_an_id_means(monkeypatch, change):
     owner, name, wrap = change
