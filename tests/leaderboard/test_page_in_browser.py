@@ -218,6 +218,17 @@ def test_an_address_with_a_card_opens_it(browser):
     assert browser.find("#agent-elastic svg").is_displayed()
 
 
+@pytest.mark.parametrize(("width", "shown"), [(390, "phone"), (1280, "desk")])
+def test_the_picture_at_a_glance_fits_the_page(browser, width, shown):
+    browser.open(width)
+    for form in ("phone", "desk"):
+        picture = browser.find(f".overview .{form} svg")
+        assert picture.is_displayed() == (form == shown)
+    rect = browser.find(f".overview .{shown} svg").rect
+    assert 0 <= rect["x"] < rect["x"] + rect["width"] <= width
+    assert rect["width"] > 0.7 * min(width, 980)
+
+
 @pytest.mark.parametrize("width", WIDTHS)
 def test_the_page_never_scrolls_sideways_but_its_table_does(browser, width):
     browser.open(width)

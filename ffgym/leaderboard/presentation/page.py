@@ -11,7 +11,7 @@ from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of
 from ffgym.leaderboard.comparison.standings import Standings, standings
 from ffgym.leaderboard.presentation.cards import cards_of
 from ffgym.leaderboard.presentation.columns import explanations
-from ffgym.leaderboard.presentation.svg import overview
+from ffgym.leaderboard.presentation.overview import PHONE, WIDE, overview
 from ffgym.leaderboard.presentation.table import Table, table_of
 from ffgym.leaderboard.presentation.tool_paths import ToolPath as ToolPath
 from ffgym.leaderboard.presentation.tool_paths import ToolPaths
@@ -50,7 +50,8 @@ def render_page(
         residuals=residual_sentence(first),
         standings=first,
         table=tables[0],
-        overview=overview(first),
+        overview=overview(first, WIDE),
+        overview_phone=overview(first, PHONE),
         overview_circles=f"{GROUP_TITLES[first.group]}, {SELECTION_TITLES[first.selection]}",
         explanations=explanations(tables[0].columns),
         cards=cards_of(rows, held_out, tracks or {}),
