@@ -8,11 +8,11 @@ from types import MappingProxyType
 from agents.artefacts import Manifest, manifest_of, path_of
 from agents.catalogue import CATALOGUE, Entry, Setting
 from agents.common.law_files import load_law
+from agents.common.law_policy import LawPolicy
 from agents.common.trials import CountedTrial, RigTrial
 from agents.model import model_law
 from agents.random_torque import RandomTorque
 from agents.residual.policy import load_policy
-from agents.submission import LawPolicy
 from ffgym.control import CausalLaw, FeedForwardLaw, Policy
 from ffgym.leaderboard.entrants import Entrant, Ready
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant

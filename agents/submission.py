@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from agents.catalogue import CATALOGUE, Setting, entry_of, law_named
-from agents.common.law_agent import LawAgent
 from agents.common.law_files import load_law, unpack
+from agents.common.law_policy import LawPolicy, causal
 from agents.residual.policy import KIND, load_policy
-from ffgym.control import Agent, CausalLaw, FeedForwardLaw, ObservationLayout, Policy
+from ffgym.control import FeedForwardLaw, Policy
 from ffgym.errors import FFGymError
 from ffgym.files import read_bytes
 from ffgym.robot import RobotDescription
@@ -20,26 +20,6 @@ LOADERS: Mapping[str, str] = {
     "python": "ffgym.leaderboard.submission.python_agent",
 }
 """Module whose `load` makes an agent, by its kind."""
-ACTION_SCALE = 200.0
-"""Torque of an action of 1 for laws, in breakaway torques. Elastic feed-forward needs 102 on the fastest circles of the
-nominal robot (`ffgym.envs.settings`); chosen: twice that, as identified machines may be softer."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LawPolicy:
-    """A causal law as what `ffgym.control.Policy` describes."""
-
-    make: Callable[[RobotDescription], FeedForwardLaw]
-    preview: int
-    action_scale: float = ACTION_SCALE
-
-    def agent(self, robot: RobotDescription, layout: ObservationLayout) -> Agent:
-        """See `ffgym.control.Policy`.
-
-        Raises:
-            FFGymError: if the law does not fit the robot.
-        """
-        return LawAgent(law=_causal(self.make(robot)), layout=layout, control_dt=robot.servo.control_dt)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,7 +70,7 @@ def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> Po
     if source["kind"] == "policy":
         return load_policy(folder / str(source["file"]))
     make = _maker(source, folder)
-    return LawPolicy(make=make, preview=_causal(make(robot)).preview)
+    return LawPolicy(make=make, preview=causal(make(robot)).preview)
 
 
 def _maker(source: Mapping[str, Any], folder: Path) -> Callable[[RobotDescription], FeedForwardLaw]:
@@ -102,12 +82,6 @@ def _maker(source: Mapping[str, Any], folder: Path) -> Callable[[RobotDescriptio
         raise FFGymError(f"law = {name!r} must be one of {', '.join(SUBMITTED)}.")
     full = name if file is None else f"{name}:{folder / str(file)}"
     return lambda robot: law_named(full, Setting.of(robot))
-
-
-def _causal(law: FeedForwardLaw) -> CausalLaw:
-    if not isinstance(law, CausalLaw):
-        raise FFGymError(f"Law {law.name!r} does not run sample by sample, so that it cannot act on observations.")
-    return law
 
 
 SUBMITTED = tuple(

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from agents.catalogue import CATALOGUE, Setting
+from agents.common.law_policy import LawPolicy
 from agents.entrants import ENTRANTS, REGISTRY
-from agents.submission import LawPolicy
 from ffgym.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, Ready
 from ffgym.leaderboard.evaluation.closed_loop import fly

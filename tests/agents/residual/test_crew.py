@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from agents.common.law_policy import LawPolicy
 from agents.residual.crew import ActorCrew
-from agents.submission import LawPolicy
 from ffgym.control import NoCompensation, ObservationLayout, Sociable
 from ffgym.errors import FFGymError
 from ffgym.leaderboard.evaluation.closed_loop import fly
