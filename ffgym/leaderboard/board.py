@@ -79,27 +79,17 @@ class Board:
                 folder. What was complete is kept.
         """
         with self._claimed():
-            return self._run(entrants, plants, splits, n_seeds, executor, progress)
-
-    def _run(
-        self,
-        entrants: Sequence[Entrant],
-        plants: Sequence[str],
-        splits: Sequence[str],
-        n_seeds: int,
-        executor: Executor,
-        progress: Progress | None,
-    ) -> float:
-        missing = list(self._missing(entrants, plants, splits, n_seeds))
-        jobs = jobs_for(self.registry, missing, splits)
-        seconds = {plant: simulated_seconds([plant], splits) for plant in dict.fromkeys(plants)}
-        total, done = sum(seconds[plant] for _, _, plant in missing), 0.0
-        for job, outcomes in evaluated(jobs, executor):
-            self.keep(outcomes)
-            done += len(job.agents) * seconds[job.plant]
-            if progress is not None:
-                progress(done, total)
-        return total
+            missing = list(self._missing(entrants, plants, splits, n_seeds))
+            jobs = jobs_for(self.registry, missing, splits)
+            seconds = {plant: simulated_seconds([plant], splits) for plant in dict.fromkeys(plants)}
+            total, done, run = sum(seconds[plant] for _, _, plant in missing), 0.0, 0.0
+            for job, outcomes in evaluated(jobs, executor):
+                self.keep(outcomes)
+                done += len(job.agents) * seconds[job.plant]
+                run += len(outcomes) * seconds[job.plant]  # without those that have nothing for a plant
+                if progress is not None:
+                    progress(done, total)
+        return run
 
     def _missing(
         self, entrants: Iterable[Entrant], plants: Sequence[str], splits: Sequence[str], n_seeds: int

@@ -13,7 +13,7 @@ from ffgym.claims import claimed
 from ffgym.control import NoCompensation
 from ffgym.errors import FFGymError
 from ffgym.executors import Executor
-from ffgym.leaderboard.board import Board
+from ffgym.leaderboard.board import Board, simulated_seconds
 from ffgym.leaderboard.entrants import Entrant, Ready
 from ffgym.leaderboard.evaluation import jobs
 from ffgym.leaderboard.results import encode_row, read_row, write_row
@@ -161,7 +161,8 @@ SHY = MappingProxyType({"none": Entrant(name="none", title="-", track="causal", 
 
 def test_who_has_nothing_for_a_plant_has_no_outcome_there():
     board = Board(registry=f"{__name__}:SHY")
-    board.run(list(SHY.values()), ["nominal", "draw:0"], ["speeds"], 1, HERE)
+    seconds = board.run(list(SHY.values()), ["nominal", "draw:0"], ["speeds"], 1, HERE)
+    assert seconds == simulated_seconds(["nominal"], ["speeds"])
     assert [outcome.plant for outcome in board.rows["none"].outcomes] == ["nominal"]
 
 
