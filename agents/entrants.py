@@ -9,7 +9,7 @@ from agents.artefacts import Manifest, manifest_of, path_of
 from agents.catalogue import CATALOGUE, Entry, Setting
 from agents.common.law_files import load_law
 from agents.common.law_policy import LawPolicy
-from agents.common.trials import CountedTrial, RigTrial
+from agents.common.trials import CountedTrial, RigTrial, measured
 from agents.model import model_law
 from agents.random_torque import RandomTorque
 from agents.residual.policy import load_policy
@@ -83,10 +83,12 @@ def _made(entry: Entry, plant: TestPlant, seed: int, tasks: tuple[Task, ...]) ->
     """A law from the description, from the truth, or from trials of the tasks; None where the truth is shut away."""
     if entry.track == "oracle" and plant.truth is None:
         return None
-    arm, trial = plant.rig.arm, CountedTrial(RigTrial(rig=plant.rig, seed=seed))
-    references = references_of(arm, tasks) if entry.track == _PRACTISED else ()
+    arm, trial = plant.rig.arm, CountedTrial(RigTrial(rig=measured(plant.rig), seed=seed))
+    practises = entry.track == _PRACTISED
+    references = references_of(arm, tasks) if practises else ()
     law = entry.make(Setting(arm=arm, trial=trial, references=references, truth=plant.truth, seed=seed))
-    return Ready(law=law, timed=_timed(law), robot_seconds=trial.robot_seconds)
+    timed = None if practises else _timed(law)  # torques that were learned beforehand are not decided
+    return Ready(law=law, timed=timed, robot_seconds=trial.robot_seconds)
 
 
 def _read(

@@ -5,7 +5,7 @@ minutes; `--agents narx --plants nominal` some of them.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -13,13 +13,12 @@ from agents.artefacts import TRAINED, Artefact, Manifest, described, manifest_of
 from agents.catalogue import Setting, entry_of
 from agents.common.law_files import StoredLaw, save_law
 from agents.common.shared_trials import learn_together
-from agents.common.trials import CountedTrial, Trial
+from agents.common.trials import CountedTrial, Trial, measured
 from ffgym.control import FeedForwardLaw
 from ffgym.errors import FFGymError
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, plant_named
 from ffgym.provenance import versions
-from ffgym.simulation import Rig, SimulatedRig
-from ffgym.simulation.sensors import sensors_of
+from ffgym.simulation import Rig
 
 LEARNERS = ("bsn_static", "bsn_extended", "bsn_extended_prior", "mlp_fel", "narx", "residual_gp")
 COMMAND = "python -m scripts.train_laws"
@@ -54,11 +53,6 @@ def main(config: Config) -> None:
         for name in config.agents:
             own = {seed: found[name, seed] for seed in config.seeds}
             store(name, plant, rig.fingerprint, own, config.out)
-
-
-def measured(rig: Rig) -> Rig:
-    """The rig with the sensors that its robot has: whoever learns on a machine sees it through them."""
-    return replace(rig, sensors=sensors_of(rig.robot)) if isinstance(rig, SimulatedRig) else rig
 
 
 def learned(name: str, rig: Rig, seed: int, trial: Trial) -> Learned:

@@ -1,7 +1,7 @@
 """Runs on the machine that is learned from, and what they say about each motor."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -13,6 +13,7 @@ from ffgym.metrics import motor_error
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, Servo
 from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, SimulatedRig
+from ffgym.simulation.sensors import sensors_of
 from ffgym.types import Array, BoolArray
 
 Trial = Callable[[Sequence[Run], int], Sequence[Recording]]
@@ -53,6 +54,11 @@ class RigTrial:
         """
         seed = int(np.random.SeedSequence([self.seed, number]).generate_state(1)[0])
         return self.rig.run(runs, seed=seed, record_dt=self.record_dt, n_threads=self.n_threads)
+
+
+def measured(rig: Rig) -> Rig:
+    """The rig with the sensors that its robot has: whoever learns on a machine sees it through them."""
+    return replace(rig, sensors=sensors_of(rig.robot)) if isinstance(rig, SimulatedRig) else rig
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,7 +7,7 @@ from agents.entrants import ENTRANTS, REGISTRY
 from ffgym.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, Ready
 from ffgym.leaderboard.evaluation.closed_loop import fly
-from ffgym.leaderboard.evaluation.jobs import TOGETHER, Job, jobs_for, run_job
+from ffgym.leaderboard.evaluation.jobs import TOGETHER, Job, Starter, jobs_for, outcomes_of, run_job
 from ffgym.leaderboard.evaluation.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.results import Cell
@@ -147,3 +147,18 @@ def test_everybody_has_what_a_row_needs():
         assert entrant.name == name
         assert entrant.row().about.endswith(".")
         assert len(entrant.seeds) in (1, 5)
+
+
+@pytest.mark.parametrize("name", ["ilc_motor", "ilc_tcp"])
+def test_who_practises_each_motion_learns_through_sensors_and_is_scored_on_all_of_them(name):
+    plant, tasks = plant_named("draw:0"), [FAST, Task("p3", 0.1, (0.001,), "positions")]
+    ready = [ENTRANTS[name].ready(plant, seed, tuple(tasks)) for seed in (0, 1)]
+    starters = [Starter(name=name, seed=seed, ready=each) for seed, each in enumerate(ready)]
+    zero = Starter(name="none", seed=0, ready=ENTRANTS["none"].ready(plant, 0, ()))
+    (_, first), (_, second), (_, nothing) = outcomes_of(plant, [*starters, zero], tasks)
+    for one, other, before in zip(first.cells, second.cells, nothing.cells, strict=True):
+        assert one.rms_mm < 0.7 * before.rms_mm
+        assert one.rms_mm != other.rms_mm  # noise of the sensors that it learned through
+    moved = sum(reference.duration for reference in references_of(plant.rig.arm, tasks))
+    assert first.robot_seconds == pytest.approx(10 * moved)
+    assert first.inference_us is None
