@@ -1,6 +1,6 @@
 """Everybody on the leaderboard: laws of the catalogue, and what was trained and ships with the package."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -9,12 +9,13 @@ from agents.artefacts import Manifest, manifest_of, path_of
 from agents.catalogue import CATALOGUE, Entry, Setting
 from agents.common.law_files import load_law
 from agents.common.law_policy import LawPolicy
-from agents.common.trials import CountedTrial, RigTrial, measured
+from agents.common.shared_trials import learn_together
+from agents.common.trials import CountedTrial, RigTrial, Trial, measured
 from agents.model import model_law
 from agents.random_torque import RandomTorque
 from agents.residual.policy import load_policy
 from ffgym.control import CausalLaw, FeedForwardLaw, Policy
-from ffgym.leaderboard.entrants import Entrant, Ready
+from ffgym.leaderboard.entrants import Entrant, Maker, Ready, one_by_one
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant
 from ffgym.leaderboard.tasks import Task, references_of
 
@@ -75,20 +76,36 @@ def _law(entry: Entry) -> Entrant:
         ranked=entry.track != "oracle",
         slow=practises,
         artefact=partial(_sha256, manifest),
-        ready=partial(_made, entry) if manifest is None else partial(_read, manifest, _stored_law),
+        ready=_maker(entry, manifest),
     )
 
 
+def _maker(entry: Entry, manifest: Manifest | None) -> Maker:
+    if entry.track == _PRACTISED:
+        return partial(_practised, entry)
+    return one_by_one(partial(_made, entry) if manifest is None else partial(_read, manifest, _stored_law))
+
+
 def _made(entry: Entry, plant: TestPlant, seed: int, tasks: tuple[Task, ...]) -> Ready | None:
-    """A law from the description, from the truth, or from trials of the tasks; None where the truth is shut away."""
+    """A law from the description, from trials, or from the truth; None where that is shut away."""
     if entry.track == "oracle" and plant.truth is None:
         return None
-    arm, trial = plant.rig.arm, CountedTrial(RigTrial(rig=measured(plant.rig), seed=seed))
-    practises = entry.track == _PRACTISED
-    references = references_of(arm, tasks) if practises else ()
-    law = entry.make(Setting(arm=arm, trial=trial, references=references, truth=plant.truth, seed=seed))
-    timed = None if practises else _timed(law)  # torques that were learned beforehand are not decided
-    return Ready(law=law, timed=timed, robot_seconds=trial.robot_seconds)
+    trial = CountedTrial(RigTrial(rig=measured(plant.rig), seed=seed))
+    law = entry.make(Setting(arm=plant.rig.arm, trial=trial, truth=plant.truth, seed=seed))
+    return Ready(law=law, timed=_timed(law), robot_seconds=trial.robot_seconds)
+
+
+def _practised(entry: Entry, plant: TestPlant, seeds: Sequence[int], tasks: tuple[Task, ...]) -> list[Ready | None]:
+    """A law that practised the tasks, seen through the machine's sensors; all seeds learn side by side."""
+    references = references_of(plant.rig.arm, tasks)
+
+    def learned(seed: int, trial: Trial) -> Ready:
+        counted = CountedTrial(trial)
+        law = entry.make(Setting(arm=plant.rig.arm, trial=counted, references=references, seed=seed))
+        return Ready(law=law, robot_seconds=counted.robot_seconds)  # learned beforehand, so that nothing is timed
+
+    found = learn_together(measured(plant.rig), {seed: (seed, partial(learned, seed)) for seed in seeds})
+    return [found[seed] for seed in seeds]
 
 
 def _read(
@@ -153,7 +170,7 @@ def _fitted(manifest: Manifest) -> Entrant:
         seeds=manifest.seeds,
         command=manifest.command,
         artefact=partial(_sha256, manifest),
-        ready=partial(_read, manifest, _modelled),
+        ready=one_by_one(partial(_read, manifest, _modelled)),
     )
 
 
@@ -171,7 +188,7 @@ def _residual(name: str, manifest: Manifest) -> Entrant:
         command=manifest.command,
         artefact=partial(_sha256, manifest),
         learning_curve=lambda: manifest.learning_curve,
-        ready=partial(_read, manifest, _stored_policy),
+        ready=one_by_one(partial(_read, manifest, _stored_policy)),
     )
 
 
@@ -180,7 +197,8 @@ def _random() -> Entrant:
         return Ready(law=RandomTorque(seed=seed))
 
     about, track = _ABOUT["random"], "causal"
-    return Entrant(name="random", title="random torque", track=track, about=about, seeds=SEEDS, ready=ready)
+    maker = one_by_one(ready)
+    return Entrant(name="random", title="random torque", track=track, about=about, seeds=SEEDS, ready=maker)
 
 
 def _everybody() -> list[Entrant]:

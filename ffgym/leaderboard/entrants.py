@@ -1,8 +1,9 @@
 """Who is compared: an agent by name, and what makes it ready for a plant."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
+from typing import TypeAlias
 
 from ffgym.control import FeedForwardLaw, Policy
 from ffgym.errors import FFGymError, check_choice
@@ -31,6 +32,19 @@ class Ready:
             raise FFGymError("An agent is either a law or a policy; give one of both.")
 
 
+Maker: TypeAlias = Callable[[TestPlant, Sequence[int], tuple[Task, ...]], list[Ready | None]]
+"""Makes an agent once for each seed."""
+
+
+def one_by_one(make: Callable[[TestPlant, int, tuple[Task, ...]], Ready | None]) -> Maker:
+    """Maker of an agent whose seeds have nothing to share."""
+
+    def each(plant: TestPlant, seeds: Sequence[int], tasks: tuple[Task, ...]) -> list[Ready | None]:
+        return [make(plant, seed, tasks) for seed in seeds]
+
+    return each
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Entrant:
     """An agent that takes part; what its fields mean says `Row`."""
@@ -50,8 +64,8 @@ class Entrant:
     artefact: Callable[[str, int], str | None] = field(default=lambda plant, seed: None, repr=False)
     """sha256 of the file for a plant, by name, and a seed; None if it is not read from one."""
     learning_curve: Callable[[], tuple[tuple[float, float], ...]] = field(default=tuple, repr=False)
-    ready: Callable[[TestPlant, int, tuple[Task, ...]], Ready | None] = field(repr=False)
-    """Makes the agent for a plant, a seed, and the tasks that come; None if it has nothing for this plant."""
+    ready: Maker = field(repr=False)
+    """Makes the agent for a plant, each of some seeds, and the tasks that come; None if it has nothing for the plant."""
 
     def row(self) -> Row:
         """Its row, without outcomes."""

@@ -81,8 +81,8 @@ def test_what_was_never_trained_has_no_manifest():
 def test_on_drawn_robots_an_agent_is_what_it_learned_on_the_nominal_one():
     learned, fitted = ENTRANTS["bsn_static"], ENTRANTS["model_fitted"]
     plant = plant_named("draw:0")
-    ready = learned.ready(plant, 2, ())
+    [ready] = learned.ready(plant, [2], ())
     assert ready.artefact == learned.artefact("draw:0", 2) == learned.artefact(NOMINAL, 2)
     assert ready.artefact != learned.artefact("workcell:thesis", 2)
     assert ready.robot_seconds > 100
-    assert fitted.ready(plant, 0, ()) is None  # it knows the workcell alone
+    assert fitted.ready(plant, [0], ()) == [None]  # it knows the workcell alone

@@ -14,7 +14,7 @@ from ffgym.control import NoCompensation
 from ffgym.errors import FFGymError
 from ffgym.executors import Executor
 from ffgym.leaderboard.board import Board, simulated_seconds
-from ffgym.leaderboard.entrants import Entrant, Ready
+from ffgym.leaderboard.entrants import Entrant, Ready, one_by_one
 from ffgym.leaderboard.evaluation import jobs
 from ffgym.leaderboard.results import encode_row, read_row, write_row
 from ffgym.provenance import installed
@@ -155,7 +155,7 @@ def _nothing(plant, seed, tasks):
     return Ready(law=NoCompensation()) if plant.name == "nominal" else None
 
 
-SHY = MappingProxyType({"none": Entrant(name="none", title="-", track="causal", about="-", ready=_nothing)})
+SHY = MappingProxyType({"none": Entrant(name="none", title="-", track="causal", about="-", ready=one_by_one(_nothing))})
 """Somebody who has nothing for drawn plants."""
 
 

@@ -122,7 +122,7 @@ def test_a_job_gives_outcomes_of_everybody_who_is_ready():
 
 def test_the_oracle_has_nothing_to_say_on_a_workcell():
     plant = plant_named("workcell:thesis")
-    assert ENTRANTS["oracle"].ready(plant, 0, ()) is None
+    assert ENTRANTS["oracle"].ready(plant, [0], ()) == [None]
 
 
 def test_pictures_show_one_held_out_circle_and_its_error():
@@ -159,9 +159,9 @@ def test_everybody_has_what_a_row_needs():
 )
 def test_who_practises_each_motion_learns_through_sensors_and_is_scored_on_all_of_them(name, minimised, noisy):
     plant, tasks = plant_named("draw:0"), [FAST, Task("p3", 0.1, (0.001,), "positions")]
-    ready = [ENTRANTS[name].ready(plant, seed, tuple(tasks)) for seed in (0, 1)]
+    ready = ENTRANTS[name].ready(plant, [0, 1], tuple(tasks))
     starters = [Starter(name=name, seed=seed, ready=each) for seed, each in enumerate(ready)]
-    zero = Starter(name="none", seed=0, ready=ENTRANTS["none"].ready(plant, 0, ()))
+    zero = Starter(name="none", seed=0, ready=ENTRANTS["none"].ready(plant, [0], ())[0])
     (_, first), (_, second), (_, nothing) = outcomes_of(plant, [*starters, zero], tasks)
     for one, other, before in zip(first.cells, second.cells, nothing.cells, strict=True):
         assert minimised(one) < 0.5 * minimised(before)
@@ -169,3 +169,6 @@ def test_who_practises_each_motion_learns_through_sensors_and_is_scored_on_all_o
     moved = sum(reference.duration for reference in references_of(plant.rig.arm, tasks))
     assert first.robot_seconds == pytest.approx(10 * moved)
     assert first.inference_us is None
+    [alone] = ENTRANTS[name].ready(plant, [1], tuple(tasks))
+    [(_, again)] = outcomes_of(plant, [Starter(name=name, seed=1, ready=alone)], tasks)
+    assert again == second  # whoever learns beside it

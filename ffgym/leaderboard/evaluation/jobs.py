@@ -76,10 +76,11 @@ def run_job(job: Job) -> list[tuple[str, Outcome]]:
     plant = plant_named(job.plant)
     tasks = plant.tasks(job.splits)
     starters = []
-    for name, seed in job.agents:
-        ready = entrant_named(job.registry, name).ready(plant, seed, tuple(tasks))
-        if ready is not None:
-            starters.append(Starter(name=name, seed=seed, ready=ready))
+    for name, group in groupby(job.agents, key=lambda agent: agent[0]):
+        seeds = [seed for _, seed in group]
+        made = entrant_named(job.registry, name).ready(plant, seeds, tuple(tasks))
+        found = zip(seeds, made, strict=True)
+        starters += [Starter(name=name, seed=seed, ready=ready) for seed, ready in found if ready is not None]
     return outcomes_of(plant, starters, tasks, job.threads)
 
 
