@@ -65,7 +65,7 @@ class Entrant:
     """sha256 of the file for a plant, by name, and a seed; None if it is not read from one."""
     learning_curve: Callable[[], tuple[tuple[float, float], ...]] = field(default=tuple, repr=False)
     ready: Maker = field(repr=False)
-    """Makes the agent for a plant, each of some seeds, and the tasks that come; None if it has nothing for the plant."""
+    """Makes the agent for a plant, each of some seeds, and the tasks to come; None if it has nothing for the plant."""
 
     def row(self) -> Row:
         """Its row, without outcomes."""
