@@ -85,8 +85,8 @@ def residual_sentence(standings: Standings) -> str | None:
     ]
     names = f": {_listed(better)}" if better else ""
     return (
-        f"Of {len(pairs)} agents that learned on top of another one, {len(better)} "
-        f"{'is' if len(better) == 1 else 'are'} better than their base on held-out circles, "
+        f"Of {len(pairs)} agent{'' if len(pairs) == 1 else 's'} that learned on top of another one, {len(better)} "
+        f"{'is better than its' if len(better) == 1 else 'are better than their'} base on held-out circles, "
         f"{GROUP_TITLES[standings.group]}{names}."
     )
 
