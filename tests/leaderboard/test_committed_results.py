@@ -1,0 +1,82 @@
+"""Results in docs/leaderboard are of the agents, plants and circles of this version, and the page shows them."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from agents.entrants import ENTRANTS, REGISTRY
+from ffgym.leaderboard.board import Board
+from ffgym.leaderboard.comparison.samples import DRAWS, GROUPS
+from ffgym.leaderboard.comparison.standings import standings
+from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name, plant_named
+from ffgym.leaderboard.presentation.page import all_standings
+from ffgym.leaderboard.presentation.table import table_of
+from ffgym.leaderboard.presentation.text import format_standings
+
+DOCS = Path(__file__).parents[2] / "docs" / "leaderboard"
+N_DRAWS = 20
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """Committed rows in the order of the entrants."""
+    board = Board(registry=REGISTRY, folder=DOCS / "results")
+    assert {name for name, entrant in ENTRANTS.items() if not entrant.slow} <= set(board.rows) <= set(ENTRANTS)
+    return {name: board.rows[name] for name in ENTRANTS if name in board.rows}
+
+
+@pytest.mark.parametrize("plant", [NOMINAL, THESIS_WORKCELL, draw_name(0), draw_name(N_DRAWS - 1)])
+def test_results_are_of_this_physics(plant, rows):
+    fingerprint = plant_named(plant).fingerprint
+    found = {name: {o.fingerprint for o in row.outcomes if o.plant == plant} for name, row in rows.items()}
+    assert {name: prints for name, prints in found.items() if not prints <= {fingerprint}} == {}
+    assert found["none"] == {fingerprint}
+
+
+def test_results_are_of_the_artefacts_that_ship(rows):
+    for name, row in rows.items():
+        for outcome in row.outcomes:
+            assert outcome.artefact == ENTRANTS[name].artefact(outcome.plant, outcome.seed), (name, outcome.key)
+
+
+def test_rows_say_what_entrants_say(rows):
+    for name, row in rows.items():
+        own = ENTRANTS[name].row()
+        told = [(r.title, r.track, r.about, r.page, r.base, r.learned, r.command, r.ranked) for r in (row, own)]
+        assert told[0] == told[1]
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_every_row_is_complete_where_it_may_run(group, rows):
+    found = standings(list(rows.values()), group, "held_out")
+    plants = 1 if group != DRAWS else N_DRAWS
+    assert len(found.grid.plants) == plants
+    here = {line.row.name: line.score.seeds for line in found.lines}
+    for name, seeds in here.items():
+        learned = ENTRANTS[name].row().learned
+        assert len(seeds) >= (5 if learned else 1), name
+    assert set(rows) - set(here) == set(found.missing)
+    assert found.missing.keys() <= ABSENT[group]
+
+
+ABSENT = {
+    THESIS_WORKCELL: set(),
+    NOMINAL: {"model_fitted"},
+    DRAWS: {"model_fitted", "ilc_motor", "ilc_tcp"},
+}
+"""A model of the workcell is no model of another machine; practising takes hours on twenty robots."""
+
+
+def test_the_standings_on_the_workcell_in_the_docs_are_those_of_these_results(rows):
+    text = format_standings(standings(list(rows.values()), THESIS_WORKCELL, "held_out"))
+    assert f"```\n{text}\n```" in (DOCS / "README.md").read_text(encoding="utf-8")
+
+
+def test_the_page_shows_these_results(rows):
+    text = (DOCS / "index.html").read_text(encoding="utf-8")
+    data = re.search(r'<script type="application/json"[^>]*>(.*?)</script>', text, re.DOTALL)
+    shown = json.loads(data[1])
+    tables = {table.key: table.plain() for table in map(table_of, all_standings(list(rows.values())))}
+    assert shown == json.loads(json.dumps(tables))
