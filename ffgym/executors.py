@@ -5,9 +5,10 @@ import os
 import signal
 import socket
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import wait as wait_for
 from typing import Any, Literal, TypeVar
@@ -20,6 +21,8 @@ Result = TypeVar("Result")
 EXECUTORS = ("local", "ray")
 _KNOCK = 5.0
 """How long the head of a cluster may take to answer [s]; chosen."""
+_LOOKS_EVERY = 0.2
+"""How long an interruption may wait [s]; chosen."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,7 +70,7 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
     try:
         open_ones = {pool.submit(function, argument): i for i, argument in enumerate(arguments)}
         while open_ones:
-            done, _ = wait(open_ones, return_when=FIRST_COMPLETED)
+            done = _completed(open_ones)
             for future in sorted(done, key=open_ones.__getitem__):
                 yield open_ones.pop(future), future.result()
     except BrokenProcessPool as error:
@@ -80,6 +83,35 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:  # what they still work on, nobody waits for
             worker.terminate()
+
+
+def _completed(futures: Iterable[Future[Any]]) -> set[Future[Any]]:
+    """Those that are done, one at least.
+
+    An interruption is raised between two looks alone: within one it may leave a lock of the pool taken, and the program
+    waits for that for ever when it ends.
+    """
+    with _interruption_noted() as noted:
+        done: set[Future[Any]] = set()
+        while not done and not noted:
+            done = wait(futures, timeout=_LOOKS_EVERY, return_when=FIRST_COMPLETED).done
+    if noted:
+        signal.raise_signal(signal.SIGINT)
+    return done
+
+
+@contextmanager
+def _interruption_noted() -> Iterator[list[int]]:
+    """Yield a list that a SIGINT gets into instead of interrupting; in other threads than the main one none arrives."""
+    noted: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield noted
+        return
+    before = signal.signal(signal.SIGINT, lambda number, frame: noted.append(number))
+    try:
+        yield noted
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _begin_worker() -> None:
