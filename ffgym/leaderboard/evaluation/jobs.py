@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby, pairwise
+from itertools import groupby
 
 import numpy as np
 
@@ -17,8 +17,8 @@ from ffgym.recordings import Recording
 from ffgym.simulation import Run
 
 TOGETHER = 8
-"""Agents of one job on one plant. More side by side cost less each, as a workcell's effects are computed for all at
-once; chosen so that a dozen agents keep two cores busy."""
+"""About how many agents one job has on one plant. More side by side cost less each, as a workcell's effects are computed
+for all at once; chosen so that a dozen agents keep two cores busy."""
 
 Wanted = tuple[str, int, str]
 """Name of an agent, its seed, name of a plant."""
@@ -45,10 +45,10 @@ def jobs_for(registry: str, wanted: Sequence[Wanted], splits: Sequence[str], thr
     for plant, group in groupby(order, key=lambda each: each[2]):
         agents = [(name, seed) for name, seed, _ in group]
         n_jobs = -(-len(agents) // TOGETHER)
-        cuts = [len(agents) * i // n_jobs for i in range(n_jobs + 1)]  # seeds of a row stay together
-        jobs += [
-            Job(registry, plant, tuple(agents[first:last]), tuple(splits), threads) for first, last in pairwise(cuts)
-        ]
+        parts: list[list[tuple[str, int]]] = [[] for _ in range(n_jobs)]
+        for _, row in groupby(agents, key=lambda agent: agent[0]):  # seeds of a row stay together
+            min(parts, key=len).extend(row)
+        jobs += [Job(registry, plant, tuple(part), tuple(splits), threads) for part in parts if part]
     return jobs
 
 
