@@ -17,8 +17,8 @@ from ffgym.recordings import Recording
 from ffgym.simulation import Run
 
 TOGETHER = 8
-"""About how many agents one job has on one plant. More side by side cost less each, as a workcell's effects are computed
-for all at once; chosen so that a dozen agents keep two cores busy."""
+"""About how many agents one job has on one plant. More side by side cost less each, as the effects of a workcell are
+computed for all at once; chosen so that a dozen agents keep two cores busy."""
 
 Wanted = tuple[str, int, str]
 """Name of an agent, its seed, name of a plant."""
