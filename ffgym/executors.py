@@ -68,7 +68,8 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
     context = multiprocessing.get_context("spawn")  # what the engine's threads hold is not copied
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_worker)
     try:
-        open_ones = {pool.submit(function, argument): i for i, argument in enumerate(arguments)}
+        with _interruption_held_back():
+            open_ones = {pool.submit(function, argument): i for i, argument in enumerate(arguments)}
         while open_ones:
             done = _completed(open_ones)
             for future in sorted(done, key=open_ones.__getitem__):
@@ -86,32 +87,34 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
 
 
 def _completed(futures: Iterable[Future[Any]]) -> set[Future[Any]]:
-    """Those that are done, one at least.
-
-    An interruption is raised between two looks alone: within one it may leave a lock of the pool taken, and the program
-    waits for that for ever when it ends.
-    """
-    with _interruption_noted() as noted:
-        done: set[Future[Any]] = set()
+    """Those that are done; none if an interruption came that nobody raised."""
+    done: set[Future[Any]] = set()
+    with _interruption_held_back() as noted:
         while not done and not noted:
             done = wait(futures, timeout=_LOOKS_EVERY, return_when=FIRST_COMPLETED).done
-    if noted:
-        signal.raise_signal(signal.SIGINT)
     return done
 
 
 @contextmanager
-def _interruption_noted() -> Iterator[list[int]]:
-    """Yield a list that a SIGINT gets into instead of interrupting; in other threads than the main one none arrives."""
+def _interruption_held_back() -> Iterator[list[int]]:
+    """Yield a list that a SIGINT gets into; it is raised behind the block.
+
+    Raised in the middle of the pool's own code it may leave a lock taken, for which the program waits for ever when it
+    ends. Nothing is done in other threads than the main one, where none arrives, nor where a host of Python has a
+    handler of its own.
+    """
     noted: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
+    before = signal.getsignal(signal.SIGINT)
+    if before is None or threading.current_thread() is not threading.main_thread():
         yield noted
         return
-    before = signal.signal(signal.SIGINT, lambda number, frame: noted.append(number))
+    signal.signal(signal.SIGINT, lambda number, frame: noted.append(number))
     try:
         yield noted
     finally:
         signal.signal(signal.SIGINT, before)
+    if noted:
+        signal.raise_signal(signal.SIGINT)
 
 
 def _begin_worker() -> None:

@@ -8,6 +8,7 @@ from functools import partial
 
 import pytest
 
+from ffgym import executors
 from ffgym.errors import FFGymError, check_whole
 from ffgym.executors import Executor
 from ffgym.provenance import installed
@@ -98,6 +99,22 @@ def test_an_interruption_ends_the_processes_without_a_word_of_theirs(tmp_path):
     assert printed == "interrupted\n"
     assert complaints == ""
     assert waited(lambda: not any(is_alive(pid) for pid in workers))
+
+
+def test_an_interruption_is_raised_behind_the_block_that_holds_it_back():
+    told = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: told.append("raised"))
+    try:
+        with executors._interruption_held_back() as noted:
+            signal.raise_signal(signal.SIGINT)
+            told.append("in the block")
+        assert (told, noted) == (["in the block", "raised"], [signal.SIGINT])
+        with pytest.raises(ValueError, match="mine"), executors._interruption_held_back():
+            raise ValueError("mine")
+        signal.raise_signal(signal.SIGINT)
+        assert told[2:] == ["raised"]  # the handler is back after an error too
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_workers_leave_an_interruption_to_who_hands_out_the_work():

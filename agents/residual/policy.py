@@ -81,8 +81,10 @@ class ResidualPolicy:
         """
         return self._acting(self.actor, robot, layout)
 
-    def together(self, others: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout) -> Agent | None:
-        """See `ffgym.control.Sociable`: for policies that differ in nothing but weights and origin."""
+    def batched_with(
+        self, others: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout
+    ) -> Agent | None:
+        """See `ffgym.control.Batchable`: for policies that differ in nothing but weights and origin."""
         every = [self, *(other for other in others if isinstance(other, ResidualPolicy))]
         alike = all(getattr(each, name) == getattr(self, name) for each in every for name in _SETTINGS)
         actors = tuple(each.actor for each in every)

@@ -10,8 +10,8 @@ from ffgym.control.lugre_laws import DynamicLuGreExact as DynamicLuGreExact
 from ffgym.control.lugre_laws import StaticLuGre as StaticLuGre
 from ffgym.control.observation import ObservationLayout as ObservationLayout
 from ffgym.control.policy import Agent as Agent
+from ffgym.control.policy import Batchable as Batchable
 from ffgym.control.policy import Policy as Policy
-from ffgym.control.policy import Sociable as Sociable
 from ffgym.control.reference import Reference as Reference
 from ffgym.control.reference import cartesian_reference as cartesian_reference
 from ffgym.control.reference import joint_reference as joint_reference

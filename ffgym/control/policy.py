@@ -44,10 +44,12 @@ class Policy(Protocol):
 
 
 @runtime_checkable
-class Sociable(Protocol):
+class Batchable(Protocol):
     """A policy that can decide for others of its kind in one go, which takes less time than one after the other."""
 
-    def together(self, others: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout) -> Agent | None:
+    def batched_with(
+        self, others: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout
+    ) -> Agent | None:
         """Return one agent for this policy and others, None if they have too little in common.
 
         Each decides on an equal share of the rows, this policy on the first, with the same bits as alone.

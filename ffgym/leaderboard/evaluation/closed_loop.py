@@ -10,7 +10,7 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import Agent, ObservationLayout, Policy, Sociable
+from ffgym.control import Agent, Batchable, ObservationLayout, Policy
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.core import TrackingCore
 from ffgym.leaderboard.plants import TestPlant
@@ -83,8 +83,8 @@ def fly(
 def _deciding(policies: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout) -> list[Agent]:
     """Agents that decide on equal shares of the rows: one for all policies if they can, one for each otherwise."""
     first, *others = policies
-    if others and isinstance(first, Sociable):
-        agent = first.together(others, robot, layout)
+    if others and isinstance(first, Batchable):
+        agent = first.batched_with(others, robot, layout)
         if agent is not None:
             return [agent]
     return [policy.agent(robot, layout) for policy in policies]

@@ -5,7 +5,7 @@ import pytest
 
 from agents.common.law_policy import LawPolicy
 from agents.residual.crew import ActorCrew
-from ffgym.control import NoCompensation, ObservationLayout, Sociable
+from ffgym.control import Batchable, NoCompensation, ObservationLayout
 from ffgym.errors import FFGymError
 from ffgym.leaderboard.evaluation.closed_loop import fly
 from ffgym.leaderboard.evaluation.scoring import cells_of
@@ -61,9 +61,9 @@ def test_policies_fly_together_as_each_does_alone():
 
 def test_a_crew_is_made_once_for_all(irb4600, layout, monkeypatch):
     first = policy_of()
-    assert isinstance(first, Sociable)
+    assert isinstance(first, Batchable)
     monkeypatch.setattr("agents.residual.policy.base_law", counted := Counted())
-    agent = first.together([policy_of(seed=6), policy_of(seed=7)], irb4600, layout)
+    agent = first.batched_with([policy_of(seed=6), policy_of(seed=7)], irb4600, layout)
     assert len(agent.actor.actors) == 3
     assert counted.calls == 1
 
@@ -89,4 +89,4 @@ class Counted:
     ],
 )
 def test_policies_that_differ_in_more_than_weights_decide_alone(other, irb4600, layout):
-    assert policy_of().together([policy_of(seed=6), other], irb4600, layout) is None
+    assert policy_of().batched_with([policy_of(seed=6), other], irb4600, layout) is None
