@@ -35,7 +35,7 @@ class Form:
 
 
 WIDE = Form(width=980, left=290, right=30, row=24, legend=110)
-PHONE = Form(width=350, left=12, right=14, row=38, legend=66)
+PHONE = Form(width=350, left=12, right=14, row=38, legend=60)
 
 
 def overview(standings: Standings, form: Form) -> str:
