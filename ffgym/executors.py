@@ -5,10 +5,9 @@ import os
 import signal
 import socket
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import wait as wait_for
 from typing import Any, Literal, TypeVar
@@ -21,8 +20,6 @@ Result = TypeVar("Result")
 EXECUTORS = ("local", "ray")
 _KNOCK = 5.0
 """How long the head of a cluster may take to answer [s]; chosen."""
-_LOOKS_EVERY = 0.2
-"""How long an interruption may wait [s]; chosen."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,10 +65,9 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
     context = multiprocessing.get_context("spawn")  # what the engine's threads hold is not copied
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_worker)
     try:
-        with _interruption_held_back():
-            open_ones = {pool.submit(function, argument): i for i, argument in enumerate(arguments)}
+        open_ones = {pool.submit(function, argument): i for i, argument in enumerate(arguments)}
         while open_ones:
-            done = _completed(open_ones)
+            done, _ = wait(open_ones, return_when=FIRST_COMPLETED)
             for future in sorted(done, key=open_ones.__getitem__):
                 yield open_ones.pop(future), future.result()
     except BrokenProcessPool as error:
@@ -84,37 +80,6 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:  # what they still work on, nobody waits for
             worker.terminate()
-
-
-def _completed(futures: Iterable[Future[Any]]) -> set[Future[Any]]:
-    """Those that are done; none if an interruption came that nobody raised."""
-    done: set[Future[Any]] = set()
-    with _interruption_held_back() as noted:
-        while not done and not noted:
-            done = wait(futures, timeout=_LOOKS_EVERY, return_when=FIRST_COMPLETED).done
-    return done
-
-
-@contextmanager
-def _interruption_held_back() -> Iterator[list[int]]:
-    """Yield a list that a SIGINT gets into; it is raised behind the block.
-
-    Raised in the middle of the pool's own code it may leave a lock taken, for which the program waits for ever when it
-    ends. Nothing is done in other threads than the main one, where none arrives, nor where a host of Python has a
-    handler of its own.
-    """
-    noted: list[int] = []
-    before = signal.getsignal(signal.SIGINT)
-    if before is None or threading.current_thread() is not threading.main_thread():
-        yield noted
-        return
-    signal.signal(signal.SIGINT, lambda number, frame: noted.append(number))
-    try:
-        yield noted
-    finally:
-        signal.signal(signal.SIGINT, before)
-    if noted:
-        signal.raise_signal(signal.SIGINT)
 
 
 def _begin_worker() -> None:

@@ -1,7 +1,12 @@
 """Processes of tests that outlive what they should, or not."""
 
+import signal
 import time
+from functools import partial
 from pathlib import Path
+
+INTERRUPTIBLE = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+"""What a process does first (preexec_fn) so that SIGINT reaches it: jobs in the background of a shell ignore it."""
 
 
 def is_alive(pid):

@@ -8,11 +8,10 @@ from functools import partial
 
 import pytest
 
-from ffgym import executors
 from ffgym.errors import FFGymError, check_whole
 from ffgym.executors import Executor
 from ffgym.provenance import installed
-from tests.processes import is_alive, waited
+from tests.processes import INTERRUPTIBLE, is_alive, waited
 
 
 def square(x):
@@ -90,7 +89,12 @@ def test_an_interruption_ends_the_processes_without_a_word_of_theirs(tmp_path):
     )
     command = [sys.executable, str(program), str(tmp_path)]
     process = subprocess.Popen(
-        command, start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command,
+        start_new_session=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=INTERRUPTIBLE,
     )
     workers = waited(lambda: pids(tmp_path) if len(pids(tmp_path)) == 3 else None)
     time.sleep(1.5)  # one of them has nothing to do then
@@ -99,22 +103,6 @@ def test_an_interruption_ends_the_processes_without_a_word_of_theirs(tmp_path):
     assert printed == "interrupted\n"
     assert complaints == ""
     assert waited(lambda: not any(is_alive(pid) for pid in workers))
-
-
-def test_an_interruption_is_raised_behind_the_block_that_holds_it_back():
-    told = []
-    before = signal.signal(signal.SIGINT, lambda number, frame: told.append("raised"))
-    try:
-        with executors._interruption_held_back() as noted:
-            signal.raise_signal(signal.SIGINT)
-            told.append("in the block")
-        assert (told, noted) == (["in the block", "raised"], [signal.SIGINT])
-        with pytest.raises(ValueError, match="mine"), executors._interruption_held_back():
-            raise ValueError("mine")
-        signal.raise_signal(signal.SIGINT)
-        assert told[2:] == ["raised"]  # the handler is back after an error too
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def test_workers_leave_an_interruption_to_who_hands_out_the_work():

@@ -6,6 +6,8 @@ import sys
 import time
 from pathlib import Path
 
+from tests.processes import INTERRUPTIBLE
+
 COMMAND = [sys.executable, "-m", "ffgym"]
 
 
@@ -41,7 +43,7 @@ def test_ctrl_c_in_the_middle_is_one_line_and_leaves_no_half_file(tmp_path):
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # background jobs of a shell ignore it
+        preexec_fn=INTERRUPTIBLE,
     )
     wait_until_it_simulates(process.pid)
     process.send_signal(signal.SIGINT)
