@@ -58,7 +58,7 @@ def test_some_can_be_changed_by_name_and_value():
         ("ppo", "activation=sine", "Unknown activation 'sine'"),
         ("ppo", "segment_steps=100", "segment_steps = 100 of ppo must be a multiple of 4096"),
         ("ppo", "batch_size=500", "batch_size = 500 of ppo must divide n_steps . n_envs = 4096"),
-        ("tqc", "top_quantiles_to_drop=25", "must be less than n_quantiles = 25"),
+        ("tqc", "top_quantiles_to_drop=10", "must be less than n_quantiles = 10"),
     ],
 )
 def test_what_is_no_hyperparameter_is_one_clear_error(algorithm, change, message):
