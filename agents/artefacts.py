@@ -80,7 +80,7 @@ def manifest_of(name: str, folder: Path = TRAINED) -> Manifest | None:
         artefacts = tuple(Artefact(**entry) for entry in tree.pop("artefacts"))
         curve = tuple((float(x), float(y)) for x, y in tree.pop("learning_curve"))
         return Manifest(artefacts=artefacts, learning_curve=curve, **tree)
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise FFGymError(f"{place}: is no manifest of trained agents: {error}. Install ffgym again.") from error
 
 

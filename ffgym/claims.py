@@ -23,9 +23,11 @@ def claimed(folder: str | os.PathLike[str]) -> Iterator[Path]:
     Windows and some network drives have none; there the folder is merely yielded.
 
     Raises:
-        FFGymError: if another process holds the folder.
+        FFGymError: if another process holds the folder, or it cannot be read or written.
     """
     place = Path(folder)
+    if not os.access(place, os.W_OK):
+        raise FFGymError(f"{place}: is not writable; choose another folder, or allow writing.")
     held = _lock(place)
     try:
         if held is not None:
@@ -49,7 +51,10 @@ def _lock(folder: Path) -> int | None:
     """Descriptor that holds the lock; None where there are no such locks."""
     if fcntl is None:
         return None
-    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        descriptor = os.open(folder, os.O_RDONLY)
+    except OSError as error:
+        raise FFGymError(f"{folder}: cannot be read: {error.strerror}; choose another folder, or allow it.") from error
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:

@@ -148,9 +148,10 @@ def made_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         FFGymError: if it cannot be made.
     """
     target = Path(path)
-    missing = [folder for folder in (target, *target.parents) if not folder.exists()]
+    missing: list[Path] = []
     try:
         try:
+            missing = [folder for folder in (target, *target.parents) if not folder.exists()]
             target.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FFGymError(f"{path}: cannot be made a folder: {error.strerror}; choose another place.") from error

@@ -1,7 +1,7 @@
 """Learning laws of the leaderboard, trained with several seeds on the nominal robot and on the workcell.
 
-`python -m scripts.train_laws` makes all artefacts of `agents/trained` that trials on a machine make, in about ten
-minutes; `--agents narx --plants nominal` some of them.
+`python -m scripts.train_laws` makes all artefacts of `agents/trained` that trials on a machine make, in about half
+an hour; `--agents narx --plants nominal` some of them.
 """
 
 from collections.abc import Callable

@@ -37,7 +37,8 @@ def main(config: Config) -> None:
     acts = LawPolicy(make=lambda robot: law, preview=law.preview)
     starter = Starter(name="oracle", seed=0, ready=Ready(law=law, timed=acts))
     board = Board(registry=REGISTRY, folder=config.out)
-    board.keep(outcomes_of(plant, [starter], plant.tasks(config.splits)))
+    with board.held():
+        board.keep(outcomes_of(plant, [starter], plant.tasks(config.splits)))
 
 
 if __name__ == "__main__":

@@ -66,6 +66,21 @@ def test_what_was_half_written_goes_and_nothing_else(tmp_path):
         assert set(tmp_path.iterdir()) == set(kept)
 
 
+@pytest.mark.parametrize(
+    ("right", "words"), [("W_OK", "is not writable"), ("R_OK", "cannot be read: Permission denied")]
+)
+def test_a_folder_without_rights_is_refused(tmp_path, monkeypatch, right, words):
+    def refused(*_):
+        raise PermissionError(13, "Permission denied")
+
+    if right == "W_OK":
+        monkeypatch.setattr("ffgym.claims.os.access", lambda place, mode: mode != os.W_OK)
+    else:
+        monkeypatch.setattr("ffgym.claims.os.open", refused)
+    with pytest.raises(FFGymError, match=words), claimed(tmp_path):
+        pass
+
+
 def test_a_drive_without_locks_is_used_as_it_is(tmp_path, monkeypatch):
     def refused(*_):
         raise OSError(95, "Operation not supported")

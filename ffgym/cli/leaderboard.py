@@ -16,10 +16,8 @@ from ffgym.errors import FFGymError, check_choice, check_whole
 from ffgym.executors import Executor
 from ffgym.files import write_json, write_text
 from ffgym.leaderboard.board import Board
-from ffgym.leaderboard.comparison.samples import DRAWS
-from ffgym.leaderboard.comparison.samples import GROUPS as GROUPS_OF_PLANTS
 from ffgym.leaderboard.entrants import Entrant
-from ffgym.leaderboard.plants import DRAW, NOMINAL, ROBOT, THESIS_WORKCELL, draw_name, plant_named
+from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, draw_name, plant_named
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import SPLITS, THESIS
 from ffgym.robot import load_robot
@@ -63,6 +61,8 @@ class Leaderboard:
         entrants, plants, splits = self._entrants(), self._plants(), self._splits()
         check_whole("--seeds", self.seeds, low=1, high=1000)
         check_outputs({"--json": self.json, "--page": self.page})
+        if self.json is not None and self.out is not None and self.json.resolve().parent == self.out.resolve():
+            raise FFGymError(f"--json {self.json}: lies among the result files of --out; choose another folder.")
         if self.page is not None:
             need_extra("The page of the leaderboard", "jinja2", "matplotlib")
         executor = Executor(kind=self.executor, jobs=self.jobs, address=self.address)
@@ -71,8 +71,10 @@ class Leaderboard:
         with progress_bar("leaderboard", "s of motion") as progress:
             simulated = board.run(entrants, plants, splits, self.seeds, executor, progress)
         took = time.perf_counter() - began
-        rows = [board.rows[name] for name in ENTRANTS if name in board.rows]
+        rows, left_out = board.current()
         self._tell(rows, plants, splits)
+        for words in left_out:
+            print(f"not shown: {words}")
         bare = self._bare(simulated) if simulated else 0.0
         if simulated:
             print(
@@ -109,15 +111,15 @@ class Leaderboard:
         return [split for split in SPLITS if split in self.splits or "all" in self.splits]
 
     def _tell(self, rows: Sequence[Row], plants: Sequence[str], splits: Sequence[str]) -> None:
-        """Print the standings of every group of plants that was run, on the circles that were."""
-        from ffgym.leaderboard.comparison.samples import SELECTIONS
+        """Print the standings of every group of plants that was run, on the largest selections of circles that were."""
+        from ffgym.leaderboard.comparison.samples import SELECTIONS, group_of
         from ffgym.leaderboard.comparison.standings import standings
         from ffgym.leaderboard.presentation.text import format_standings
 
-        groups = dict.fromkeys(DRAWS if plant.startswith(DRAW) else plant for plant in plants)
-        selection = next((name for name, own in SELECTIONS.items() if set(own) <= set(splits)), None)
-        for group in groups:
-            if group in GROUPS_OF_PLANTS and selection is not None:
+        run = {name: set(own) for name, own in SELECTIONS.items() if set(own) <= set(splits)}
+        largest = [name for name, own in run.items() if not any(own < other for other in run.values())]
+        for group in dict.fromkeys(map(group_of, plants)):
+            for selection in largest:
                 print(format_standings(standings(rows, group, selection)), end="\n\n")
 
     def _bare(self, simulated: float) -> float:
@@ -129,7 +131,8 @@ class Leaderboard:
 
     def _write(self, rows: Sequence[Row], plants: Sequence[str], times: dict[str, float]) -> None:
         info = provenance("ffgym leaderboard", self, ROBOT, plant_named(plants[0]).fingerprint, None)
-        info["fingerprints"] = {plant: plant_named(plant).fingerprint for plant in plants}
+        every = dict.fromkeys([*plants, *(outcome.plant for row in rows for outcome in row.outcomes)])
+        info["fingerprints"] = {plant: plant_named(plant).fingerprint for plant in every}
         if self.page is not None:
             from ffgym.leaderboard.presentation.page import render_page
             from ffgym.leaderboard.presentation.tool_paths import paths_of

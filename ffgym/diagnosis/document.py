@@ -12,9 +12,9 @@ from typing import Any
 
 from ffgym.diagnosis.residual import UNITS
 from ffgym.diagnosis.result import Diagnosis, Level
-from ffgym.diagnosis.typed import from_json, to_json
 from ffgym.errors import FFGymError
 from ffgym.files import read_text, write_json
+from ffgym.typed_json import from_json, to_json
 
 FORMAT = "ffgym-diagnosis"
 """What the entry `format` says."""

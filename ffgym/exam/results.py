@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ffgym.diagnosis.typed import from_json, to_json
 from ffgym.errors import FFGymError
 from ffgym.exam.case import ROWS
 from ffgym.exam.marks import Mark
 from ffgym.files import read_text, write_text
 from ffgym.provenance import versions
+from ffgym.typed_json import from_json, to_json
 
 FORMAT = "ffgym-exam"
 """What the first line says."""

@@ -13,9 +13,8 @@ from ffgym.leaderboard.entrants import Entrant, entrants_in
 from ffgym.leaderboard.evaluation.jobs import Wanted, evaluated, jobs_for
 from ffgym.leaderboard.evaluation.scoring import lost_cells
 from ffgym.leaderboard.plants import plant_named
-from ffgym.leaderboard.results import Outcome, Row, decode_row, encode_row, read_row
-from ffgym.leaderboard.tasks import references_of
-from ffgym.provenance import versions
+from ffgym.leaderboard.results import DIGITS, Outcome, Row, decode_row, encode_row, read_row
+from ffgym.leaderboard.tasks import SPLITS, references_of
 from ffgym.simulation.simulate import Progress
 
 
@@ -34,7 +33,11 @@ class Board:
         Raises:
             FFGymError: if it is no folder, or a file in it cannot be read.
         """
-        if self.folder is not None and self.folder.exists() and not self.folder.is_dir():
+        try:
+            is_other = self.folder is not None and self.folder.exists() and not self.folder.is_dir()
+        except OSError as error:
+            raise FFGymError(f"{self.folder}: cannot be read: {error.strerror}; choose another folder.") from error
+        if is_other:
             raise FFGymError(f"{self.folder}: is a file, must be a folder of result files; choose another name.")
         self._read()
 
@@ -46,7 +49,7 @@ class Board:
             self.rows[row.name] = row
 
     @contextmanager
-    def _claimed(self) -> Iterator[None]:
+    def held(self) -> Iterator[None]:
         """Nobody else fills the folder meanwhile; what others wrote before is known."""
         if self.folder is None:
             yield
@@ -78,7 +81,7 @@ class Board:
             FFGymError: if an agent or a plant cannot be run, a result cannot be written, or another process fills the
                 folder. What was complete is kept.
         """
-        with self._claimed():
+        with self.held():
             missing = list(self._missing(entrants, plants, splits, n_seeds))
             jobs = jobs_for(self.registry, missing, splits)
             seconds = {plant: simulated_seconds([plant], splits) for plant in dict.fromkeys(plants)}
@@ -99,8 +102,8 @@ class Board:
             keys = {cell.key for task in plant_named(plant).tasks(splits) for cell in lost_cells(task)}
             for entrant in entrants:
                 for seed in entrant.seeds[:n_seeds]:
-                    known, artefact = self._known(entrant.name, seed, plant), entrant.artefact(plant, seed)
-                    same = known is not None and (known.fingerprint, known.artefact) == (fingerprint, artefact)
+                    known = self._known(entrant.name, seed, plant)
+                    same = known is not None and _is_current(known, entrant, fingerprint)
                     if known is None or not same or not keys <= {cell.key for cell in known.cells}:
                         yield entrant.name, seed, plant
 
@@ -114,13 +117,40 @@ class Board:
         for name in dict.fromkeys(name for name, _ in outcomes):
             head = every[name].row()
             before = self.rows[name].outcomes if name in self.rows else ()
-            new = [_joined(self._known(name, *o.key), o) for own, o in outcomes if own == name]
-            row = replace(head, outcomes=before, provenance=versions()).with_outcomes(new)
-            text = encode_row(replace(row, outcomes=tuple(sorted(row.outcomes, key=_order))))
-            self.rows[name] = decode_row(text, name)  # with the digits of a file: the same as when it is read
+            made = replace(head, outcomes=tuple(outcome for own, outcome in outcomes if own == name))
+            new = decode_row(encode_row(made), name).outcomes  # with the digits of a file
+            joined = [_joined(self._known(name, *o.key), o, every[name]) for o in new]
+            row = replace(head, outcomes=before).with_outcomes(joined)
+            self.rows[name] = replace(row, outcomes=tuple(sorted(row.outcomes, key=_order)))
             if self.folder is not None:
                 with made_folder(self.folder):
-                    write_text(self.folder / f"{name}.json", text)
+                    write_text(self.folder / f"{name}.json", encode_row(self.rows[name]))
+
+    def current(self) -> tuple[list[Row], list[str]]:
+        """Rows that can be compared, in the order of entrants, and what else there is, in words.
+
+        Left out are outcomes of other physics or another artefact than those of this version, and rows of agents that
+        are no entrants.
+        """
+        every = entrants_in(self.registry)
+        told = [f"{name} is no agent of this leaderboard" for name in self.rows if name not in every]
+        rows = []
+        for name, entrant in every.items():
+            if name not in self.rows:
+                continue
+            row = self.rows[name]
+            kept = tuple(o for o in row.outcomes if _is_current(o, entrant, plant_named(o.plant).fingerprint))
+            if len(kept) < len(row.outcomes):
+                old = len(row.outcomes) - len(kept)
+                told.append(f"{name} has {old} of {len(row.outcomes)} outcomes of other physics or artefacts")
+            rows.append(replace(row, outcomes=kept))
+        return rows, told
+
+
+def _is_current(outcome: Outcome, entrant: Entrant, fingerprint: str) -> bool:
+    """Whether an outcome is of these physics, and of the agent as it is."""
+    wanted = fingerprint, entrant.artefact(outcome.plant, outcome.seed)
+    return (outcome.fingerprint, outcome.artefact) == wanted
 
 
 def _order(outcome: Outcome) -> tuple[bool, str, int, int]:
@@ -129,13 +159,27 @@ def _order(outcome: Outcome) -> tuple[bool, str, int, int]:
     return draw is not None, "" if draw is not None else outcome.plant, -1 if draw is None else draw, outcome.seed
 
 
-def _joined(old: Outcome | None, new: Outcome) -> Outcome:
-    """The new outcome, with cells and trails of the old one that it lacks, if that is of the same agent and physics."""
+def _joined(old: Outcome | None, new: Outcome, entrant: Entrant) -> Outcome:
+    """The new outcome, with cells and trails of the old one that it lacks, if that is of the same agent and physics.
+
+    An agent that practises on every task moved the machine for those too, as long as they last.
+    """
     if old is None or (old.fingerprint, old.artefact) != (new.fingerprint, new.artefact):
         return new
     cells = {cell.key: cell for cell in (*old.cells, *new.cells)}
     trails = {(trail.position, trail.radius_mm, trail.speed_mm_s): trail for trail in (*old.trails, *new.trails)}
-    return replace(new, cells=tuple(cells.values()), trails=tuple(trails.values()))
+    seconds = new.robot_seconds
+    if entrant.slow:
+        before, now = ({cell.split for cell in each.cells} for each in (old, new))
+        share = simulated_seconds([new.plant], list(before - now)) / simulated_seconds([new.plant], list(before))
+        seconds += share * old.robot_seconds
+    return replace(
+        new,
+        versions="; ".join(dict.fromkeys([*old.versions.split("; "), new.versions])),
+        cells=tuple(sorted(cells.values(), key=lambda cell: SPLITS.index(cell.split))),  # within each as it was run
+        trails=tuple(sorted(trails.values(), key=lambda trail: (trail.position, trail.radius_mm, trail.speed_mm_s))),
+        robot_seconds=float(f"{seconds:.{DIGITS}g}"),
+    )
 
 
 def simulated_seconds(plants: Sequence[str], splits: Sequence[str]) -> float:

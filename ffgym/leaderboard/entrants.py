@@ -76,7 +76,7 @@ class Entrant:
             about=self.about,
             page=self.page,
             base=self.base,
-            learned=len(self.seeds) > 1,
+            seeded=len(self.seeds) > 1,
             command=self.command,
             ranked=self.ranked,
             outcomes=(),

@@ -1,5 +1,6 @@
 """Machines that every agent is scored on: the nominal robot, a workcell, and robots drawn by number."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -23,6 +24,7 @@ THESIS_WORKCELL = WORKCELL + "thesis"
 """Workcell of the leaderboard."""
 DRAW = "draw:"
 """What names of drawn plants begin with."""
+_DRAW_NAME = re.compile(rf"{DRAW}(0|[1-9]\d{{0,8}})")
 _DRAWS = 20261122
 """Begins the seeds of drawn plants, so that none is a plant that a training met: those draw from seeds of their own."""
 
@@ -60,6 +62,12 @@ def draw_name(number: int) -> str:
     return f"{DRAW}{number}"
 
 
+def draw_number(name: str) -> int | None:
+    """Number of a drawn plant by its name; None if it is none. Every plant has one name."""
+    found = _DRAW_NAME.fullmatch(name)
+    return None if found is None else int(found[1])
+
+
 def drawn_robot(number: int) -> RobotDescription:
     """Robot of a drawn plant: friction, stiffness, masses and payload differ from the nominal ones."""
     rng = np.random.default_rng([_DRAWS, number])
@@ -79,12 +87,12 @@ def plant_named(name: str) -> TestPlant:
     if name == NOMINAL:
         rig = SimulatedRig(arm=arm, name=name)
         return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments=_seen(), truth=arm.robot)
-    kind, _, number = name.partition(":")
-    if kind + ":" != DRAW or not number.isdecimal():
+    number = draw_number(name)
+    if number is None:
         raise FFGymError(
             f"Unknown plant {name!r}. Available: {NOMINAL}, {WORKCELL}<name or seed>, {DRAW}<number>, e.g. {DRAW}0."
         )
-    truth = drawn_robot(int(number))
+    truth = drawn_robot(number)
     rig = SimulatedRig(arm=arm, machine=Machine.of(truth), name=name)
     arguments = _seen() | {"plant": truth}
     return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments=arguments, truth=truth)

@@ -1,14 +1,17 @@
 """Results of one row of the leaderboard as a file: every seed on every plant, every circle."""
 
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, fields
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from ffgym.errors import FFGymError, check_choice
-from ffgym.files import write_text
+from ffgym.envs.rigs import is_workcell
+from ffgym.errors import FFGymError, check_choice, check_number
+from ffgym.leaderboard.plants import NOMINAL, draw_number
 from ffgym.leaderboard.tasks import SPLITS
+from ffgym.typed_json import from_json
 
 FORMAT = 1
 """Version of the file format; see docs/leaderboard/results.md."""
@@ -62,6 +65,8 @@ class Outcome:
     """'nominal', 'workcell:<name>' or 'draw:<k>'."""
     fingerprint: str
     """Of the plant's physics."""
+    versions: str
+    """Of everything that can change a number, as 'ffgym 0.1.0, mujoco 4.0.0'; of several runs one after the other."""
     artefact: str | None
     """sha256 of the file that the agent was read from; None if it was made from nothing but the robot's description."""
     robot_seconds: float
@@ -77,8 +82,7 @@ class Outcome:
     @property
     def plant_draw(self) -> int | None:
         """Number of the drawn plant; None for others."""
-        kind, _, number = self.plant.partition(":")
-        return int(number) if kind == "draw" else None
+        return draw_number(self.plant)
 
     @property
     def key(self) -> tuple[int, str]:
@@ -100,15 +104,13 @@ class Row:
     """Its page below docs/agents."""
     base: str | None
     """Name of the row that it is a residual on."""
-    learned: bool
+    seeded: bool
     """Whether a seed changes it."""
     command: str | None
     """What makes its artefacts again."""
     ranked: bool
     """False for rows that are shown only."""
     outcomes: tuple[Outcome, ...]
-    provenance: Mapping[str, Any] = field(default_factory=dict)
-    """Versions and date."""
     learning_curve: tuple[tuple[float, float], ...] = ()
     """Steps of training, mean reward per step over seeds; empty for what is not trained with steps."""
 
@@ -117,11 +119,6 @@ class Row:
         merged = {outcome.key: outcome for outcome in (*self.outcomes, *new)}
         values = {f.name: getattr(self, f.name) for f in fields(self)}
         return Row(**values | {"outcomes": tuple(merged.values())})
-
-
-def write_row(path: Path, row: Row) -> None:
-    """Write a row, whole or not at all."""
-    write_text(path, encode_row(row))
 
 
 def encode_row(row: Row) -> str:
@@ -139,7 +136,7 @@ def encode_row(row: Row) -> str:
 
 
 def read_row(path: Path) -> Row:
-    """Read a row that `write_row` wrote.
+    """Read a row's file.
 
     Raises:
         FFGymError: if the file cannot be read, is damaged, or of another format.
@@ -160,34 +157,41 @@ def decode_row(text: str, path: str) -> Row:
         FFGymError: if it is damaged, or of another format.
     """
     try:
-        tree = json.loads(text)
+        tree = json.loads(text, parse_constant=_no_number)
     except ValueError as error:
         raise FFGymError(f"{path}: is damaged, no JSON: {error}. {_AGAIN}") from error
     found = tree.get("format") if isinstance(tree, dict) else None
     if found != FORMAT:
         raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
-        return _row(tree)
-    except (KeyError, TypeError, AttributeError, FFGymError) as error:
-        raise FFGymError(f"{path}: is no result of the leaderboard: {error}. {_AGAIN}") from error
+        row: Row = from_json(Row, {key: value for key, value in tree.items() if key != "format"}, "row")
+        _check_once("outcome", [outcome.key for outcome in row.outcomes])
+        for outcome in row.outcomes:
+            _check_plant(outcome.plant)
+            check_number("robot_seconds", outcome.robot_seconds, unit="s", low=0.0)
+            _check_once("circle", [cell.key for cell in outcome.cells])
+            for cell in outcome.cells:
+                check_choice("split", cell.split, SPLITS)
+                check_number("radius_mm", cell.radius_mm, unit="mm", low=0.0)
+                check_number("speed_mm_s", cell.speed_mm_s, unit="mm/s", low=0.0)
+    except FFGymError as error:
+        raise FFGymError(f"{path}: is no result of the leaderboard: {error} {_AGAIN}") from error
+    return row
 
 
-def _row(tree: dict[str, Any]) -> Row:
-    values = {key: value for key, value in tree.items() if key != "format"}
-    curve = tuple((float(x), float(y)) for x, y in values.pop("learning_curve"))
-    outcomes = tuple(_outcome(entry) for entry in values.pop("outcomes"))
-    return Row(**values, learning_curve=curve, outcomes=outcomes)
+def _no_number(word: str) -> float:
+    raise ValueError(f"{word} is no number of JSON")
 
 
-def _outcome(tree: dict[str, Any]) -> Outcome:
-    trails = tuple(Trail(**trail | {"deviation_um": tuple(trail["deviation_um"])}) for trail in tree["trails"])
-    return Outcome(**tree | {"cells": tuple(_cell(cell) for cell in tree["cells"]), "trails": trails})
+def _check_once(what: str, keys: Sequence[object]) -> None:
+    for key, count in Counter(keys).items():
+        if count > 1:
+            raise FFGymError(f"the {what} {key} stands there {count} times.")
 
 
-def _cell(tree: dict[str, Any]) -> Cell:
-    check_choice("split", tree["split"], SPLITS)
-    motor = tree["motor_rms_rad"]
-    return Cell(**tree | {"motor_rms_rad": None if motor is None else tuple(map(float, motor))})
+def _check_plant(name: str) -> None:
+    if name != NOMINAL and not is_workcell(name) and draw_number(name) is None:
+        raise FFGymError(f"plant = {name!r} must be nominal, workcell:<name or seed> or draw:<number>.")
 
 
 def _short(value: Any) -> Any:

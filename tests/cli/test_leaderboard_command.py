@@ -67,6 +67,9 @@ def test_a_second_run_runs_nothing(finished, capsys):
     [
         (["--agents", "best"], "Unknown agent 'best'"),
         (["--plants", "moon"], "Unknown plant 'moon'"),
+        (["--plants", "draw:00"], "Unknown plant 'draw:00'"),
+        (["--plants", "draw:" + "9" * 5000], "Unknown plant 'draw:999"),
+        (["--out", ".", "--json", "none.json"], "lies among the result files of --out"),
         (["--splits", "all-of-it"], "Unknown split 'all-of-it'"),
         (["--seeds", "0"], "--seeds = 0"),
         (["--draws", "-1"], "--draws = -1"),

@@ -5,7 +5,7 @@ import pytest
 from ffgym.leaderboard.presentation.page import render_page
 from tests.leaderboard.synthetic_rows import rows, tracks
 
-PROVENANCE = {"ffgym": "0.0.test", "versions": {"numpy": "9.9"}}
+PROVENANCE = {"ffgym": "0.0.page", "versions": {"numpy": "9.9"}}
 """Of the page."""
 
 

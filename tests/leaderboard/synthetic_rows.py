@@ -100,6 +100,7 @@ def outcome(name: str, seed: int, plant: str) -> Outcome:
     artefact = hashlib.sha256(f"{name} {seed}".encode()).hexdigest() if sort.seconds or sort.steps else None
     return Outcome(
         seed=seed, plant=plant, fingerprint=hashlib.sha256(plant.encode()).hexdigest()[:16], artefact=artefact,
+        versions="ffgym 0.0.test",
         robot_seconds=sort.seconds, env_steps=sort.steps, inference_us=sort.us, cells=tuple(cells),
     )  # fmt: skip
 
@@ -107,7 +108,7 @@ def outcome(name: str, seed: int, plant: str) -> Outcome:
 def row(name: str, plants: list[str], seeds: int = 5) -> Row:
     """One row; agents that a seed changes have several."""
     sort = SORTS[name]
-    learned = sort.spread > 0
+    seeded = sort.spread > 0
     curve = [(float(k), -0.4 * float(np.exp(-k / 4e5)) - 0.12) for k in range(0, sort.steps + 1, 100_000)]
     return Row(
         name=name,
@@ -116,11 +117,10 @@ def row(name: str, plants: list[str], seeds: int = 5) -> Row:
         about=f"Invented for tests: what {sort.title} might leave of the error.",
         page="lugre.md" if name.startswith("lugre") else None,
         base=sort.base,
-        learned=learned,
+        seeded=seeded,
         command=f"ffgym train {name} --seeds {seeds}" if sort.seconds or sort.steps else None,
         ranked=sort.ranked,
-        outcomes=tuple(outcome(name, seed, plant) for seed in range(seeds if learned else 1) for plant in plants),
-        provenance={"ffgym": "0.0.test", "date": "2026-11-22"},
+        outcomes=tuple(outcome(name, seed, plant) for seed in range(seeds if seeded else 1) for plant in plants),
         learning_curve=tuple(curve) if sort.steps else (),
     )
 

@@ -1,3 +1,4 @@
+import json
 import os
 import signal
 import subprocess
@@ -16,7 +17,8 @@ from ffgym.executors import Executor
 from ffgym.leaderboard.board import Board, simulated_seconds
 from ffgym.leaderboard.entrants import Entrant, Ready, one_by_one
 from ffgym.leaderboard.evaluation import jobs
-from ffgym.leaderboard.results import encode_row, read_row, write_row
+from ffgym.leaderboard.results import decode_row, encode_row, read_row
+from ffgym.leaderboard.tasks import references_of
 from ffgym.provenance import installed
 
 HERE = Executor(jobs=1)
@@ -75,7 +77,9 @@ def test_circles_of_another_run_stay(tmp_path):
 def test_results_of_other_physics_or_another_artefact_are_made_again(tmp_path, counted, change):
     run(Board(registry=REGISTRY, folder=tmp_path), ["none"])
     row, first = read_row(tmp_path / "none.json"), timeless(tmp_path / "none.json")
-    write_row(tmp_path / "none.json", replace(row, outcomes=tuple(replace(o, **change) for o in row.outcomes)))
+    (tmp_path / "none.json").write_text(
+        encode_row(replace(row, outcomes=tuple(replace(o, **change) for o in row.outcomes)))
+    )
     run(Board(registry=REGISTRY, folder=tmp_path), ["none"])
     assert len(counted) == 2
     assert timeless(tmp_path / "none.json") == first
@@ -85,10 +89,70 @@ def test_circles_of_other_physics_do_not_stay_beside_new_ones(tmp_path):
     run(Board(registry=REGISTRY, folder=tmp_path), ["none"], splits=["radii"])
     row = read_row(tmp_path / "none.json")
     others = tuple(replace(outcome, fingerprint="0" * 16) for outcome in row.outcomes)
-    write_row(tmp_path / "none.json", replace(row, outcomes=others))
+    (tmp_path / "none.json").write_text(encode_row(replace(row, outcomes=others)))
     run(Board(registry=REGISTRY, folder=tmp_path), ["none"], splits=["speeds"])
     [outcome] = read_row(tmp_path / "none.json").outcomes
     assert {cell.split for cell in outcome.cells} == {"speeds"}
+
+
+def test_what_is_of_another_physics_or_artefact_is_told_and_not_compared(tmp_path):
+    board = Board(registry=REGISTRY, folder=tmp_path)
+    run(board, ["none", "lugre_static", "elastic"])
+    assert [(row.name, len(row.outcomes)) for row in board.current()[0]] == [
+        ("none", 1), ("lugre_static", 1), ("elastic", 1),
+    ]  # fmt: skip
+    for name, change in (("lugre_static", {"fingerprint": "0" * 16}), ("elastic", {"artefact": "0" * 64})):
+        row = board.rows[name]
+        others = tuple(replace(outcome, **change) for outcome in row.outcomes)
+        (tmp_path / f"{name}.json").write_text(encode_row(replace(row, outcomes=others)))
+    mine = replace(board.rows["elastic"], name="mine")
+    (tmp_path / "mine.json").write_text(encode_row(mine))
+    rows, told = Board(registry=REGISTRY, folder=tmp_path).current()
+    assert [(row.name, len(row.outcomes)) for row in rows] == [("none", 1), ("lugre_static", 0), ("elastic", 0)]
+    assert told == [
+        "mine is no agent of this leaderboard",
+        "lugre_static has 1 of 1 outcomes of other physics or artefacts",
+        "elastic has 1 of 1 outcomes of other physics or artefacts",
+    ]
+
+
+def test_the_order_of_runs_is_not_seen_in_the_file(tmp_path):
+    for folder, order in (("one", ["radii", "speeds"]), ("other", ["speeds", "radii"])):
+        for split in order:
+            run(Board(registry=REGISTRY, folder=tmp_path / folder), ["none"], splits=[split])
+    run(Board(registry=REGISTRY, folder=tmp_path / "once"), ["none"], splits=["radii", "speeds"])
+    assert len({timeless(tmp_path / folder / "none.json") for folder in ("one", "other", "once")}) == 1
+
+
+def _practised(plant, seed, tasks):
+    return Ready(law=NoCompensation(), robot_seconds=sum(r.duration for r in references_of(plant.rig.arm, tasks)))
+
+
+PRACTISES = MappingProxyType(
+    {"none": Entrant(name="none", title="-", track="-", about="-", slow=True, ready=one_by_one(_practised))}
+)
+"""Somebody who goes through every task once beforehand."""
+
+
+def test_who_practises_every_task_moved_the_machine_for_all_of_them(tmp_path):
+    for orders in (["radii", "speeds"], ["speeds", "radii"], ["speeds", "radii", "radii"]):
+        board = Board(registry=f"{__name__}:PRACTISES")
+        for split in orders:
+            board.run(list(PRACTISES.values()), ["nominal"], [split], 1, HERE)
+        [outcome] = board.rows["none"].outcomes
+        assert outcome.robot_seconds == pytest.approx(simulated_seconds(["nominal"], ["radii", "speeds"]), rel=1e-5)
+
+
+def test_results_of_other_versions_stay_and_are_told(tmp_path):
+    board = Board(registry=REGISTRY, folder=tmp_path)
+    run(board, ["none"], splits=["radii"])
+    row = board.rows["none"]
+    old = tuple(replace(outcome, versions="ffgym 0.0") for outcome in row.outcomes)
+    (tmp_path / "none.json").write_text(encode_row(replace(row, outcomes=old)))
+    run(Board(registry=REGISTRY, folder=tmp_path), ["none"], splits=["speeds"])
+    [outcome] = read_row(tmp_path / "none.json").outcomes
+    assert outcome.versions == f"ffgym 0.0; {row.outcomes[0].versions}"
+    assert {cell.split for cell in outcome.cells} == {"speeds", "radii"}
 
 
 def test_a_file_holds_what_was_found(tmp_path):
@@ -136,6 +200,57 @@ def test_a_damaged_file_is_told_and_kept(tmp_path, text, reason):
     with pytest.raises(FFGymError, match=reason):
         Board(registry=REGISTRY, folder=tmp_path)
     assert place.read_text() == text
+
+
+def twice(entries):
+    return [*entries, entries[0]]
+
+
+def in_cell(**change):
+    return lambda tree: tree["outcomes"][0]["cells"][0].update(change)
+
+
+def in_outcome(**change):
+    return lambda tree: tree["outcomes"][0].update(change)
+
+
+@pytest.mark.parametrize(
+    ("damage", "reason"),
+    [
+        (lambda tree: tree.update(outcomes=twice(tree["outcomes"])), "the outcome .0, 'nominal'. stands there 2 times"),
+        (lambda tree: tree["outcomes"][0].update(cells=twice(tree["outcomes"][0]["cells"])), "the circle .* 2 times"),
+        (lambda tree: tree.update(learning_curve=[["a", "b"]]), r"row.learning_curve\[0\]\[0\] = 'a' must be a number"),
+        (lambda tree: tree.update(learning_curve=[[1, 2, 3]]), "must be a list of 2"),
+        (lambda tree: tree.update(title=5), "row.title = 5 must be text"),
+        (lambda tree: tree.pop("title"), "row lacks title"),
+        (lambda tree: tree.update(more=1), "has unknown entries more"),
+        (in_cell(rms_mm="0.1"), "rms_mm = '0.1' must be a number"),
+        (in_cell(max_mm=float("nan")), "NaN is no number of JSON"),
+        (in_cell(radius_mm=None), "radius_mm must be finite"),
+        (in_cell(motor_rms_rad=["x"]), "must be a number"),
+        (in_cell(split="moon"), "Unknown split 'moon'"),
+        (in_outcome(plant="draw:x"), "plant = 'draw:x' must be nominal"),
+        (in_outcome(plant="draw:00"), "plant = 'draw:00' must be nominal"),
+        (in_outcome(plant=7), "plant = 7 must be text"),
+        (in_outcome(seed="0"), "seed = '0' must be a whole number"),
+        (in_outcome(robot_seconds=None), "robot_seconds must be finite"),
+        (in_outcome(inference_us="x"), "inference_us = 'x' must be a number"),
+    ],
+)
+def test_what_is_no_result_is_one_clear_error(good, damage, reason):
+    tree = json.loads(good)
+    damage(tree)
+    with pytest.raises(FFGymError, match=reason) as found:
+        decode_row(json.dumps(tree), "none.json")
+    assert str(found.value).startswith("none.json: ")
+
+
+@pytest.fixture(scope="module")
+def good():
+    """Text of a row's file."""
+    board = Board(registry=REGISTRY)
+    run(board, ["none"])
+    return encode_row(board.rows["none"])
 
 
 def test_a_file_of_another_name_is_refused(tmp_path):

@@ -160,6 +160,20 @@ def test_the_first_tab_leads_to_a_visible_link_past_the_headline(page):
     assert page.driver.switch_to.active_element.get_attribute("id") == "standings"
 
 
+@pytest.mark.parametrize("width", WIDTHS)
+def test_what_the_keyboard_reaches_is_not_beneath_the_columns_that_stay(browser, width):
+    page = browser.open(width)
+    script = """
+        const agent = document.querySelector('#board thead .agent').getBoundingClientRect().right;
+        document.querySelector('.wide').scrollLeft = 1e6;
+        return [...document.querySelectorAll('#board thead button')].reverse()
+            .filter(each => !['rank', 'agent'].includes(each.dataset.key))
+            .map(each => { each.focus(); each.scrollIntoView({block: 'nearest', inline: 'nearest'});
+                           return each.getBoundingClientRect().left - agent; });
+    """
+    assert min(page.driver.execute_script(script)) >= 0
+
+
 def test_every_control_has_a_label_and_shows_its_focus(page):
     for control in page.driver.find_elements(By.CSS_SELECTOR, "#controls select, #controls input"):
         assert control.accessible_name

@@ -7,6 +7,9 @@ from ffgym.errors import FFGymError
 from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
+from ffgym.leaderboard.presentation.page import all_standings
+from ffgym.leaderboard.presentation.text import format_standings
+from ffgym.leaderboard.presentation.words import circles_note, residual_sentence
 from ffgym.leaderboard.results import Cell, Outcome, Row
 
 KEYS = [
@@ -34,14 +37,14 @@ def row(name, errors, *, plants=(NOMINAL,), track="causal", base=None, ranked=Tr
     seeds = range(5) if "seed" in errors.__code__.co_varnames[:1] else range(1)
     outcomes = [
         Outcome(
-            seed=seed, plant=plant, fingerprint="f", artefact=None, robot_seconds=seconds, env_steps=0,
+            seed=seed, plant=plant, fingerprint="f", versions="-", artefact=None, robot_seconds=seconds, env_steps=0,
             inference_us=None, cells=tuple(cell(key, errors(seed, plant, key)) for key in KEYS),
         )
         for seed in seeds
         for plant in plants
     ]  # fmt: skip
     return Row(
-        name=name, title=name.title(), track=track, about="", page=None, base=base, learned=len(seeds) > 1,
+        name=name, title=name.title(), track=track, about="", page=None, base=base, seeded=len(seeds) > 1,
         command=None, ranked=ranked, outcomes=tuple(outcomes),
     )  # fmt: skip
 
@@ -220,6 +223,74 @@ def test_a_row_that_lacks_circles_plants_or_seeds_is_left_out_and_the_reason_tol
     assert standings([NONE, fewer], NOMINAL, "train").missing == {}
 
 
+def with_splits(row, *splits, plant=NOMINAL):
+    """The row without other splits on a plant."""
+    outcomes = [
+        replace(one, cells=tuple(each for each in one.cells if each.split in splits)) if one.plant == plant else one
+        for one in row.outcomes
+    ]
+    return replace(row, outcomes=tuple(outcomes))
+
+
+def test_plants_where_zero_action_lacks_circles_are_left_out_and_told():
+    plants = ("draw:0", "draw:1", "draw:2")
+    zero, some = fixed("none", 1.0, plants=plants, ranked=False), fixed("some", 0.5, plants=plants)
+    found = standings([with_splits(zero, "positions", plant="draw:1"), some], DRAWS, "held_out")
+    assert (found.grid.plants, found.grid.left_out) == (("draw:0", "draw:2"), ("draw:1",))
+    assert len(found.grid.cells) == 4
+    assert found.line("some").score.left == pytest.approx(0.5)
+    assert "Without draw:1, where zero action lacks some of these circles." in circles_note(found)
+
+
+def test_a_selection_is_there_only_with_all_of_its_splits():
+    rows = [with_splits(NONE, "train", "positions"), fixed("some", 0.5)]
+    assert [each.selection for each in all_standings(rows)] == ["positions", "thesis", "train"]
+    with pytest.raises(FFGymError, match="was not run on nominal with positions, radii, speeds"):
+        standings(rows, NOMINAL, "held_out")
+
+
+def test_a_residual_is_told_on_the_held_out_circles_that_were_run():
+    rows = [with_splits(NONE, "train", "positions"), fixed("base", 0.5), learned("residual", 0.3, 0.02, base="base")]
+    found = standings(rows, NOMINAL, "thesis").line("residual").against_base
+    assert found.sentence == "better than its base"
+
+
+def test_every_workcell_is_a_group_of_its_own():
+    plants = (NOMINAL, "workcell:3", THESIS_WORKCELL, "draw:0")
+    rows = [fixed("none", 1.0, plants=plants, ranked=False), fixed("some", 0.5, plants=plants)]
+    groups = list(dict.fromkeys(each.group for each in all_standings(rows)))
+    assert groups == [THESIS_WORKCELL, NOMINAL, DRAWS, "workcell:3"]
+    assert "workcell '3'" in format_standings(standings(rows, "workcell:3", "held_out"))
+
+
+def test_a_row_that_met_other_physics_than_zero_action_is_left_out():
+    some = fixed("some", 0.01)
+    other = replace(some, outcomes=(replace(some.outcomes[0], fingerprint="older"),))
+    assert standings([NONE, other], NOMINAL, "train").missing == {
+        "some": "seed 0 on plant nominal met other physics than zero action"
+    }
+
+
+def test_what_one_seed_learned_is_not_told_to_be_better_than_its_base():
+    residual = learned("residual", 0.3, 0.02, base="base")
+    one = replace(residual, outcomes=residual.outcomes[:1])
+    found = standings([NONE, fixed("base", 0.5), one], NOMINAL, "held_out")
+    line = found.line("residual")
+    assert (line.unproven, line.against_base.sentence) == ("one seed", "unknown: one seed")
+    assert line.against_base.difference.ratio < 1
+    assert "0 are better than their base on held-out circles, nominal robot. Unknown of Residual." in residual_sentence(
+        found
+    )
+    assert "so that the place is not proven: residual (one seed)" in circles_note(found)
+    assert found.line("base").unproven is None
+
+
+def test_one_drawn_robot_proves_nothing_of_the_others():
+    plants = ("draw:0",)
+    rows = [fixed("none", 1.0, plants=plants, ranked=False), fixed("some", 0.5, plants=plants)]
+    assert standings(rows, DRAWS, "held_out").line("some").unproven == "one drawn robot"
+
+
 def test_a_missing_plant_of_one_seed_is_told():
     plants = ("draw:0", "draw:1")
     zero = fixed("none", 1.0, plants=plants)
@@ -234,7 +305,7 @@ def test_a_missing_plant_of_one_seed_is_told():
         ([fixed("a", 0.5)], NOMINAL, "train", "zero action's row 'none'"),
         ([NONE, NONE], NOMINAL, "train", "Two rows"),
         ([NONE], DRAWS, "train", "was not run on draws"),
-        ([NONE], "moon", "train", "Unknown group of plants 'moon'"),
+        ([NONE], "moon", "train", "was not run on moon"),
         ([NONE], NOMINAL, "all", "Unknown selection of circles 'all'"),
         ([row("none", lambda _, plant, key: None)], NOMINAL, "train", "stopped with zero action"),
         ([NONE, fixed("a", 0.0)], NOMINAL, "train", "must be > 0"),

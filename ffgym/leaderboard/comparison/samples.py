@@ -16,9 +16,9 @@ from ffgym.types import Array
 DRAWS = "draws"
 """Group of all drawn plants."""
 GROUPS = (THESIS_WORKCELL, NOMINAL, DRAWS)
-"""Plants that standings are made on; the one that counts most first."""
+"""Plants of the leaderboard; the ones that count most first. Every other workcell is a group of its own."""
 SELECTIONS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {"held_out": HELD_OUT, "thesis": THESIS} | {split: (split,) for split in SPLITS}
+    {"held_out": HELD_OUT} | {split: (split,) for split in HELD_OUT} | {"thesis": THESIS, "train": SPLITS[:1]}
 )
 """Splits of circles by the name of their selection; the one that counts most first."""
 
@@ -33,6 +33,10 @@ class Grid:
 
     plants: tuple[str, ...]
     cells: tuple[CellKey, ...]
+    fingerprints: Mapping[str, str]
+    """Of the physics that the zero action met, by plant."""
+    left_out: tuple[str, ...] = ()
+    """Plants of the group where zero action lacks some of the circles."""
 
     @property
     def speeds_mm_s(self) -> tuple[float, ...]:
@@ -60,9 +64,15 @@ class Sample:
     """RMS of each joint, motor side [rad], shape (S, P, C, N); N is 0 if the robot stopped everywhere."""
 
 
-def in_group(plant: str, group: str) -> bool:
-    """Whether a plant belongs to a group of GROUPS."""
-    return plant.startswith(DRAW) if group == DRAWS else plant == group
+def group_of(plant: str) -> str:
+    """Group that standings have a plant in: drawn ones are one group, any other is its own."""
+    return DRAWS if plant.startswith(DRAW) else plant
+
+
+def groups_of(row: Row) -> list[str]:
+    """Groups that a row ran on: those of GROUPS in their order, then others by name."""
+    found = {group_of(outcome.plant) for outcome in row.outcomes}
+    return [*(group for group in GROUPS if group in found), *sorted(found - set(GROUPS))]
 
 
 def outcomes_on(row: Row, grid: Grid) -> list[Outcome]:
@@ -71,17 +81,25 @@ def outcomes_on(row: Row, grid: Grid) -> list[Outcome]:
 
 
 def grid_of(row: Row, group: str, splits: Sequence[str]) -> Grid:
-    """Plants and circles that a row ran on; order of results in the row does not matter.
+    """All circles of some splits that a row ran on, and the plants where it ran on all of them.
+
+    It is empty if the row has nothing of one of the splits. Order of results in the row does not matter.
 
     Raises:
-        FFGymError: if the group or a split is unknown.
+        FFGymError: if a split is unknown.
     """
-    check_choice("group of plants", group, GROUPS)
     for split in splits:
         check_choice("split", split, SPLITS)
-    outcomes = [outcome for outcome in row.outcomes if in_group(outcome.plant, group)]
-    keys = {cell.key for outcome in outcomes for cell in outcome.cells if cell.split in splits}
-    return Grid(plants=tuple(sorted({outcome.plant for outcome in outcomes})), cells=tuple(sorted(keys)))
+    outcomes = [outcome for outcome in row.outcomes if group_of(outcome.plant) == group]
+    every = {cell.key for outcome in outcomes for cell in outcome.cells if cell.split in splits}
+    if {split for split, *_ in every} < set(splits):
+        return Grid(plants=(), cells=(), fingerprints={})
+    part = {each.plant for each in outcomes if not every <= {cell.key for cell in each.cells}}
+    whole = {each.plant: each.fingerprint for each in outcomes if each.plant not in part}
+    cells = tuple(sorted(every)) if whole else ()
+    return Grid(
+        plants=tuple(sorted(whole)), cells=cells, fingerprints=MappingProxyType(whole), left_out=tuple(sorted(part))
+    )
 
 
 def lacking(row: Row, grid: Grid) -> str | None:
@@ -93,6 +111,8 @@ def lacking(row: Row, grid: Grid) -> str | None:
         for plant in grid.plants:
             if (seed, plant) not in outcomes:
                 return f"seed {seed} was not run on plant {plant}"
+            if outcomes[seed, plant].fingerprint != grid.fingerprints[plant]:
+                return f"seed {seed} on plant {plant} met other physics than zero action"
             absent = set(grid.cells) - {cell.key for cell in outcomes[seed, plant].cells}
             if absent:
                 return f"seed {seed} on plant {plant} lacks {len(absent)} of {len(grid.cells)} circles"

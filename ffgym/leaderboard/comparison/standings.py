@@ -5,11 +5,13 @@ from dataclasses import dataclass
 from typing import final
 
 from ffgym.errors import FFGymError, check_choice
-from ffgym.leaderboard.comparison.samples import SELECTIONS, Grid, grid_of, lacking, sample_of
+from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS, Grid, grid_of, group_of, lacking, sample_of
 from ffgym.leaderboard.comparison.scores import Difference, Score, Scored, compared, score_of
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import ORACLE, UNCOMPENSATED
+
+_WORDS = {-1: "better than its base", 1: "worse than its base", 0: "not better: the interval includes zero"}
 
 
 @final
@@ -22,6 +24,11 @@ class AgainstBase:
     """None if there is nothing to compare."""
     sentence: str
     """'better than its base', 'worse than its base', 'not better: the interval includes zero', or why it is unknown."""
+
+    @property
+    def is_better(self) -> bool:
+        """Whether it is shown to be."""
+        return self.sentence == _WORDS[-1]
 
 
 @final
@@ -37,6 +44,8 @@ class Standing:
     """Within its track."""
     against_base: AgainstBase | None
     """None if it is no residual."""
+    unproven: str | None
+    """Why chance was not measured, as 'one seed'; None if it was, or there is none."""
 
 
 @final
@@ -69,7 +78,7 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
 
     Args:
         rows: with different names, among them one named 'none', the zero action.
-        group: of plants, in GROUPS.
+        group: of plants, see `group_of`.
         selection: of circles, in SELECTIONS.
 
     Raises:
@@ -98,6 +107,7 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
             rank=ranks.get(each.row.name),
             track_rank=within.get(each.row.name),
             against_base=against.get(each.row.name),
+            unproven=_unproven(each, grid),
         )
         for each in (*ranked, *others)
     )
@@ -151,24 +161,34 @@ def _order(scored: Scored) -> tuple[float, str]:
     return scored.mean, scored.row.name
 
 
+def _unproven(scored: Scored, grid: Grid) -> str | None:
+    """What varies in general and did not here: nobody knows then what another seed or robot would give."""
+    if scored.row.seeded and len(scored.sample.seeds) == 1:
+        return "one seed"
+    return "one drawn robot" if group_of(grid.plants[0]) == DRAWS and len(grid.plants) == 1 else None
+
+
 def _against_bases(by_name: Mapping[str, Row], group: str) -> dict[str, AgainstBase]:
     residuals = [row for row in by_name.values() if row.base is not None]
-    if not residuals or not grid_of(by_name[UNCOMPENSATED], group, HELD_OUT).cells:
+    run = [split for split in HELD_OUT if grid_of(by_name[UNCOMPENSATED], group, [split]).cells]
+    if not residuals or not run:
         return {row.name: _unknown(row, "zero action has no held-out circles here") for row in residuals}
     needed = {UNCOMPENSATED, *(row.name for row in residuals), *(row.base for row in residuals)}
-    scored = _scored({name: row for name, row in by_name.items() if name in needed}, group, HELD_OUT)[1]
-    return {row.name: _against(row, scored) for row in residuals}
+    grid, scored = _scored({name: row for name, row in by_name.items() if name in needed}, group, run)
+    return {row.name: _against(row, scored, grid) for row in residuals}
 
 
-def _against(row: Row, scored: Mapping[str, Scored]) -> AgainstBase:
+def _against(row: Row, scored: Mapping[str, Scored], grid: Grid) -> AgainstBase:
     base = str(row.base)
     for name in (row.name, base):
         if name not in scored:
             return _unknown(row, f"{name} has not run on all held-out circles here")
     found = compared(scored[row.name], scored[base])
-    words = {-1: "better than its base", 1: "worse than its base", 0: "not better: the interval includes zero"}
+    why = _unproven(scored[row.name], grid)
+    if why is not None:
+        return AgainstBase(base=base, difference=found, sentence=f"unknown: {why}")
     exact = {0: "not better: the same as its base"} if found.interval is None else {}
-    return AgainstBase(base=base, difference=found, sentence=(words | exact)[found.sign])
+    return AgainstBase(base=base, difference=found, sentence=(_WORDS | exact)[found.sign])
 
 
 def _unknown(row: Row, why: str) -> AgainstBase:

@@ -13,6 +13,7 @@ from ffgym.leaderboard.evaluation.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.plants import DRAW, TestPlant, plant_named
 from ffgym.leaderboard.results import Outcome
 from ffgym.leaderboard.tasks import Task, noise_seed, references_of
+from ffgym.provenance import versions
 from ffgym.recordings import Recording
 from ffgym.simulation import Run
 
@@ -111,6 +112,7 @@ def _outcome(
         seed=starter.seed,
         plant=plant.name,
         fingerprint=plant.fingerprint,
+        versions=", ".join(f"{name} {version}" for name, version in versions().items()),
         artefact=ready.artefact,
         robot_seconds=ready.robot_seconds,
         env_steps=ready.env_steps,

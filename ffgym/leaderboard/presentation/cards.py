@@ -1,17 +1,16 @@
 """All that is known of one agent, as its card on the page shows it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import final
 
 from ffgym.leaderboard.comparison.standings import Standing, Standings
 from ffgym.leaderboard.plants import DRAW
 from ffgym.leaderboard.presentation.figures import change, count, digits, duration, share
 from ffgym.leaderboard.presentation.svg import learning_curve
 from ffgym.leaderboard.presentation.tool_paths import Picture, ToolPaths, tool_pictures
-from ffgym.leaderboard.presentation.words import GROUP_TITLES
+from ffgym.leaderboard.presentation.words import group_title
 from ffgym.leaderboard.results import Row
-from ffgym.report.html import provenance_lines
 from ffgym.report.laws import UNCOMPENSATED
 
 
@@ -48,7 +47,8 @@ class Card:
     curve: str
     """SVG; empty if it was not trained with steps."""
     pictures: tuple[Picture, ...]
-    provenance: Mapping[str, Any]
+    versions: tuple[str, ...]
+    """That its results came from."""
 
 
 def cards_of(rows: Sequence[Row], held_out: Sequence[Standings], paths: ToolPaths) -> list[Card]:
@@ -76,13 +76,13 @@ def _card(row: Row, held_out: Sequence[Standings], paths: ToolPaths) -> Card:
         n_drawn=len({outcome.plant for outcome in row.outcomes if outcome.plant.startswith(DRAW)}),
         curve=learning_curve(row.learning_curve),
         pictures=tuple(tool_pictures(paths.get(row.name, {}), paths.get(UNCOMPENSATED, {}))),
-        provenance=provenance_lines(row.provenance),
+        versions=tuple(dict.fromkeys(outcome.versions for outcome in row.outcomes)),
     )
 
 
 def _summary(group: str, line: Standing) -> str:
     place = "not ranked" if line.rank is None else f"rank {line.rank}"
-    return f"{place}, leaves {digits(line.score.left * 100)} % on held-out circles, {GROUP_TITLES[group]}"
+    return f"{place}, leaves {digits(line.score.left * 100)} % on held-out circles, {group_title(group)}"
 
 
 def _effort(line: Standing) -> str:
@@ -97,7 +97,7 @@ def _on(group: str, line: Standing) -> OnPlants:
     left = share(line.score.left, line.score.left_interval)
     against = line.against_base
     return OnPlants(
-        group=GROUP_TITLES[group],
+        group=group_title(group),
         rank="–" if line.rank is None else str(line.rank),
         left=f"{left.text} {left.detail}".strip(),
         speeds=tuple((each.speed_mm_s, _error(each.rms_um, each.reduction)) for each in line.score.speeds),

@@ -201,7 +201,7 @@ _EFFORT = (
     Column(
         key="seeds",
         title="seeds",
-        help="Trainings with different seeds.",
+        help="Trainings, or random torques, with different seeds.",
         of=lambda line: Figure(text=str(len(line.score.seeds)), sort=len(line.score.seeds)),
     ),
     Column(

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 from typing import Any
 
-from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of
+from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of, groups_of
 from ffgym.leaderboard.comparison.standings import Standings, standings
 from ffgym.leaderboard.presentation.cards import cards_of
 from ffgym.leaderboard.presentation.columns import explanations
@@ -15,8 +15,9 @@ from ffgym.leaderboard.presentation.overview import PHONE, WIDE, overview
 from ffgym.leaderboard.presentation.table import Table, table_of
 from ffgym.leaderboard.presentation.tool_paths import ToolPath as ToolPath
 from ffgym.leaderboard.presentation.tool_paths import ToolPaths
-from ffgym.leaderboard.presentation.words import GROUP_TITLES, SELECTION_TITLES, headline, residual_sentence
+from ffgym.leaderboard.presentation.words import SELECTION_TITLES, group_title, headline, residual_sentence
 from ffgym.leaderboard.results import Row
+from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.html import provenance_lines, render
 from ffgym.report.laws import UNCOMPENSATED
 
@@ -41,7 +42,7 @@ def render_page(
     """
     every = all_standings(rows)
     tables = [table_of(each) for each in every]
-    first, held_out = every[0], [each for each in every if each.selection == "held_out"]
+    first, held_out = every[0], _held_out(every)
     script = _resource("leaderboard.js")
     on_workcell = [each for each in every if (each.group, each.selection) == (GROUPS[0], "positions")]
     return render(
@@ -52,10 +53,10 @@ def render_page(
         table=tables[0],
         overview=overview(first, WIDE),
         overview_phone=overview(first, PHONE),
-        overview_circles=f"{GROUP_TITLES[first.group]}, {SELECTION_TITLES[first.selection]}",
+        overview_circles=f"{group_title(first.group)}, {SELECTION_TITLES[first.selection]}",
         explanations=explanations(tables[0].columns),
         cards=cards_of(rows, held_out, tracks or {}),
-        groups=[(group, GROUP_TITLES[group]) for group in dict.fromkeys(each.group for each in every)],
+        groups=[(group, group_title(group)) for group in dict.fromkeys(each.group for each in every)],
         selections=[(name, SELECTION_TITLES[name]) for name in dict.fromkeys(each.selection for each in every)],
         tracks=sorted({line.track for table in tables for line in table.lines}),
         where="; ".join(sorted({path.where for own in (tracks or {}).values() for path in own.values() if path.where})),
@@ -72,11 +73,22 @@ def all_standings(rows: Sequence[Row]) -> list[Standings]:
     """Standings on every group of plants and selection of circles that the zero action was run on."""
     found = [
         standings(rows, group, selection)
-        for group in GROUPS
+        for row in rows
+        if row.name == UNCOMPENSATED
+        for group in groups_of(row)
         for selection in SELECTIONS
-        if any(row.name == UNCOMPENSATED and grid_of(row, group, SELECTIONS[selection]).cells for row in rows)
+        if grid_of(row, group, SELECTIONS[selection]).cells
     ]
     return found or [standings(rows, GROUPS[0], next(iter(SELECTIONS)))]  # which tells what is missing
+
+
+def _held_out(every: Sequence[Standings]) -> list[Standings]:
+    """Of each group those on the most circles that nobody learned on; selections are in the order of what counts."""
+    first: dict[str, Standings] = {}
+    for each in every:
+        if set(SELECTIONS[each.selection]) <= set(HELD_OUT):
+            first.setdefault(each.group, each)
+    return list(first.values())
 
 
 def _json(tables: Sequence[Table]) -> str:

@@ -63,7 +63,7 @@ def table_of(standings: Standings) -> Table:
 
 def learns(row: Row) -> bool:
     """Whether an agent learned from motion of a machine, simulated or real."""
-    return row.learned or any(outcome.robot_seconds > 0 or outcome.env_steps > 0 for outcome in row.outcomes)
+    return any(outcome.robot_seconds > 0 or outcome.env_steps > 0 for outcome in row.outcomes)
 
 
 def _line(line: Standing, columns: Sequence[Column]) -> Line:

@@ -3,7 +3,7 @@
 from ffgym.leaderboard.comparison.standings import Standings
 from ffgym.leaderboard.presentation.columns import columns_of
 from ffgym.leaderboard.presentation.figures import Figure
-from ffgym.leaderboard.presentation.words import GROUP_TITLES, SELECTION_TITLES, circles_note, residual_sentence
+from ffgym.leaderboard.presentation.words import SELECTION_TITLES, circles_note, group_title, residual_sentence
 from ffgym.report.circles.tables import Column, aligned, filled, shortened
 
 _KEYS = ("left", "iqm", "largest", "worse", "score", "seeds", "robot", "steps", "decision")
@@ -18,7 +18,7 @@ _LEGEND = (
 
 def format_standings(standings: Standings) -> str:
     """One table: rank, agent, and figures side by side; what does not fit goes below."""
-    title = f"{GROUP_TITLES[standings.group]}; {SELECTION_TITLES[standings.selection]}"
+    title = f"{group_title(standings.group)}; {SELECTION_TITLES[standings.selection]}"
     lines = standings.lines
     fixed: list[Column] = [
         ("rank", ["-" if line.rank is None else str(line.rank) for line in lines]),

@@ -5,19 +5,15 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import final
 
+from ffgym.envs.rigs import is_workcell
 from ffgym.leaderboard.comparison.samples import DRAWS
 from ffgym.leaderboard.comparison.scores import Difference
 from ffgym.leaderboard.comparison.standings import Standing, Standings
-from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
+from ffgym.leaderboard.plants import NOMINAL, plant_named
 from ffgym.leaderboard.presentation.published_rows import PublishedRow, best_reductions
 from ffgym.report.circles.comparison import percent
+from ffgym.simulation import LaserTracker
 
-GROUP_TITLES: Mapping[str, str] = {
-    THESIS_WORKCELL: "workcell “thesis”",
-    NOMINAL: "nominal robot",
-    DRAWS: "drawn robots",
-}
-"""Groups of plants, for readers."""
 SELECTION_TITLES: Mapping[str, str] = {
     "held_out": "held out: positions, radii, speeds",
     "positions": "held-out positions",
@@ -29,6 +25,12 @@ SELECTION_TITLES: Mapping[str, str] = {
 """Selections of circles, for readers."""
 PRACTISED = "per task"
 """Track of agents that practise the very motion that is scored."""
+
+
+def group_title(group: str) -> str:
+    """Group of plants, for readers."""
+    kind, _, name = group.partition(":")
+    return {NOMINAL: "nominal robot", DRAWS: "drawn robots"}.get(group, f"{kind} “{name}”")
 
 
 @final
@@ -66,7 +68,7 @@ def headline(positions: Standings | None) -> Headline:
     lines.append(
         (
             "best method of the thesis at each speed",
-            "real robot, another machine, published",
+            "real robot, another machine, all four positions, published",
             tuple(_published(published.get(speed)) for speed in speeds),
         )
     )
@@ -81,25 +83,36 @@ def residual_sentence(standings: Standings) -> str | None:
     better = [
         f"{line.row.title} ({_told(against.difference)})"
         for line, against in pairs
-        if against.difference is not None and against.difference.sign < 0
+        if against.difference is not None and against.is_better
     ]
     names = f": {_listed(better)}" if better else ""
+    unknown = [line.row.title for line, against in pairs if against.sentence.startswith("unknown")]
+    rest = f" Unknown of {_listed(unknown)}." if unknown else ""
     return (
         f"Of {len(pairs)} agent{'' if len(pairs) == 1 else 's'} that learned on top of another one, {len(better)} "
         f"{'is better than its' if len(better) == 1 else 'are better than their'} base on held-out circles, "
-        f"{GROUP_TITLES[standings.group]}{names}."
+        f"{group_title(standings.group)}{names}.{rest}"
     )
 
 
 def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -> str:
     """Which circles on which plants, and which rows are missing and why."""
     grid = standings.grid
-    plants = f"{len(grid.plants)} drawn robots" if len(grid.plants) > 1 else GROUP_TITLES[standings.group]
+    plants = f"{len(grid.plants)} drawn robots" if len(grid.plants) > 1 else group_title(standings.group)
     parts = [
         f"{len(grid.cells)} circles at {_numbers(speed for *_, speed in grid.cells)} mm/s, radii "
         f"{_numbers(radius for _, _, radius, _ in grid.cells)} mm, positions "
         f"{', '.join(sorted({position for _, position, _, _ in grid.cells}))}; {plants}."
     ]
+    if is_workcell(standings.group):
+        parts.append(_noise(standings.group))
+    if grid.left_out:
+        parts.append(f"Without {_listed(grid.left_out)}, where zero action lacks some of these circles.")
+    unproven = [f"{line.row.name} ({line.unproven})" for line in standings.lines if line.unproven and line.rank]
+    if unproven:
+        parts.append(
+            f"Not known of chance, so that the place is not proven: {', '.join(unproven)}. Run --seeds 5 or --draws 20."
+        )
     if published:
         counts = ", ".join(f"{each.circles} circles at {each.speed_mm_s:g} mm/s" for each in published[0].speeds)
         parts.append(
@@ -109,6 +122,14 @@ def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -
     if standings.missing:
         parts.append(f"Not here: {'; '.join(f'{name}: {why}' for name, why in standings.missing.items())}.")
     return " ".join(parts)
+
+
+def _noise(workcell: str) -> str:
+    (tracker,) = (each for each in plant_named(workcell).sensors if isinstance(each, LaserTracker))
+    return (
+        f"The errors are what a laser tracker with {tracker.noise * 1e6:g} um of noise in each coordinate measures: "
+        f"none is below that noise."
+    )
 
 
 def _said(line: Standing) -> str:

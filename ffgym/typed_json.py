@@ -1,6 +1,7 @@
 """Dataclasses as JSON and back, by the types of their fields: what is read is complete and of the right kinds."""
 
 from dataclasses import fields, is_dataclass
+from functools import cache
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -63,8 +64,8 @@ def from_json(kind: Any, value: Any, where: str) -> Any:
 
 def _object(kind: Any, value: Any, where: str) -> Any:
     table = _check(isinstance(value, dict), value, where, "an object")
-    types = get_type_hints(kind)
-    names = [f.name for f in fields(kind)]
+    types = _types(kind)
+    names = list(types)
     if missing := [name for name in names if name not in table]:
         raise FFGymError(f"{where} lacks {', '.join(missing)}.")
     if unknown := [name for name in table if name not in names]:
@@ -72,8 +73,17 @@ def _object(kind: Any, value: Any, where: str) -> Any:
     return kind(**{name: from_json(types[name], table[name], f"{where}.{name}") for name in names})
 
 
+@cache
+def _types(kind: Any) -> dict[str, Any]:
+    """Types of a dataclass' fields by name."""
+    types = get_type_hints(kind)
+    return {f.name: types[f.name] for f in fields(kind)}
+
+
 def _tuple(kinds: tuple[Any, ...], value: Any, where: str) -> tuple[Any, ...]:
     entries = _check(isinstance(value, list), value, where, "a list")
+    if kinds == (float, ...) and all(type(entry) is float for entry in entries):  # long lists, mostly
+        return tuple(entries)
     if kinds[-1] is ...:
         kinds = (kinds[0],) * len(entries)
     _check(len(entries) == len(kinds), value, where, f"a list of {len(kinds)}")
