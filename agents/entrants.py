@@ -14,13 +14,15 @@ from agents.common.trials import CountedTrial, RigTrial, Trial, measured
 from agents.model import model_law
 from agents.random_torque import RandomTorque
 from agents.residual.policy import load_policy
+from agents.submission import LOADERS
 from ffgym.control import CausalLaw, FeedForwardLaw, Policy
-from ffgym.leaderboard.entrants import Entrant, Maker, Ready, one_by_one
+from ffgym.leaderboard.entrants import Entrant, Maker, Ready, Registry, one_by_one
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant
+from ffgym.leaderboard.submission.entrant import entrant_of
 from ffgym.leaderboard.tasks import Task, references_of
 
-REGISTRY = "agents.entrants:ENTRANTS"
-"""Where other processes find them."""
+REGISTRY = Registry("agents.entrants:ENTRANTS", maker="agents.entrants:submitted")
+"""Where other processes find them, and what makes an entrant of a submission."""
 SEEDS = (0, 1, 2, 3, 4)
 """Of every row that a seed changes."""
 _PRACTISED = "per task"
@@ -201,6 +203,11 @@ def _random() -> Entrant:
     return Entrant(
         name="random", title="random torque", track=track, about=about, seeds=SEEDS, ranked=False, ready=maker
     )
+
+
+def submitted(path: Path) -> Entrant:
+    """Entrant of a submission, see `entrant_of`."""
+    return entrant_of(path, LOADERS)
 
 
 def _everybody() -> list[Entrant]:

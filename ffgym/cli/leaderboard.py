@@ -3,7 +3,7 @@
 import os
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -16,7 +16,7 @@ from ffgym.errors import FFGymError, check_choice, check_whole
 from ffgym.executors import Executor
 from ffgym.files import write_json, write_text
 from ffgym.leaderboard.board import Board
-from ffgym.leaderboard.entrants import Entrant
+from ffgym.leaderboard.entrants import Entrant, Registry, entrants_in
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, draw_name, plant_named
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import SPLITS, THESIS
@@ -34,7 +34,7 @@ class Leaderboard:
     """Run agents on the circles of the thesis and on held-out ones; print standings; write results and a page."""
 
     agents: tuple[str, ...] = ("fixed",)
-    """Names; or fixed, all laws but those that practise on every task first; or all."""
+    """Names; or fixed, all laws but those that practise on every task first; or all; and submissions, files .zip."""
     plants: tuple[str, ...] = (NOMINAL, THESIS_WORKCELL)
     """nominal, workcell:<name or seed>, draw:<number>."""
     draws: int = 0
@@ -58,7 +58,8 @@ class Leaderboard:
 
     def run(self) -> None:
         """Check, run what is missing, write, print."""
-        entrants, plants, splits = self._entrants(), self._plants(), self._splits()
+        registry = self._registry()
+        entrants, plants, splits = self._entrants(registry), self._plants(), self._splits()
         check_whole("--seeds", self.seeds, low=1, high=1000)
         check_outputs({"--json": self.json, "--page": self.page})
         if self.json is not None and self.out is not None and self.json.resolve().parent == self.out.resolve():
@@ -66,7 +67,7 @@ class Leaderboard:
         if self.page is not None:
             need_extra("The page of the leaderboard", "jinja2", "matplotlib")
         executor = Executor(kind=self.executor, jobs=self.jobs, address=self.address)
-        board = Board(registry=REGISTRY, folder=self.out)
+        board = Board(registry=registry, folder=self.out)
         began = time.perf_counter()
         with progress_bar("leaderboard", "s of motion") as progress:
             simulated = board.run(entrants, plants, splits, self.seeds, executor, progress)
@@ -83,16 +84,23 @@ class Leaderboard:
             )
         self._write(rows, plants, {"wall_s": took, "bare_s": bare, "simulated_s": simulated})
 
-    def _entrants(self) -> list[Entrant]:
+    def _registry(self) -> Registry:
+        """Where entrants are, those of submissions among them."""
+        files = (Path(name).resolve() for name in self.agents if _is_submission(name))
+        return replace(REGISTRY, files=tuple(map(str, dict.fromkeys(files))))
+
+    def _entrants(self, registry: Registry) -> list[Entrant]:
         """Who takes part; the zero action always does, as everything is told against it."""
-        for name in self.agents:
+        named = [name for name in self.agents if not _is_submission(name)]
+        for name in named:
             check_choice("agent", name, [*GROUPS, *ENTRANTS])
-        names = {"none", *self.agents}
+        every = entrants_in(registry)
+        names = {"none", *named, *(name for name in every if name not in ENTRANTS)}
         if "all" in names:
             names |= set(ENTRANTS)
         if "fixed" in names:
             names |= {name for name, entrant in ENTRANTS.items() if not entrant.slow and entrant.base is None}
-        return [entrant for name, entrant in ENTRANTS.items() if name in names]
+        return [entrant for name, entrant in every.items() if name in names]
 
     def _plants(self) -> list[str]:
         check_whole("--draws", self.draws, low=0, high=10_000)
@@ -144,6 +152,10 @@ class Leaderboard:
             print(f"numbers: {self.json}")
         if self.out is not None:
             print(f"results: {self.out}")
+
+
+def _is_submission(name: str) -> bool:
+    return name.endswith(".zip")
 
 
 def _flat(rows: Sequence[Row]) -> Iterator[dict[str, Any]]:

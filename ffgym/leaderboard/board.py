@@ -9,7 +9,7 @@ from ffgym.claims import claimed
 from ffgym.errors import FFGymError
 from ffgym.executors import Executor
 from ffgym.files import made_folder, write_text
-from ffgym.leaderboard.entrants import Entrant, entrants_in
+from ffgym.leaderboard.entrants import Entrant, Registry, entrants_in
 from ffgym.leaderboard.evaluation.jobs import Wanted, evaluated, jobs_for
 from ffgym.leaderboard.evaluation.scoring import lost_cells
 from ffgym.leaderboard.plants import plant_named
@@ -22,7 +22,7 @@ from ffgym.simulation.simulate import Progress
 class Board:
     """Rows, in memory and, if there is a folder, in files."""
 
-    registry: str
+    registry: Registry
     """Where entrants are found, see `entrants_in`."""
     folder: Path | None = None
     rows: dict[str, Row] = field(default_factory=dict, init=False)

@@ -2,8 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import import_module
-from typing import TypeAlias
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, TypeAlias
 
 from ffgym.control import FeedForwardLaw, Policy
 from ffgym.errors import FFGymError, check_choice
@@ -84,14 +87,45 @@ class Entrant:
         )
 
 
-def entrants_in(registry: str) -> Mapping[str, Entrant]:
-    """Everybody in a registry 'package.module:NAME', a mapping from names to entrants that other processes find."""
-    module, _, name = registry.partition(":")
-    found: Mapping[str, Entrant] = getattr(import_module(module), name)
-    return found
+@dataclass(frozen=True)
+class Registry:
+    """Where entrants are found, in this process and in others; places are given as 'package.module:NAME'."""
+
+    known: str
+    """A mapping from names to entrants."""
+    maker: str = ""
+    """A function that makes an entrant of a file."""
+    files: tuple[str, ...] = ()
+    """Of further entrants."""
 
 
-def entrant_named(registry: str, name: str) -> Entrant:
+def entrants_in(registry: Registry) -> Mapping[str, Entrant]:
+    """Everybody in a registry.
+
+    Raises:
+        FFGymError: if the entrant of a file cannot be made, or has the name of another.
+    """
+    found: dict[str, Entrant] = dict(_at(registry.known))
+    for file in registry.files:
+        entrant = _made(registry.maker, file)
+        if entrant.name in found:
+            raise FFGymError(f"{file}: its name {entrant.name!r} is that of another agent; submit it with another one.")
+        found[entrant.name] = entrant
+    return MappingProxyType(found)
+
+
+@cache
+def _made(maker: str, file: str) -> Entrant:
+    entrant: Entrant = _at(maker)(Path(file))
+    return entrant
+
+
+def _at(place: str) -> Any:
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)
+
+
+def entrant_named(registry: Registry, name: str) -> Entrant:
     """One of them.
 
     Raises:

@@ -15,7 +15,7 @@ from ffgym.control import NoCompensation
 from ffgym.errors import FFGymError
 from ffgym.executors import Executor
 from ffgym.leaderboard.board import Board, simulated_seconds
-from ffgym.leaderboard.entrants import Entrant, Ready, one_by_one
+from ffgym.leaderboard.entrants import Entrant, Ready, Registry, one_by_one
 from ffgym.leaderboard.evaluation import jobs
 from ffgym.leaderboard.results import decode_row, encode_row, read_row
 from ffgym.leaderboard.tasks import references_of
@@ -136,7 +136,7 @@ PRACTISES = MappingProxyType(
 
 def test_who_practises_every_task_moved_the_machine_for_all_of_them(tmp_path):
     for orders in (["radii", "speeds"], ["speeds", "radii"], ["speeds", "radii", "radii"]):
-        board = Board(registry=f"{__name__}:PRACTISES")
+        board = Board(registry=Registry(f"{__name__}:PRACTISES"))
         for split in orders:
             board.run(list(PRACTISES.values()), ["nominal"], [split], 1, HERE)
         [outcome] = board.rows["none"].outcomes
@@ -275,7 +275,7 @@ SHY = MappingProxyType({"none": Entrant(name="none", title="-", track="causal", 
 
 
 def test_who_has_nothing_for_a_plant_has_no_outcome_there():
-    board = Board(registry=f"{__name__}:SHY")
+    board = Board(registry=Registry(f"{__name__}:SHY"))
     seconds = board.run(list(SHY.values()), ["nominal", "draw:0"], ["speeds"], 1, HERE)
     assert seconds == simulated_seconds(["nominal"], ["speeds"])
     assert [outcome.plant for outcome in board.rows["none"].outcomes] == ["nominal"]

@@ -7,7 +7,7 @@ from itertools import groupby
 import numpy as np
 
 from ffgym.executors import Executor
-from ffgym.leaderboard.entrants import Ready, entrant_named
+from ffgym.leaderboard.entrants import Ready, Registry, entrant_named
 from ffgym.leaderboard.evaluation.closed_loop import fly, inference_time
 from ffgym.leaderboard.evaluation.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.plants import DRAW, TestPlant, plant_named
@@ -29,7 +29,7 @@ Wanted = tuple[str, int, str]
 class Job:
     """Some agents, each with a seed, on one plant."""
 
-    registry: str
+    registry: Registry
     """Where entrants are found, see `entrants_in`."""
     plant: str
     agents: tuple[tuple[str, int], ...]
@@ -39,7 +39,7 @@ class Job:
     """Of the engine."""
 
 
-def jobs_for(registry: str, wanted: Sequence[Wanted], splits: Sequence[str], threads: int = 1) -> list[Job]:
+def jobs_for(registry: Registry, wanted: Sequence[Wanted], splits: Sequence[str], threads: int = 1) -> list[Job]:
     """Jobs for agents, seeds and plants; those of one plant go together, the longest work first."""
     jobs = []
     order = sorted(wanted, key=lambda each: (not each[2].startswith("workcell:"), each[2]))
