@@ -62,6 +62,18 @@ def test_a_second_run_runs_nothing(finished, capsys):
     assert "bare engine" not in printed
 
 
+def test_every_selection_that_was_run_is_printed_and_the_page_names_all_plants(tmp_path, capsys):
+    command = ["leaderboard", "--agents", "none", "--jobs", "1", "--out", str(tmp_path / "rows")]
+    assert main([*command, "--plants", "draw:3", "--splits", "radii", "speeds"]) == 0
+    printed = capsys.readouterr().out
+    assert "drawn robots; held-out radii" in printed
+    assert "drawn robots; held-out speeds" in printed
+    assert main([*command, "--plants", "nominal", "--splits", "speeds", "--page", str(tmp_path / "page.html")]) == 0
+    page = (tmp_path / "page.html").read_text()
+    assert plant_named("draw:3").fingerprint in page
+    assert plant_named("nominal").fingerprint in page
+
+
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [

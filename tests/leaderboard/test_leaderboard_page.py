@@ -46,6 +46,24 @@ def test_the_page_has_every_table_and_every_card(board_page):
     assert len(widths) > 1  # a column per speed
 
 
+def test_cards_are_of_the_held_out_circles_that_were_run():
+    some = [
+        replace(each, outcomes=tuple(replace(o, cells=o.cells[:36]) for o in each.outcomes))  # those of the thesis
+        for each in small()
+    ]
+    page = render(some)
+    assert set(data_of(page)) == {f"{THESIS_WORKCELL}|{name}" for name in ("positions", "thesis", "train")}
+    assert "<figcaption>workcell “thesis”, held-out positions." in page
+    assert "no complete result on held-out circles" not in page
+    assert re.search(r"rank 1, leaves \d", page)
+
+
+def test_random_torque_is_not_told_to_have_learned(board_page):
+    lines = data_of(board_page)[f"{THESIS_WORKCELL}|held_out"]["lines"]
+    learned = {line[1]: line[3] for line in lines}
+    assert (learned["random"], learned["bsn_static"], learned["tqc_elastic"]) == (0, 1, 1)
+
+
 def test_the_page_asks_for_nothing_outside(board_page):
     assert not re.search(r"""(src|href)\s*=\s*["']?(https?:)?//""", board_page)
     assert not re.search(r"url\(|@import|<link[^>]+stylesheet|<iframe|<object", board_page)

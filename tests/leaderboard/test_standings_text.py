@@ -26,3 +26,9 @@ def test_the_table_begins_with_the_best_and_says_who_is_missing(some):
     assert lines[3].startswith("1     ilc_tcp")
     assert "oracle: not run on these plants" in " ".join(lines)
     assert "better than their base" in text
+
+
+def test_what_the_tracker_of_a_workcell_cannot_see_is_told(some):
+    words = "a laser tracker with 10 um of noise in each coordinate"
+    texts = {group: format_standings(standings(some, group, "thesis")) for group in (NOMINAL, THESIS_WORKCELL)}
+    assert [words in " ".join(text.split()) for text in texts.values()] == [False, True]

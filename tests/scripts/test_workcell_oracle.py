@@ -2,6 +2,8 @@ import numpy as np
 import pytest
 
 from agents.entrants import ENTRANTS, REGISTRY
+from ffgym.claims import claimed
+from ffgym.errors import FFGymError
 from ffgym.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.plants import THESIS_WORKCELL
@@ -29,3 +31,10 @@ def test_the_command_keeps_it_and_does_not_ask_for_it_again(folder):
     board = Board(registry=REGISTRY, folder=folder)
     assert board.run([ENTRANTS["oracle"]], [THESIS_WORKCELL], ["speeds"], 1, Executor(jobs=1)) == 0
     assert len(board.rows["oracle"].outcomes) == 1
+
+
+def test_a_folder_that_is_being_filled_is_left_alone(folder):
+    before = (folder / "oracle.json").read_bytes()
+    with claimed(folder), pytest.raises(FFGymError, match="another process is filling this folder"):
+        main(Config(out=folder, splits=("radii",)))
+    assert (folder / "oracle.json").read_bytes() == before
