@@ -10,6 +10,7 @@ from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from multiprocessing.connection import wait as wait_for
+from multiprocessing.context import SpawnContext, SpawnProcess
 from typing import Any, Literal, TypeVar
 
 from ffgym.errors import FFGymError, check_choice, check_whole
@@ -62,7 +63,7 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
     if jobs <= 1:
         yield from ((i, function(argument)) for i, argument in enumerate(arguments))
         return
-    context = multiprocessing.get_context("spawn")  # what the engine's threads hold is not copied
+    context = _Workers()
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin_worker)
     try:
         open_ones = {pool.submit(function, argument): i for i, argument in enumerate(arguments)}
@@ -76,10 +77,23 @@ def _here(function: Callable[[Any], Any], arguments: Sequence[Any], executor: Ex
             "are kept; run the command again, with fewer jobs if memory is short."
         ) from error
     finally:
-        workers = multiprocessing.active_children()
+        workers = [child for child in multiprocessing.active_children() if child in context.begun]
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:  # what they still work on, nobody waits for
             worker.terminate()
+
+
+class _Workers(SpawnContext):
+    """Begins processes, to which what the engine's threads hold is not copied, and knows which it began."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.begun: list[SpawnProcess] = []
+
+    def Process(self, *args: Any, **kwargs: Any) -> SpawnProcess:  # type: ignore[override]
+        """See base class."""
+        self.begun.append(SpawnProcess(*args, **kwargs))
+        return self.begun[-1]
 
 
 def _begin_worker() -> None:

@@ -1,3 +1,4 @@
+import multiprocessing
 import operator
 import os
 import signal
@@ -20,6 +21,12 @@ def square(x):
 
 def refuse(x):
     raise FFGymError(f"x = {x} must be nothing.")
+
+
+def refuse_late(x):
+    if x:
+        time.sleep(2.0)
+        refuse(x)
 
 
 def what_interrupts(x):
@@ -107,6 +114,21 @@ def test_an_interruption_ends_the_processes_without_a_word_of_theirs(tmp_path):
 
 def test_workers_leave_an_interruption_to_who_hands_out_the_work():
     assert [found for _, found in Executor(jobs=2).run(what_interrupts, [0, 0])] == ["SIG_IGN", "SIG_IGN"]
+
+
+def test_a_process_of_the_callers_own_survives():
+    context = multiprocessing.get_context("spawn")
+    before, meanwhile = (context.Process(target=time.sleep, args=(60,), daemon=True) for _ in range(2))
+    before.start()
+    try:
+        with pytest.raises(FFGymError, match="x = 1 must be nothing"):
+            [meanwhile.start() for _ in Executor(jobs=2).run(refuse_late, [0, 1])]
+        time.sleep(0.5)
+        assert before.is_alive()
+        assert meanwhile.is_alive()
+    finally:
+        for process in (before, meanwhile):
+            process.kill()
 
 
 def pids(folder):
