@@ -60,6 +60,11 @@ class Training:
         object.__setattr__(self, "hyperparameters", own)
         steps = DEFAULT_STEPS[self.algorithm] if self.steps is None else self.steps
         object.__setattr__(self, "steps", check_whole("steps", steps, low=1))
+        if self.total <= own.get("learning_starts", -1):  # type: ignore[operator]
+            raise FFGymError(
+                f"steps = {self.total} must be more than learning_starts = {own['learning_starts']}, the steps before "
+                f"which {self.algorithm} does not learn. Train for longer, or lower learning_starts."
+            )
 
     @property
     def total(self) -> int:

@@ -54,4 +54,5 @@ class Curve(BaseCallback):
         mean = self._sum / self._count
         self.points = (*self.points, (self.num_timesteps, mean))
         self.logger.record("train/reward_per_step", mean)
+        self.logger.dump(self.num_timesteps)  # now: SAC and TQC else write when episodes end, the last point alone
         self._sum, self._count = 0.0, 0

@@ -91,6 +91,7 @@ def test_the_learning_rate_falls_evenly_from_segment_to_segment():
         ({"memory": 0}, "memory = 0.0 samples"),
         ({"steps": 0}, "steps = 0"),
         ({"seed": -1}, "seed = -1"),
+        ({"algorithm": "sac", "steps": 2000}, "steps = 2000 must be more than learning_starts = 2000.*lower learning_"),
     ],
 )
 def test_a_training_that_makes_no_sense_is_refused(options, message):

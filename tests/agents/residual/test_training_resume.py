@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from hashlib import sha256
+from math import isclose
 
 import numpy as np
 import pytest
@@ -14,9 +15,10 @@ from agents.residual.learning import training as under_test
 from agents.residual.learning.environment import environment_of
 from agents.residual.learning.training import segment_seed, train
 from agents.residual.policy import load_policy
-from agents.residual.validation import POINTS
+from agents.residual.validation import POINTS, RADIUS, SPEEDS
 from ffgym.claims import claimed
 from ffgym.errors import FFGymError
+from ffgym.leaderboard.tasks import NEW_RADII, NEW_SPEEDS
 from ffgym.robot import load_robot
 from tests.agents.residual.residual_samples import tiny
 
@@ -189,7 +191,7 @@ def test_a_training_that_diverges_says_so(steps, tmp_path, monkeypatch):
 
 
 def test_the_base_acts_while_a_replay_buffer_is_filled():
-    training = tiny("sac", "learning_starts=1000", "prefill_std=0.05")
+    training = tiny("sac", "learning_starts=1000", "prefill_std=0.05", steps=1001)
     env = environment_of(training)
     model = under_test.algorithm_of(training, env, seed=0, segment=0)
     model.learn(16)
@@ -201,8 +203,27 @@ def test_the_base_acts_while_a_replay_buffer_is_filled():
 
 def test_training_sees_p1_alone_and_the_validation_no_named_position():
     env = environment_of(tiny())
-    core = env.get_attr("core")[0]
-    assert tuple(core.tasks._positions) == ("p1",)
+    tasks = env.get_attr("core")[0].tasks
     env.close()
+    assert tuple(tasks._positions) == ("p1",)
     named = load_robot("irb4600_60_205").work_area.positions.values()
     assert all(np.linalg.norm(np.subtract(point, place)) > 0.05 for point in POINTS for place in named)
+    radii, speeds = {*tasks._radii, RADIUS}, {*tasks._speeds, *SPEEDS}
+    assert len(radii) > 1 < len(speeds)
+    assert not any(isclose(own, held) for own in radii for held in NEW_RADII)
+    assert not any(isclose(own, held) for own in speeds for held in NEW_SPEEDS)
+    assert {"p2", "p3", "p4"} <= load_robot("irb4600_60_205").work_area.positions.keys()  # what the names above are
+
+
+@pytest.mark.parametrize("algorithm", ["ppo", "sac"])
+@pytest.mark.filterwarnings("ignore")  # of what reads the files
+def test_tensorboard_shows_the_points_of_the_learning_curve(algorithm, tmp_path):
+    accumulator = pytest.importorskip("tensorboard.backend.event_processing.event_accumulator")
+    trained = train(tiny(algorithm), tmp_path)
+    shown = []
+    for file in (tmp_path / "tensorboard").iterdir():
+        events = accumulator.EventAccumulator(str(file))
+        events.Reload()
+        shown += [(event.step, event.value) for event in events.Scalars("train/reward_per_step")]
+    assert [steps for steps, _ in sorted(shown)] == [steps for steps, _ in trained.curve]
+    np.testing.assert_allclose([value for _, value in sorted(shown)], [value for _, value in trained.curve], rtol=1e-6)
