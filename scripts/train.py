@@ -12,6 +12,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.cli.train import Options, need_training
 from ffgym.errors import FFGymError
 from ffgym.executors import Executor
+from ffgym.files import made_folder
 
 
 @dataclass(frozen=True)
@@ -45,9 +46,9 @@ def main(config: Sweep, run: Callable[[tuple[Training, Path]], tuple[int, float,
         raise FFGymError("Say where the policies go: --out FOLDER.")
     if not config.seeds or len(set(config.seeds)) < len(config.seeds):
         raise FFGymError(f"seeds = {config.seeds} must be one or more different numbers.")
-    config.out.mkdir(parents=True, exist_ok=True)
     jobs = [(config.with_seed(seed), config.out / f"seed_{seed}") for seed in config.seeds]
-    with progress_bar("seeds", "trained") as progress:
+    jobs[0][0].known()
+    with made_folder(config.out), progress_bar("seeds", "trained") as progress:
         for done, (i, (steps, reward, sha256)) in enumerate(config.executor.run(run, jobs), start=1):
             progress(done, len(jobs))
             print(f"seed {config.seeds[i]}: {steps} steps, reward per step {reward:.4f}, sha256 {sha256[:16]}")

@@ -92,6 +92,8 @@ class Train(Options):
             raise FFGymError("Say where the policy goes: --out FOLDER.")
         if self.out.exists() and not self.out.is_dir():
             raise FFGymError(f"--out {self.out}: is a file, must be a folder; choose another name.")
+        if self.json is not None and self.json.resolve().is_relative_to(self.out.resolve()):
+            raise FFGymError(f"--json {self.json}: lies in --out {self.out}, whose files are the training's own.")
         check_outputs({"--json": self.json})
         training = self.with_seed(self.seed)
         robot = training.known()

@@ -59,6 +59,7 @@ def test_a_machine_file_is_kept_with_the_training(tmp_path):
         (["--out", "new", "--base", "oracle"], "Unknown base 'oracle'"),
         (["--out", "new", "--set", "gama=1"], "Unknown hyper-parameter of ppo 'gama'"),
         (["--out", "new", "--json", "numbers.txt"], "must end in .json"),
+        (["--out", "new", "--json", "new/training.json"], "--json new/training.json: lies in --out new"),
         (["--out", "new", "--reward", "best"], "Unknown reward 'best'"),
     ],
 )

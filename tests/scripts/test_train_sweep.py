@@ -31,6 +31,15 @@ def test_seeds_side_by_side_give_the_same_policies(tmp_path):
 
 
 def test_what_makes_no_sweep_is_refused(tmp_path):
-    for options, message in (({}, "--out FOLDER"), ({"out": tmp_path, "seeds": (1, 1)}, "different numbers")):
+    (tmp_path / "file").write_text("")
+    refused = (
+        ({}, "--out FOLDER"),
+        ({"out": tmp_path / "new", "seeds": (1, 1)}, "different numbers"),
+        ({"out": tmp_path / "new", "seeds": (-1,)}, "seed = -1"),
+        ({"out": tmp_path / "new", "reward": "best"}, "Unknown reward 'best'"),
+        ({"out": tmp_path / "file"}, "file: cannot be made a folder: File exists"),
+    )
+    for options, message in refused:
         with pytest.raises(FFGymError, match=message):
             main(Sweep(**options), run=train_one)
+        assert [place.name for place in tmp_path.iterdir()] == ["file"]
