@@ -48,18 +48,29 @@ _ABOUT = {
 }
 """What laws do and what they learned from."""
 
-_RESIDUALS: Mapping[str, tuple[str, str, str]] = MappingProxyType(
+_EACH_MOTOR = "one small network for all motors"
+RESIDUALS: Mapping[str, tuple[str, str, str, str]] = MappingProxyType(
     {
-        "ppo_elastic": ("elastic", "PPO on elastic", "one small network for all motors"),
-        "sac_elastic": ("elastic", "SAC on elastic", "one small network for all motors"),
-        "tqc_elastic": ("elastic", "TQC on elastic", "one small network for all motors"),
-        "recurrent_ppo_elastic": ("elastic", "recurrent PPO on elastic", "an LSTM that sees all motors"),
-        "ppo_elastic_memory": ("elastic", "PPO on elastic, memory", "one small network that sees the last samples"),
-        "ppo_lugre": ("lugre_dynamic", "PPO on dynamic LuGre", "one small network for all motors"),
-        "ppo_none": ("none", "PPO on nothing", "one small network for all motors"),
+        "ppo_elastic": ("ppo", "elastic", "PPO on elastic", _EACH_MOTOR),
+        "sac_elastic": ("sac", "elastic", "SAC on elastic", _EACH_MOTOR),
+        "tqc_elastic": ("tqc", "elastic", "TQC on elastic", _EACH_MOTOR),
+        "recurrent_ppo_elastic": (
+            "recurrent_ppo",
+            "elastic",
+            "recurrent PPO on elastic",
+            "an LSTM that sees all motors",
+        ),
+        "ppo_elastic_memory": (
+            "ppo",
+            "elastic",
+            "PPO on elastic, memory",
+            "one small network that sees the last samples",
+        ),
+        "ppo_lugre": ("ppo", "lugre_dynamic", "PPO on dynamic LuGre", _EACH_MOTOR),
+        "ppo_none": ("ppo", "none", "PPO on nothing", _EACH_MOTOR),
     }
 )
-"""Trained residual policies: base, title, kind of network."""
+"""Trained residual policies: algorithm, base, title, kind of network."""
 
 
 def _law(entry: Entry) -> Entrant:
@@ -177,7 +188,7 @@ def _fitted(manifest: Manifest) -> Entrant:
 
 
 def _residual(name: str, manifest: Manifest) -> Entrant:
-    base, title, network = _RESIDUALS[name]
+    _, base, title, network = RESIDUALS[name]
     return Entrant(
         name=name,
         title=title,
@@ -214,7 +225,7 @@ def _everybody() -> list[Entrant]:
     laws = [_law(entry) for name, entry in CATALOGUE.items() if name != "model"]  # without a file it is elastic
     fitted = manifest_of(FITTED)
     models = [] if fitted is None else [_fitted(fitted)]
-    trained = {name: manifest_of(name) for name in _RESIDUALS}
+    trained = {name: manifest_of(name) for name in RESIDUALS}
     residuals = [_residual(name, manifest) for name, manifest in trained.items() if manifest is not None]
     return [laws[0], _random(), *laws[1:-1], *models, *residuals, laws[-1]]
 

@@ -28,6 +28,11 @@ _PER_AHEAD = 3
 """Numbers of each sample of the reference: direction, speed, acceleration."""
 
 
+def per_motor(memory: int) -> int:
+    """Numbers F per motor with so many samples of errors and residuals."""
+    return _PER_SAMPLE * memory + _PER_AHEAD * len(AHEAD)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Features:
     """F numbers for each of N motors, from an observation and what is remembered of those before it.
@@ -60,7 +65,7 @@ class Features:
     @property
     def per_motor(self) -> int:
         """Numbers F per motor."""
-        return _PER_SAMPLE * self.memory + _PER_AHEAD * len(AHEAD)
+        return per_motor(self.memory)
 
     @property
     def size(self) -> int:

@@ -25,6 +25,8 @@ class Options:
     """Of stable-baselines3 and sb3-contrib."""
     base: str = "elastic"
     """Law below the policy: none, lugre_static, lugre_dynamic, elastic, or model:machine.toml."""
+    robot: str = "irb4600_60_205"
+    """Built-in robot with a work area."""
     steps: int | None = None
     """Control steps of all robots together, rounded up to whole updates; none given is 983040 for ppo and
     recurrent_ppo, 196608 for sac and tqc."""
@@ -52,6 +54,7 @@ class Options:
             algorithm=self.algorithm,
             base=base,
             machine=machine,
+            robot=self.robot,
             factored=not (self.joint or self.algorithm == "recurrent_ppo"),
             memory=self.memory,
             bound=self.bound,

@@ -40,6 +40,7 @@ def test_options_make_the_training():
     assert not training.factored
     assert not training.randomization
     assert training.hyperparameters["lstm_cells"] == 4
+    assert Train(robot="one_axis").with_seed(0).robot == "one_axis"
     assert Train().with_seed(0).factored
     assert not Train(joint=True).with_seed(0).factored
 
@@ -61,6 +62,7 @@ def test_a_machine_file_is_kept_with_the_training(tmp_path):
         (["--out", "new", "--json", "numbers.txt"], "must end in .json"),
         (["--out", "new", "--json", "new/training.json"], "--json new/training.json: lies in --out new"),
         (["--out", "new", "--reward", "best"], "Unknown reward 'best'"),
+        (["--out", "new", "--robot", "one_axis"], "Robot 'one_axis' has no position 'p1'"),
     ],
 )
 def test_what_cannot_be_trained_is_refused_and_nothing_is_left(options, message, tmp_path, monkeypatch, capsys):

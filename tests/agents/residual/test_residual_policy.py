@@ -15,7 +15,7 @@ from agents.residual.actor import Layer
 from agents.residual.bases import BASES, base_law, base_named
 from agents.residual.learning.environment import environment_of
 from agents.residual.policy import encode_policy, load_policy, save_policy
-from agents.residual.validation import validate
+from agents.residual.validation import base_errors, validate
 from ffgym.control import Agent, ObservationLayout, Policy
 from ffgym.errors import FFGymError
 from tests.agents.residual.residual_samples import policy_of, tiny
@@ -214,7 +214,9 @@ def test_the_text_of_a_machine_file_goes_with_its_base_alone(irb4600):
 def test_a_silent_policy_gains_nothing_in_the_validation():
     silent = policy_of(size=0.0)
     layers = tuple(Layer(weight=layer.weight, bias=0 * layer.bias) for layer in silent.actor.layers)
+    base_errors.cache_clear()
     result = validate(replace(silent, actor=replace(silent.actor, layers=layers)), plants=1)
     assert result.policy.shape == (6,)
     assert result.log_ratio == 0
     assert validate(policy_of(), plants=1).log_ratio != 0
+    assert base_errors.cache_info().misses == 1  # the base is run once
