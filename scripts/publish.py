@@ -3,23 +3,26 @@
 The folder is one that `scripts.train` filled; its trainings must differ in nothing but the seed.
 """
 
-import json
-from collections.abc import Sequence
+import shlex
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from shutil import copyfile
-from typing import Any
 
 import numpy as np
 import tyro
 
-from agents.artefacts import ANYWHERE, TRAINED, Manifest, described, write_manifest
+from agents.artefacts import ANYWHERE, TRAINED, Artefact, Manifest, described, write_manifest
+from agents.entrants import RESIDUALS
+from agents.residual.plan import Training
 from agents.residual.policy import ResidualPolicy, load_policy
-from ffgym.errors import FFGymError
-from ffgym.leaderboard.plants import NOMINAL, plant_named
-from ffgym.provenance import versions
+from ffgym.cli.train_options import options_of
+from ffgym.errors import FFGymError, check_choice
+from ffgym.files import made_folder, read_bytes, write_bytes
 
 POLICY = "policy.npz"
+_ABOUT = ("training", "origin", "versions")
+"""What a policy says of its training, the same for all seeds."""
+_NUMBERS = ("env_steps", "learning_curve")
 
 
 @dataclass(frozen=True)
@@ -35,69 +38,44 @@ class Config:
 
 
 def main(config: Config) -> Manifest:
-    """Copy the policies and write their manifest."""
-    places = sorted(config.folder.glob(f"seed_*/{POLICY}"), key=lambda place: _seed(place))
-    if not places:
-        raise FFGymError(f"{config.folder}: has no seed_<k>/{POLICY}; train first, see scripts.train.")
-    policies = {_seed(place): load_policy(place) for place in places}
-    command = command_of(list(policies.values()), config)
-    (config.out / config.name / ANYWHERE).mkdir(parents=True, exist_ok=True)
-    entries = []
-    for place, (seed, policy) in zip(places, policies.items(), strict=True):
-        file = f"{ANYWHERE}/seed_{seed}.npz"
-        copyfile(place, config.out / config.name / file)
-        entries.append(
-            described(
-                config.name,
-                file,
-                config.out,
-                seed=seed,
-                plant=ANYWHERE,
-                fingerprint=plant_named(NOMINAL).fingerprint,
-                robot_seconds=0.0,
-                env_steps=int(policy.meta["env_steps"]),
-            )
+    """Copy the policies, write their manifest, and remove what else was published under that name.
+
+    Raises:
+        FFGymError: if there are none, they are not of one training, or it is not that of the row.
+    """
+    places = _places(config.folder)
+    policies = {seed: load_policy(place) for seed, place in places.items()}
+    trainings = {seed: _training(policies[seed], seed, place) for seed, place in places.items()}
+    _check_same(policies, config.folder)
+    first = next(iter(policies))
+    _check_row(config.name, trainings[first])
+    command = command_of(config.name, trainings[first], list(places))
+    with made_folder(config.out / config.name / ANYWHERE) as folder:
+        for seed, place in places.items():
+            write_bytes(folder / _file(seed), read_bytes(place))
+        manifest = Manifest(
+            name=config.name,
+            command=command,
+            artefacts=tuple(_entry(config, seed, policy) for seed, policy in policies.items()),
+            versions=policies[first].meta["versions"],
+            learning_curve=mean_curve([policy.meta["learning_curve"] for policy in policies.values()]),
         )
-    curve = mean_curve([policy.meta["learning_curve"] for policy in policies.values()])
-    manifest = Manifest(
-        name=config.name, command=command, artefacts=tuple(entries), versions=versions(), learning_curve=curve
-    )
-    write_manifest(manifest, config.out)
+        write_manifest(manifest, config.out)
+        for gone in {*folder.glob("seed_*.npz")} - {folder / _file(seed) for seed in places}:
+            gone.unlink()
     return manifest
 
 
-def command_of(policies: Sequence[ResidualPolicy], config: Config) -> str:
-    """What trains them again, and publishes them.
+def command_of(name: str, training: Training, seeds: Sequence[int]) -> str:
+    """What trains policies again, and publishes them.
 
     Raises:
-        FFGymError: if they differ in more than the seed.
+        FFGymError: if options cannot ask for the training.
     """
-    trainings = [dict(policy.meta["training"]) for policy in policies]
-    seeds = [training.pop("seed") for training in trainings]
-    if any(training != trainings[0] for training in trainings):
-        raise FFGymError(f"{config.folder}: trainings in it differ in more than the seed; publish one configuration.")
-    options = " ".join(_options(trainings[0]))
-    listed, folder = " ".join(map(str, seeds)), f"out/{config.name}"
-    train = f"python -m scripts.train {options} --seeds {listed} --out {folder}"
-    return f"{train} && python -m scripts.publish {config.name} {folder}"
-
-
-def _options(training: dict[str, Any]) -> list[str]:
-    """Options of `scripts.train` for what differs from its defaults."""
-    from agents.residual.hyperparameters import hyperparameters
-    from agents.residual.plan import Training
-
-    algorithm = training["algorithm"]
-    plain = Training(algorithm=algorithm, factored=algorithm != "recurrent_ppo").document()
-    options = [f"--algorithm {algorithm}", f"--base {training['base']}", f"--steps {training['steps']}"]
-    options += [f"--{name} {training[name]}" for name in ("memory", "bound", "reward") if training[name] != plain[name]]
-    options += ["--joint"] if not training["factored"] and algorithm != "recurrent_ppo" else []
-    options += [] if training["randomization"] else ["--nominal"]
-    usual = {name: list(v) if isinstance(v, tuple) else v for name, v in hyperparameters(algorithm).items()}
-    changed = {name: value for name, value in training["hyperparameters"].items() if usual.get(name) != value}
-    if changed:
-        options.append("--set " + " ".join(f"{name}={json.dumps(value)}" for name, value in changed.items()))
-    return options
+    folder = f"out/{name}"
+    sweep = [*options_of(training), "--seeds", *map(str, seeds), "--out", folder]
+    train, publish = ["python", "-m", "scripts.train", *sweep], ["python", "-m", "scripts.publish", name, folder]
+    return f"{shlex.join(train)} && {shlex.join(publish)}"
 
 
 def mean_curve(curves: Sequence[Sequence[Sequence[float]]]) -> tuple[tuple[float, float], ...]:
@@ -107,8 +85,94 @@ def mean_curve(curves: Sequence[Sequence[Sequence[float]]]) -> tuple[tuple[float
     return tuple((float(step), float(f"{value:.5g}")) for step, value in zip(steps, values.mean(axis=0), strict=True))
 
 
-def _seed(place: Path) -> int:
-    return int(place.parent.name.removeprefix("seed_"))
+def _places(folder: Path) -> dict[int, Path]:
+    """Policies in a folder, by seed.
+
+    Raises:
+        FFGymError: if there are none, or a folder is named otherwise.
+    """
+    places = {}
+    for place in folder.glob(f"seed_*/{POLICY}"):
+        number = place.parent.name.removeprefix("seed_")
+        if not number.isdecimal() or number != str(int(number)):
+            raise FFGymError(f"{place.parent}: its name must be seed_<number>; rename it, or move it elsewhere.")
+        places[int(number)] = place
+    if not places:
+        raise FFGymError(f"{folder}: has no seed_<k>/{POLICY}; train first, see scripts.train.")
+    return dict(sorted(places.items()))
+
+
+def _training(policy: ResidualPolicy, seed: int, place: Path) -> Training:
+    """What a policy says of its training.
+
+    Raises:
+        FFGymError: if it does not say all, or is of another seed than its folder.
+    """
+    lacks = [name for name in (*_ABOUT, *_NUMBERS) if name not in policy.meta]
+    if lacks:
+        raise FFGymError(f"{place}: does not say its {', '.join(lacks)}; publish what scripts.train wrote.")
+    try:
+        training = Training(**policy.meta["training"])
+        if training.document() != policy.meta["training"]:
+            raise FFGymError("some of its settings are others here.")
+    except (TypeError, FFGymError) as error:
+        raise FFGymError(f"{place}: is of a training that this ffgym has not: {error} Train again.") from error
+    if training.seed != seed:
+        raise FFGymError(f"{place}: was trained with seed {training.seed}; its folder must be seed_{training.seed}.")
+    return training
+
+
+def _check_same(policies: Mapping[int, ResidualPolicy], folder: Path) -> None:
+    """Check that trainings differ in the seed alone.
+
+    Raises:
+        FFGymError: if not; the message says what differs.
+    """
+    first, *others = policies
+    for seed in others:
+        changes = [
+            f"{about}.{name}"
+            for about in _ABOUT
+            for one, other in [(policies[first].meta[about], policies[seed].meta[about])]
+            for name in sorted({*one, *other} - {"seed"})
+            if one.get(name) != other.get(name)
+        ]
+        if changes:
+            raise FFGymError(
+                f"{folder}: seed_{first} and seed_{seed} differ in more than the seed: {', '.join(changes)}. Publish "
+                f"one configuration."
+            )
+
+
+def _check_row(name: str, training: Training) -> None:
+    """Check that a row of the leaderboard is of such a training.
+
+    Raises:
+        FFGymError: if there is no such row, or it is of another algorithm or base.
+    """
+    algorithm, base, *_ = RESIDUALS[check_choice("row of trained residual policies", name, list(RESIDUALS))]
+    if (training.algorithm, training.base) != (algorithm, base):
+        raise FFGymError(
+            f"{name} is a row of {algorithm} on {base}, these are of {training.algorithm} on {training.base}. Publish "
+            f"them under another name, or add a row in agents/entrants.py."
+        )
+
+
+def _file(seed: int) -> str:
+    return f"seed_{seed}.npz"
+
+
+def _entry(config: Config, seed: int, policy: ResidualPolicy) -> Artefact:
+    return described(
+        config.name,
+        f"{ANYWHERE}/{_file(seed)}",
+        config.out,
+        seed=seed,
+        plant=ANYWHERE,
+        fingerprint=str(policy.meta["origin"]["physics_fingerprint"]),
+        robot_seconds=0.0,
+        env_steps=int(policy.meta["env_steps"]),
+    )
 
 
 if __name__ == "__main__":
