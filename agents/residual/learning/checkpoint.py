@@ -102,8 +102,8 @@ def read_newest(folder: Path, about: Mapping[str, Any]) -> Standing | None:
     return Standing(segment=int(segment), curve=tuple((int(n), float(r)) for n, r in curve), files=files)
 
 
-def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], folder: Path) -> None:
-    """Check that a folder is of this training.
+def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], folder: Path, what: str = "training") -> None:
+    """Check that a folder is of this training, or whatever it holds.
 
     Raises:
         FFGymError: if not; the message says what differs.
@@ -116,7 +116,7 @@ def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], folder: Path)
     ]
     if changes:
         raise FFGymError(
-            f"{folder}: holds another training: {'; '.join(changes)}. Choose another folder, or remove this one."
+            f"{folder}: holds another {what}: {'; '.join(changes)}. Choose another folder, or remove this one."
         )
 
 
