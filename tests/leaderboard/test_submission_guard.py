@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ffgym.leaderboard.submission.guard import Judge
+from ffgym.leaderboard.submission.judge import Judge
 from ffgym.leaderboard.submission.refusal import Refused
 from tests.leaderboard.submission_samples import agent_file, process
 from tests.processes import is_alive, waited
@@ -47,6 +47,8 @@ def test_an_honest_agent_answers_for_all_robots_and_remembers():
     [
         ("import ffgym.workcell", "pass", "tried to import ffgym.workcell"),
         ("", "import ffgym.envs", "tried to import ffgym.envs"),
+        ("", "import ffgym.simulation", "tried to import ffgym.simulation"),
+        ("from ffgym.studies import in_mm", "pass", "tried to import ffgym.studies"),
         (
             "import contextlib\nwith contextlib.suppress(BaseException):\n    from ffgym.exam import draw",
             "pass",
@@ -59,7 +61,7 @@ def test_an_honest_agent_answers_for_all_robots_and_remembers():
             "tried to",
         ),
         ("import gymnasium", "gymnasium.make('ffgym/OneAxis-v0')", "tried to import ffgym.envs"),
-        ("import atexit\natexit.register(lambda: open('/proc/self/maps'))", "pass", "tried to read /proc/"),
+        ("import atexit\natexit.register(lambda: open('/proc/self/environ'))", "pass", "tried to read /proc/"),
     ],
 )
 def test_an_agent_that_looks_for_the_simulator_is_refused_with_what_it_tried(head, body, reason):
@@ -78,6 +80,11 @@ def test_an_agent_that_reads_the_memory_of_the_simulator_is_refused():
         ("open", (str(PACKAGE / "workcell" / "cell.py"), "r", 0), "read"),
         ("open", (str(PACKAGE / "envs" / ".." / "exam" / "draw.py"), "r", 0), "read"),
         ("open", (PACKAGE / "leaderboard" / "plants.py", "r", 0), "read"),
+        ("open", ("/elsewhere/ffgym/workcell/data/thesis.toml", "r", 0), "read"),
+        ("open", ("ffgym/workcell/data/thesis.toml", None, os.O_RDONLY), "read"),
+        ("open", (str(PACKAGE), None, os.O_RDONLY), "open the folder"),
+        ("open", (str(PACKAGE.parent / "scripts" / "quickstart.py"), "r", 0), "read"),
+        ("open", (str(PACKAGE.parent / "tests" / "processes.py"), "r", 0), "read"),
         ("open", (b"/proc/1/environ", None, os.O_RDONLY), "read /proc/1/environ"),
         ("open", ("/dev/mem", "rb", 0), "read /dev/mem"),
         ("open", ("elsewhere/file", "w", 0), "outside of its folder"),
@@ -89,6 +96,7 @@ def test_an_agent_that_reads_the_memory_of_the_simulator_is_refused():
         ("ctypes.dlopen", ("libc.so.6",), "ctypes"),
         ("subprocess.Popen", ("ls", ["ls"], None, None), "start a process"),
         ("os.fork", (), "start a process"),
+        ("_winapi.CreateProcess", (None, "ls", None), "start a process"),
         ("os.kill", (1, 9), "send a signal"),
         ("socket.connect", (None, ("127.0.0.1", 80)), "open a network connection"),
     ],
@@ -104,6 +112,7 @@ def test_what_an_agent_must_not_do_is_said_in_words(event, arguments, tried, tmp
         ("open", (os.__file__, "r", os.O_RDONLY)),
         ("open", (str(PACKAGE / "control" / "policy.py"), "rb", os.O_RDONLY)),
         ("open", ("/proc/cpuinfo", "r", 0)),
+        ("open", ("/proc/self/maps", "r", 0)),
         ("open", (os.devnull, "w", os.O_WRONLY)),
         ("os.listdir", (None,)),
         ("import", ("ffgym.control", None, [], [], [])),
@@ -115,8 +124,47 @@ def test_what_every_library_does_is_allowed(event, arguments, tmp_path):
     assert Judge(tmp_path)(event, arguments) is None
 
 
-def test_an_agent_may_write_in_its_own_folder(tmp_path):
+def test_an_agent_may_write_in_its_own_folder_and_open_it(tmp_path):
     assert Judge(tmp_path)("open", (str(tmp_path / "notes.txt"), "w", 0)) is None
+    assert Judge(tmp_path)("open", (str(tmp_path), None, os.O_RDONLY)) is None
+
+
+CHILD = "import time; time.sleep(30)"
+SWALLOWED = "try:\n    {}\nexcept BaseException:\n    pass"
+
+
+@pytest.mark.parametrize(
+    "starts",
+    [
+        f"import multiprocessing.util, sys; multiprocessing.util.spawnv_passfds(sys.executable.encode(), "
+        f"[sys.executable, '-c', {CHILD!r}], ())",
+        "import multiprocessing; multiprocessing.get_context('spawn').Process(target=print).start()",
+        "from concurrent.futures import ProcessPoolExecutor as Pool; import multiprocessing; "
+        "Pool(1, multiprocessing.get_context('spawn')).submit(print).result()",
+        "import subprocess; subprocess._fork_exec()",
+        "import _posixsubprocess; _posixsubprocess.fork_exec()",
+    ],
+)
+@pytest.mark.skipif(os.name != "posix", reason="processes start with an event here")
+def test_an_agent_that_starts_a_process_past_the_events_is_refused_though_it_swallows_that(starts):
+    assert "tried to start a process" in outcome(agent_file(head=SWALLOWED.format(starts)))
+
+
+def test_what_starts_processes_is_not_loaded_afresh():
+    again = "import sys; del sys.modules['_posixsubprocess']; import _posixsubprocess"
+    assert "tried to import _posixsubprocess" in outcome(agent_file(head=SWALLOWED.format(again)))
+
+
+def test_an_agent_may_ask_on_which_platform_it_is():
+    with process(agent_file(head="import platform\nplatform.platform()")) as agent:
+        assert agent.preview == 1
+
+
+def test_an_agent_may_use_the_threads_of_scikit_learn():
+    pytest.importorskip("sklearn")
+    head = "from sklearn.cluster import KMeans\nKMeans(n_clusters=2, n_init=1).fit(np.arange(12.0).reshape(6, 2))"
+    with process(agent_file(head=head)) as agent:
+        assert agent.preview == 1
 
 
 @pytest.mark.parametrize(
@@ -126,7 +174,8 @@ def test_an_agent_may_write_in_its_own_folder(tmp_path):
         ("action = action[:, :5]", "predict returned actions of shape (3, 5), must be (3, 6)"),
         ("return action", "predict must return actions and state"),
         ("return np.array([['a'] * 6] * 3), None", "must be numbers"),
-        ("1 / 0", "it raised ZeroDivisionError: division by zero"),
+        ("1 / 0", "it raised ZeroDivisionError: division by zero (agent.py, line 16)"),
+        ("self.layout.read(observation, 'nothing')", "(agent.py, line 16)"),
         ("import os\nos._exit(7)", "its process ended by itself with code 7"),
         ("raise SystemExit", "it raised SystemExit"),
     ],

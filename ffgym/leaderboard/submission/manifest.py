@@ -160,7 +160,7 @@ def decode_manifest(data: bytes) -> Manifest:
     except (ValueError, RecursionError) as error:
         raise Refused(_CHECK, f"{MANIFEST} is no JSON text ({type(error).__name__}).") from error
     found = tree.get("format") if isinstance(tree, dict) else None
-    if found != FORMAT:
+    if type(found) is not int or found != FORMAT:  # true equals 1
         raise Refused(_CHECK, f"{MANIFEST} has format {found!r}, this version of ffgym reads {FORMAT}.")
     wanted = {"format", "digest", *(field.name for field in fields(Manifest))}
     if missing := sorted(wanted - set(tree)):

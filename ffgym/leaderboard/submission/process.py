@@ -4,7 +4,7 @@ import json
 import os
 import signal
 import subprocess
-import sys
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
@@ -15,6 +15,7 @@ from typing import Any, Self
 import numpy as np
 
 from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.leaderboard.submission.launch import PACKAGE, launch
 from ffgym.leaderboard.submission.manifest import AgentSource
 from ffgym.leaderboard.submission.protocol import (
     ACTIONS,
@@ -31,10 +32,7 @@ from ffgym.leaderboard.submission.watchdog import Watchdog
 from ffgym.robot import load_robot
 from ffgym.types import Array
 
-WORKER = "ffgym.leaderboard.submission.worker"
 _CHECK = "agent"
-_KEPT = ("SYSTEMROOT", "TZ")
-"""Variables of the environment that a process of Python may need; no others are passed on."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +43,9 @@ class Limits:
     """Time to load it, with libraries [s]."""
     decision_s: float = 20.0
     """Time of one decision, for all robots of a run [s]; what is usual is measured apart."""
+    late_s: float = 10.0
+    """Time that all decisions of a run may take beyond a control step for each of each robot [s]: the first ones of
+    libraries take long, and computers do other things; it also bounds a run."""
     memory_bytes: int = 32 * 2**30
     """Address space: libraries reserve much more than they use."""
     cpu_seconds: int = 1800
@@ -78,40 +79,41 @@ class AgentProcess:
         limits: Limits | None = None,
     ) -> None:
         self._limits = limits or Limits()
-        self._n_joints = load_robot(robot).n_joints
-        self._folders = TemporaryDirectory(prefix="ffgym-agent-")
-        own = Path(self._folders.name).resolve() / "agent"
-        own.mkdir()
-        if source.file is not None and content is not None:
-            (own / source.file).write_bytes(content)
-        self._log = own.with_name("log.txt")
-        self._start(own)
-        self._order = {
+        known = load_robot(robot)
+        self._n_joints, self._control_dt = known.n_joints, known.servo.control_dt
+        self._order: dict[str, Any] = {
             "source": asdict(source),
-            "folder": str(own),
             "robot": robot,
             "loader": loaders[source.kind],
+            "package": str(PACKAGE),
             "seed": seed,
             "memory_bytes": self._limits.memory_bytes,
             "cpu_seconds": self._limits.cpu_seconds,
         }
+        self._start(source.file, content)
+        self._spent_s = self._due_s = 0.0
         self.elapsed_ns = 0
         """Time of the last decision [ns], measured beside the agent."""
 
-    def _start(self, own: Path) -> None:
-        variables = {"PATH": os.defpath, "HOME": str(own), "TMPDIR": str(own), "TEMP": str(own), "LC_ALL": "C.UTF-8"}
-        variables |= {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
-        variables |= {name: os.environ[name] for name in _KEPT if name in os.environ}
-        with self._log.open("wb") as log:
-            self._process = subprocess.Popen(
-                [sys.executable, "-I", "-B", "-m", WORKER],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=log,
-                cwd=own,
-                env=variables,
-                start_new_session=True,
-            )
+    def _start(self, file: str | None, content: bytes | None) -> None:
+        """Start the process in a folder of its own, which holds the agent's file."""
+        folders: TemporaryDirectory[str] | None = None
+        try:
+            folders = TemporaryDirectory(prefix="ffgym-agent-")
+            own = Path(folders.name).resolve() / "agent"
+            own.mkdir()
+            if file is not None and content is not None:
+                (own / file).write_bytes(content)
+            self._log = own.with_name("log.txt")
+            self._process = launch(own, self._log)
+        except OSError as error:
+            if folders is not None:
+                folders.cleanup()
+            raise FFGymError(
+                f"No process can be started for the agent: {error}. Its folder is made where TMPDIR says, "
+                "which must exist, be writable and have space left."
+            ) from error
+        self._folders, self._order["folder"] = folders, str(own)
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._channel = Channel(self._process.stdout.fileno(), self._process.stdin.fileno())
@@ -149,7 +151,9 @@ class AgentProcess:
             Refused: if the agent fails, takes too long, answers with something else, or did what it must not.
         """
         payload = pack_observations(observation, episode_start, first=state is None)
+        began = time.monotonic()
         answer = self._ask(OBSERVATIONS, payload, ACTIONS, self._limits.decision_s, "for one decision")
+        self._keep_pace(time.monotonic() - began, len(observation))
         try:
             action, self.elapsed_ns = unpack_actions(answer, len(observation), self._n_joints)
         except FFGymError as error:
@@ -157,6 +161,17 @@ class AgentProcess:
         if not np.all(np.isfinite(action)):
             raise Refused(_CHECK, "it answered with NaN or infinity.")
         return action, True
+
+    def _keep_pace(self, spent_s: float, rows: int) -> None:
+        """Check that all decisions together keep up with the robots, seen from here, where no agent sets the clock."""
+        self._spent_s += spent_s
+        self._due_s += rows * self._control_dt
+        if self._spent_s > self._due_s + self._limits.late_s:
+            raise Refused(
+                "time",
+                f"it took {self._spent_s:.1f} s for decisions that the robots had {self._due_s:.1f} s for, "
+                f"must be late by at most {self._limits.late_s:g} s.",
+            )
 
     def _ask(self, kind: bytes, payload: bytes, wanted: bytes, limit: float, what: str) -> bytes:
         """Answer to a frame."""
@@ -167,7 +182,7 @@ class AgentProcess:
         except Closed:
             if self._watch.expired:
                 raise Refused(_CHECK, f"it took more than {limit:g} s {what}, and was ended.") from None
-            raise Refused(_CHECK, f"its process ended by itself{self._last_words()}.") from None
+            raise Refused(_CHECK, self._last_words()) from None
         except FFGymError as error:
             raise Refused(_CHECK, str(error)) from error
         if found == REFUSED:
@@ -185,12 +200,15 @@ class AgentProcess:
             raise Refused(_CHECK, str(said))
 
     def _last_words(self) -> str:
-        """Exit code, and the last line that the process wrote."""
+        """How the process ended, and the last line that it wrote."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=5.0)
+        code = self._process.returncode
+        if hasattr(signal, "SIGXCPU") and code == -signal.SIGXCPU:
+            return f"it took more than {self._limits.cpu_seconds} s of processor time, and was ended."
         lines = self._log.read_bytes()[-2000:].decode(errors="replace").strip().splitlines()
         last = f": {lines[-1][:300]}" if lines else ""
-        return f" with code {self._process.returncode}{last}"
+        return f"its process ended by itself with code {code}{last}."
 
     def _kill(self) -> None:
         """End the process and what it started."""
@@ -203,8 +221,7 @@ class AgentProcess:
     def close(self) -> None:
         """End the process and remove its files."""
         self._watch.stop()
-        if self._process.poll() is None:
-            self._kill()
+        self._kill()  # what it started may live though it has ended
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:

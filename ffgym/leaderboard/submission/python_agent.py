@@ -1,6 +1,7 @@
 """An agent in one Python file of its author: PREVIEW, ACTION_SCALE and make_agent(robot, layout)."""
 
 import ast
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -8,9 +9,12 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from ffgym.control import Agent, ObservationLayout
 from ffgym.errors import FFGymError
 from ffgym.files import read_text
+from ffgym.leaderboard.submission import judge
 from ffgym.provenance import installed
 from ffgym.robot import RobotDescription
 
@@ -21,6 +25,9 @@ LIBRARIES: Mapping[str, str] = {
     "sklearn": "scikit-learn",
 }
 """Modules that do at import what an agent must not do, and their packages: they are loaded before it is watched."""
+
+HIDDEN = (*judge.HIDDEN, "ffgym.simulation", "ffgym.studies")
+"""Modules that such an agent must not see: it might practise on the circles that it is scored on."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,6 +64,13 @@ def prepare(source: Mapping[str, Any], folder: Path) -> None:
         if not installed(LIBRARIES[name]):
             raise FFGymError(f"It imports {name}; pip install {LIBRARIES[name]}.")
         import_module(name)
+        if name == "sklearn":
+            _count_threads()
+
+
+def _count_threads() -> None:
+    """Let scikit-learn look once, and for good, for the libraries of its threads, which it does through ctypes."""
+    import_module("sklearn.cluster").KMeans(n_clusters=1, n_init=1).fit(np.zeros((2, 1)))
 
 
 def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> PythonPolicy:
@@ -68,6 +82,7 @@ def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> Py
     place = folder / str(source["file"])
     module = ModuleType("submitted_agent")
     module.__file__ = str(place)
+    sys.modules[module.__name__] = module  # dataclasses and pickle look for the module of a class there
     exec(compile(read_text(place), str(place), "exec"), module.__dict__)
     names = ("PREVIEW", "ACTION_SCALE", "make_agent")
     if missing := [name for name in names if not hasattr(module, name)]:

@@ -1,8 +1,6 @@
 """The process that holds an agent of others: it is told what a controller knows, sees observations, and decides.
 
-    python -I -B -m ffgym.leaderboard.submission.worker
-
-is started by `ffgym.leaderboard.submission.process`, and speaks `ffgym.leaderboard.submission.protocol`.
+It is started by `ffgym.leaderboard.submission.launch`, and speaks `ffgym.leaderboard.submission.protocol`.
 """
 
 import json
@@ -21,6 +19,9 @@ import numpy as np
 from ffgym.control import Agent, ObservationLayout
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.leaderboard.submission import guard
+from ffgym.leaderboard.submission.failure import failure_text
+from ffgym.leaderboard.submission.judge import HIDDEN
+from ffgym.leaderboard.submission.launch import PACKAGE
 from ffgym.leaderboard.submission.protocol import (
     ACTIONS,
     JSON,
@@ -34,9 +35,10 @@ from ffgym.leaderboard.submission.protocol import (
 from ffgym.robot import RobotDescription, load_robot
 from ffgym.types import Array, BoolArray
 
-_CLOCK = time.perf_counter_ns
 _LOOKS_EVERY = 0.5
 """[s]."""
+_GRACE_S = 5
+"""Processor time between the signal that tells which limit was reached and the end without one [s]."""
 
 
 def main() -> None:
@@ -49,13 +51,15 @@ def main() -> None:
 
     try:
         _, payload = channel.receive()
-        _serve(channel, _begin(channel, json.loads(payload), refuse))
+        order = json.loads(payload)
+        try:
+            _serve(channel, _begin(channel, order, refuse))
+        except Closed:
+            raise
+        except BaseException as error:  # whatever the agent raises, SystemExit included
+            channel.send_json({"reason": failure_text(error, Path(order["folder"]))}, REFUSED)
     except Closed:
         return
-    except BaseException as error:  # whatever the agent raises, SystemExit included
-        text = " ".join(str(error).split())[:500]
-        reason = text if isinstance(error, FFGymError) else f"it raised {type(error).__name__}: {text}"
-        channel.send_json({"reason": reason}, REFUSED)
 
 
 def _end_with(parent: int) -> None:
@@ -80,7 +84,8 @@ def _own_channel() -> Channel:
 
 def _begin(channel: Channel, order: Mapping[str, Any], refuse: Callable[[str], None]) -> "_Decider":
     """Make the agent, and tell what it asks of an environment."""
-    folder = Path(order["folder"])
+    folder, stopwatch = Path(order["folder"]), _stopwatch()
+    _check_package(order["package"])
     _limit(order["memory_bytes"], order["cpu_seconds"])
     loader = import_module(order["loader"])
     robot = load_robot(order["robot"])
@@ -90,21 +95,43 @@ def _begin(channel: Channel, order: Mapping[str, Any], refuse: Callable[[str], N
     np.random.seed(order["seed"] % 2**32)  # noqa: NPY002 - agents may use the old way
     if "torch" in sys.modules:
         sys.modules["torch"].manual_seed(order["seed"])
-    guard.install(refuse, folder)
+    guard.install(refuse, folder, getattr(loader, "HIDDEN", HIDDEN))
     policy = loader.load(order["source"], folder, robot)
     preview = check_whole("PREVIEW", policy.preview, unit="samples", low=0, high=1000)
     scale = check_number("ACTION_SCALE", policy.action_scale, unit="breakaway torques", low=0.0, open_low=True)
     layout = ObservationLayout(robot, preview, scale * robot.friction.static)
-    decider = _Decider(policy.agent(robot, layout), robot)
+    decider = _Decider(policy.agent(robot, layout), robot, stopwatch)
     channel.send_json({"preview": preview, "action_scale": scale})
     return decider
+
+
+def _check_package(asked: str) -> None:
+    """Check that this is the package that asks: another version decides otherwise.
+
+    Raises:
+        FFGymError: if it is not.
+    """
+    if str(PACKAGE) != asked:
+        raise FFGymError(f"The agent's process found ffgym in {PACKAGE}, it must be the one in {asked}.")
+
+
+def _stopwatch() -> Callable[..., tuple[Any, int]]:
+    """Function that calls another and says how long it took [ns], by a clock that later code does not replace."""
+    clock = time.perf_counter_ns
+
+    def timed(call: Callable[..., Any], *arguments: Any) -> tuple[Any, int]:
+        began = clock()
+        answer = call(*arguments)
+        return answer, clock() - began
+
+    return timed
 
 
 class _Decider:
     """An agent, and its state."""
 
-    def __init__(self, agent: Agent, robot: RobotDescription) -> None:
-        self._agent, self._n = agent, robot.n_joints
+    def __init__(self, agent: Agent, robot: RobotDescription, stopwatch: Callable[..., tuple[Any, int]]) -> None:
+        self._agent, self._n, self._timed = agent, robot.n_joints, stopwatch
         self._state: Any = None
 
     def __call__(self, observation: Array, starts: BoolArray, first: bool) -> tuple[Array, int]:
@@ -114,9 +141,7 @@ class _Decider:
             FFGymError: if they are no finite numbers of the right shape.
         """
         state = None if first else self._state
-        began = _CLOCK()
-        answer = self._agent.predict(observation, state, starts, True)
-        elapsed = _CLOCK() - began
+        answer, elapsed = self._timed(self._agent.predict, observation, state, starts, True)
         if not isinstance(answer, tuple) or len(answer) != 2:
             raise FFGymError("predict must return actions and state, a pair.")
         action, self._state = answer
@@ -149,19 +174,15 @@ def _limit(memory_bytes: int, cpu_seconds: int) -> None:
     except ImportError:  # Windows
         return
     limits = {
-        resource.RLIMIT_AS: memory_bytes,
-        resource.RLIMIT_CPU: cpu_seconds,
-        resource.RLIMIT_FSIZE: 2**26,
-        resource.RLIMIT_CORE: 0,
+        resource.RLIMIT_AS: (memory_bytes, memory_bytes),
+        resource.RLIMIT_CPU: (cpu_seconds, cpu_seconds + _GRACE_S),
+        resource.RLIMIT_FSIZE: (2**26, 2**26),
+        resource.RLIMIT_CORE: (0, 0),
     }
     for which, wanted in limits.items():
         _, hard = resource.getrlimit(which)
-        bound = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        soft, last = (each if hard == resource.RLIM_INFINITY else min(each, hard) for each in wanted)
         try:
-            resource.setrlimit(which, (bound, bound))
+            resource.setrlimit(which, (soft, last))
         except (ValueError, OSError):  # a system that knows the limit and cannot set it
             continue
-
-
-if __name__ == "__main__":
-    main()
