@@ -23,17 +23,20 @@ def check_writable(path: str | os.PathLike[str]) -> None:
     """Check before long work that `path` can be written after it.
 
     Raises:
-        FFGymError: if its folder does not exist or is not writable, or it is a folder itself.
+        FFGymError: if its folder does not exist or is not writable, or it is a folder itself, or no name of a file.
     """
     target = Path(path)
     folder = target.absolute().parent
-    if target.is_dir():
-        raise FFGymError(f"{path}: is a folder, must be a file.")
-    if not folder.is_dir():
-        raise FFGymError(f"{path}: the folder {folder} does not exist; create it, or choose another place.")
-    for place in (folder, target):
-        if place.exists() and not os.access(place, os.W_OK):
-            raise FFGymError(f"{path}: {place} is not writable; choose another place, or allow writing.")
+    try:
+        if target.is_dir():
+            raise FFGymError(f"{path}: is a folder, must be a file.")
+        if not folder.is_dir():
+            raise FFGymError(f"{path}: the folder {folder} does not exist; create it, or choose another place.")
+        for place in (folder, target):
+            if place.exists() and not os.access(place, os.W_OK):
+                raise FFGymError(f"{path}: {place} is not writable; choose another place, or allow writing.")
+    except OSError as error:  # of a name that is too long, or a folder that may not be entered
+        raise FFGymError(f"{path}: cannot be written: {error.strerror}; choose another name or place.") from error
 
 
 def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:

@@ -11,8 +11,9 @@ from agents.submission import LOADERS
 from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.errors import FFGymError
-from ffgym.files import read_bytes, write_json
+from ffgym.files import write_json
 from ffgym.leaderboard.plants import ROBOT
+from ffgym.leaderboard.submission.archive import read_archive
 from ffgym.leaderboard.submission.manifest import Claim
 from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.submission.verify import CHECKS, Verifier
@@ -36,8 +37,8 @@ class Verify:
     def run(self) -> None:
         """Check, run, print."""
         check_outputs({"--json": self.json}, inputs=(self.submission,))
-        data = read_bytes(self.submission)
         try:
+            data = read_archive(self.submission)
             verdict = Verifier(loaders=LOADERS, n_threads=self.threads, stage=progress_bar).verify(data)
         except Refused as refusal:
             self._write({"accepted": False, "check": refusal.check, "reason": refusal.reason})

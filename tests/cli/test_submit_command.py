@@ -65,11 +65,26 @@ def test_what_cannot_be_submitted_is_refused_before_anything_runs(small, capsys,
     assert [path.name for path in small.iterdir()] == ["mine.py"]
 
 
-@pytest.mark.parametrize(("file", "message"), [("none.zip", "no such file"), ("mine.py", "refused, archive")])
+@pytest.mark.parametrize(
+    ("file", "message"),
+    [
+        ("none.zip", "no such file"),
+        ("mine.py", "refused, archive"),
+        (".", "must be a file"),
+        ("/dev/zero", "must be a file"),
+        ("x" * 300, "cannot be read"),
+    ],
+)
 def test_what_is_no_submission_is_refused_in_one_line(small, capsys, file, message):
     assert main(["verify", file]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
+
+
+def test_a_verdict_that_cannot_be_written_is_told_in_one_line(small, capsys):
+    assert main(["verify", "mine.py", "--json", "x" * 300 + ".json"]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "cannot be written" in line
 
 
 def test_the_oracle_has_no_track_for_submissions(small):

@@ -13,6 +13,8 @@ from ffgym.leaderboard.tasks import Task
 
 ROBOT = "irb4600_60_205"
 PLAN = Plan({"nominal": (Task("p2", 0.1, (0.001,), "positions"),)})
+SIDE_BY_SIDE = Plan({"nominal": tuple(Task("p2", 0.1, (radius,), "positions") for radius in (0.001, 0.003))})
+"""Two motions, on which agents decide at once."""
 ABOUT = About(name="mine", title="an agent of mine", author="somebody", track="causal, nominal parameters")
 PYTHON = AgentSource(kind="python", file="agent.py")
 FILE = """
@@ -46,15 +48,15 @@ def agent_file(body="pass", head=""):
     return FILE.format(head=head, body=lines).encode()
 
 
-def packed(source=PYTHON, content=None):
+def packed(source=PYTHON, content=None, plan=PLAN):
     """Submission of an agent, an honest one if there is no content."""
     content = agent_file() if content is None and source.kind == "python" else content
-    return pack(ABOUT, source, content, loaders=LOADERS, plan=PLAN, n_threads=1)
+    return pack(ABOUT, source, content, loaders=LOADERS, plan=plan, n_threads=1)
 
 
-def verifier(**limits):
+def verifier(plan=PLAN, **limits):
     """What checks these submissions."""
-    return Verifier(loaders=LOADERS, plan=PLAN, limits=Limits(**limits), n_threads=1)
+    return Verifier(loaders=LOADERS, plan=plan, limits=Limits(**limits), n_threads=1)
 
 
 def process(content, **limits):

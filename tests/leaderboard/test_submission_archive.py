@@ -7,7 +7,7 @@ import zipfile
 import pytest
 
 from ffgym.leaderboard.submission import archive
-from ffgym.leaderboard.submission.archive import check_arrays, decode_archive, encode_archive
+from ffgym.leaderboard.submission.archive import check_arrays, decode_archive, encode_archive, read_archive
 from ffgym.leaderboard.submission.refusal import Refused
 
 FILES = {"manifest.json": b"{}", "agent.py": b"PREVIEW = 1\n" * 100}
@@ -52,6 +52,14 @@ def test_what_would_unpack_to_too_much_is_refused(monkeypatch):
     assert "would unpack to 20000 bytes" in reason(zipped("agent.py", content=bytes(20_000)))
     with pytest.raises(Refused, match=r"actions.npz would unpack to"):
         check_arrays("actions.npz", zipped("a.npy", content=bytes(20_000)))
+
+
+def test_a_file_that_is_too_large_is_not_even_read(monkeypatch, tmp_path):
+    (tmp_path / "agent.zip").write_bytes(bytes(2000))
+    monkeypatch.setattr(archive, "LARGEST", 1000)
+    monkeypatch.setattr(archive, "read_bytes", None)
+    with pytest.raises(Refused, match="it has 2000 bytes, must have at most 1000"):
+        read_archive(tmp_path / "agent.zip")
 
 
 @pytest.mark.parametrize("told", [100, 5000])

@@ -2,6 +2,7 @@
 
 import contextlib
 import hashlib
+import io
 import re
 from copy import deepcopy
 from pathlib import Path
@@ -15,7 +16,8 @@ from ffgym.files import decode_arrays, encode_arrays
 from ffgym.leaderboard.evaluation.closed_loop import fly
 from ffgym.leaderboard.evaluation.scoring import cells_of
 from ffgym.leaderboard.plants import plant_named
-from ffgym.leaderboard.submission import python_agent
+from ffgym.leaderboard.submission import archive, python_agent
+from ffgym.leaderboard.submission import pack as packing
 from ffgym.leaderboard.submission.archive import decode_archive
 from ffgym.leaderboard.submission.checks import ACTION_TOLERANCE, SCORE_TOLERANCE, check_files, check_physics
 from ffgym.leaderboard.submission.manifest import ACTIONS, MANIFEST, AgentSource, decode_manifest
@@ -130,6 +132,7 @@ def test_a_changed_manifest_is_refused(honest):
         ("agent", {"kind": "pickle", "law": None, "file": "agent.pkl"}, "Unknown kind of agent 'pickle'"),
         ("claims", [{"plant": "nominal"}], "not complete"),
         ("more", 1, "unknown entries: more"),
+        ("format", True, "has format True"),
         ("plants", {"draw:0": "0"}, "must be run on nominal"),
         ("claims", [], "claims 0 circles"),
     ],
@@ -171,6 +174,25 @@ def test_a_file_that_nobody_needs_is_refused(honest):
     assert "notes.txt is no file of a submission" in refusal(changed(honest, {"notes.txt": b"hello"})).reason
 
 
+def test_arrays_of_an_agent_that_would_unpack_to_too_much_are_refused(honest, monkeypatch):
+    monkeypatch.setattr(archive, "LARGEST", 30_000)
+    large = io.BytesIO()
+    np.savez_compressed(large, weights=np.zeros(30_000))
+    files = {key: value for key, value in manifest_of(honest)["files"].items() if key == ACTIONS}
+    files["agent.npz"] = hash_of(large.getvalue())
+    agent = {"kind": "policy", "law": None, "file": "agent.npz"}
+    data = changed(honest, {"agent.py": None, "agent.npz": large.getvalue()}, {"agent": agent, "files": files})
+    found = refusal(data)
+    assert (found.check, "agent.npz would unpack to" in found.reason) == ("archive", True)
+
+
+def test_an_agent_that_is_too_large_is_refused_before_it_is_run(monkeypatch):
+    monkeypatch.setattr(archive, "LARGEST", 3000)
+    monkeypatch.setattr(packing, "run", None)
+    with pytest.raises(Refused, match="would unpack to"):
+        packed(content=agent_file() + b"#" * 3000)
+
+
 def test_a_missing_file_is_refused(honest):
     assert "agent.py is missing" in refusal(changed(honest, {"agent.py": None})).reason
 
@@ -197,7 +219,7 @@ def test_an_agent_that_asks_for_another_environment_than_its_manifest_is_refused
 
 
 def test_an_agent_that_is_too_slow_is_refused(honest):
-    other = agent_file("time.sleep(0.006)")
+    other = agent_file("time.sleep(0.0045)")
     files = manifest_of(honest)["files"] | {"agent.py": hash_of(other)}
     found = refusal(changed(honest, {"agent.py": other}, {"files": files}))
     assert found.check == "time"

@@ -1,11 +1,16 @@
 """The ZIP file of a submission: flat, small, and read without trust in what it says of itself."""
 
+import hashlib
 import io
+import os
 import re
 import stat
 import zipfile
 from collections.abc import Mapping
+from pathlib import Path
 
+from ffgym.errors import FFGymError
+from ffgym.files import read_bytes
 from ffgym.leaderboard.submission.refusal import Refused
 
 LARGEST = 64 * 2**20
@@ -16,6 +21,30 @@ MOST = 8
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
 _DATE = (1980, 1, 1, 0, 0, 0)
 _CHECK = "archive"
+
+
+def read_archive(path: str | os.PathLike[str]) -> bytes:
+    """Bytes of a submission's file; one that is too large, or no ordinary file, is not read.
+
+    Raises:
+        FFGymError: if there is no such file, or it cannot be read.
+        Refused: if it is too large.
+    """
+    try:
+        found = Path(path).stat()
+    except FileNotFoundError:
+        return read_bytes(path)  # which says so
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
+    if not stat.S_ISREG(found.st_mode):
+        raise FFGymError(f"{path}: is a folder or a device, must be a file.")
+    _check_size(found.st_size)
+    return read_bytes(path)
+
+
+def sha256_of(data: bytes) -> str:
+    """Hash of a file, hexadecimal."""
+    return hashlib.sha256(data).hexdigest()
 
 
 def encode_archive(files: Mapping[str, bytes]) -> bytes:
@@ -37,8 +66,7 @@ def decode_archive(data: bytes) -> dict[str, bytes]:
     Raises:
         Refused: if it is damaged or too large, or holds anything but a few plain files beside each other.
     """
-    if len(data) > LARGEST:
-        raise Refused(_CHECK, f"it has {len(data)} bytes, must have at most {LARGEST}.")
+    _check_size(len(data))
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             entries = archive.infolist()
@@ -63,6 +91,11 @@ def check_arrays(name: str, data: bytes) -> None:
         raise Refused(_CHECK, f"{name} is damaged, no NPZ file ({type(error).__name__}).") from error
     if size > LARGEST:
         raise Refused(_CHECK, f"{name} would unpack to {size} bytes, more than {LARGEST}.")
+
+
+def _check_size(size: int) -> None:
+    if size > LARGEST:
+        raise Refused(_CHECK, f"it has {size} bytes, must have at most {LARGEST}.")
 
 
 def _check_entries(entries: list[zipfile.ZipInfo]) -> None:

@@ -7,9 +7,8 @@ import numpy as np
 from ffgym.errors import FFGymError
 from ffgym.files import decode_arrays
 from ffgym.leaderboard.plants import plant_named
-from ffgym.leaderboard.submission.archive import check_arrays
+from ffgym.leaderboard.submission.archive import check_arrays, sha256_of
 from ffgym.leaderboard.submission.manifest import ACTIONS, MANIFEST, Claim, Manifest
-from ffgym.leaderboard.submission.pack import sha256_of
 from ffgym.leaderboard.submission.plan import actions_name, controller_of
 from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.tasks import Task
@@ -32,7 +31,7 @@ def check_files(manifest: Manifest, files: Mapping[str, bytes]) -> None:
     """Check that the files are those of the manifest.
 
     Raises:
-        Refused: if one is missing, changed, or not named.
+        Refused: if one is missing, changed, not named, or unpacks to more than a submission may hold.
     """
     agent = manifest.agent.file
     wanted = {ACTIONS} | ({agent} if agent is not None else set())
@@ -46,6 +45,8 @@ def check_files(manifest: Manifest, files: Mapping[str, bytes]) -> None:
         if sha256_of(files[name]) != manifest.files[name]:
             what = "logged actions" if name == ACTIONS else "weights"
             raise Refused("files", f"{what} were changed: {name} has not the sha256 that the manifest gives.")
+        if name.endswith(".npz"):
+            check_arrays(name, files[name])
 
 
 def check_physics(manifest: Manifest, tasks: Mapping[str, Sequence[Task]]) -> None:
@@ -81,7 +82,6 @@ def logged_actions(data: bytes, tasks: Mapping[str, Sequence[Task]]) -> dict[str
     Raises:
         Refused: if they are not complete, or no finite numbers in [-1, 1] of the right shape.
     """
-    check_arrays(ACTIONS, data)
     try:
         arrays = decode_arrays(data)
     except FFGymError as error:
@@ -131,8 +131,17 @@ def check_actions(logged: Array, found: Array, where: str) -> float:
     """
     if logged.shape != found.shape:
         raise Refused("agent", f"on {where} it acts {len(found)} times, {len(logged)} actions were logged.")
+    return check_first_actions(logged, found, where)
+
+
+def check_first_actions(logged: Array, found: Array, where: str) -> float:
+    """As `check_actions`, for the first actions of a motion.
+
+    Raises:
+        Refused: if they are not the logged ones.
+    """
     largest = np.maximum(np.abs(logged).max(axis=0), np.finfo(np.float32).tiny)
-    difference = np.abs(logged - found) / largest
+    difference = np.abs(logged[: len(found)] - found) / largest
     worst = float(difference.max())
     if worst > ACTION_TOLERANCE:
         step, motor = np.unravel_index(int(difference.argmax()), difference.shape)

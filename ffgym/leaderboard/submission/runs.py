@@ -1,4 +1,4 @@
-"""Runs of a submission: what is claimed of them, the actions in them, and how long one decision takes."""
+"""Runs of a submission: what is claimed of them, the actions in them, and what agents saw."""
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -9,11 +9,10 @@ import numpy as np
 
 from ffgym.control import Agent, ObservationLayout
 from ffgym.errors import FFGymError
-from ffgym.leaderboard.evaluation.closed_loop import TIMED, Flight, fly
+from ffgym.leaderboard.evaluation.closed_loop import Flight, fly
 from ffgym.leaderboard.evaluation.scoring import cells_of
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.submission.manifest import Claim
-from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.tasks import Task
 from ffgym.robot import RobotDescription
@@ -22,6 +21,10 @@ from ffgym.types import Array
 
 Stage = Callable[[str, str], AbstractContextManager[Progress | None]]
 """Context of a piece of work by its title and unit, which shows how far it is."""
+
+WATCHED = 1000
+"""Decisions of each motion that are made once more for one robot alone; chosen: a fast motion whole, and four seconds
+of slower ones, which takes some seconds for all motions of a plant."""
 
 
 def silent(title: str, unit: str) -> AbstractContextManager[None]:
@@ -42,18 +45,19 @@ class Contract:
 
 
 class Watched:
-    """An agent, and the first observations of the first robot that it decided on."""
+    """An agent, and the first observations that it decided on."""
 
-    def __init__(self, agent: Any) -> None:
+    def __init__(self, agent: Agent) -> None:
         self._agent = agent
         self.seen: list[Array] = []
+        """Of all motions, shape (B, D), by step."""
 
     def predict(
         self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[Array, Any]:
         """See `ffgym.control.Agent`."""
-        if len(self.seen) < TIMED:
-            self.seen.append(observation[:1].copy())
+        if len(self.seen) < WATCHED:
+            self.seen.append(observation.copy())
         answer: tuple[Array, Any] = self._agent.predict(observation, state, episode_start, deterministic)
         return answer
 
@@ -113,24 +117,3 @@ def claims_of(plant: str, tasks: Sequence[Task], flights: Sequence[Flight], chec
             )
         claims += [Claim.of(plant, cell) for cell in cells_of(task, flight.recording)]
     return claims
-
-
-def decision_time(process: AgentProcess, observations: Sequence[Array]) -> float:
-    """Median time of one decision for one robot [us], measured beside the agent."""
-    state, times = None, []
-    for k, observation in enumerate(observations):
-        _, state = process.predict(observation, state, np.array([k == 0]))
-        times.append(process.elapsed_ns)
-    return float(np.median(times)) / 1e3
-
-
-def check_decision_time(time_us: float, control_dt: float, check: str) -> None:
-    """Check that an agent decides within a control step.
-
-    Raises:
-        Refused: if it does not.
-    """
-    if time_us > control_dt * 1e6:
-        raise Refused(
-            check, f"one decision for one robot takes {time_us:.0f} us, must take at most {control_dt * 1e6:.0f} us."
-        )

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from ffgym.control import Agent
 from ffgym.leaderboard.evaluation.closed_loop import Flight
 from ffgym.leaderboard.submission import plan as plans
+from ffgym.leaderboard.submission.alone import check_alone
 from ffgym.leaderboard.submission.archive import decode_archive
 from ffgym.leaderboard.submission.checks import (
     check_actions,
@@ -23,9 +25,7 @@ from ffgym.leaderboard.submission.runs import (
     Replay,
     Stage,
     Watched,
-    check_decision_time,
     claims_of,
-    decision_time,
     run,
     silent,
 )
@@ -39,8 +39,8 @@ CHECKS: Mapping[str, str] = {
     "files": "each as it was packed, none missing, none more",
     "physics": "the plants here are those of the claims",
     "replay": "the logged actions give the claimed errors in the simulation here",
-    "time": "one decision for one robot fits into a control step",
-    "agent": "alone with its observations, it decides what was logged, and does nothing that it must not",
+    "time": "one decision for one robot fits into a control step, and all of a run keep up",
+    "agent": "for one robot alone and for all, it decides what was logged, and does nothing that it must not",
     "score": "the errors of that run are the claimed ones",
 }
 """What is checked, in this order."""
@@ -89,7 +89,7 @@ class Verifier:
         check_physics(manifest, tasks)
         actions = logged_actions(files[ACTIONS], tasks)
         seen = self._replay(manifest, tasks, actions)
-        time_us = self._time(manifest, files, next(iter(tasks)), seen)
+        time_us = self._decide_alone(manifest, files, next(iter(tasks)), actions, seen)
         claims, difference = self._run_again(manifest, files, tasks, actions)
         return Verdict(manifest=manifest, claims=claims, inference_us=time_us, action_difference=difference)
 
@@ -111,7 +111,7 @@ class Verifier:
     def _replay(
         self, manifest: Manifest, tasks: Mapping[str, Sequence[Task]], actions: Mapping[str, list[Array]]
     ) -> list[Array]:
-        """Check claims by logged actions; returns first observations of the first robot."""
+        """Check claims by logged actions; returns first observations of all motions of the first plant."""
         found: list[Claim] = []
         seen: list[Array] = []
         for name in tasks:
@@ -133,19 +133,23 @@ class Verifier:
         robot = controller_of(plant)
         return AgentProcess(agent, content, robot, loaders=self.loaders, seed=manifest.seed, limits=self.limits)
 
-    def _time(self, manifest: Manifest, files: Mapping[str, bytes], plant: str, seen: Sequence[Array]) -> float:
-        """Check the time of a decision [us]; and that the agent asks for what its manifest says."""
-        with self._process(manifest, files, plant) as agent:
-            own = (agent.preview, agent.action_scale)
-            if own != (manifest.preview, manifest.action_scale):
-                raise Refused(
-                    "agent",
-                    f"it asks for preview and action scale {own}, its manifest says "
-                    f"{(manifest.preview, manifest.action_scale)}.",
-                )
-            time_us = decision_time(agent, seen)
-        check_decision_time(time_us, load_robot(controller_of(plant)).servo.control_dt, "time")
-        return time_us
+    def _decide_alone(
+        self,
+        manifest: Manifest,
+        files: Mapping[str, bytes],
+        plant: str,
+        actions: Mapping[str, Sequence[Array]],
+        seen: Sequence[Array],
+    ) -> float:
+        """Check what the agent decides for each robot alone; returns the time of a decision [us]."""
+        return check_alone(
+            partial(self._process, manifest, files, plant),
+            Contract(manifest.preview, manifest.action_scale),
+            load_robot(controller_of(plant)).servo.control_dt,
+            actions[plant],
+            seen,
+            plant,
+        )
 
     def _run_again(
         self,
