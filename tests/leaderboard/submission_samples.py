@@ -4,10 +4,11 @@ import json
 
 from agents.submission import LOADERS
 from ffgym.leaderboard.submission.archive import decode_archive, encode_archive
+from ffgym.leaderboard.submission.limits import Limits
 from ffgym.leaderboard.submission.manifest import MANIFEST, AgentSource, digest_of
 from ffgym.leaderboard.submission.pack import About, pack
 from ffgym.leaderboard.submission.plan import Plan
-from ffgym.leaderboard.submission.process import AgentProcess, Limits
+from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.verify import Verifier
 from ffgym.leaderboard.tasks import Task
 

@@ -11,9 +11,10 @@ from ffgym.leaderboard.submission import plan as plans
 from ffgym.leaderboard.submission.alone import check_alone
 from ffgym.leaderboard.submission.archive import decode_archive, encode_archive, sha256_of
 from ffgym.leaderboard.submission.checks import check_files
+from ffgym.leaderboard.submission.limits import Limits
 from ffgym.leaderboard.submission.manifest import ACTIONS, MANIFEST, AgentSource, Claim, Manifest, encode_manifest
 from ffgym.leaderboard.submission.plan import Plan, actions_name, controller_of
-from ffgym.leaderboard.submission.process import AgentProcess, Limits
+from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.runs import (
     Contract,
     Stage,

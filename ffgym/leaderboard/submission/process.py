@@ -7,7 +7,7 @@ import subprocess
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Self
@@ -16,6 +16,7 @@ import numpy as np
 
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.leaderboard.submission.launch import PACKAGE, launch
+from ffgym.leaderboard.submission.limits import Limits
 from ffgym.leaderboard.submission.manifest import AgentSource
 from ffgym.leaderboard.submission.protocol import (
     ACTIONS,
@@ -33,23 +34,6 @@ from ffgym.robot import load_robot
 from ffgym.types import Array
 
 _CHECK = "agent"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Limits:
-    """What an agent may use; chosen so that honest ones never meet them."""
-
-    start_s: float = 120.0
-    """Time to load it, with libraries [s]."""
-    decision_s: float = 20.0
-    """Time of one decision, for all robots of a run [s]; what is usual is measured apart."""
-    late_s: float = 10.0
-    """Time that all decisions of a run may take beyond a control step for each of each robot [s]: the first ones of
-    libraries take long, and computers do other things; it also bounds a run."""
-    memory_bytes: int = 32 * 2**30
-    """Address space: libraries reserve much more than they use."""
-    cpu_seconds: int = 1800
-    """Of one process, all threads together [s]."""
 
 
 class AgentProcess:

@@ -16,9 +16,10 @@ from ffgym.leaderboard.submission.checks import (
     check_physics,
     logged_actions,
 )
+from ffgym.leaderboard.submission.limits import Limits
 from ffgym.leaderboard.submission.manifest import ACTIONS, MANIFEST, Claim, Manifest, decode_manifest
 from ffgym.leaderboard.submission.plan import Plan, controller_of
-from ffgym.leaderboard.submission.process import AgentProcess, Limits
+from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.submission.runs import (
     Contract,
