@@ -4,17 +4,15 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 from weakref import finalize
 
 from ffgym.control import Agent, ObservationLayout
 from ffgym.errors import FFGymError
-from ffgym.files import read_bytes
 from ffgym.leaderboard.entrants import Entrant, Ready, one_by_one
 from ffgym.leaderboard.plants import TestPlant
-from ffgym.leaderboard.submission.archive import decode_archive
+from ffgym.leaderboard.submission.archive import decode_archive, read_archive, sha256_of
 from ffgym.leaderboard.submission.checks import check_files
 from ffgym.leaderboard.submission.manifest import MANIFEST, Manifest, decode_manifest
 from ffgym.leaderboard.submission.plan import controller_of
@@ -38,8 +36,8 @@ def entrant_of(path: Path, loaders: Mapping[str, str]) -> Entrant:
     Raises:
         FFGymError: if it cannot be read, is damaged, or has a name that no file may have.
     """
-    data = read_bytes(path)
     try:
+        data = read_archive(path)
         files = decode_archive(data)
         if MANIFEST not in files:
             raise Refused("archive", f"it has no {MANIFEST}.")
@@ -52,7 +50,7 @@ def entrant_of(path: Path, loaders: Mapping[str, str]) -> Entrant:
             f"{path}: the name {manifest.name!r} must be letters, digits, _ and -, at most 64, as its result file is "
             f"named after it. Submit it with another --name."
         )
-    known = sha256(data).hexdigest()
+    known = sha256_of(data)
     content = None if manifest.agent.file is None else files[manifest.agent.file]
 
     def ready(plant: TestPlant, seed: int, tasks: Sequence[Task]) -> Ready:
