@@ -89,4 +89,4 @@ def _colour(speed: float) -> str:
 
 
 def _short(title: str) -> str:
-    return title if len(title) <= 40 else title[:39] + "…"
+    return title if len(title) <= 42 else title[:41] + "…"
