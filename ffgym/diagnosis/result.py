@@ -52,6 +52,19 @@ class Cause:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Number:
+    """A number of the nominal model that was fitted beside the causes, as the extended model has it."""
+
+    entry: str
+    """Of a description, such as 'friction.coulomb'; or 'effects.' with the name of an effect and its parameter."""
+    unit: str
+    """As the entry is kept: SI units, on the side that descriptions keep it on."""
+    before: tuple[float, ...]
+    """All its values, row by row."""
+    after: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Rival:
     """An effect that was considered and lost, or tied."""
 
@@ -111,8 +124,9 @@ class Level:
     unit: str
     noise_floor: float
     before: float
+    """Of the nominal model as it is."""
     after: float
-    """With the causes; as before, what errors of calibration explain is taken off."""
+    """Of the extended model as it is written, each motion by one that was fitted without it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,6 +153,8 @@ class Diagnosis:
     robot: str
     motions: tuple[str, ...]
     causes: tuple[Cause, ...] = ()
+    numbers: tuple[Number, ...] = ()
+    """What was fitted beside the causes, and is in the extended model."""
     rivals: tuple[Rival, ...] = ()
     patterns: tuple[Pattern, ...] = ()
     not_excited: tuple[Unjudged, ...] = ()
@@ -147,6 +163,9 @@ class Diagnosis:
     """Effects that take columns, or a description, that are not there."""
     separating_motion: SeparatingMotion | None = None
     levels: tuple[Level, ...] = ()
+    gains: bool = False
+    """Whether the extended model leaves less than the nominal one of motions that it was not fitted to; if it does not,
+    it is worse than before, and is not written."""
     threshold: float = 0.0
     """Energy that the best effect removes by chance in one of a thousand logs of a perfect model, on rows that were not
     used; 1 is the energy of noise in one component. Effects are tried whose score is larger. No share."""

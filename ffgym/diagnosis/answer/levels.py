@@ -4,19 +4,17 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ffgym.diagnosis.fit.leftover import without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.measured import counting_rows
 from ffgym.diagnosis.residual import UNITS, Channel, components
 from ffgym.diagnosis.result import Level
-from ffgym.diagnosis.search.found import Found
 from ffgym.types import Array, BoolArray
 
 
-def levels(setting: Setting, found: Found, floor: Mapping[Channel, Array]) -> tuple[Level, ...]:
-    """RMS of every component that is judged."""
-    before = without_calibration(setting, found.nominal.fit)
-    after = without_calibration(setting, found.final.fit)
+def levels(
+    setting: Setting, before: Mapping[Channel, Array], after: Mapping[Channel, Array], floor: Mapping[Channel, Array]
+) -> tuple[Level, ...]:
+    """RMS of every component that is judged, of residuals (R, M, C) before and after, beside the noise floor (M, C)."""
     counting = counting_rows(setting.log)
     listed = []
     for channel in before:
