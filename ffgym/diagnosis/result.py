@@ -11,6 +11,14 @@ much and something is left; `ambiguous`: several causes explain it as well, see 
 something is there that no effect of the library explains; `insufficient`: these logs do not allow a diagnosis."""
 
 
+NEAR_NOISE = 1.25
+"""RMS over that of noise up to which what is left is noise: one and a half times its energy, as of verdicts."""
+
+SMALL = 0.05
+"""Share of what was measured up to which what is left is small; chosen: rigid-body fits of recorded robots leave as
+much at best."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Size:
     """Size of a parameter with its interval."""
@@ -122,11 +130,18 @@ class Level:
     channel: Channel
     component: str
     unit: str
+    measured: float
+    """Of what was measured, about its mean."""
     noise_floor: float
     before: float
     """Of the nominal model as it is."""
     after: float
     """Of the extended model as it is written, each motion by one that was fitted without it."""
+
+    @property
+    def is_small(self) -> bool:
+        """Whether what the extended model leaves is hardly more than noise, or a small share of what was measured."""
+        return self.after <= max(NEAR_NOISE * self.noise_floor, SMALL * self.measured)
 
 
 @dataclass(frozen=True, kw_only=True)

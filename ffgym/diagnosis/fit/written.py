@@ -1,8 +1,8 @@
 """The model as it is written: causes, and the numbers that were fitted beside them.
 
 A fit to a log holds for causes and calibration errors together; with the nominal numbers in their place, a cause that
-overlaps one of them would make the model worse. So both are put into one machine, which is replayed, and fitted once more
-about where it then is.
+overlaps one of them would make the model worse. So both are put into one machine, which is replayed, and fitted once
+more about where it then is.
 """
 
 from collections.abc import Mapping, Sequence
