@@ -13,7 +13,8 @@ Resample = Literal["", "gaps", "linear", "hold"]
 COLUMN_KEYS: Mapping[str, str] = MappingProxyType(
     {
         "source": "name of the array; or a list of names, one for each joint or axis; or a name with `{joint}` in it, "
-        "or `{number}`, which counts the joints from 1",
+        "or `{number}`, which counts the joints or axes from 1, or `{index}`, which counts them from 0; "
+        "`{number+12}` is 12 more",
         "unit": "unit of scale * source + offset, one or a list with one per joint; needed unless `rate_hz` is given",
         "axes": 'which axis of the array is what, of "motion", "time" and "part" (joints, x y z); absent is '
         '["time"] or ["time", "part"], as the array has one or two',
