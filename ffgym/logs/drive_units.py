@@ -33,12 +33,12 @@ class DriveUnit:
 DRIVE_UNITS: Mapping[str, DriveUnit] = MappingProxyType(
     {
         "A": DriveUnit(
-            entry="drive.torque_per_current", field="torque_per_current", factor=1.0, scale="torque per ampere"
+            entry="drive.torque_per_current", field="torque_per_current", factor=1.0, scale="N m/A"
         ),
         "mA": DriveUnit(
-            entry="drive.torque_per_current", field="torque_per_current", factor=1e-3, scale="torque per milliampere"
+            entry="drive.torque_per_current", field="torque_per_current", factor=1e-3, scale="N m/mA"
         ),
-        "%": DriveUnit(entry="drive.rated_torque", field="rated_torque", factor=1e-2, scale="rated torque / 100"),
+        "%": DriveUnit(entry="drive.rated_torque", field="rated_torque", factor=1e-2, scale="N m/%"),
     }
 )
 """Units that become torques with a number of the robot."""
@@ -103,7 +103,7 @@ def _numbers(key: str, column: Column, unit: DriveUnit, robot: RobotDescription 
         named = "the map names joints without a description" if robot is None else f"{robot.name} has none"
         raise FFGymError(
             f"[columns.{key!r}]: unit {column.unit!r} becomes a torque by {unit.entry} of the robot's description, and "
-            f"{named}. Add a table [{unit.entry}] to the description (with side = \"link\" if it counts behind the "
+            f'{named}. Add a table [{unit.entry}] to the description (with side = "link" if it counts behind the '
             f"gearbox), or give scale = <{unit.scale}> and unit = 'N m' in the column map."
         )
     if column.side:

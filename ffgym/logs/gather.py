@@ -14,7 +14,7 @@ from ffgym.logs.column_map.column import AXES
 from ffgym.logs.contents import Contents
 from ffgym.logs.target import Target
 
-_PLACE = re.compile(r"\{(joint|number|index)((?<!joint)[+-]\d+)?\}")
+PLACE = re.compile(r"\{(joint|number|index)((?<!joint)[+-]\d+)?\}")
 """Where the name of an array differs from joint to joint."""
 
 
@@ -34,14 +34,14 @@ class Gathered:
 def source_names(column: Column, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:
     """One name, or one for each part where the entry lists them or has a place for the joint."""
     source = column.source
-    if isinstance(source, tuple) or not _PLACE.search(source):
+    if isinstance(source, tuple) or not PLACE.search(source):
         return source
     numbers = range(len(target.columns)) if target.joints is None else target.joints
     if "{joint}" in source and target.joints is None:
         raise FFGymError(f"source = {source!r} has a place for a joint, but {target.key} has none; list the names.")
 
     def name(number: int) -> str:
-        return _PLACE.sub(lambda found: _filled(found, number, joints), source)
+        return PLACE.sub(lambda found: _filled(found, number, joints), source)
 
     return tuple(map(name, numbers))
 

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from ffgym.errors import FFGymError
 from ffgym.files import read_bytes
 from ffgym.logs.contents import Contents
+from ffgym.logs.formats.json_table import read_json
 from ffgym.logs.formats.matlab import read_mat
 from ffgym.logs.formats.npz import read_npz
 from ffgym.logs.formats.optional import read_bag, read_hdf5, read_lerobot, read_parquet
@@ -25,6 +26,8 @@ PACKED = ".gz"
 FILES: Mapping[str, Callable[[bytes, str], Contents]] = MappingProxyType(
     {
         ".npz": read_npz,
+        ".json": read_json,
+        ".jsonl": read_json,
         ".mat": read_mat,
         ".h5": read_hdf5,
         ".hdf5": read_hdf5,
