@@ -32,12 +32,8 @@ class DriveUnit:
 
 DRIVE_UNITS: Mapping[str, DriveUnit] = MappingProxyType(
     {
-        "A": DriveUnit(
-            entry="drive.torque_per_current", field="torque_per_current", factor=1.0, scale="N m/A"
-        ),
-        "mA": DriveUnit(
-            entry="drive.torque_per_current", field="torque_per_current", factor=1e-3, scale="N m/mA"
-        ),
+        "A": DriveUnit(entry="drive.torque_per_current", field="torque_per_current", factor=1.0, scale="N m/A"),
+        "mA": DriveUnit(entry="drive.torque_per_current", field="torque_per_current", factor=1e-3, scale="N m/mA"),
         "%": DriveUnit(entry="drive.rated_torque", field="rated_torque", factor=1e-2, scale="N m/%"),
     }
 )

@@ -79,7 +79,7 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
             typical="0.05 to 1 N m/A at the motor",
         ),
         "drive.rated_torque": Advice(
-            where="data sheet of the motor, drive parameters; left out, logs in percent need a scale in their column map",
+            where="data sheet of the motor, drive parameters; left out, logs in percent need a scale in the column map",
             typical="0.1 to 30 N m",
         ),
         "friction.coulomb": Advice(where=_FRICTION_TEST, typical="2 to 10 % of the peak torque"),
