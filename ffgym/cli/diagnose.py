@@ -21,6 +21,7 @@ from ffgym.diagnosis.first_look import FirstLook
 from ffgym.diagnosis.search.search import MOST
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import made_folder, write_text
+from ffgym.quality import accepted
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 
@@ -46,6 +47,9 @@ class Diagnose:
     fit: bool = False
     """Fit masses, rotors and friction to the logs before, for a robot whose numbers are not known; its description may
     lack them."""
+    accept: tuple[str, ...] = ()
+    """Checks of quality that are overruled, e.g. coarse: a log that they refuse is used all the same, and the page says
+    so. Others that are refused are left out."""
     validate: tuple[Path, ...] = ()
     """Recordings or folders that are not diagnosed; both models run their references in closed loop, and are compared
     with what was measured. Takes reference.position."""
@@ -81,6 +85,7 @@ class Diagnose:
                 report=tell,
                 first=_say,
                 most=self.most_causes,
+                accept=self.accept,
             )
         physics = nominal.machine.physics(ModelOptions(looks=False))
         info = provenance("ffgym diagnose", self, nominal.machine.robot.name, physics, self.seed)
@@ -95,6 +100,7 @@ class Diagnose:
             raise FFGymError("Name the model that the logs are compared with: --robot ROBOT.")
         if not self.logs and (given := given_options(self, ("columns",))):
             raise FFGymError(f"{given[0]} has no effect on the example logs. Leave it out, or name logs.")
+        accepted(self.accept)
         check_whole("--seed", self.seed, low=0)
         check_whole("--most-causes", self.most_causes, low=1, high=MOST)
         if self.calibration is not None:
