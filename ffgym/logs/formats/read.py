@@ -1,6 +1,8 @@
 """Files of other tools as arrays: the suffix, or what a folder holds, chooses the reader."""
 
+import gzip
 import os
+import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
@@ -16,6 +18,9 @@ from ffgym.logs.formats.text_layout import TextLayout
 
 TEXT_FILES = (".csv", ".tsv", ".txt", ".dat", ".asc")
 """Suffixes of tables in text."""
+
+GZIP = ".gz"
+"""Last suffix of a compressed file, after that of its kind."""
 
 FILES: Mapping[str, Callable[[bytes, str], Contents]] = MappingProxyType(
     {
@@ -54,20 +59,40 @@ def read_contents(path: str | os.PathLike[str], layout: TextLayout | None = None
         raise error if str(error).startswith(f"{place}: ") else FFGymError(f"{place}: {error}") from error
 
 
+def stem_of(path: str | os.PathLike[str]) -> str:
+    """Name of a file without its suffix, and without that of its compression."""
+    place = Path(path)
+    return Path(place.stem).stem if place.suffix.lower() == GZIP else place.stem
+
+
 def _read(place: Path, layout: TextLayout | None) -> Contents:
-    suffix = place.suffix.lower()
+    packed = place.suffix.lower() == GZIP
+    suffix = Path(place.stem).suffix.lower() if packed else place.suffix.lower()
     if place.is_dir():
         return _read_folder(place)
     if suffix in (*FILES, *BAGS) and layout is not None and layout != TextLayout():
         raise FFGymError(f"[file] is about text files ({', '.join(TEXT_FILES)}); leave it out.")
     if suffix in TEXT_FILES:
-        return read_text_table(read_bytes(place), str(place), layout or TextLayout())
+        return read_text_table(_bytes(place, packed), str(place), layout or TextLayout())
     if suffix in FILES:
-        return FILES[suffix](read_bytes(place), str(place))
-    if suffix in BAGS:
+        return FILES[suffix](_bytes(place, packed), str(place))
+    if suffix in BAGS and not packed:
         _check_file(place)
         return read_bag(place)
-    raise FFGymError(f"suffix {suffix!r} is unknown, must be one of {', '.join((*TEXT_FILES, *FILES, *BAGS))}.")
+    raise FFGymError(
+        f"suffix {suffix!r} is unknown, must be one of {', '.join((*TEXT_FILES, *FILES, *BAGS))}; files may be "
+        f"compressed ({GZIP}), bags not."
+    )
+
+
+def _bytes(place: Path, packed: bool) -> bytes:
+    data = read_bytes(place)
+    if not packed:
+        return data
+    try:
+        return gzip.decompress(data)
+    except (OSError, EOFError, zlib.error) as error:
+        raise FFGymError(f"Damaged or cut short, or no gzip file: {error}. Copy it again.") from error
 
 
 def _read_folder(place: Path) -> Contents:
