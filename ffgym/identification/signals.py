@@ -7,7 +7,7 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import butter, filtfilt
 
 from ffgym.errors import FFGymError, check_number, check_whole
-from ffgym.quality.conditioning.times import is_even
+from ffgym.quality.intervals import is_even
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array, BoolArray

@@ -6,7 +6,7 @@ from typing import final
 
 from ffgym.errors import check_choice
 from ffgym.quality.conditioning import conditioned, notes_of
-from ffgym.quality.conditioning.times import EVEN, is_even
+from ffgym.quality.intervals import EVEN, is_even
 from ffgym.quality.gate import CHECKS, check_quality
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription

@@ -26,6 +26,9 @@ _USUAL, _LONGER = 0.9, 4.0
 _BEFORE = 0.005
 """Time [s] over which it counts how fast a column comes to a stretch of one value, three rows at least."""
 
+_TOP, _SHARE = 0.95, 0.2
+"""Quantile of the changes of a column over that time that is its top speed, and the share of it that is abrupt."""
+
 _JUMP = 3.0
 """Step at the end of a stretch over the steps that follow, from which on it is a jump and no joint that goes on."""
 
@@ -121,8 +124,11 @@ def _is_stuck(log: Log, family: str, j: int, x: Array, step: float, rows: slice)
 
 def _abrupt(log: Log, x: Array, step: float, row: int) -> bool:
     """Whether `x` (T,) comes to a row faster than a joint that comes to rest: by steps of the resolution, in a time."""
-    first = row - max(3, log.rows(_BEFORE))
-    return first >= 0 and float(np.ptp(x[first : row + 1])) > 3 * _ABRUPT * step
+    width = max(3, log.rows(_BEFORE))
+    if row < width:
+        return False
+    usual = float(np.quantile(np.abs(x[width:] - x[:-width]), _TOP))
+    return float(np.ptp(x[row - width : row + 1])) > max(3 * _ABRUPT * step, _SHARE * usual)
 
 
 def _largest_step(x: Array, row: int) -> float:
@@ -177,7 +183,7 @@ STUCK = (
         refuse=0.0,
         why="a stretch counts from 20 ms on, beyond 4 of the times for which the column keeps its values, if another "
         "position of the joint moves on by 1 mrad and 5 % of its range, or if it begins abruptly, by 15 steps of the "
-        "resolution in 5 ms, and ends so; a position must jump to where the joint is by then: one that sticks by "
+        "resolution and a fifth of its usual top speed in 5 ms, and ends so; a position must jump to where the joint is by then: one that sticks by "
         "friction goes on from where it stood",
         judge=_stuck,
     ),

@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from ffgym.quality.runs import grid_step
 from ffgym.recordings import FAMILIES
 from ffgym.types import Array, BoolArray
 
@@ -37,7 +38,10 @@ def between(s: Array, values: Array, t: Array, *, smooth: bool) -> Array:
 
 
 def bridged(t: Array, values: Array, bad: BoolArray, *, smooth: bool) -> Array:
-    """Values (T,) with those in rows `bad` (T,) replaced by what lies between the others; held beyond the last."""
+    """Values (T,) with those in rows `bad` (T,) replaced by what lies between the others; held beyond the last.
+
+    Values on the grid of an encoder are replaced by such.
+    """
     known, holes = np.flatnonzero(~bad), np.flatnonzero(bad)
     if len(known) < 2 or not len(holes):
         return values
@@ -49,4 +53,11 @@ def bridged(t: Array, values: Array, bad: BoolArray, *, smooth: bool) -> Array:
         stop = int(known[place]) if place < len(known) else len(t)
         rows = np.arange(start, stop)
         filled[rows] = between(t[around], values[around], t[rows], smooth=smooth)
+    filled[bad] = on_grid(filled[bad], values[~bad])
     return filled
+
+
+def on_grid(values: Array, known: Array) -> Array:
+    """Values rounded to the grid on which all `known` ones lie, if there is one."""
+    step = grid_step(known)
+    return values if step == 0.0 else known[0] + step * np.round((values - known[0]) / step)

@@ -18,7 +18,7 @@ from ffgym.recordings import Recording
 _BEFORE: tuple[Callable[[Recording], Recording], ...] = (without_copies, without_spikes)
 """Steps on the rows as they came. Each step returns the recording itself where there is nothing to do."""
 
-_AFTER: tuple[Callable[[Recording], Recording], ...] = (without_stuck, without_bursts, without_stops, trimmed)
+_AFTER: tuple[Callable[[Recording], Recording], ...] = (without_stops, without_stuck, without_bursts, trimmed)
 """Steps on rows of an even clock."""
 
 _PASSES = 8

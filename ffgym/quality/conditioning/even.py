@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.quality.conditioning.bridge import between, is_smooth
+from ffgym.quality.conditioning.bridge import between, bridged, is_smooth
 from ffgym.quality.conditioning.notes import count, mask_columns, noted
-from ffgym.quality.conditioning.times import Times, in_gaps, is_even, longest_interval, times_of
+from ffgym.quality.conditioning.times import Times, in_gaps, times_of
+from ffgym.quality.intervals import is_even, longest_interval
 from ffgym.quality.log import Log
 from ffgym.recordings import FAMILIES, Header, Recording, clipped
 from ffgym.recordings.schema import VALID
-from ffgym.types import Array, BoolArray
+from ffgym.types import Array, BoolArray, IntArray
 
 BRIDGED = 0.005
 """Time [s] by which an interval may be longer than a period without being left out: a tenth of the low-pass that
@@ -67,10 +68,14 @@ def _longest_part(recording: Recording) -> Recording:
 def _at(recording: Recording, s: Array, t: Array) -> tuple[dict[str, Array], Header]:
     """Columns, known at `s`, at `t`; and a header that says when their torque acts."""
     header, columns = recording.header, {}
-    if len(s) == len(t) and np.allclose(s, t, rtol=0, atol=1e-9 + 1e-6 * (t[1] - t[0])):
-        return {name: x for name, x in recording.columns.items() if name != "timestamp"}, header
+    placed = _placed(s, t)
+    if placed is None:
+        header = replace(header, encoder_bits=None)  # what is between two readings is on no grid
     for name, values in recording.columns.items():
         if name == "timestamp" or name.startswith(f"{VALID}."):
+            continue
+        if placed is not None:
+            columns[name] = _bridged_at(s, values, t, placed, smooth=is_smooth(name))
             continue
         known = np.isfinite(values)
         if not known.all():
@@ -78,9 +83,27 @@ def _at(recording: Recording, s: Array, t: Array) -> tuple[dict[str, Array], Hea
             continue
         held = header.hold == "zoh" and _is_torque(name)
         columns[name] = between(_middles(s) if held else s, values, t, smooth=is_smooth(name))
-    if header.hold == "zoh" and any(map(_is_torque, columns)):
+    if placed is None and header.hold == "zoh" and any(map(_is_torque, columns)):
         header = replace(header, hold="sampled")
     return columns, header
+
+
+def _placed(s: Array, t: Array) -> IntArray | None:
+    """Rows of `t` at which those of `s` lie, if all do."""
+    rows = np.round((s - t[0]) / (t[1] - t[0])).astype(np.intp)
+    inside = (rows >= 0) & (rows < len(t))
+    if not inside.all() or np.any(np.abs(t[rows] - s) > 1e-9 + 1e-6 * (t[1] - t[0])):
+        return None
+    return rows
+
+
+def _bridged_at(s: Array, values: Array, t: Array, rows: IntArray, *, smooth: bool) -> Array:
+    """Values in their rows, and what lies between them in the others; NaN there, where some are missing."""
+    found = np.full(len(t), np.nan)
+    found[rows] = values
+    holes = np.ones(len(t), dtype=np.bool_)
+    holes[rows] = False
+    return bridged(t, found, holes, smooth=smooth) if np.isfinite(values).all() else found
 
 
 def _is_torque(name: str) -> bool:
@@ -115,7 +138,7 @@ def _notes(recording: Recording, times: Times, gaps: BoolArray) -> list[str]:
     span = f"{steps.min():.4g} to {steps.max():.4g} ms apart"
     every = f"every {1e3 * times.period:.6g} ms"
     if times.stepped:
-        notes = [f"The clock steps while the joints move on evenly: the rows, {span}, were taken as {every}."]
+        notes = [f"The clock steps while the joints move on as in one interval: the rows, {span}, are {every} now."]
     elif not times.kept:
         notes = [f"Time stamps are {span}, and the motion is as smooth at even times: rows were taken as {every}."]
     else:

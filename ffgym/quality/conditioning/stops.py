@@ -8,9 +8,9 @@ from ffgym.quality.runs import stretches
 from ffgym.recordings import Recording
 from ffgym.types import Array
 
-_WINDOW = 0.04
-"""Time [s] over which a change of speed counts; long beside rows of 100 Hz and quantisation, short beside planned
-braking."""
+_WINDOW = 0.02
+"""Time [s] over which a change of speed counts; two rows of 100 Hz, long beside quantisation, and as long as brakes
+take."""
 
 _BRAKING = 0.2
 """Time [s] before a rest in which a stop brakes: drives stop within that from full speed."""
@@ -18,11 +18,8 @@ _BRAKING = 0.2
 _REST = 0.25
 """Time [s] for which all joints rest after a stop, at least."""
 
-_USUAL = 0.995
-"""Quantile of the changes of speed in motion that is the most that was planned."""
-
 _HARDER = 1.5
-"""How much harder than that, and than any other, a stop brakes."""
+"""How much harder than anything else in the log a stop brakes."""
 
 _SLOW = 0.05
 """Largest sample period [s] at which braking is seen."""
@@ -60,8 +57,7 @@ def abrupt_stops(log: Log) -> list[slice]:
         elsewhere[max(0, rows.start - 2 * ahead) : rows.start + ahead] = False
     if elsewhere.sum() < log.rows(1.0):
         return []
-    usual = np.quantile(braking[elsewhere], _USUAL, axis=0)
-    most = np.maximum(_HARDER * usual, braking[elsewhere].max(axis=0))
+    most = braking[elsewhere].max(axis=0)
     found = []
     for rows in rests:
         hard = np.any(braking[rows.start - ahead : rows.start + ahead] > _HARDER * most, axis=1)

@@ -4,21 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.quality.clock import long_intervals
+from ffgym.quality.intervals import longest_interval
 from ffgym.quality.log import Log
 from ffgym.types import Array, BoolArray
-
-EVEN = 0.01
-"""Largest difference of sample periods that still counts as even, in sample periods."""
-
-_GAP = 1.5
-"""Periods from which on an interval is a gap: a missing row makes two. A clock that scatters has longer ones."""
 
 _NO_WORSE = 1.02
 """Roughness of the motion, over that at the time stamps, up to which even times are taken: they leave values as they
 are. Noise alone makes both alike."""
-
-_STEPS_BACK = 0.5
-"""The same for times that ignore long intervals, which are then steps of the clock and no missing rows."""
 
 _BATCHES = 1.5
 """Mean interval over the median from which on rows come in batches, and the mean is the period."""
@@ -35,46 +28,35 @@ class Times:
     kept: bool
     """Whether they are the time stamps."""
     stepped: bool = False
-    """Whether long intervals between stamps are steps of the clock."""
-
-
-def is_even(t: Array) -> bool:
-    """Whether times [s] are of an even clock."""
-    steps = np.diff(t)
-    return bool(np.ptp(steps) <= EVEN * np.median(steps))
-
-
-def longest_interval(t: Array) -> float:
-    """Longest interval [s] that is no gap: five deviations of the clock above its median, `_GAP` periods at least."""
-    intervals = np.diff(t)
-    period = float(np.median(intervals))
-    scatter = 1.4826 * float(np.median(np.abs(intervals - period)))
-    return max(_GAP * period, period + 5 * scatter)
+    """Whether steps of the clock were taken out."""
 
 
 def times_of(log: Log) -> Times:
     """When the rows of a log were sampled, as its positions say: of possible times, those at which they are smooth.
 
     A controller that stamps its rows right is believed, however unevenly it is read. Stamps of a clock that is coarse,
-    or of the arrival of a message, scatter about even times, and make the motion rough that is smooth at those.
+    or of the arrival of a message, scatter about even times, and make the motion rough that is smooth at those. Steps
+    of the clock over which the joints move on as in one interval are taken out before.
     """
-    t = log.t
-    stamps = Times(s=t, period=_period(t), kept=True)
-    even = _evenly(t, _counts(t))
-    stepped = _evenly(t, np.arange(len(t)), stepped=True)
+    t = _without_steps(log)
+    stepped = t is not log.t
+    stamps = Times(s=t, period=_period(t), kept=True, stepped=stepped)
+    even = _evenly(t, stepped=stepped)
     if log.q is None or not log.excited.any():
         return even
     q = log.q[:, log.excited]
-    rough = {name: _roughness(times.s, q) for name, times in (("stamps", stamps), ("even", even), ("steps", stepped))}
+    rough = float(np.exp(np.mean(np.log(_roughness(even.s, q) / _roughness(t, q)))))
+    return even if rough <= _NO_WORSE else stamps
 
-    def over(one: str, other: str) -> float:
-        """Mean ratio of the joints."""
-        return float(np.exp(np.mean(np.log(rough[one] / rough[other]))))
 
-    best = even if over("even", "stamps") <= _NO_WORSE else stamps
-    if not np.array_equal(stepped.s, even.s) and over("steps", "even" if best is even else "stamps") <= _STEPS_BACK:
-        return stepped
-    return best
+def _without_steps(log: Log) -> Array:
+    """Time stamps without the steps of their clock."""
+    rows, moved = long_intervals(log)
+    if moved.all():
+        return log.t
+    excess = np.zeros(len(log.t))
+    excess[rows[~moved] + 1] = np.diff(log.t)[rows[~moved]] - log.dt
+    return np.asarray(log.t - np.cumsum(excess))
 
 
 def _period(t: Array) -> float:
@@ -93,12 +75,10 @@ def _counts(t: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(1 + missing)])
 
 
-def _evenly(t: Array, counts: Array, *, stepped: bool = False) -> Times:
-    """Even times for rows of these numbers: the straight line through the stamps; without their steps, their median."""
+def _evenly(t: Array, *, stepped: bool) -> Times:
+    """Even times for rows, and those that are missing between them: the straight line through their stamps."""
+    counts = _counts(t)
     period, first = (float(x) for x in np.polyfit(counts, t - t[0], 1))
-    usual = float(np.mean(np.diff(t)[np.diff(t) <= longest_interval(t)]))
-    if abs(period - usual) > EVEN * usual:
-        period, first = usual, 0.0
     period = float(f"{period:.9g}")
     return Times(s=t[0] + first + period * counts, period=period, kept=False, stepped=stepped)
 

@@ -44,12 +44,19 @@ def test_a_clean_log_stays_as_it_is_to_the_bit(robot, motion, sensors):
     assert conditioned(recording) is recording
 
 
+def fast() -> float:
+    """When the elbow is fastest in the middle of the motion [s]."""
+    recording = clean()
+    speed = np.abs(recording["motor.velocity.elbow"][3000:6000])
+    return float(recording.t[3000 + int(np.argmax(speed))])
+
+
 TROUBLES = {
     "jitter": lambda: jittered(clean()),
     "gaps": lambda: with_gaps(clean(), ((2000, 3), (4000, 40))),
     "doubled": lambda: doubled(clean(), (3000, 3500, 5000)),
     "spike": lambda: bad_row(clean(), EFFORT, 4000),
-    "stop": lambda: stopped(clean(), at=4.0),
+    "stop": lambda: stopped(clean(), at=fast()),
     "jitter, gap, spike": lambda: bad_row(with_gaps(jittered(clean()), ((300, 4),)), EFFORT, 500),
     "clock step": lambda: of_rows(clean(), np.arange(8000), clean().t[:8000] + 0.3 * (np.arange(8000) > 3000)),
     "arrival": lambda: of_rows(clean(), np.arange(8000), arrival(clean().t[:8000])),
@@ -103,7 +110,7 @@ def error_of_torque(got: Recording, true: Recording, cutoff: float) -> float:
 
 
 def test_rows_every_10_or_12_ms_come_to_an_even_clock_with_little_error():
-    """Torque without noise; straight lines would err by half as much again, and by 0.7 % of the acceleration."""
+    """Torque without noise; straight lines would err by a fifth more, and by 0.7 % of the acceleration."""
     true = clean_log("two_link", "multisine", sensors=False)
     got = conditioned(jittered(true))
     assert got.dt == pytest.approx(0.01)
@@ -114,7 +121,7 @@ def test_rows_every_10_or_12_ms_come_to_an_even_clock_with_little_error():
     lines = got.with_columns(
         {n: np.interp(got.t, uneven.t, uneven[n]) for n in ("motor.effort.shoulder", EFFORT)}
     )
-    assert error_of_torque(got, true, 10.0) < 0.8 * error_of_torque(lines, true, 10.0)
+    assert error_of_torque(got, true, 10.0) < 0.9 * error_of_torque(lines, true, 10.0)
     low_pass = LowPass(cutoff=10.0)
     exact = low_pass(CubicSpline(true.t, true[POSITION])(got.t), got.dt)
     ours = low_pass(got[POSITION], got.dt)
@@ -215,7 +222,7 @@ def test_a_column_that_sticks_out_all_the_time_is_left_to_the_gate():
 def test_an_abrupt_stop_and_the_rest_after_it_are_left_out():
     got = conditioned(TROUBLES["stop"]())
     out = np.flatnonzero(masked(got).all(axis=1))
-    assert got.t[out[0]] == pytest.approx(4.0, abs=0.08)
+    assert got.t[out[0]] == pytest.approx(fast(), abs=0.04)
     assert out[-1] == len(got) - 1
     assert got.t[-1] - got.t[out[0]] == pytest.approx(0.25, abs=0.01)
     assert not masked(got)[: out[0]].any()
@@ -231,7 +238,8 @@ def stuck(name: str, rows: slice) -> Recording:
 
 @pytest.mark.parametrize(("name", "joints"), [(EFFORT, [ELBOW]), (POSITION, [SHOULDER, ELBOW])])
 def test_a_stuck_column_is_left_out(name, joints):
-    rows = slice(3000, 3150)
+    first = int(np.searchsorted(clean().t, fast())) - 50
+    rows = slice(first, first + 100)
     got = conditioned(stuck(name, rows))
     assert masked(got)[rows.start + 2 : rows.stop - 1, joints].all()
     assert masked(got).sum() <= len(joints) * (rows.stop - rows.start + 2)
