@@ -9,7 +9,7 @@ from typing import Any
 
 import tyro
 
-from ffgym.cli.diagnose_inputs import Nominal, draft_named, fitted, logs_from, nominal_named
+from ffgym.cli.diagnose_inputs import ROBOT, Nominal, draft_named, fitted, logs_from, nominal_named
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.cli.unused import given_options
@@ -18,15 +18,23 @@ from ffgym.diagnosis.closed_loop import LoopLevel, check_comparable, closed_loop
 from ffgym.diagnosis.document import write_diagnosis
 from ffgym.diagnosis.extended import save_extended
 from ffgym.diagnosis.first_look import FirstLook
+from ffgym.diagnosis.held_out import HeldOut, held_out_levels
 from ffgym.diagnosis.search.search import MOST
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import made_folder, write_text
-from ffgym.quality import accepted
+from ffgym.plant import Machine, load_machine, save_machine
+from ffgym.quality import accepted, judged
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 
-REPORT, DOCUMENT, EXTENDED, NEXT = "report.html", "diagnosis.json", "extended.toml", "next.toml"
-"""What is written to the folder; the last two only if there are causes, and if there is something to record."""
+REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT = (
+    *("report.html", "diagnosis.json"),
+    *("nominal.toml", "extended.toml", "next.toml"),
+)
+"""What is written to the folder: the nominal model if it was fitted, the extended one if there are causes and it is
+better, and what to record if there is something."""
+
+WORSE = "The extended model leaves more than the nominal one of motions that were left out; it is not written."
 
 
 @dataclass(frozen=True)
@@ -51,11 +59,11 @@ class Diagnose:
     """Checks of quality that are overruled, e.g. coarse: a log that they refuse is used all the same, and the page says
     so. Others that are refused are left out."""
     validate: tuple[Path, ...] = ()
-    """Recordings or folders that are not diagnosed; both models run their references in closed loop, and are compared
-    with what was measured. Takes reference.position."""
+    """Recordings or folders that are not diagnosed: both models, read from their files if there is --out, are replayed
+    along them, and run their references in closed loop where they have reference.position and the servo is known."""
     out: Path | None = None
-    """Folder for report.html, diagnosis.json, extended.toml (the model with the causes) and next.toml (what to record
-    to tell rivals apart); it is made if there is none. An older extended.toml or next.toml in it goes."""
+    """Folder for report.html, diagnosis.json, extended.toml (the model with the causes), next.toml (what to record to
+    tell rivals apart), and with --fit nominal.toml; it is made if there is none. Older models in it go."""
     most_causes: int = MOST
     """Causes to look for; fewer take less time, and a diagnosis of the extended model finds further ones. Each wave of
     one that repeats with an angle counts."""
@@ -89,10 +97,15 @@ class Diagnose:
             )
         physics = nominal.machine.physics(ModelOptions(looks=False))
         info = provenance("ffgym diagnose", self, nominal.machine.robot.name, physics, self.seed)
-        diagnosis = replace(examined.diagnosis, provenance=_lasting(info))
-        closed_loop = self._closed_loop(examined, held_out)
-        self._write(replace(examined, diagnosis=diagnosis), nominal, recordings, closed_loop)
-        self._tell(diagnosis, closed_loop)
+        examined = replace(examined, diagnosis=replace(examined.diagnosis, provenance=_lasting(info)))
+        models = self._models(examined, nominal, recordings)
+        compared = self._compared(models, examined, held_out)
+        if compared is not None and not compared.is_better and examined.diagnosis.causes:
+            examined = replace(examined, diagnosis=replace(examined.diagnosis, gains=False))
+            self._remove(EXTENDED)
+        closed_loop = self._closed_loop(models, nominal, examined, held_out)
+        self._write(examined, compared, closed_loop)
+        self._tell(examined.diagnosis, compared, closed_loop)
 
     def _check(self) -> None:
         """Refuse what cannot be run or written, before long work."""
@@ -115,7 +128,7 @@ class Diagnose:
         if self.out is None:
             return
         inputs = (self.robot, self.columns, *self.logs, *self.validate)
-        names = (REPORT, DOCUMENT, EXTENDED, NEXT)
+        names = (REPORT, DOCUMENT, ROBOT, NOMINAL, EXTENDED, NEXT)
         check_outputs({"--json": self.json} | {f"--out, {name}": self.out / name for name in names}, inputs=inputs)
 
     def _inputs(self) -> tuple[Nominal, list[Recording]]:
@@ -126,7 +139,8 @@ class Diagnose:
         assert self.robot is not None
         draft = draft_named(self.robot)
         recordings = logs_from(self.logs, self.columns, draft.description_for("identification"))
-        return fitted(draft, self.robot, recordings), recordings
+        sound = judged(recordings, needs=("diagnosis",), accept=self.accept).recordings
+        return fitted(draft, self.robot, sound or recordings), recordings
 
     def _calibration(self, nominal: Nominal) -> Calibration:
         """How well the numbers are known: as told, as fitted, or as usual."""
@@ -139,21 +153,55 @@ class Diagnose:
         if not self.validate:
             return []
         held_out = logs_from(self.validate, self.columns, nominal.machine.robot)
-        check_comparable(nominal.machine, held_out)
+        if _runs_again(nominal, held_out):
+            check_comparable(nominal.machine, held_out)
         return held_out
 
-    def _closed_loop(self, examined: Examined, held_out: Sequence[Recording]) -> Sequence[LoopLevel]:
-        """Both models beside the machine, on logs that were not diagnosed."""
-        if not held_out or examined.diagnosis.verdict == "insufficient":
+    def _models(self, examined: Examined, nominal: Nominal, recordings: Sequence[Recording]) -> tuple[Machine, Machine]:
+        """Nominal and extended model; written and read back, if there is a folder for them."""
+        if self.out is None:
+            return examined.nominal, examined.machine
+        self._remove(NOMINAL, EXTENDED, NEXT)
+        robot, before = nominal.described_in(self.out), examined.nominal
+        if nominal.calibration is not None:
+            source = "fitted to the logs before the diagnosis"
+            title = f"{before.robot.title}, fitted by ffgym diagnose"
+            save_machine(before, self.out / NOMINAL, title=title, source=source, robot=robot)
+            before = load_machine(self.out / NOMINAL)
+        if not (examined.diagnosis.causes and examined.diagnosis.gains):
+            return before, examined.machine
+        save_extended(
+            self.out / EXTENDED,
+            examined.diagnosis,
+            nominal.machine,
+            robot=robot,
+            origins=nominal.origins,
+            recordings=recordings,
+        )
+        return before, load_machine(self.out / EXTENDED)
+
+    def _remove(self, *names: str) -> None:
+        for name in names if self.out is not None else ():
+            (self.out / name).unlink(missing_ok=True)
+
+    def _compared(
+        self, models: tuple[Machine, Machine], examined: Examined, held_out: Sequence[Recording]
+    ) -> HeldOut | None:
+        """Both models replayed along logs that were not diagnosed."""
+        if not held_out or examined.before is None:
+            return None
+        return held_out_levels(*models, held_out, cutoff=examined.before.cutoff)
+
+    def _closed_loop(
+        self, models: tuple[Machine, Machine], nominal: Nominal, examined: Examined, held_out: Sequence[Recording]
+    ) -> Sequence[LoopLevel]:
+        """Both models beside the machine, under the documented controller, on logs that were not diagnosed."""
+        if examined.before is None or not _runs_again(nominal, held_out):
             return ()
         with progress_bar("closed loops", "s") as progress:
-            return closed_loop_gain(
-                examined.nominal, examined.machine, held_out, n_threads=self.threads, progress=progress
-            )
+            return closed_loop_gain(*models, held_out, n_threads=self.threads, progress=progress)
 
-    def _write(
-        self, examined: Examined, nominal: Nominal, recordings: Sequence[Recording], closed_loop: Sequence[LoopLevel]
-    ) -> None:
+    def _write(self, examined: Examined, compared: HeldOut | None, closed_loop: Sequence[LoopLevel]) -> None:
         """Files first: nobody may read what is printed."""
         diagnosis = examined.diagnosis
         if self.json is not None:
@@ -163,34 +211,34 @@ class Diagnose:
         from ffgym.report.diagnosis import DiagnosisReport, render_diagnosis_page
 
         after = examined.after if diagnosis.causes else None
-        page = DiagnosisReport(diagnosis=diagnosis, before=examined.before, after=after, closed_loop=closed_loop)
+        page = DiagnosisReport(
+            diagnosis=diagnosis,
+            before=examined.before,
+            after=after,
+            held_out=() if compared is None else compared.levels,
+            closed_loop=closed_loop,
+        )
         write_text(self.out / REPORT, render_diagnosis_page(page))
         write_diagnosis(self.out / DOCUMENT, diagnosis)
-        for name in (EXTENDED, NEXT):
-            (self.out / name).unlink(missing_ok=True)
-        if diagnosis.causes:
-            save_extended(
-                self.out / EXTENDED,
-                diagnosis,
-                nominal.machine,
-                robot=nominal.reference,
-                origins=nominal.origins,
-                recordings=recordings,
-            )
         if diagnosis.separating_motion is not None:
             write_text(self.out / NEXT, diagnosis.separating_motion.toml)
 
-    def _tell(self, diagnosis: Diagnosis, closed_loop: Sequence[LoopLevel]) -> None:
+    def _tell(self, diagnosis: Diagnosis, compared: HeldOut | None, closed_loop: Sequence[LoopLevel]) -> None:
         """Everything for people."""
-        from ffgym.report.diagnosis import format_closed_loop, format_diagnosis
+        from ffgym.report.diagnosis import format_closed_loop, format_diagnosis, format_held_out
 
         print(format_diagnosis(diagnosis))
+        if compared is not None:
+            print(f"\n{format_held_out(compared.levels)}")
         if closed_loop:
             print(f"\n{format_closed_loop(closed_loop)}")
+        if diagnosis.causes and not diagnosis.gains:
+            print(f"\n{WORSE}")
         print(f"\nnext: {self._next(diagnosis)}")
         if self.out is not None:
-            places = [self.out / name for name in (REPORT, DOCUMENT, EXTENDED, NEXT)]
-            for what, place in zip(("report", "diagnosis", "model", "next motions"), places, strict=True):
+            places = [self.out / name for name in (REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT)]
+            words = ("report", "diagnosis", "fitted model", "model", "next motions")
+            for what, place in zip(words, places, strict=True):
                 if place.exists():
                     print(f"{what}: {place}")
         if self.json is not None:
@@ -216,6 +264,11 @@ class Diagnose:
         if diagnosis.verdict == "unknown":
             return "record motions that vary what the patterns name, and nothing else; ffgym record --list shows some"
         return "record motions in other regimes, if the simulation is wrong in those; ffgym record --list shows some"
+
+
+def _runs_again(nominal: Nominal, held_out: Sequence[Recording]) -> bool:
+    """Whether closed loops can be simulated along recordings: they have set-points, and the servo is known."""
+    return bool(held_out) and nominal.knows_servo and all(one.has("reference.position") for one in held_out)
 
 
 def _say(look: FirstLook) -> None:

@@ -10,6 +10,7 @@ from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
 from ffgym.diagnosis.nominal import fitted_nominal
 from ffgym.effects import Origin
 from ffgym.errors import FFGymError
+from ffgym.files import read_text, write_text
 from ffgym.logs import read_logs
 from ffgym.plant import Machine, load_machine
 from ffgym.plant.machine_file import is_machine_file, origins_of, robot_reference
@@ -17,6 +18,10 @@ from ffgym.quality import conditioned_alike
 from ffgym.recordings import Recording
 from ffgym.recordings.folder import read_folder
 from ffgym.robot import RobotDescription, RobotDraft, load_draft
+from ffgym.robot.template import completed_text
+
+ROBOT = "robot.toml"
+"""Description of a robot that was made whole by stand-ins, beside the models that name it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,6 +35,23 @@ class Nominal:
     """Of the effects that it has already."""
     calibration: Calibration | None = None
     """How sure its numbers are, if they were fitted to the logs."""
+    draft: RobotDraft | None = None
+    """What its description says, if numbers were fitted that it lacks."""
+
+    @property
+    def knows_servo(self) -> bool:
+        """Whether its servo is documented, so that its closed loop can be simulated."""
+        missing = () if self.draft is None else self.draft.missing
+        return not any(path.startswith("servo.") for path in missing)
+
+    def described_in(self, folder: Path) -> str | Path:
+        """What a machine file in a folder calls the robot; a description that lacks entries is made whole there."""
+        if self.draft is None or not self.draft.missing:
+            return self.reference
+        path = Path(self.reference)
+        toml = completed_text(read_text(path), self.draft, self.machine.robot, before=path.parent, folder=folder)
+        write_text(folder / ROBOT, toml)
+        return folder / ROBOT
 
 
 def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescription) -> list[Recording]:
@@ -85,7 +107,7 @@ def fitted(draft: RobotDraft, reference: str | Path, recordings: Sequence[Record
     """
     known = draft if draft.missing else draft.complete()
     machine, calibration = fitted_nominal(known, recordings)
-    return Nominal(machine=machine, reference=reference, calibration=calibration)
+    return Nominal(machine=machine, reference=reference, calibration=calibration, draft=draft)
 
 
 def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Recording]:

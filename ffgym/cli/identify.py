@@ -1,5 +1,6 @@
 """`ffgym identify`: parameters of a robot from its logs, as a file that every agent and plant accepts."""
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -115,9 +116,16 @@ class Identify:
                 raise FFGymError(
                     "The logs tell none of the parameters, so there is nothing to write. Use other motions."
                 )
-            write_text(self.out, parameter_text(logs.robot, outcome.quantities, outcome.title))
+            path = self._description(self.out)
+            write_text(self.out, parameter_text(logs.robot, outcome.quantities, outcome.title, path))
             with_parameters(logs.robot, self.out)
         if self.report is not None:
             write_text(self.report, outcome.page(info))
         if self.json is not None:
             write_json(self.json, info | dict(outcome.numbers))
+
+    def _description(self, out: Path) -> str | None:
+        """Path of the user's own description from the folder of the parameter file, which so finds its robot."""
+        if not self.robot.endswith(".toml"):
+            return None
+        return Path(os.path.relpath(Path(self.robot).resolve(), out.resolve().parent)).as_posix()

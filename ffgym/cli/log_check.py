@@ -12,9 +12,11 @@ from ffgym.cli.progress import progress_bar
 from ffgym.errors import FFGymError
 from ffgym.files import write_json, write_text
 from ffgym.logs import read_logs
+from ffgym.plant.machine_file import is_machine_file
 from ffgym.quality import QualityReport, check_quality
 from ffgym.quality.finding import Overall
 from ffgym.recordings.folder import recording_files
+from ffgym.robot import RobotDescription, load_draft
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,8 @@ class Check:
     logs: tyro.conf.Positional[tuple[str, ...]]
     """Recordings (.npz, .csv) or folders of them; files of other tools with --columns."""
     robot: str | None = None
-    """Built-in robot, or a description (.toml); without it nothing is judged that hangs on masses, ranges or limits."""
+    """Built-in robot, or a description (.toml); without it, or if it lacks entries, nothing is judged that hangs on
+    masses, ranges or limits."""
     columns: str | None = None
     """Column map for files of other tools: a built-in name, or a file that ends in .toml."""
     needs: tuple[str, ...] = ()
@@ -66,15 +69,27 @@ class Check:
 
     def _judged(self) -> list[tuple[str, QualityReport]]:
         """File names, each with the report of a motion in it."""
-        robot = None if self.robot is None else described_robot(self.robot)
+        whose, robot = self._described()
         reports = []
         with progress_bar("checking", "logs") as progress:
             files = [file for path in self.logs for file in self._files(path)]
             for done, path in enumerate(files):
                 progress(done, len(files))
-                recordings = read_logs(path, self.columns, robot=robot if self.columns else None)
+                recordings = read_logs(path, self.columns, robot=whose if self.columns else None)
                 reports += [(path, check_quality(recording, robot, self.needs)) for recording in recordings]
         return reports
+
+    def _described(self) -> tuple[RobotDescription | None, RobotDescription | None]:
+        """The robot that logs are of, and the one to judge them by: None if its description lacks entries."""
+        if self.robot is None:
+            return None, None
+        known = self.robot.endswith(".toml") and not is_machine_file(self.robot)
+        if known and (draft := load_draft(self.robot)).missing:
+            lacking = f"{draft.missing[0]} and {len(draft.missing) - 1} more" if draft.missing[1:] else draft.missing[0]
+            print(f"note: {self.robot} lacks {lacking}; nothing is judged that hangs on masses, ranges or limits")
+            return draft.description_for("kinematics", "drive.gear_ratio"), None
+        robot = described_robot(self.robot)
+        return robot, robot
 
     def _files(self, path: str) -> list[str]:
         """The log, or the recordings in a folder; with a column map a folder may be one log."""

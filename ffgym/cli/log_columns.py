@@ -10,6 +10,7 @@ from ffgym.errors import FFGymError
 from ffgym.files import write_json, write_text
 from ffgym.logs import TextLayout, read_contents
 from ffgym.logs.draft import draft, listing
+from ffgym.logs.recognise import fitting_maps
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,13 @@ class Columns:
         if self.json is not None:
             arrays = [{"name": n, "shape": list(a.shape), "type": str(a.dtype)} for n, a in contents.arrays.items()]
             info = provenance("ffgym log columns", self, "", None, None)
-            write_json(self.json, info | {"arrays": arrays, "skipped": dict(contents.skipped)})
+            found = {"arrays": arrays, "skipped": dict(contents.skipped), "maps": fitting_maps(contents)}
+            write_json(self.json, info | found)
         print("\n".join(listing(contents)))
+        for name in fitting_maps(contents):
+            print(
+                f"built-in map: {name} fits: ffgym log convert {self.log} --columns {name} --robot ROBOT --out FILE.npz"
+            )
         if self.out is None:
             print("next: ffgym log columns FILE --out map.toml writes a draft of a column map")
             return

@@ -1,7 +1,7 @@
 """How well the nominal numbers are known: what a model that lacks nothing may still be off by."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import ClassVar, final
 
 import numpy as np
@@ -10,7 +10,7 @@ from ffgym.diagnosis.base_torques import base_torques
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Column, columns_of, machine_columns
 from ffgym.effects import Effect, NativeEffect
-from ffgym.effects.drive import TorqueOffset
+from ffgym.effects.drive import TorqueConstant, TorqueOffset
 from ffgym.effects.effect import Side
 from ffgym.effects.friction import CoulombLevel, PreslidingStiffness, StribeckPeak, ViscousLevel
 from ffgym.effects.load import RotorInertia
@@ -31,6 +31,9 @@ SHARE = 0.005
 
 _OFFSET = 2.0
 """Torque offset over `share` times the Coulomb torque, standard deviation: 1 % of it for the default share; chosen."""
+
+_OPEN = 0.3
+"""Standard deviation from which on a level of friction is as open as its plausible change is large, 30 %."""
 
 _MASS_STEP = 0.03
 """Relative step of masses; their effect is linear."""
@@ -82,12 +85,22 @@ class JointDamping(NativeEffect):
         return replace(robot, drive=replace(drive, joint_damping=drive.joint_damping * (1 + self.change)))
 
 
+Refit = Callable[[Mapping[int, Array]], RobotDescription]
+"""From the torque of causes along some motions, by their number, motor side [N m], (T, N) each, to the robot without
+it."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
     """Standard deviations of what is known of the nominal model."""
 
     share: float = SHARE
     """Of masses, rotors, stiffness, damping and friction, relative."""
+    levels: float | None = None
+    """Of Coulomb and viscous friction, relative, where they are known less well than the rest; None is `share`."""
+    torque_constant: float = 0.0
+    """Of torque per current, relative, where the torque of a log is a current times a number that nobody measured; 0
+    where torque is known."""
     offset: float = _OFFSET * SHARE
     """Of torque offsets, as a share of the Coulomb torque."""
     tool: float = _TOOL
@@ -96,8 +109,14 @@ class Calibration:
     """Of each base parameter of the rigid arm, as a share of the torque that motors take: for masses and inertias that
     were fitted to torque, which knows these combinations alone. 0: of masses and rotors one by one, by `share`."""
 
+    refit: Refit | None = field(default=None, repr=False, compare=False)
+    """Fits the numbers anew that were fitted to the logs: to what is left of their torque without that of causes."""
+
     def __post_init__(self) -> None:
         check_number("calibration share", self.share, low=0.0, high=1.0, open_low=True)
+        if self.levels is not None:
+            check_number("calibration levels", self.levels, low=0.0, open_low=True)
+        check_number("calibration torque_constant", self.torque_constant, low=0.0, high=1.0)
         check_number("calibration offset", self.offset, low=0.0, open_low=True)
         check_number("calibration tool", self.tool, unit="m", low=0.0, open_low=True)
         check_number("calibration base", self.base, low=0.0, high=1.0)
@@ -106,6 +125,23 @@ class Calibration:
     def of_share(cls, share: float) -> "Calibration":
         """Calibration with relative errors of standard deviation `share`."""
         return cls(share=share, offset=_OFFSET * share)
+
+    @property
+    def of_levels(self) -> float:
+        """Standard deviation of Coulomb and viscous friction, relative."""
+        return self.share if self.levels is None else self.levels
+
+    @property
+    def open_numbers(self) -> frozenset[type[Effect]]:
+        """Effects that are numbers of the model as little known as the effects are large: none of them is a cause."""
+        found: set[type[Effect]] = set()
+        if self.of_levels >= _OPEN:
+            found |= {CoulombLevel, ViscousLevel}
+        if self.torque_constant > 0:
+            found.add(TorqueConstant)
+        if self.base > 0:
+            found.add(RotorInertia)
+        return frozenset(found)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -116,14 +152,31 @@ class Doubt:
     sigma: float
     """Standard deviation of its parameter, in the parameter's unit."""
 
+    @property
+    def low(self) -> float:
+        """Lowest value, in standard deviations: as far as calibration errors go, and as a machine can be so."""
+        known = self.column.effect.parameters()[self.column.parameter]
+        return max(-BOUND, (known.minimum - known.neutral) / self.sigma)
+
+    @property
+    def high(self) -> float:
+        """Highest value, in standard deviations."""
+        known = self.column.effect.parameters()[self.column.parameter]
+        return min(BOUND, (known.maximum - known.neutral) / self.sigma)
+
 
 def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
     """Columns of all calibration errors along a nominal replay."""
     robot, share = run.robot, calibration.share
-    plain: list[type[Effect]] = [CoulombLevel, ViscousLevel, PreslidingStiffness]
+    plain: list[type[Effect]] = [PreslidingStiffness]
     if not robot.drive.is_rigid.all():
         plain += [JointStiffness, JointDamping]
-    found = [Doubt(column=column, sigma=share) for column in columns_of(run, plain, {})]
+    levels = columns_of(run, [CoulombLevel, ViscousLevel], {})
+    found = [Doubt(column=column, sigma=calibration.of_levels) for column in levels]
+    found += [Doubt(column=column, sigma=share) for column in columns_of(run, plain, {})]
+    if calibration.torque_constant > 0:
+        constants = [column for column in columns_of(run, [TorqueConstant], {}) if column.parameter == "error"]
+        found += [Doubt(column=column, sigma=calibration.torque_constant) for column in constants]
     found += [_stribeck(column, robot, share) for column in columns_of(run, [StribeckPeak], {})]
     if calibration.base > 0:
         found += [Doubt(column=column, sigma=calibration.base) for column in _base(run)]

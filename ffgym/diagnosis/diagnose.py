@@ -1,28 +1,34 @@
 """What does the simulation get wrong, why, and how sure is that: recordings and a nominal model in, a diagnosis out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals, told
 from ffgym.diagnosis.answer.excitation import judgeable_kinds, not_excited
+from ffgym.diagnosis.answer.gain import Gain, held_out_gain
 from ffgym.diagnosis.answer.levels import levels
 from ffgym.diagnosis.answer.next_motion import next_motion
 from ffgym.diagnosis.answer.sentence import sentence_of
 from ffgym.diagnosis.answer.sizes import causes_of
 from ffgym.diagnosis.answer.verdict import judged
+from ffgym.diagnosis.band import comparison_cutoff
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
+from ffgym.diagnosis.fit.setting import Setting
+from ffgym.diagnosis.fit.written import written
+from ffgym.diagnosis.fitted_numbers import fitted_numbers
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import check_length
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
-from ffgym.diagnosis.residual import Residual
+from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.residuals import residual_of
-from ffgym.diagnosis.result import Diagnosis
+from ffgym.diagnosis.result import Diagnosis, Level
+from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.search import MOST, Report, search
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
@@ -30,6 +36,7 @@ from ffgym.provenance import versions
 from ffgym.quality import judged as judged_logs
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
+from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -127,8 +134,11 @@ def examine(
         )
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
     report("replaying the nominal model", 0.0)
-    log = log_of(machine.physical, quality.recordings)
+    recordings = quality.recordings
+    log = log_of(machine.physical, recordings)
     check_length(log)
+    if (cutoff := comparison_cutoff(log, machine)) < log.sampling.cutoff:
+        log = log_of(machine.physical, recordings, cutoff=cutoff)
     known = calibration or Calibration()
     if first is not None:
         first(first_look(log, machine, known))
@@ -149,7 +159,7 @@ def _examined(
     most: int,
 ) -> Examined:
     setting = ready.setting
-    kinds, not_judgeable = judgeable_kinds(log, machine)
+    kinds, not_judgeable = judgeable_kinds(log, machine, calibration)
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
     first = without_calibration(setting, found.nominal.fit)
@@ -164,7 +174,12 @@ def _examined(
     if found.unsure:
         left = residual_of(log, found.whole.fit.run, without_calibration(setting, found.whole.fit), ready.floor)
     patterns = find_patterns(left, rng) if verdict.verdict in ("unknown", "partly") else ()
-    causes = causes_of(found.final.fit, verdict.gains, calibration, rng)
+    final = found.final.fit
+    model = written(setting, final, calibration) if final.hypotheses else None
+    gain = held_out_gain(setting, found.nominal.fit, final, calibration) if model is not None else None
+    if model is not None:
+        final = replace(final, hypotheses=model.hypotheses)
+    causes = causes_of(final, verdict.gains, calibration, rng)
     ties = bool(causes) and any(rival.tied for rival in found.rivals)
     rivals = (*found.rivals, *told(verdict, blind)) if causes else ()
     if ties:
@@ -175,16 +190,23 @@ def _examined(
         robot=log.robot.name,
         motions=log.names,
         causes=causes,
+        numbers=() if model is None else fitted_numbers(machine, model.numbers),
         rivals=rivals,
         patterns=patterns,
         not_excited=not_excited(found),
         not_judgeable=not_judgeable,
         separating_motion=next_motion(found, machine, ready.floor, calibration) if ties else None,
-        levels=levels(setting, found, ready.floor),
+        levels=_levels(setting, found, gain, ready.floor),
+        gains=gain is not None and gain.is_better,
         threshold=found.rounds[0].ranking.threshold,
         quality=flagged,
         provenance=dict(provenance),
     )
-    return Examined(
-        diagnosis=diagnosis, before=before, after=after, machine=found.final.fit.run.machine, nominal=machine
-    )
+    extended = machine if model is None else model.machine
+    return Examined(diagnosis=diagnosis, before=before, after=after, machine=extended, nominal=machine)
+
+
+def _levels(setting: Setting, found: Found, gain: Gain | None, floor: Mapping[Channel, Array]) -> tuple[Level, ...]:
+    """Of the nominal and the extended model; without one, the nominal model twice."""
+    nominal = found.nominal.fit.residual
+    return levels(setting, nominal if gain is None else gain.before, nominal if gain is None else gain.after, floor)

@@ -24,9 +24,10 @@ VERSION = 1
 
 LEVELS: Mapping[str, str] = MappingProxyType(
     {
+        "measured": "RMS of what was measured, about its mean",
         "noise_floor": "RMS of the residual that noise alone would leave",
-        "before": "RMS of the residual against the nominal model",
-        "after": "RMS against the extended model, on motions that were not used to fit it",
+        "before": "RMS of the residual against the nominal model as it is",
+        "after": "RMS against the extended model as it is written, each motion by one that was fitted without it",
     }
 )
 """Entries that stand for `Diagnosis.levels`, and what they hold."""

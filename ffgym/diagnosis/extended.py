@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.diagnosis.result import Cause, Diagnosis, Size
+from ffgym.diagnosis.fitted_numbers import with_fitted_numbers
+from ffgym.diagnosis.result import Cause, Diagnosis, Number, Size
 from ffgym.effects import EFFECTS, Effect, Origin, Parameter
 from ffgym.errors import FFGymError, check_choice
 from ffgym.plant import Climate, Machine, save_machine
@@ -22,14 +23,15 @@ _AT_ONCE = 1e-3
 """Time constant of a climate that does not change [s]: below any sample time."""
 
 
-def extended_machine(nominal: Machine, causes: Sequence[Cause]) -> Machine:
-    """The nominal machine with the effects of causes, in their order, behind those it has.
+def extended_machine(nominal: Machine, causes: Sequence[Cause], numbers: Sequence[Number] = ()) -> Machine:
+    """The nominal machine with numbers that were fitted beside causes, and the effects of these behind those it has.
 
     Raises:
         FFGymError: if a cause names an unknown effect, joint or parameter, or the robot cannot have the effect.
     """
+    machine = with_fitted_numbers(nominal, numbers)
     effects = [effect_of(cause, nominal.robot) for cause in causes]
-    return replace(nominal, effects=(*nominal.effects, *effects))
+    return replace(machine, effects=(*machine.effects, *effects))
 
 
 def effect_of(cause: Cause, robot: RobotDescription) -> Effect:
@@ -75,16 +77,17 @@ def save_extended(
     Raises:
         FFGymError: if a cause does not fit the robot, or the file cannot be written.
     """
-    machine = extended_machine(nominal, diagnosis.causes)
+    machine = extended_machine(nominal, diagnosis.causes, diagnosis.numbers)
     if machine.climate is None:
         machine = replace(machine, climate=recorded_climate(recordings))
-    known = [*origins, *(Origin() for _ in range(len(nominal.effects) - len(origins)))]
+    beside = len(machine.effects) - len(diagnosis.causes)
+    known = [*origins, *(Origin() for _ in range(beside - len(origins)))]
     new = [_origin(cause, nominal.robot, diagnosis) for cause in diagnosis.causes]
     save_machine(
         machine,
         path,
         title=f"{nominal.robot.title}, extended by ffgym diagnose",
-        source="as before the diagnosis",
+        source=f"fitted beside the causes to {_logs(diagnosis)}" if diagnosis.numbers else "as before the diagnosis",
         robot=robot,
         origins=[*known, *new],
     )
@@ -126,9 +129,7 @@ def _origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Orig
     """What the table of a cause says of its numbers."""
     kind = EFFECTS[cause.effect]
     effect, where = effect_of(cause, robot), f" on {cause.joint}" if cause.joint else ""
-    more = f" and {len(diagnosis.motions) - _NAMED} more" if len(diagnosis.motions) > _NAMED else ""
-    logs = ", ".join(diagnosis.motions[:_NAMED]) + more
-    sources, intervals = {}, {}
+    logs, sources, intervals = _logs(diagnosis), dict[str, str](), dict[str, Any]()
     for name, known in kind.parameters().items():
         sizes = [size for size in cause.parameters if size.name.partition(".")[0] == name]
         if not sizes:
@@ -138,6 +139,12 @@ def _origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Orig
         sources[name] = f"diagnosed{where} from {logs}; 90 % interval{before}"
         intervals[name] = _interval(getattr(effect, name), sizes, cause, robot)
     return Origin(label=cause.joint, sources=sources, intervals=intervals)
+
+
+def _logs(diagnosis: Diagnosis) -> str:
+    """The motions that a source names."""
+    more = f" and {len(diagnosis.motions) - _NAMED} more" if len(diagnosis.motions) > _NAMED else ""
+    return ", ".join(diagnosis.motions[:_NAMED]) + more
 
 
 def _interval(values: Array, sizes: Sequence[Size], cause: Cause, robot: RobotDescription) -> Array:

@@ -15,20 +15,16 @@ from ffgym.diagnosis.evidence.screen import screen
 from ffgym.diagnosis.evidence.stack import Blocks, Values, blocks_of
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.noise import noise_of
+from ffgym.diagnosis.noise import torque_noise
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.effects import Effect, ResolverEffect
 from ffgym.plant import Machine
-from ffgym.types import Array
 
 STANDS_OUT = 0.5
 """Share of the torque's residual above noise that an effect must explain to be spoken of: what explains less than half
 is imitated by something else as often."""
-
-_LEAST = 1e-3
-"""Least noise of a torque as a share of its RMS: no model foretells torque better than to a per mille; chosen."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +56,7 @@ def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLoo
     run = replay(log.torque_alone, nominal)
     residual = residual_rows(run.log, predicted(run))["torque"]
     values: Values = {("torque", j): residual[..., j : j + 1] for j in range(residual.shape[2])}
-    weights: Values = {("torque", j): 1 / column for j, column in enumerate(_torque_noise(run).T)}
+    weights: Values = {("torque", j): 1 / column for j, column in enumerate(torque_noise(run).T)}
     blocks = blocks_of(valid_rows(run.log), log.sampling.row_dt)
     candidates = _candidates(run, nominal, calibration, blocks, weights)
     if not len(blocks) or not candidates.groups:
@@ -78,20 +74,6 @@ def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLoo
 
 def _candidates(run: Replay, nominal: Machine, calibration: Calibration, blocks: Blocks, weights: Values) -> Candidates:
     """Effects whose columns take no arm."""
-    kinds, _ = judgeable_kinds(run.log, nominal)
+    kinds, _ = judgeable_kinds(run.log, nominal, calibration)
     plain = [kind for kind in kinds if kind.side == "motor" and not issubclass(kind, ResolverEffect)]
     return candidates_of(doubts_of(run, calibration), columns_of(run, plain, {}), blocks, weights)
-
-
-def _torque_noise(run: Replay) -> Array:
-    r"""RMS that white noise of torque and angle gives the residual, shape (M, N), motor side [N m].
-
-    Through a low-pass of cut-off :math:`f_c`, white noise :math:`\sigma` of samples :math:`\Delta t` apart keeps
-    :math:`\sigma \sqrt{2 f_c \Delta t}`, and its second derivative :math:`(2\pi)^2 \sigma \sqrt{2 f_c^5 \Delta t / 5}`.
-    """
-    noise, fc, dt = noise_of(run.log), run.log.sampling.cutoff, run.log.dt
-    torque = noise.torque * np.sqrt(2 * fc * dt)
-    acceleration = (2 * np.pi) ** 2 * noise.angle * np.sqrt(2 * fc**5 * dt / 5)
-    floor = _LEAST * np.sqrt(np.mean(run.torque**2, axis=0))
-    known: Array = np.hypot(torque, run.robot.drive.rotor_inertia * acceleration)
-    return np.maximum(known, np.maximum(floor, np.finfo(np.float64).tiny))

@@ -12,7 +12,7 @@ import numpy as np
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.white import white_noise
 from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
@@ -32,6 +32,10 @@ the time."""
 
 DRAWS = 2
 """Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""
+
+
+_LEAST_TORQUE = 1e-3
+"""Least noise of a torque as a share of its RMS: no model foretells torque better than to a per mille; chosen."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,3 +169,17 @@ def faultless_residuals(
         for channel, rows in residual_rows(one, prediction).items():
             draws.setdefault(channel, []).append(rows - bias[channel])
     return Faultless(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()})
+
+
+def torque_noise(run: Replay) -> Array:
+    r"""RMS that white noise of torque and angle gives the residual, shape (M, N), motor side [N m].
+
+    Through a low-pass of cut-off :math:`f_c`, white noise :math:`\sigma` of samples :math:`\Delta t` apart keeps
+    :math:`\sigma \sqrt{2 f_c \Delta t}`, and its second derivative :math:`(2\pi)^2 \sigma \sqrt{2 f_c^5 \Delta t / 5}`.
+    """
+    noise, fc, dt = noise_of(run.log), run.log.sampling.cutoff, run.log.dt
+    torque = noise.torque * np.sqrt(2 * fc * dt)
+    acceleration = (2 * np.pi) ** 2 * noise.angle * np.sqrt(2 * fc**5 * dt / 5)
+    floor = _LEAST_TORQUE * np.sqrt(np.mean(run.torque**2, axis=0))
+    known: Array = np.hypot(torque, run.robot.drive.rotor_inertia * acceleration)
+    return np.maximum(known, np.maximum(floor, np.finfo(np.float64).tiny))

@@ -1,6 +1,6 @@
 """A nominal model for a robot whose numbers nobody knows: rigid bodies and friction fitted to the very logs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.log.sampling import Sampling
 from ffgym.errors import FFGymError
+from ffgym.friction import LuGreParameters
 from ffgym.identification import LowPass
 from ffgym.identification.rigid_body import (
     Filtering,
@@ -19,6 +20,8 @@ from ffgym.identification.rigid_body import (
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription, RobotDraft
+from ffgym.robot.template.proposals import PRESLIDING
+from ffgym.types import Array
 
 LEAST_SHARE = 0.1
 """Least standard deviation of fitted numbers, relative. An effect that is not in the model hides in its neighbours
@@ -27,6 +30,20 @@ again."""
 
 RESAMPLES = 20
 """Bootstrap resamples of the fit: its standard deviations to some 15 %, which is enough where they are small."""
+
+_LEVELS = 0.5
+"""Standard deviation of friction levels that were fitted to the very logs, relative: a loss that grows with load, or a
+viscous friction that bends, hides in them, and they must give way."""
+
+_TORQUE_CONSTANT = 0.1
+"""Standard deviation of torque per current, relative: tolerance of magnets and current sensors. Masses that were fitted
+to the torque cannot tell it."""
+
+_OFFSET = 0.5
+"""Standard deviation of torque offsets in Coulomb torques; as good as free, as in the fit."""
+
+_JOINT_PRESLIDING = 1e-4
+"""Coulomb torque over bristle stiffness behind the gearbox [rad]: presliding of robots is 20 to 200 microrad there."""
 
 _NORMAL = 2.0 * 1.645
 """Width of a 90 % interval in standard deviations."""
@@ -55,7 +72,38 @@ def fitted_nominal(
     filtering = filtering_for(robot, recordings)
     known = starting_robot(robot, recordings, filtering) if isinstance(robot, RobotDraft) else robot
     fit = identify_rigid_body(known, recordings, RigidBodyOptions(filtering=filtering, resamples=RESAMPLES))
-    return Machine(robot=fit.identified), _calibration(fit)
+    quick = RigidBodyOptions(filtering=filtering, resamples=2, spread=fit.trade_off.chosen)
+
+    def refit(added: Mapping[int, Array]) -> RobotDescription:
+        left = [_without_torque(known, recordings[i], torque) for i, torque in added.items()]
+        return _completed(robot, identify_rigid_body(known, left, quick).identified)
+
+    return Machine(robot=_completed(robot, fit.identified)), replace(_calibration(fit), refit=refit)
+
+
+def _completed(robot: RobotDescription | RobotDraft, found: RobotDescription) -> RobotDescription:
+    """What was fitted, with what follows from it where nobody knows it."""
+    if isinstance(robot, RobotDraft) and "friction.bristle_stiffness" not in robot.quantities:
+        return replace(found, friction=_with_stiff_bristles(found))
+    return found
+
+
+def _without_torque(robot: RobotDescription, recording: Recording, torque: Array) -> Recording:
+    """A recording less a torque (T, N), motor side [N m]."""
+    link = recording.header.torque_semantics == "link_side"
+    own = robot.drive.joint_torque(torque) if link else torque
+    names = [f"motor.effort.{joint}" for joint in recording.header.joints]
+    return recording.with_columns({name: recording[name] - own[:, j] for j, name in enumerate(names)})
+
+
+def _with_stiff_bristles(robot: RobotDescription) -> LuGreParameters:
+    """Friction of a robot whose presliding nobody knows: bristles bend no further than those of a usual joint.
+
+    Gear ratios that are written as 1, as torque and angles are those of the joints, make no motor of it.
+    """
+    travel = np.minimum(PRESLIDING, _JOINT_PRESLIDING * np.abs(robot.drive.gear_ratio))
+    friction = robot.friction
+    return replace(friction, bristle_stiffness=friction.coulomb / travel, bristle_damping=np.zeros_like(travel))
 
 
 def filtering_for(robot: RobotDescription | RobotDraft, recordings: Sequence[Recording]) -> Filtering:
@@ -78,7 +126,7 @@ def _calibration(fit: RigidBodyFit) -> Calibration:
         if fitted and label.startswith(("coulomb.", "viscous."))
     ]
     share = min(1.0, max(LEAST_SHARE, float(np.median(shares)) if shares else LEAST_SHARE))
-    return replace(Calibration.of_share(share), base=share)
+    return Calibration(share=share, levels=_LEVELS, torque_constant=_TORQUE_CONSTANT, offset=_OFFSET, base=share)
 
 
 def _share(fit: RigidBodyFit, label: str) -> float:

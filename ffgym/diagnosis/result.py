@@ -11,6 +11,14 @@ much and something is left; `ambiguous`: several causes explain it as well, see 
 something is there that no effect of the library explains; `insufficient`: these logs do not allow a diagnosis."""
 
 
+NEAR_NOISE = 1.25
+"""RMS over that of noise up to which what is left is noise: one and a half times its energy, as of verdicts."""
+
+SMALL = 0.05
+"""Share of what was measured up to which what is left is small; chosen: rigid-body fits of recorded robots leave as
+much at best."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Size:
     """Size of a parameter with its interval."""
@@ -49,6 +57,19 @@ class Cause:
     def label(self) -> str:
         """What rivals call it."""
         return label_of(self.effect, self.joint)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """A number of the nominal model that was fitted beside the causes, as the extended model has it."""
+
+    entry: str
+    """Of a description, such as 'friction.coulomb'; or 'effects.' with the name of an effect and its parameter."""
+    unit: str
+    """As the entry is kept: SI units, on the side that descriptions keep it on."""
+    before: tuple[float, ...]
+    """All its values, row by row."""
+    after: tuple[float, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,10 +130,18 @@ class Level:
     channel: Channel
     component: str
     unit: str
+    measured: float
+    """Of what was measured, about its mean."""
     noise_floor: float
     before: float
+    """Of the nominal model as it is."""
     after: float
-    """With the causes; as before, what errors of calibration explain is taken off."""
+    """Of the extended model as it is written, each motion by one that was fitted without it."""
+
+    @property
+    def is_small(self) -> bool:
+        """Whether what the extended model leaves is hardly more than noise, or a small share of what was measured."""
+        return self.after <= max(NEAR_NOISE * self.noise_floor, SMALL * self.measured)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,6 +168,8 @@ class Diagnosis:
     robot: str
     motions: tuple[str, ...]
     causes: tuple[Cause, ...] = ()
+    numbers: tuple[Number, ...] = ()
+    """What was fitted beside the causes, and is in the extended model."""
     rivals: tuple[Rival, ...] = ()
     patterns: tuple[Pattern, ...] = ()
     not_excited: tuple[Unjudged, ...] = ()
@@ -147,6 +178,9 @@ class Diagnosis:
     """Effects that take columns, or a description, that are not there."""
     separating_motion: SeparatingMotion | None = None
     levels: tuple[Level, ...] = ()
+    gains: bool = False
+    """Whether the extended model leaves less than the nominal one of motions that it was not fitted to; if it does not,
+    it is worse than before, and is not written."""
     threshold: float = 0.0
     """Energy that the best effect removes by chance in one of a thousand logs of a perfect model, on rows that were not
     used; 1 is the energy of noise in one component. Effects are tried whose score is larger. No share."""

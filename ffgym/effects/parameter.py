@@ -14,6 +14,10 @@ Per = Literal["joint", "pair", "machine", "vector"]
 """One number per joint (N,), per pair of joints (N, N), for the machine (), or three of a vector (3,)."""
 
 
+Scale = Literal["", "top_speed"]
+"""What of a robot a shape is: nothing, or the largest speed of each motor [rad/s], by which others count."""
+
+
 Role = Literal["size", "phase", "cycles", "span", "shape"]
 """What a parameter is to a search: how large the effect is; the phase of something periodic, and how often it repeats;
 a shape in which the effect is linear (or nearly), so that two values span all; or anything else that gives it its
@@ -49,6 +53,8 @@ class Parameter:
     little to show a period; empty are those that what is to be explained has per motor turn."""
     default: float | None
     """Value if none is given; None if one must be."""
+    scale: Scale = ""
+    """What of a robot it is where nobody gives it: it only says in what a size counts, and is not fitted."""
 
     @property
     def is_looked_for(self) -> bool:
@@ -114,6 +120,7 @@ def parameter(
     default: float | None = None,
     role: Role | None = None,
     tries: tuple[float, ...] = (),
+    scale: Scale = "",
 ) -> Any:
     """Field of an effect's dataclass that is a parameter.
 
@@ -130,6 +137,7 @@ def parameter(
         default: value if none is given; None requires one.
         role: None is a size where there is a null value, else a shape.
         tries: values of a shape at which a search begins; none is the default value alone.
+        scale: what of a robot a search takes it to be; it is not fitted.
     """
     known = Parameter(
         name="",
@@ -145,6 +153,7 @@ def parameter(
         role=role or ("shape" if null is None else "size"),
         tries=tries,
         default=default,
+        scale=scale,
     )
     if default is None:
         return field(metadata={_KEY: known})

@@ -28,7 +28,7 @@ class State:
     deflection_rate: Array
     """[rad/s], link side."""
     load: Array
-    """Torque that the gearbox passes on to the link, link side [N m]; 0 for a rigid joint, which does not know it."""
+    """Torque that the gearbox passes on to the link, link side [N m]; of a rigid joint what its links ask for."""
     load_at_motor: Array
     """The same torque as the motor bears it, motor side [N m]."""
     joint_stiffness: Array

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.diagnosis.closed_loop import LoopLevel, closed_loop_gain
 from ffgym.diagnosis.extended import extended_machine
-from ffgym.diagnosis.result import Cause
+from ffgym.diagnosis.result import Cause, Number
 from ffgym.exam.case import Case
 from ffgym.exam.recording import recorded
 from ffgym.plant import Machine
@@ -38,14 +38,14 @@ class Gain:
     """The same with the causes."""
 
 
-def gain_of(case: Case, causes: Sequence[Cause]) -> Gain:
-    """Gain by the causes of a diagnosis.
+def gain_of(case: Case, causes: Sequence[Cause], numbers: Sequence[Number] = ()) -> Gain:
+    """Gain by the causes of a diagnosis, and the numbers that were fitted beside them.
 
     Raises:
         FFGymError: if a cause does not fit the robot.
     """
     nominal = Machine(robot=case.arm.robot, climate=case.machine.climate)
-    extended = extended_machine(nominal, causes)
+    extended = extended_machine(nominal, causes, numbers)
     found = closed_loop_gain(nominal, extended, _held_out(case, case.complete), n_threads=1)
     quiet = closed_loop_gain(nominal, nominal, _held_out(case, case.machine), n_threads=1)
     left = [(level.after / floor.before) ** 2 for level, floor in zip(found, quiet, strict=True)]

@@ -72,7 +72,11 @@ def examined(question: Question, *, seed: int) -> Mark:
         same = _bytes(answer) == _bytes(answered(paper.log)) if number % REPEATED == 0 else None
         then = _resolved(paper, answer) if paper.case.is_poor else None
         is_loud = number % GAINED == 0 and min(paper.loudness, default=0.0) >= LOUD
-        gain = gain_of(paper.case, answer.causes) if is_loud and answer.verdict in ("named", "partly") else None
+        gain = (
+            gain_of(paper.case, answer.causes, answer.numbers)
+            if is_loud and answer.verdict in ("named", "partly")
+            else None
+        )
     except FFGymError as error:
         raise FFGymError(f"Question {row}-{number} of seed {seed}: {error}") from error
     return marked(paper, answer, seconds=seconds, same_bytes=same, then=then, gain=gain)

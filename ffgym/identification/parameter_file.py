@@ -52,9 +52,19 @@ def entry_of(robot: RobotDescription, path: str) -> Array:
     return np.asarray(getattr(getattr(robot, GROUPS[group]), name), dtype=np.float64)
 
 
-def parameter_text(robot: RobotDescription, quantities: Mapping[str, Quantity], title: str) -> str:
-    """Text of a parameter file, TOML; numbers keep every bit."""
+def parameter_text(
+    robot: RobotDescription, quantities: Mapping[str, Quantity], title: str, description: str | None = None
+) -> str:
+    """Text of a parameter file, TOML; numbers keep every bit.
+
+    Args:
+        robot: whose numbers they are.
+        quantities: entries of the file.
+        title: of the file.
+        description: path of the robot's description from the folder of the file; None for a built-in robot.
+    """
     head = ["[parameters]", f"robot = {text(robot.name)}", f"title = {text(title)}"]
+    head += [] if description is None else [f"description = {text(description)}"]
     entries = [[f"[{path}]", *_lines(quantity)] for path, quantity in quantities.items()]
     return "\n\n".join("\n".join(lines) for lines in [head, *entries]) + "\n"
 

@@ -133,7 +133,7 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
         if plan.fit and diagnosis.causes:
             grown = extended_machine(before, diagnosis.causes)
             beside = _fitted(place / "fitted_beside", grown, plan, recordings, stage)
-            machine = replace(before, robot=beside.robot)
+            machine, diagnosis = replace(before, robot=beside.robot), replace(diagnosis, numbers=())
         model = place / "extended.toml"
         machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins, recordings=recordings)
         origins, clock = origins_of(model), motions[-1].end + PAUSE

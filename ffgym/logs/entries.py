@@ -1,8 +1,8 @@
 """Entries of a column map beside the arrays of a file that they name."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 from ffgym.errors import FFGymError
@@ -77,8 +77,8 @@ def entries_of(contents: Contents, columns: ColumnMap, header: Header) -> Entrie
             continue
         with in_entry(key):
             target = target_of(key, column, header.joints)
-            names = source_names(column, target, header.joints)
-            if column.optional and not _present(contents, column, names):
+            names = _names(contents, column, target, header.joints)
+            if column.optional and not _present(contents, names):
                 left_out.append(key)
                 continue
             others[key] = _entry(contents, column, target, names, timestamp)
@@ -96,7 +96,15 @@ def _times(contents: Contents, timestamp: Column) -> Gathered | None:
         return None
     if not isinstance(timestamp.source, str) or not isinstance(timestamp.unit, str):
         raise FFGymError("the clock of the rows is one array in one unit.")
-    return gather(contents, timestamp, timestamp.source, 1)
+    here = (name for name in (timestamp.source, *timestamp.otherwise) if name in contents.arrays)
+    return gather(contents, timestamp, next(here, timestamp.source), 1)
+
+
+def _names(contents: Contents, column: Column, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:
+    """Names of the arrays of an entry: those of its source, or the first of the others that the file has."""
+    tried = [column, *(replace(column, source=name, otherwise=()) for name in column.otherwise)]
+    found = [source_names(each, target, joints) for each in tried]
+    return next((names for names in found if _present(contents, names)), found[0])
 
 
 def _entry(
@@ -111,7 +119,20 @@ def _entry(
     if column.resample and timestamp.is_scaled:
         raise FFGymError("resample compares clocks in their units; timestamp then has no scale, offset or sign.")
     values = gather(contents, column, names, len(target.columns))
+    if column.times:
+        values = _times_row(contents, column, values)
     return Entry(column=column, target=target, values=values, clock=_clock(contents, column, target, values, timestamp))
+
+
+def _times_row(contents: Contents, column: Column, values: Gathered) -> Gathered:
+    """Numbers times those of the array `times`, row by row."""
+    axes = ("motion", "time") if contents.numbers(column.times).ndim == 2 else ("time",)
+    factors = gather(contents, Column(source=column.times, unit="1", axes=axes), column.times, 1)
+    if factors.values.shape[:2] != values.values.shape[:2]:
+        raise FFGymError(
+            f"times = {column.times!r} has {factors.values.shape[1]} rows, must be {values.values.shape[1]}, as source."
+        )
+    return replace(values, values=values.values * factors.values)
 
 
 def _clock(contents: Contents, column: Column, target: Target, values: Gathered, timestamp: Column) -> Gathered | None:
@@ -142,7 +163,7 @@ def _clock_of_stream(contents: Contents, stream: str | None, timestamp: str) -> 
     return clocks[kinds[0]]
 
 
-def _present(contents: Contents, column: Column, names: tuple[str, ...] | str) -> bool:
-    """Whether the file has the arrays of an optional entry."""
+def _present(contents: Contents, names: tuple[str, ...] | str) -> bool:
+    """Whether the file has the arrays of an entry."""
     wanted = {names} if isinstance(names, str) else set(names)
     return wanted <= set(contents.arrays)

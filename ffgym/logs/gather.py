@@ -1,5 +1,6 @@
 """The arrays that an entry of a column map names, as one array (motions, rows, parts)."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, final
@@ -12,6 +13,9 @@ from ffgym.logs.column_map import Column
 from ffgym.logs.column_map.column import AXES
 from ffgym.logs.contents import Contents
 from ffgym.logs.target import Target
+
+PLACE = re.compile(r"\{(joint|number|index)((?<!joint)[+-]\d+)?\}")
+"""Where the name of an array differs from joint to joint."""
 
 
 @final
@@ -30,11 +34,24 @@ class Gathered:
 def source_names(column: Column, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:
     """One name, or one for each part where the entry lists them or has a place for the joint."""
     source = column.source
-    if isinstance(source, tuple) or ("{joint}" not in source and "{number}" not in source):
+    if isinstance(source, tuple) or not PLACE.search(source):
         return source
-    if target.joints is None:
+    numbers = range(len(target.columns)) if target.joints is None else target.joints
+    if "{joint}" in source and target.joints is None:
         raise FFGymError(f"source = {source!r} has a place for a joint, but {target.key} has none; list the names.")
-    return tuple(source.replace("{joint}", joints[j]).replace("{number}", str(j + 1)) for j in target.joints)
+
+    def name(number: int) -> str:
+        return PLACE.sub(lambda found: _filled(found, number, joints), source)
+
+    return tuple(map(name, numbers))
+
+
+def _filled(place: re.Match[str], number: int, joints: Sequence[str]) -> str:
+    """What stands in a place of a name for the part `number`, from 0."""
+    kind, step = place.groups()
+    if kind == "joint":
+        return joints[number]
+    return str(number + (kind == "number") + int(step or 0))
 
 
 def gather(contents: Contents, column: Column, names: tuple[str, ...] | str, n_parts: int) -> Gathered:

@@ -8,20 +8,20 @@ from ffgym.recordings import Header
 from ffgym.robot import RobotDescription, load_draft, log_header
 
 
-def header_of(columns: ColumnMap, robot: RobotDescription | str | None = None) -> Header:
-    """Header for the recordings of a column map; its segment is the map's, or empty.
+def robot_of(columns: ColumnMap, robot: RobotDescription | str | None = None) -> RobotDescription | None:
+    """Robot whose logs a column map reads; None if the map has its joints, and its robot is just a name.
 
     Args:
-        columns: the map. If it has joints, its robot is just a name.
+        columns: the map.
         robot: whose log it is, for a map that leaves this open; otherwise it must be the map's robot.
 
     Raises:
-        FFGymError: if no robot is named, the map is for another one, or a field is invalid.
+        FFGymError: if no robot is named, or the map is for another one.
     """
     own = "joints" in columns.header
     if own:
         _check_same(columns, columns.robot, robot.name if isinstance(robot, RobotDescription) else robot)
-        return _header(columns, None)
+        return None
     if isinstance(robot, RobotDescription):
         description = robot
     elif robot or columns.robot:
@@ -32,7 +32,7 @@ def header_of(columns: ColumnMap, robot: RobotDescription | str | None = None) -
         )
     if columns.robot and robot is not None:
         _check_same(columns, _described(columns, columns.robot, given=False).name, description.name)
-    return _header(columns, description)
+    return description
 
 
 def _described(columns: ColumnMap, robot: str, *, given: bool) -> RobotDescription:
@@ -49,7 +49,16 @@ def _check_same(columns: ColumnMap, mapped: str, given: str | None) -> None:
         )
 
 
-def _header(columns: ColumnMap, robot: RobotDescription | None) -> Header:
+def header_of(columns: ColumnMap, robot: RobotDescription | None) -> Header:
+    """Header for the recordings of a column map; its segment is the map's, or empty.
+
+    Args:
+        columns: the map.
+        robot: what `robot_of` makes of it.
+
+    Raises:
+        FFGymError: if a field is invalid.
+    """
     fields = dict(columns.header)
     if fields.get("payload") == "unknown":
         fields["payload"] = None

@@ -8,8 +8,9 @@ from pathlib import Path
 from ffgym.errors import FFGymError
 from ffgym.logs.column_map import ColumnMap, load_columns
 from ffgym.logs.convert import recordings_of
-from ffgym.logs.formats.read import read_contents, stem_of
-from ffgym.logs.header import header_of
+from ffgym.logs.drive_units import with_drive_units
+from ffgym.logs.formats.read import bare_name, read_contents
+from ffgym.logs.header import header_of, robot_of
 from ffgym.recordings import Header, Recording, read_recording
 from ffgym.robot import RobotDescription
 
@@ -24,7 +25,7 @@ def read_log(
     """Read the one motion in a file: a recording, or with `columns` a file of another tool.
 
     Args:
-        path: CSV or other text, NPZ, MAT, HDF5 or Parquet, compressed (.gz) or not; MCAP or rosbag file, or a folder of a rosbag or LeRobot set.
+        path: CSV or other text, NPZ, MAT, HDF5, Parquet, MCAP or rosbag file, or a folder of a rosbag or LeRobot set.
         columns: what the file holds: a built-in name, a TOML file (docs/column_maps.md), or a map; None for recordings.
         robot: whose log it is, where the column map leaves this open.
         header: for a recording without header, as `read_recording`.
@@ -60,10 +61,15 @@ def read_logs(
     if header is not None:
         raise FFGymError("header belongs to a recording without one; with a column map, [log] says what it says.")
     columns = load_columns(columns)
-    made = header_of(columns, robot)
+    described = robot_of(columns, robot)
+    made = header_of(columns, described)
+    try:
+        columns, made = with_drive_units(columns, made, described)
+    except FFGymError as error:
+        raise FFGymError(f"{columns.where}: {error}") from error
     contents = read_contents(path, columns.layout)
     provenance = {"file": Path(path).name, "sha256": digest(Path(path)), "columns": Path(columns.where).name}
-    made = replace(made, segment=made.segment or stem_of(path), provenance=provenance)
+    made = replace(made, segment=made.segment or bare_name(path), provenance=provenance)
     try:
         return recordings_of(contents, columns, made)
     except FFGymError as error:

@@ -17,6 +17,8 @@ from ffgym.types import Array
 def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...] | None, contents: Contents) -> Array:
     """Return sign * (unit (scale * values + offset)) as float64, shape (T, P) like `values`.
 
+    Counts in two's complement get their sign first.
+
     Args:
         values: numbers of the file.
         column: the entry that they come from.
@@ -30,13 +32,28 @@ def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...] | None, c
     given = _units(column, n_parts)
     wanted = units or tuple(si_of(unit, column.counts_per_turn) for unit in given)
     steps = [conversion(have, want, column.counts_per_turn) for have, want in zip(given, wanted, strict=True)]
-    numbers = values.astype(np.float64)
+    numbers = _with_sign(values, column.twos_complement)
     with np.errstate(over="ignore", invalid="ignore"):  # a recording names the row that is not finite
         for name, neutral in (("scale", 1.0), ("offset", 0.0)):
             constants = _constants(name, getattr(column, name), n_parts, contents)
             if np.any(constants != neutral):
                 numbers = numbers * constants if name == "scale" else numbers + constants
         return _signed(_converted(numbers, steps), column, n_parts)
+
+
+def _with_sign(values: NDArray[Any], bits: int | None) -> Array:
+    """Numbers, the upper half of which is negative if they are counts of `bits` in two's complement."""
+    numbers: Array = values.astype(np.float64)
+    if bits is None:
+        return numbers
+    span = 2.0**bits
+    wrong = (numbers < 0) | (numbers >= span) | (numbers != np.round(numbers))
+    if np.any(wrong):
+        raise FFGymError(
+            f"twos_complement = {bits}: {numbers[wrong][0]:g} is no whole number from 0 to {span - 1:g}; leave it out "
+            "where numbers have their sign."
+        )
+    return np.where(numbers >= span / 2, numbers - span, numbers)
 
 
 def user_units(target: Target, column: Column) -> dict[str, str]:

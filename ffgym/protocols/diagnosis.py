@@ -65,9 +65,9 @@ class Diagnosis(JointProtocol):
 
 
 def _small_motions(stage: Stage, joints: tuple[int, ...]) -> list[Reference]:
-    """Small circles at two speeds, or small sines on a machine that has no work area or moves some joints only."""
+    """Small circles at two speeds; small sines on a machine without places to work at, or if only some joints move."""
     area = stage.robot.work_area
-    if area is None or stage.robot.tool is None or len(joints) < stage.robot.n_joints:
+    if area is None or not area.positions or stage.robot.tool is None or len(joints) < stage.robot.n_joints:
         return [
             joint_reference(stage.robot, own_sines(stage, joints, SMALL, frequency, 6.0, name=name))
             for name, frequency in (("slow_small", 0.5), ("fast_small", 2.0))

@@ -71,14 +71,17 @@ def _leftover(parts: TorqueParts, joints: list[int], reach: int) -> Array:
 def _sign(log: Log) -> Iterator[Seen]:
     parts = torque_parts(log)
     others = orthonormal(parts.common)
+    # On the motor's side, friction opposes the motor, which turns the other way where the gear ratio is negative.
+    behind = log.recording.header.torque_semantics == "link_side"
+    ways, whose = (np.ones(len(log.joints)), "joint") if behind else (np.sign(parts.gear_ratio), "motor")
     for j in np.flatnonzero(log.excited).tolist():
-        torque, friction = (x - others @ (others.T @ x) for x in (parts.torque[:, j], parts.sliding(j)))
+        torque, friction = (x - others @ (others.T @ x) for x in (parts.torque[:, j], ways[j] * parts.sliding(j)))
         size = float(np.linalg.norm(torque) * np.linalg.norm(friction))
         correlation = float(torque @ friction) / size if size > 0 else 0.0
         name = f"motor.effort.{log.joints[j]}"
         message = (
-            f"{name} correlates with the sign of the speed by {correlation:.2f}, must be positive: friction would "
-            "drive the joint. Turn the sign of the torque, or of the position."
+            f"{name} correlates with the sign of the {whose} speed by {correlation:.2f}, must be positive: friction "
+            "would drive the joint. Turn the sign of the torque, or of the position."
         )
         yield Seen(value=-correlation, message=message, columns=(name,), joint=log.joints[j])
 

@@ -29,6 +29,10 @@ class Drive:
     """Damping of that elasticity d, link side [N m s/rad], shape (N,)."""
     peak_torque: Array
     """Largest torque the drive gives, motor side [N m], shape (N,)."""
+    torque_per_current: Array | None = None
+    """Torque per motor current, motor side [N m/A], shape (N,), which logs of currents take; None is not known."""
+    rated_torque: Array | None = None
+    """Torque at 100 %, motor side [N m], shape (N,), which logs in percent take; None is not known."""
     coupling: Array | None = None
     """C_ij, how far motor i turns with joint j when its own joint stands still, shape (N, N), 0 on the diagonal; None
     is no coupling."""

@@ -3,13 +3,15 @@
 import json
 import re
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.recordings import write_recording
-from ffgym.robot import load_robot, with_parameters
+from ffgym.plant import load_machine
+from ffgym.recordings import Recording, read_recording, write_recording
+from ffgym.robot import load_draft, load_robot, with_parameters
 from tests.identification.rigid_body.recorded_arms import recorded, rigid, swing
 
 
@@ -80,6 +82,30 @@ def test_a_description_without_masses_is_enough(logs, tmp_path, capsys):
     assert main(arguments) == 0
     assert "rule of thumb" in out.read_text(encoding="utf-8")
     assert "Two links" in capsys.readouterr().out
+    assert load_draft(out).quantities["links.mass"].origin == ("fitted",)  # it finds the description by its path
+
+
+def test_what_is_written_for_a_robot_of_the_user_s_own_is_a_robot_for_every_command(logs, tmp_path):
+    text = (resources.files("ffgym.robot") / "data" / "two_link.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(text.replace('name = "two_link"', 'name = "mine"'), encoding="utf-8")
+    (tmp_path / "fits").mkdir()
+    (tmp_path / "logs").mkdir()
+    own = [str(tmp_path / "logs" / f"{i}.npz") for i in range(2)]
+    for path, log in zip(own, logs, strict=False):
+        recording = read_recording(log)
+        write_recording(Recording(recording.columns, replace(recording.header, robot="mine")), path)
+    first, second = (str(tmp_path / "fits" / name) for name in ("first.toml", "second.toml"))
+    arguments = command(own, "--out", first)
+    arguments[arguments.index("two_link")] = str(tmp_path / "mine.toml")
+    assert main(arguments) == 0
+    assert load_robot(first).name == "mine"
+    (tmp_path / "machine.toml").write_text('[machine]\ntitle = "fitted"\nrobot = "fits/first.toml"\n')
+    assert load_machine(tmp_path / "machine.toml").robot.friction.coulomb == pytest.approx(
+        load_robot(first).friction.coulomb
+    )
+    arguments[arguments.index(first)], arguments[arguments.index(str(tmp_path / "mine.toml"))] = second, first
+    assert main(arguments) == 0  # and identification goes on from it
+    assert "first.toml" in (tmp_path / "fits" / "second.toml").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

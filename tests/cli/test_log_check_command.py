@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib import resources
 
 import numpy as np
 import pytest
@@ -72,3 +73,13 @@ def test_bad_input_is_one_line(tmp_path, capsys):
     for arguments in (["nothing.npz"], [str(tmp_path)], [str(tmp_path / "x.npz"), "--robot", "nobody"]):
         assert main(["log", "check", *arguments]) == 1
         assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_description_that_lacks_entries_judges_what_does_not_hang_on_them(logs, tmp_path, capsys):
+    text = (resources.files("ffgym.robot") / "data" / "two_link.toml").read_text(encoding="utf-8")
+    description = tmp_path / "mine.toml"
+    description.write_text("\n[".join(part for part in text.split("\n[") if not part.startswith("friction.")))
+    assert main(["log", "check", str(logs[0]), "--robot", str(description), "--needs", "position"]) == 0
+    out = capsys.readouterr().out
+    assert f"note: {description} lacks friction.coulomb and 5 more; nothing is judged that hangs on masses" in out
+    assert "Good: nothing to object to." in out

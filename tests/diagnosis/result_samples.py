@@ -79,9 +79,13 @@ def full_diagnosis() -> Diagnosis:
             expected=3.2,
         ),
         levels=(
-            Level(channel="torque", component="j1", unit="N m", noise_floor=0.01, before=0.011, after=0.0105),
-            Level(channel="torque", component="j2", unit="N m", noise_floor=0.012, before=0.09, after=0.013),
-            Level(channel="tool", component="x", unit="m", noise_floor=2e-6, before=9e-6, after=3e-6),
+            Level(
+                channel="torque", component="j1", unit="N m", measured=0.5, noise_floor=0.01, before=0.011, after=0.0105
+            ),
+            Level(
+                channel="torque", component="j2", unit="N m", measured=0.6, noise_floor=0.012, before=0.09, after=0.013
+            ),
+            Level(channel="tool", component="x", unit="m", measured=1e-3, noise_floor=2e-6, before=9e-6, after=3e-6),
         ),
         threshold=0.06,
         quality=("diagnosis.sine: j6 hardly moves",),

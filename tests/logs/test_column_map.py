@@ -16,6 +16,7 @@ from ffgym.logs.column_map.column_map import LOG_KEYS
 from ffgym.logs.column_map.load import column_map_of
 from ffgym.logs.column_map.units import COUNTS, UNITS, conversion
 from ffgym.logs.convert import recordings_of
+from ffgym.logs.drive_units import with_drive_units
 from ffgym.logs.formats.text_layout import LAYOUT_KEYS, TextLayout
 from ffgym.logs.header import header_of
 from ffgym.recordings import Header
@@ -24,7 +25,7 @@ from ffgym.recordings import Header
 def test_every_key_is_explained_and_read():
     assert set(COLUMN_KEYS) == set(_READERS) == {f.name for f in fields(Column)}
     assert set(LAYOUT_KEYS) == {f.name for f in fields(TextLayout)}
-    assert set(LOG_KEYS) - {"trim"} == {f.name for f in fields(Header)} - {
+    assert set(LOG_KEYS) - {"base", "trim"} == {f.name for f in fields(Header)} - {
         "schema_version", "phases", "provenance", "units", "meta"
     }  # fmt: skip
 
@@ -82,7 +83,7 @@ def test_a_mistake_in_the_head_is_one_error(change, message, tmp_path):
 
 
 def test_a_map_that_there_is_not_is_one_error(tmp_path):
-    with refused("Unknown column map 'emsp'. Built in: emps, kuka_kr300_2020"):
+    with refused("Unknown column map 'emsp'. Built in: abb_egm, emps, kuka_fri, "):
         load_columns("emsp")
     with refused("nowhere.toml: cannot be read: No such file"):
         load_columns(tmp_path / "nowhere.toml")
@@ -97,14 +98,21 @@ def test_names_of_columns_need_no_quotes(tmp_path):
     )
 
 
-NAMES = st.sampled_from(["t", "q", "xyz", "stack", "run", "word", "gain", "absent", "q{number}", "x{joint}"])
+NAMES = st.sampled_from(
+    ["t", "q", "xyz", "stack", "run", "word", "gain", "absent", "q{number}", "x{joint}", "q{index+1}"]
+)
 JUNK = st.booleans() | st.integers(-2, 4) | st.floats() | st.just("") | st.lists(st.floats(-2, 2), max_size=3)
 TRUTH = st.booleans()
 VALUES = {
     "source": NAMES | st.lists(NAMES, min_size=1, max_size=3),
-    "unit": st.sampled_from(["rad", "deg", "m", "mm", "s", "ns", "count", "K", ["rad", "deg"], ["m", "mm", "m"]]),
+    "unit": st.sampled_from(
+        ["rad", "deg", "m", "mm", "s", "ns", "count", "K", "A", "%", ["rad", "deg"], ["m", "mm", "m"]]
+    ),
     "axes": st.permutations(["motion", "time", "part"]) | st.sampled_from([["time"], ["part", "time"]]),
     "pick": st.lists(st.integers(0, 3), min_size=1, max_size=3),
+    "otherwise": st.lists(NAMES, min_size=1, max_size=3),
+    "twos_complement": st.integers(1, 33),
+    "times": NAMES,
     "scale": NAMES | st.floats(-2, 2),
     "offset": NAMES | st.floats(-2, 2),
     "sign": st.sampled_from([1, -1, [1, -1], [1, 1, -1]]),
@@ -140,7 +148,8 @@ def test_whatever_a_map_says_is_read_or_refused(family, source, unit, changes, l
     refusal = ""
     try:
         parsed = column_map_of({"log": head | log, "columns": columns, "motions": motions}, "map.toml", Path())
-        assert recordings_of(contents, parsed, header_of(parsed))
+        parsed, header = with_drive_units(parsed, header_of(parsed, None), None)
+        assert recordings_of(contents, parsed, header)
     except FFGymError as error:
         refusal = str(error)
     assert len(refusal.splitlines()) < 2
@@ -195,7 +204,7 @@ def test_a_unit_that_does_not_fit_is_one_error(unit, extra, message, tmp_path):
 @pytest.mark.parametrize(("unit", "gain"), [("A", "N m/A"), ("V", "N m/V"), ("%", "N m/%")])
 def test_a_current_voltage_or_share_of_a_rated_torque_asks_for_its_gain(unit, gain, tmp_path):
     entry = f'[columns."motor.effort"]\nsource = "u"\nunit = "{unit}"\n'
-    with refused(f"unit '{unit}' does not fit a quantity in N m, give scale = <{gain}> and unit = 'N m'"):
+    with refused(f"unit '{unit}' ", f"give scale = <{gain}> and unit = 'N m'"):
         read_log(write_npz(tmp_path), column_map(CLOCK, POSITION, entry))
 
 

@@ -1,6 +1,7 @@
 """Sessions: motions on one clock, under names of their own, and their recordings."""
 
 import sys
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,11 +12,13 @@ from ffgym.errors import FFGymError
 from ffgym.plant import Climate, Machine
 from ffgym.protocols import plan_session, record, usual_sensors
 from ffgym.protocols.circles import Circles
+from ffgym.protocols.diagnosis import Diagnosis
 from ffgym.protocols.dwell_restart import DwellRestart
 from ffgym.protocols.motion_file import MotionFile
 from ffgym.protocols.slow_triangles import SlowTriangles
 from ffgym.protocols.table_6_1 import Table61
 from ffgym.protocols.warm_up import WarmUp
+from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig
 from tests.protocols.protocol_samples import arm_of
 
@@ -156,3 +159,12 @@ def test_dwell_shows_in_the_recording_as_rests_of_the_motor():
 def test_a_session_that_cannot_be_is_refused(protocols, message):
     with pytest.raises(FFGymError, match=message):
         plan_session(arm_of("one_axis"), protocols)
+
+
+def test_a_machine_whose_work_area_has_no_positions_yet_makes_small_motions_in_its_joints():
+    robot = arm_of("two_link").robot
+    assert robot.tool is not None
+    assert robot.work_area is not None
+    arm = RigidArm(replace(robot, work_area=replace(robot.work_area, positions={})))
+    names = [motion.reference.name for motion in plan_session(arm, [Diagnosis()])]
+    assert {"diagnosis.slow_small", "diagnosis.fast_small"} <= set(names)

@@ -7,6 +7,8 @@ import pytest
 
 from ffgym.quality import check_quality
 from ffgym.recordings import Phase, Recording
+from ffgym.robot import load_robot
+from tests.identification.rigid_body.recorded_arms import recorded, rigid, swing
 from tests.quality.quality_logs import clean_log, described
 
 ROBOT, MOTION = "irb4600_60_205", "multisine"
@@ -89,3 +91,16 @@ def test_numbers_that_no_machine_gives(clean):
     values = clean["motor.effort.j2"].copy()
     values[0] = 1e40
     assert flagged(clean.with_columns({"motor.effort.j2": values})) == {"size"}
+
+
+@pytest.mark.parametrize("side", ["motor_side", "link_side"])
+def test_a_motor_that_turns_the_other_way_has_its_friction_the_other_way(side):
+    """A negative gear ratio: torque at the motor opposes the motor, torque behind the gearbox the joint."""
+    two_link = rigid(load_robot("two_link"))
+    ratio = two_link.drive.gear_ratio * np.array([-1.0, 1.0])
+    robot = replace(two_link, drive=replace(two_link.drive, gear_ratio=ratio), logs=replace(two_link.logs, torque=side))
+    log = recorded(robot, swing(robot, 0), noise=0.005, segment="swing")
+    assert check_quality(log, robot).verdict == "good"
+    assert not flagged(log)
+    turned = log.with_columns({"motor.effort.shoulder": -log["motor.effort.shoulder"]})
+    assert "torque_sign" in flagged(turned)

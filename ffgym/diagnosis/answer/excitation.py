@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.low_speed import knows_low_speed
 from ffgym.diagnosis.result import Unjudged
@@ -16,11 +17,16 @@ what moves friction by some per cent."""
 _UNITS = {"temperature": "K", "running": "s"}
 
 
-def judgeable_kinds(log: Log, machine: Machine) -> tuple[list[type[Effect]], tuple[Unjudged, ...]]:
+_OPEN = "it is a number of the model that is not known any better than that: it is fitted beside the causes"
+
+
+def judgeable_kinds(
+    log: Log, machine: Machine, calibration: Calibration
+) -> tuple[list[type[Effect]], tuple[Unjudged, ...]]:
     """Effects that a log may show, and the others with the reason."""
     judgeable, others = [], []
     for kind in EFFECTS.values():
-        reason = _missing(kind, log, machine)
+        reason = _OPEN if kind in calibration.open_numbers else _missing(kind, log, machine)
         if reason:
             others.append(Unjudged(effect=kind.name, joint="", reason=reason))
         else:

@@ -40,7 +40,9 @@ def causes_of(
     draws = _resampled(fit, rng)
     found, at = [], 0
     for hypothesis, gain in zip(fit.hypotheses, gains, strict=True):
-        sizes, fixed = [], {name: float(np.max(hypothesis.values[name])) for name in sorted(hypothesis.null)}
+        known = hypothesis.kind.parameters()
+        kept = sorted({*hypothesis.null, *(name for name, p in known.items() if p.scale)})
+        sizes, fixed = [], {name: float(np.max(hypothesis.values[name])) for name in kept}
         for free in hypothesis.free():
             p = hypothesis.kind.parameters()[free.name]
             values = free.value + free.step * draws[:, at]

@@ -90,7 +90,7 @@ def trial_of(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Trial | None
         return None
     rows = residual_rows(setting.log, predicted(run))
     residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
-    left = _left(setting.stack.evidence(values_of(residual)), _priors(setting, ()))
+    left = _left(setting.stack.evidence(values_of(residual)), priors_of_calibration(setting, hypotheses))
     return Trial(hypotheses=hypotheses, run=run, residual=residual, left=left)
 
 
@@ -135,14 +135,20 @@ def left_by(setting: Setting, hypotheses: Sequence[Hypothesis]) -> float:
     return np.inf if tried is None else tried.left
 
 
+def priors_of_calibration(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
+    """Calibration beside hypotheses, in standard deviations."""
+    low, high = setting.calibration_limits(hypotheses)
+    return Priors(precision=np.ones(len(low)), low=low, high=high)
+
+
 def _priors(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
     """Calibration in standard deviations; changes of free numbers in practical steps, within their bounds."""
-    n = len(setting.calibration)
+    known = priors_of_calibration(setting, hypotheses)
     free = [number for hypothesis in hypotheses for number in hypothesis.free()]
     low = [max(-_FAR, (number.low - number.value) / number.step) for number in free]
     high = [min(_FAR, (number.high - number.value) / number.step) for number in free]
     return Priors(
-        precision=np.concatenate([np.ones(n), np.full(len(free), _WIDE**-2)]),
-        low=np.concatenate([np.full(n, -setting.bound), np.minimum(low, 0.0)]),
-        high=np.concatenate([np.full(n, setting.bound), np.maximum(high, 0.0)]),
+        precision=np.concatenate([known.precision, np.full(len(free), _WIDE**-2)]),
+        low=np.concatenate([known.low, np.minimum(low, 0.0)]),
+        high=np.concatenate([known.high, np.maximum(high, 0.0)]),
     )

@@ -100,12 +100,14 @@ class Hypothesis:
         )
 
     def free(self) -> list[Free]:
-        """All numbers that are fitted: sizes, and shapes that are not a mere choice."""
+        """All numbers that are fitted: sizes, and shapes that are neither a mere choice nor a scale."""
         found = []
         for name, value in self.values.items():
             if name in self.null:
                 continue
             p = self.kind.parameters()[name]
+            if p.scale:
+                continue
             for part in range(3) if p.per == "vector" else (None,):
                 at = float(value if part is None else value[part])
                 found.append(free_number(p, part, at))

@@ -4,14 +4,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.plant import Machine
 from ffgym.types import Array
+
+_HELD = 1e-6
+"""Standard deviations within which a calibration error is held; bounds must lie apart."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,10 +39,29 @@ class Setting:
     bound: float
     """Standard deviations beyond which a calibration error is none."""
 
+    def calibration_limits(self, hypotheses: Sequence[Hypothesis] = ()) -> tuple[Array, Array]:
+        """Lowest and highest values of the calibration's columns beside hypotheses, in standard deviations.
+
+        A number that is a cause is no calibration error beside it: it is one number, with one prior.
+        """
+        if not self.doubts:
+            bound = np.full(len(self.calibration), self.bound)
+            return -bound, bound
+        is_cause = np.array([any(_is_number_of(doubt, one) for one in hypotheses) for doubt in self.doubts])
+        low, high = (np.array([getattr(doubt, end) for doubt in self.doubts]) for end in ("low", "high"))
+        return np.where(is_cause, -_HELD, low), np.where(is_cause, _HELD, high)
+
     @cached_property
     def stack(self) -> Stack:
         """The calibration's columns, weighted."""
         return stack_of(self.blocks, self.calibration, self.weights)
+
+
+def _is_number_of(doubt: Doubt, hypothesis: Hypothesis) -> bool:
+    """Whether a hypothesis has the number that a calibration error is of."""
+    column = doubt.column
+    is_there = (column.effect, column.joint) == (hypothesis.kind, hypothesis.joint)
+    return is_there and column.parameter not in hypothesis.null
 
 
 def values_of(residual: Mapping[Channel, Array]) -> Values:

@@ -94,15 +94,23 @@ class Log:
         return replace(self, tool=None, link=None, feedback=None, reference=None)
 
 
-def log_of(robot: RobotDescription, recordings: Sequence[Recording], like: Log | None = None) -> Log:
+def log_of(
+    robot: RobotDescription, recordings: Sequence[Recording], like: Log | None = None, cutoff: float | None = None
+) -> Log:
     """Recordings of a robot, made ready; with the rows and channels of another log of the same motions, if given.
+
+    Args:
+        robot: that was recorded.
+        recordings: of motions with different names.
+        like: another log of the same motions.
+        cutoff: of what is compared [Hz]; None is the usual one, or that of `like`.
 
     Raises:
         FFGymError: if there are none, two motions share a name, they are sampled at different rates or unevenly, one of
             them does not fit the robot or does not say what its torque is and when it acts.
     """
     _check(robot, recordings)
-    sampling = Sampling.of(recordings[0].dt, [len(recording) for recording in recordings])
+    sampling = Sampling.of(recordings[0].dt, [len(recording) for recording in recordings], cutoff)
     if like is not None:
         recordings, sampling = [r.slice(end=float(r.t[0]) + like.sampling.span) for r in recordings], like.sampling
     low_pass, known = sampling.motion_filter, _known(sampling, recordings)

@@ -21,6 +21,9 @@ _OF_SAMPLE_RATE = (0.25, 0.2)
 """Largest cut-offs as shares of the sample rate, of motion and comparison; slow logs are compared below those. A
 narrower band leaves hardly a row of them that is far enough from all reversals: at 10 Hz and 1 Hz 13 % of rows."""
 
+_MOTION_OVER = 2.5
+"""Cut-off of the motion over that of what is compared, at most; what is above shows in neither."""
+
 _ROWS = 3000
 """Rows that all motions together shall have; chosen: 40 s at 25 Hz. A shorter log has them from a wider band, where
 what repeats with the motor's turns is seen best."""
@@ -47,8 +50,10 @@ class Sampling:
     """Low-pass of what is compared [Hz]."""
 
     @classmethod
-    def of(cls, dt: float, lengths: Sequence[int]) -> "Sampling":
-        """For motions of so many samples each: the usual band, or a wider one if they are short."""
+    def of(cls, dt: float, lengths: Sequence[int], cutoff: float | None = None) -> "Sampling":
+        """For motions of so many samples each: a given band [Hz], else the usual one or, if they are short, a wider."""
+        if cutoff is not None:
+            return cls(dt=dt, n_samples=max(lengths), cutoff=cutoff)
         usual = min(CUTOFF, _OF_SAMPLE_RATE[1] / dt)
         needed = _ROWS / (_ROWS_PER_PERIOD * sum(lengths) * dt)
         widest = min(MOTION_CUTOFF, _WIDEST / dt)
@@ -57,7 +62,7 @@ class Sampling:
     @property
     def motion_filter(self) -> LowPass:
         """Low-pass of the measured motor angle."""
-        usual = min(MOTION_CUTOFF, _OF_SAMPLE_RATE[0] / self.dt)
+        usual = min(MOTION_CUTOFF, _OF_SAMPLE_RATE[0] / self.dt, _MOTION_OVER * self.cutoff)
         return LowPass(cutoff=max(usual, self.cutoff))
 
     @property

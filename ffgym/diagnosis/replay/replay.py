@@ -125,7 +125,7 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
     added = summed(on_arm, state, log.dt)
     if added.link is not None:
         needed = needed - added.link
-    state = loaded_state(state, added, robot)
+    state = loaded_state(state, added, needed, robot)
     base = robot.drive.rotor_inertia * robot.drive.motor_angle(log.ddq) + bristles.torque
     torque = base + robot.drive.motor_torque(needed)
     motor = added.motor

@@ -55,11 +55,20 @@ def bent_state(state: State, bent: Deflection, robot: RobotDescription) -> State
     )
 
 
-def loaded_state(state: State, added: Torques, robot: RobotDescription) -> State:
-    """States whose load has what effects add to the springs."""
-    if added.spring is None:
+def loaded_state(state: State, added: Torques, needed: Array, robot: RobotDescription) -> State:
+    """States whose load has what effects add to the springs; that of rigid joints is what links ask for.
+
+    Args:
+        state: with the load of the springs alone.
+        added: by effects behind the gearboxes.
+        needed: torque that links ask for, link side [N m], (T, M, N).
+        robot: says which joints are rigid.
+    """
+    rigid = robot.drive.is_rigid
+    if added.spring is None and not rigid.any():
         return state
-    load = state.load + added.spring
+    load = state.load if added.spring is None else state.load + added.spring
+    load = np.where(rigid, needed, load)
     return replace(state, load=load, load_at_motor=robot.drive.motor_torque(load))
 
 

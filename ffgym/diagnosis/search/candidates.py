@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.calibration import BOUND, Doubt
+from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.screen import Candidate
 from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
@@ -65,13 +65,17 @@ class Candidates:
 
 def candidates_of(doubts: Sequence[Doubt], columns: Sequence[Column], blocks: Blocks, weights: Values) -> Candidates:
     """Candidates that columns make, beside calibration errors; weighted as evidence is."""
-    sigma, bound = np.array([doubt.sigma for doubt in doubts]), np.full(len(doubts), BOUND)
+    sigma = np.array([doubt.sigma for doubt in doubts])
     none = Candidates(
         doubts=tuple(doubts),
         columns=(),
         groups=(),
         scale=sigma,
-        priors=Priors(precision=np.ones(len(doubts)), low=-bound, high=bound),
+        priors=Priors(
+            precision=np.ones(len(doubts)),
+            low=np.array([doubt.low for doubt in doubts]),
+            high=np.array([doubt.high for doubt in doubts]),
+        ),
         stack=stack_of(blocks, [doubt.column.parts for doubt in doubts], weights, sigma),
     )
     return none.beside(columns)

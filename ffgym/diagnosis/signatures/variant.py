@@ -121,6 +121,8 @@ def _shapes(known: Mapping[str, Parameter], robot: RobotDescription, cycles: Cyc
     """Values of shape parameters to try: every combination; frequencies differ from joint to joint."""
     tried: list[list[tuple[str, Any]]] = []
     for p in known.values():
+        if p.scale == "top_speed":
+            tried.append([(p.name, np.maximum(np.abs(robot.drive.motor_angle(robot.kinematics.max_speed)), p.minimum))])
         if p.role in ("shape", "cycles") and p.tries:
             tried.append([(p.name, value) for value in p.tries])
         if p.is_looked_for:

@@ -25,7 +25,6 @@ class LoadFriction(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step; MuJoCo has no friction that depends on load"
     confusable_with: ClassVar[tuple[str, ...]] = ("G1", "M3")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
-    needs_elasticity: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
 
     share: Array = parameter(

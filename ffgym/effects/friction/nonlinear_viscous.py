@@ -45,6 +45,7 @@ class NonlinearViscous(TorqueEffect):
         high=600.0,
         minimum=1e-3,
         default=300.0,
+        scale="top_speed",
         source="top speed of robot motors, 1000 to 6000 turns per minute",
     )
 

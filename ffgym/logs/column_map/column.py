@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal, final
 
-from ffgym.errors import FFGymError, check_choice, check_number
+from ffgym.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.recordings.schema import closest
 
 Resample = Literal["", "gaps", "linear", "hold"]
@@ -13,11 +13,18 @@ Resample = Literal["", "gaps", "linear", "hold"]
 COLUMN_KEYS: Mapping[str, str] = MappingProxyType(
     {
         "source": "name of the array; or a list of names, one for each joint or axis; or a name with `{joint}` in it, "
-        "or `{number}`, which counts the joints from 1",
-        "unit": "unit of scale * source + offset, one or a list with one per joint; needed unless `rate_hz` is given",
+        "or `{number}`, which counts the joints or axes from 1, or `{index}`, which counts them from 0; "
+        "`{number+12}` is 12 more",
+        "otherwise": "list of names in place of `source` where the file has not that one: the first that it has counts",
+        "unit": "unit of scale * source + offset, one or a list with one per joint; needed unless `rate_hz` is given; "
+        "for torques also `A`, `mA` and `%`, which the robot's description makes torques",
         "axes": 'which axis of the array is what, of "motion", "time" and "part" (joints, x y z); absent is '
         '["time"] or ["time", "part"], as the array has one or two',
         "pick": "numbers of the parts to take, from 0, in the order of the joints or axes; absent is all",
+        "twos_complement": "bits of numbers that stand in the file as whole numbers >= 0, the upper half of which is "
+        "negative; taken first",
+        "times": "name of an array with one number per row that multiplies the numbers, e.g. a supply voltage for a "
+        "duty cycle",
         "scale": "factor: a number, a list with one per part, or the name of an array that holds it; absent is 1",
         "offset": "added after `scale`, in `unit`: a number, a list, or the name of an array; absent is 0",
         "sign": "1 or -1, or a list of them, for axes that count the other way; multiplies all of the above",
@@ -38,6 +45,9 @@ COLUMN_KEYS: Mapping[str, str] = MappingProxyType(
 )
 """What an entry [columns."..."] may say, and what it means."""
 
+MOST_BITS = 32
+"""Of a counter; whole numbers of more bits do not fit a float64 in files of text."""
+
 AXES = ("motion", "time", "part")
 """What an axis of an array may be."""
 
@@ -52,9 +62,12 @@ class Column:
     """
 
     source: str | tuple[str, ...] = ""
+    otherwise: tuple[str, ...] = ()
     unit: str | tuple[str, ...] = ""
     axes: tuple[str, ...] | None = None
     pick: tuple[int, ...] | None = None
+    twos_complement: int | None = None
+    times: str = ""
     scale: float | tuple[float, ...] | str = 1.0
     offset: float | tuple[float, ...] | str = 0.0
     sign: float | tuple[float, ...] = 1.0
@@ -73,6 +86,8 @@ class Column:
             raise FFGymError("source says which array holds the numbers; it is missing, or stands beside rate_hz.")
         if self.source and not self.unit:
             raise FFGymError("unit is missing: it says what the numbers of the file are in, e.g. 'deg' or 'N m'.")
+        if self.otherwise and not isinstance(self.source, str):
+            raise FFGymError("otherwise goes with a source that is one name, not a list.")
         _check_axes(self.axes)
         if any(abs(sign) != 1 for sign in _several(self.sign)):
             raise FFGymError(f"sign = {self.sign} must be 1 or -1, or a list of them; other factors are a scale.")
@@ -88,7 +103,8 @@ class Column:
     @property
     def is_scaled(self) -> bool:
         """Whether numbers are more than converted from their unit."""
-        return (self.scale, self.offset, self.sign) != (1.0, 0.0, 1.0)
+        plain = (self.scale, self.offset, self.sign) == (1.0, 0.0, 1.0)
+        return not plain or self.twos_complement is not None or bool(self.times)
 
 
 def parse_column(table: Any) -> Column:
@@ -154,6 +170,10 @@ def _indices(key: str, value: Any) -> tuple[int, ...]:
     return tuple(value)
 
 
+def _whole(key: str, value: Any) -> int:
+    return check_whole(key, value, low=2, high=MOST_BITS)
+
+
 def _truth(key: str, value: Any) -> bool:
     if not isinstance(value, bool):
         raise FFGymError(f"{key} = {value!r} must be true or false.")
@@ -162,9 +182,12 @@ def _truth(key: str, value: Any) -> bool:
 
 _READERS: Mapping[str, Callable[[str, Any], Any]] = {
     "source": _one_or_texts,
+    "otherwise": _texts,
     "unit": _one_or_texts,
     "axes": _texts,
     "pick": _indices,
+    "twos_complement": _whole,
+    "times": _text,
     "scale": _numbers_or_name,
     "offset": _numbers_or_name,
     "sign": _numbers,

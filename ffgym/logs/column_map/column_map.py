@@ -11,6 +11,8 @@ from ffgym.logs.formats.text_layout import TextLayout
 
 LOG_KEYS: Mapping[str, str] = MappingProxyType(
     {
+        "base": "column map that this one begins with, a built-in name or a .toml beside it: keys here are added to "
+        "its tables, or count in place of its keys",
         "robot": "built-in robot, or a description (.toml) beside the map; with `joints`, just a name; absent if the "
         "caller says it",
         "joints": "joint names of a robot without description; then `gear_ratio` is needed, and `coupling` and "
@@ -30,7 +32,7 @@ LOG_KEYS: Mapping[str, str] = MappingProxyType(
         "trim": "true: rows before and after the samples of a column with a clock of its own are dropped",
     }
 )
-"""What the table [log] may say; except `robot` and `trim` these are header fields (docs/recordings.md)."""
+"""What the table [log] may say; except `base`, `robot` and `trim` these are header fields (docs/recordings.md)."""
 
 MOTION_KEYS: Mapping[str, str] = MappingProxyType(
     {

@@ -41,8 +41,11 @@ def load_columns(columns: ColumnMap | str | Path) -> ColumnMap:
             f"Unknown column map {name!r}. Built in: {', '.join(builtin_columns())}. A file must end in .toml; "
             "`ffgym log columns FILE` writes a draft."
         )
-    text = (resources.files("ffgym.logs") / "data" / f"{name}.toml").read_text(encoding="utf-8")
-    return parse_columns(text, where=f"{name}.toml")
+    return parse_columns(_builtin_text(name), where=f"{name}.toml")
+
+
+def _builtin_text(name: str) -> str:
+    return (resources.files("ffgym.logs") / "data" / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def parse_columns(text: str, where: str = "column map", folder: str | Path = ".") -> ColumnMap:
@@ -56,14 +59,49 @@ def parse_columns(text: str, where: str = "column map", folder: str | Path = "."
     Raises:
         FFGymError: if the text is not TOML, or an entry is missing, unknown or invalid.
     """
-    try:
-        tree = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"{where} is not valid TOML: {error}.") from error
+    tree = _tree(text, where)
     try:
         return column_map_of(tree, where, Path(folder))
     except FFGymError as error:
         raise FFGymError(f"{where}: {error}") from error
+
+
+def _tree(text: str, where: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise FFGymError(f"{where} is not valid TOML: {error}.") from error
+
+
+def _with_base(tree: Mapping[str, Any], folder: Path, seen: tuple[str, ...] = ()) -> dict[str, Any]:
+    """The tree on top of those of the maps that it begins with.
+
+    Raises:
+        FFGymError: if there is no such map, or maps begin with one another.
+    """
+    log = tree.get("log", {})
+    base = log.get("base") if isinstance(log, dict) else None
+    if base is None:
+        return dict(tree)
+    if not isinstance(base, str) or base in seen:
+        raise FFGymError(f"base = {base!r} must be the name of another column map, or its path.")
+    if base.endswith(".toml"):
+        below = _with_base(_tree(read_text(folder / base), base), (folder / base).parent, (*seen, base))
+    elif base in builtin_columns():
+        below = _with_base(_tree(_builtin_text(base), f"{base}.toml"), folder, (*seen, base))
+    else:
+        raise FFGymError(f"base = {base!r} is unknown. Built in: {', '.join(builtin_columns())}; a file ends in .toml.")
+    own = {**tree, "log": {key: value for key, value in log.items() if key != "base"}}
+    return _merged(below, own)
+
+
+def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Both trees; where both have a key, tables are merged and `above` counts otherwise."""
+    merged = dict(below)
+    for key, value in above.items():
+        both = isinstance(value, dict) and isinstance(merged.get(key), dict)
+        merged[key] = _merged(merged[key], value) if both else value
+    return merged
 
 
 def _check_filled_in(tree: Mapping[str, Any], path: str = "") -> None:
@@ -82,6 +120,7 @@ def column_map_of(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMa
     Raises:
         FFGymError: if an entry is missing, unknown or invalid.
     """
+    tree = _with_base(tree, folder)
     _check_filled_in(tree)
     for key in tree:
         if key not in TABLES:

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from ffgym.errors import FFGymError
 from ffgym.files import read_bytes
 from ffgym.logs.contents import Contents
+from ffgym.logs.formats.json_table import read_json
 from ffgym.logs.formats.matlab import read_mat
 from ffgym.logs.formats.npz import read_npz
 from ffgym.logs.formats.optional import read_bag, read_hdf5, read_lerobot, read_parquet
@@ -19,12 +20,14 @@ from ffgym.logs.formats.text_layout import TextLayout
 TEXT_FILES = (".csv", ".tsv", ".txt", ".dat", ".asc")
 """Suffixes of tables in text."""
 
-GZIP = ".gz"
-"""Last suffix of a compressed file, after that of its kind."""
+PACKED = ".gz"
+"""Suffix after that of a table in text, where gzip packed it."""
 
 FILES: Mapping[str, Callable[[bytes, str], Contents]] = MappingProxyType(
     {
         ".npz": read_npz,
+        ".json": read_json,
+        ".jsonl": read_json,
         ".mat": read_mat,
         ".h5": read_hdf5,
         ".hdf5": read_hdf5,
@@ -59,40 +62,38 @@ def read_contents(path: str | os.PathLike[str], layout: TextLayout | None = None
         raise error if str(error).startswith(f"{place}: ") else FFGymError(f"{place}: {error}") from error
 
 
-def stem_of(path: str | os.PathLike[str]) -> str:
-    """Name of a file without its suffix, and without that of its compression."""
-    place = Path(path)
-    return Path(place.stem).stem if place.suffix.lower() == GZIP else place.stem
-
-
 def _read(place: Path, layout: TextLayout | None) -> Contents:
-    packed = place.suffix.lower() == GZIP
-    suffix = Path(place.stem).suffix.lower() if packed else place.suffix.lower()
+    packed = place.suffix.lower() == PACKED
+    suffix = (Path(place.stem) if packed else place).suffix.lower()
     if place.is_dir():
         return _read_folder(place)
     if suffix in (*FILES, *BAGS) and layout is not None and layout != TextLayout():
         raise FFGymError(f"[file] is about text files ({', '.join(TEXT_FILES)}); leave it out.")
     if suffix in TEXT_FILES:
-        return read_text_table(_bytes(place, packed), str(place), layout or TextLayout())
+        data = _unpacked(read_bytes(place)) if packed else read_bytes(place)
+        return read_text_table(data, str(place), layout or TextLayout())
+    if packed:
+        raise FFGymError(f"only tables in text ({', '.join(TEXT_FILES)}) are read packed; unpack it first.")
     if suffix in FILES:
-        return FILES[suffix](_bytes(place, packed), str(place))
-    if suffix in BAGS and not packed:
+        return FILES[suffix](read_bytes(place), str(place))
+    if suffix in BAGS:
         _check_file(place)
         return read_bag(place)
-    raise FFGymError(
-        f"suffix {suffix!r} is unknown, must be one of {', '.join((*TEXT_FILES, *FILES, *BAGS))}; files may be "
-        f"compressed ({GZIP}), bags not."
-    )
+    raise FFGymError(f"suffix {suffix!r} is unknown, must be one of {', '.join((*TEXT_FILES, *FILES, *BAGS))}.")
 
 
-def _bytes(place: Path, packed: bool) -> bytes:
-    data = read_bytes(place)
-    if not packed:
-        return data
+def bare_name(path: str | os.PathLike[str]) -> str:
+    """Name of a file without its suffix, and without that of a packed table: `run.csv.gz` is `run`."""
+    place = Path(path)
+    return Path(place.stem).stem if place.suffix.lower() == PACKED else place.stem
+
+
+def _unpacked(data: bytes) -> bytes:
+    """Bytes of a gzip file."""
     try:
         return gzip.decompress(data)
     except (OSError, EOFError, zlib.error) as error:
-        raise FFGymError(f"Damaged or cut short, or no gzip file: {error}. Copy it again.") from error
+        raise FFGymError(f"is no whole gzip file: {error}. Copy it again.") from error
 
 
 def _read_folder(place: Path) -> Contents:

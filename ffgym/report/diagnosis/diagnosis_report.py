@@ -44,6 +44,8 @@ class DiagnosisReport:
     """Against the nominal model; None if the logs do not allow a diagnosis."""
     after: Residual | None = None
     """Against the extended model; None without causes."""
+    held_out: Sequence[LoopLevel] = ()
+    """Both models replayed along recordings that were not diagnosed, if there are."""
     closed_loop: Sequence[LoopLevel] = ()
     """Whole closed loops of both models beside the machine's, on recordings that were not diagnosed, if there are."""
 

@@ -112,8 +112,8 @@ def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
     if not levels or not report.diagnosis.causes:
         return []
     caption = (
-        "RMS of the residual over all rows that are judged, from the nominal to the extended model; what errors of "
-        "calibration explain is taken off both."
+        "RMS of the residual over all rows that are judged, from the nominal to the extended model, each motion by one "
+        "that was fitted without it."
     )
     return [_figure("levels", "Residuals before and after", caption, levels_figure(levels))]
 

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.report.circles.tables import Column, aligned, filled, shortened
-from ffgym.report.diagnosis.diagnosis_report import STANDS_OUT
 from ffgym.report.diagnosis.models import FINE
 from ffgym.report.diagnosis.words import place_of, size_text, title_of, together
 
@@ -40,17 +39,17 @@ def format_findings(diagnosis: Diagnosis) -> str:
 
 
 def _levels(diagnosis: Diagnosis) -> str:
-    """Residuals that stand out, in the units in which people read them; all if none does."""
-    standing_out = [level for level in diagnosis.levels if level.before > STANDS_OUT * level.noise_floor]
-    levels = standing_out or list(diagnosis.levels)
+    """What is left, joint by joint, in the units in which people read it, and whether that is small."""
+    levels = list(diagnosis.levels)
     scale = [FINE[level.unit] for level in levels]
-    names = [("noise", "noise_floor"), ("nominal model", "before")]
+    names = [("measured", "measured"), ("noise", "noise_floor"), ("nominal model", "before")]
     names += [("extended model", "after")] if diagnosis.causes else []
     columns: list[Column] = [("unit", [unit for _, unit in scale])]
     columns += [
         (heading, [f"{factor * getattr(level, name):.3g}" for level, (factor, _) in zip(levels, scale, strict=True)])
         for heading, name in names
     ]
+    columns.append(("left", ["small" if level.is_small else "NOT SMALL" for level in levels]))
     fixed: list[Column] = [
         ("RMS of", [level.channel for level in levels]),
         ("", [shortened(level.component) for level in levels]),
@@ -58,8 +57,17 @@ def _levels(diagnosis: Diagnosis) -> str:
     return aligned(fixed, [columns])
 
 
+def format_held_out(levels: Sequence[LoopLevel]) -> str:
+    """What both models leave along recordings that were not diagnosed, as a table."""
+    return _compared("held out, RMS of", levels)
+
+
 def format_closed_loop(levels: Sequence[LoopLevel]) -> str:
     """How far both models are from the machine in closed loop, as a table."""
+    return _compared("closed loop, RMS of", levels)
+
+
+def _compared(heading: str, levels: Sequence[LoopLevel]) -> str:
     scale = [FINE[level.unit] for level in levels]
     names = [("measured", "measured"), ("nominal model", "before"), ("extended model", "after")]
     columns: list[Column] = [("unit", [unit for _, unit in scale])]
@@ -68,7 +76,7 @@ def format_closed_loop(levels: Sequence[LoopLevel]) -> str:
         for heading, name in names
     ]
     fixed: list[Column] = [
-        ("closed loop, RMS of", [level.quantity for level in levels]),
+        (heading, [level.quantity for level in levels]),
         ("", [shortened(level.component) for level in levels]),
     ]
     return aligned(fixed, [columns])

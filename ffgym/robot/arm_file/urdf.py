@@ -10,6 +10,7 @@ import mujoco
 from ffgym.errors import FFGymError, check_choice
 from ffgym.robot.arm_file.chain import HELD
 from ffgym.robot.arm_file.source import Source
+from ffgym.robot.arm_file.urdf_inertias import replace_zero_inertias
 from ffgym.robot.arm_file.urdf_shapes import add_shapes
 from ffgym.robot.arm_file.xml_numbers import number
 
@@ -43,6 +44,7 @@ def read_urdf(data: bytes, folder: Path, joints: Sequence[str] | None, *, looks:
     has_masses = root.find("link/inertial") is not None
     if not has_masses:
         _stand_in_for_masses(root)
+    inertias = replace_zero_inertias(root)
     spec = mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
     notes = add_shapes(spec, root, shapes, folder) if looks else ()
     return Source(
@@ -50,7 +52,7 @@ def read_urdf(data: bytes, folder: Path, joints: Sequence[str] | None, *, looks:
         speeds=speeds,
         gear_ratios=ratios,
         has_masses=has_masses,
-        notes=(*(() if has_masses else (_NO_MASSES,)), *notes),
+        notes=(*(() if has_masses else (_NO_MASSES,)), *inertias, *notes),
     )
 
 

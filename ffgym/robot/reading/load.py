@@ -7,7 +7,12 @@ from ffgym.errors import FFGymError, check_choice
 from ffgym.files import read_text
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
-from ffgym.robot.reading.parameters import parse_parameters, robot_of_parameters
+from ffgym.robot.reading.parameters import (
+    description_of_parameters,
+    draft_with_parameters,
+    parse_parameters,
+    robot_of_parameters,
+)
 from ffgym.robot.reading.parse import parse_draft
 
 
@@ -45,9 +50,31 @@ def load_robot(robot: str | Path) -> RobotDescription:
 
 
 def _with_parameters(text: str, where: str) -> RobotDescription:
-    """The built-in robot that a parameter file names, with its numbers."""
-    name = check_choice(f"robot of parameter file {where}", str(robot_of_parameters(text)), builtin_robots())
-    return parse_parameters(load_draft(name).complete(), text, where)
+    """The robot that a parameter file names, with its numbers."""
+    known = _draft_of_parameters(text, Path(where))
+    if known.missing:
+        return draft_with_parameters(known, text, where).complete()
+    return parse_parameters(known.complete(), text, where)
+
+
+def _draft_of_parameters(text: str, place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft:
+    """The robot of a parameter file without its numbers: that of the description it names, or a built-in one."""
+    if (path := description_of_parameters(text)) is None:
+        name = check_choice(f"robot of parameter file {place}", str(robot_of_parameters(text)), builtin_robots())
+        return load_draft(name)
+    if not path.endswith(".toml"):
+        raise FFGymError(f"{place}: description = {path!r} must be the path of the robot's description, .toml.")
+    if (seen := (*seen, place.resolve())).count((place.parent / path).resolve()):
+        raise FFGymError(f"{place}: description = {path!r} leads back to a parameter file, must be a description.")
+    return _draft_at(place.parent / path, seen)
+
+
+def _draft_at(place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft:
+    """Description or parameter file at a path; `seen` are the parameter files that lead to it."""
+    text = _read_text(place)
+    if robot_of_parameters(text) is not None:
+        return draft_with_parameters(_draft_of_parameters(text, place, seen), text, str(place))
+    return parse_draft(text, where=str(place), folder=place.parent)
 
 
 def load_draft(robot: str | Path) -> RobotDraft:
@@ -57,7 +84,7 @@ def load_draft(robot: str | Path) -> RobotDraft:
         FFGymError: if there is no such robot or file, or an entry is unknown or invalid.
     """
     if str(robot).endswith(".toml"):
-        return parse_draft(_read_text(Path(robot)), where=str(robot), folder=Path(robot).parent)
+        return _draft_at(Path(robot))
     if Path(robot).suffix in (".xml", ".urdf"):
         raise FFGymError(
             f"{robot} is an arm file, which says nothing of drives. Make a description of it: ffgym robot new {robot}"

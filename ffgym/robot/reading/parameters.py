@@ -9,6 +9,7 @@ from typing import Any
 from ffgym.errors import FFGymError
 from ffgym.files import read_text
 from ffgym.robot.description import RobotDescription
+from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.quantity import Quantity, parse_quantity
 from ffgym.robot.reading.rule import JointFrame
 from ffgym.robot.reading.rules import RULES
@@ -23,7 +24,7 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
     """Return the robot with the numbers of a parameter file in place of its own.
 
     The file is TOML with any of the tables [friction.*], [drive.*], [links.*] and [tool.*] as in a robot description,
-    and maybe [parameters] with the name of the `robot` they belong to and a `title`.
+    and maybe [parameters] with the name of the `robot` they belong to, a `title`, and the path of its `description`.
 
     Raises:
         FFGymError: if the file cannot be read, is for another robot, or an entry is unknown or invalid.
@@ -54,12 +55,39 @@ def parse_parameters(robot: RobotDescription, text: str, where: str) -> RobotDes
 
 def robot_of_parameters(text: str) -> str | None:
     """Name of the robot that a parameter file is for; None if the text is no parameter file, or does not say."""
+    return _head_entry(text, "robot")
+
+
+def description_of_parameters(text: str) -> str | None:
+    """Path of the description that a parameter file belongs to, from its own folder; None if it does not say."""
+    return _head_entry(text, "description")
+
+
+def _head_entry(text: str, key: str) -> str | None:
     try:
         head = tomllib.loads(text).get("parameters")
     except (tomllib.TOMLDecodeError, RecursionError):
         return None
-    name = head.get("robot") if isinstance(head, dict) else None
-    return name if isinstance(name, str) else None
+    value = head.get(key) if isinstance(head, dict) else None
+    return value if isinstance(value, str) else None
+
+
+def draft_with_parameters(draft: RobotDraft, text: str, where: str) -> RobotDraft:
+    """Return a description that may lack entries with the numbers of the text of a parameter file.
+
+    Raises:
+        FFGymError: as `parse_parameters`.
+    """
+    known = draft.description_for("kinematics")
+    try:
+        tree = tomllib.loads(text)
+        _check_head(tree.pop("parameters", {}), known)
+        quantities = {**draft.quantities, **_parsed(tree, known)}
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise FFGymError(f"Cannot read parameter file {where}: it is not valid TOML: {error}.") from error
+    except FFGymError as error:
+        raise FFGymError(f"{where}: {error}") from error
+    return replace(draft, where=where, quantities=quantities)
 
 
 def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescription:
@@ -72,8 +100,8 @@ def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescr
 
 
 def _check_head(head: Any, robot: RobotDescription) -> None:
-    if not isinstance(head, dict) or not set(head) <= {"robot", "title"}:
-        raise FFGymError(f"[parameters] may have robot and title, got {head!r}.")
+    if not isinstance(head, dict) or not set(head) <= {"robot", "title", "description"}:
+        raise FFGymError(f"[parameters] may have robot and title, and a description, got {head!r}.")
     if head.get("robot", robot.name) != robot.name:
         raise FFGymError(f"[parameters] are for robot {head['robot']!r}, not for {robot.name!r}.")
 

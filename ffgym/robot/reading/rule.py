@@ -37,6 +37,8 @@ class Rule:
     """Side of the gearbox on which the quantity is kept, None where the question does not arise."""
     gear_power: int | None = None
     """p in: motor side = link side x |gear ratio|^p, for quantities that may be given on either side."""
+    signed: bool = False
+    """True if the quantity counts along the motion, so that the gear ratio's sign belongs to the conversion."""
     low: float = -np.inf
     """Smallest valid number."""
     open_low: bool = False
@@ -103,7 +105,8 @@ def gear_factors(path: str, rule: Rule, side: str | None, joints: JointFrame) ->
     if joints.gear_ratio is None:
         raise FFGymError(f"{path}: side is {side!r}; to bring it to the {rule.side} side takes drive.gear_ratio.")
     power = rule.gear_power if rule.side == MOTOR else -rule.gear_power
-    return _per_joint(np.abs(joints.gear_ratio) ** float(power), rule)
+    ratio = joints.gear_ratio if rule.signed else np.abs(joints.gear_ratio)
+    return _per_joint(ratio ** float(power), rule)
 
 
 def _factor(unit: object, wanted: str) -> float | None:

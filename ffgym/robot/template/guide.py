@@ -73,6 +73,15 @@ ADVICE: Mapping[str, Advice] = MappingProxyType(
         "drive.peak_torque": Advice(
             where="controller backup (torque limit), data sheet of the motor", typical="1 to 60 N m"
         ),
+        "drive.torque_per_current": Advice(
+            where="data sheet of the motor (torque constant), times the gear ratio where it counts behind the gearbox; "
+            "left out, logs of currents need a scale in their column map",
+            typical="0.05 to 1 N m/A at the motor",
+        ),
+        "drive.rated_torque": Advice(
+            where="data sheet of the motor, drive parameters; left out, logs in percent need a scale in the column map",
+            typical="0.1 to 30 N m",
+        ),
         "friction.coulomb": Advice(where=_FRICTION_TEST, typical="2 to 10 % of the peak torque"),
         "friction.static": Advice(
             where=f"torque at which the joint starts to move; `ffgym robot fill` proposes {STATIC_SHARE:g} x coulomb",

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.answer.excitation import judgeable_kinds
+from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import log_of
@@ -84,6 +85,6 @@ def test_tangents_of_a_base_are_difference_quotients_of_replays():
 def test_a_base_is_looked_for_unless_the_model_has_one_that_gives_way(has_one):
     machine = flexible("about all") if has_one else nominal()
     log = log_of(nominal().robot, list(recorded({"nominal": nominal()}).values()))
-    judgeable, others = judgeable_kinds(log, machine)
+    judgeable, others = judgeable_kinds(log, machine, Calibration())
     assert (BASE in judgeable) == (not has_one)
     assert ("base_flexibility" in {one.effect for one in others}) == has_one

@@ -1,13 +1,14 @@
 """Parameter files replace some numbers of a description and nothing else."""
 
 from dataclasses import fields, replace
+from importlib import resources
 
 import numpy as np
 import pytest
 
 from ffgym.errors import FFGymError
 from ffgym.robot import compile_model, physics_fingerprint, with_parameters
-from ffgym.robot.reading.load import builtin_parameters, builtin_robots, load_robot
+from ffgym.robot.reading.load import builtin_parameters, builtin_robots, load_draft, load_robot
 
 FRICTION = """
 [parameters]
@@ -126,3 +127,65 @@ def test_built_in_parameters_are_a_robot_by_their_name(name):
     assert robot.servo is not None
     for field in fields(robot.servo):
         np.testing.assert_array_equal(getattr(robot.servo, field.name), getattr(nominal.servo, field.name))
+
+
+def own_description(tmp_path, *without):
+    """A user's description of the one-axis robot under another name, maybe without some entries."""
+    text = (resources.files("ffgym.robot") / "data" / "one_axis.toml").read_text(encoding="utf-8")
+    tables = [part for part in text.split("\n[") if not part.startswith(without)] if without else text.split("\n[")
+    path = tmp_path / "my_axis.toml"
+    path.write_text("\n[".join(tables).replace('name = "one_axis"', 'name = "my_axis"'), encoding="utf-8")
+    return path
+
+
+def beside(tmp_path, description, text=FRICTION):
+    """A parameter file in a folder of its own for a user's description."""
+    (tmp_path / "fits").mkdir(exist_ok=True)
+    head = text.replace('robot = "one_axis"', f'robot = "my_axis"\ndescription = "{description}"')
+    return written(tmp_path / "fits", head)
+
+
+def test_a_parameter_file_finds_the_description_of_its_robot(tmp_path):
+    own_description(tmp_path)
+    path = beside(tmp_path, "../my_axis.toml")
+    for robot in (load_robot(path), load_draft(path).complete()):
+        assert robot.name == "my_axis"
+        assert robot.friction.coulomb == [0.4]
+        assert robot.friction.static == [0.5634]
+
+
+def test_a_parameter_file_completes_a_description_that_lacks_its_entries(tmp_path):
+    own_description(tmp_path, "friction.coulomb]", "drive.rotor_inertia]")
+    assert load_draft(tmp_path / "my_axis.toml").missing == ("drive.rotor_inertia", "friction.coulomb")
+    path = beside(tmp_path, "../my_axis.toml")
+    assert load_draft(path).missing == ()
+    assert load_robot(path).drive.rotor_inertia == [4e-3]
+
+
+def test_a_parameter_file_of_a_parameter_file_has_the_numbers_of_both(tmp_path):
+    own_description(tmp_path)
+    beside(tmp_path, "../my_axis.toml")
+    viscous = (
+        FRICTION.replace("friction.coulomb", "friction.viscous").split("[drive")[0].replace('"N m"', '"N m s/rad"')
+    )
+    last = tmp_path / "last.toml"
+    last.write_text(viscous.replace('robot = "one_axis"', 'robot = "my_axis"\ndescription = "fits/parameters.toml"'))
+    robot = load_robot(last)
+    assert (robot.friction.coulomb, robot.friction.viscous) == ([0.4], [0.4])
+
+
+@pytest.mark.parametrize(
+    ("description", "message"),
+    [
+        ("../my_axis.toml", "are for robot 'your_axis', not for 'my_axis'"),
+        ("parameters.toml", "leads back to a parameter file"),
+        ("nowhere.toml", "nowhere.toml"),
+        ("arm.urdf", "must be the path of the robot's description, .toml"),
+    ],
+)
+def test_a_description_that_does_not_fit_is_one_error(description, message, tmp_path):
+    own_description(tmp_path)
+    text = FRICTION.replace('robot = "one_axis"', 'robot = "your_axis"\ndescription = "' + description + '"')
+    (tmp_path / "fits").mkdir()
+    with pytest.raises(FFGymError, match=message):
+        load_robot(written(tmp_path / "fits", text))

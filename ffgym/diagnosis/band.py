@@ -1,0 +1,119 @@
+"""The band of a log that a rigid model can be compared in: where its motion lies, and what repeats with its motors.
+
+Of a rigid arm nothing above its planned motion is known but ripple: what else is there, flexible modes and noise of
+derivatives, would fill the residual, and no cause could explain much of it. An arm that is described as elastic knows
+its modes, and is compared up to the usual band.
+"""
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import welch
+
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.log.white import white_noise
+from ffgym.diagnosis.measured import counting_rows, residual_rows
+from ffgym.diagnosis.noise import torque_noise
+from ffgym.diagnosis.patterns.periodic import PerTurn
+from ffgym.diagnosis.patterns.rows import rows_of
+from ffgym.diagnosis.patterns.split_half import tried
+from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.residuals import residual_of
+from ffgym.plant import Machine
+from ffgym.types import Array
+
+HARMONICS = 8.0
+"""Cut-off over the bandwidth of the motion: friction that turns round with a slow motion has its seventh harmonic
+below."""
+
+LEAST = 5.0
+"""Lowest cut-off that is chosen [Hz]; that of rigid-body identification (`identification.rigid_body.Filtering`)."""
+
+NARROWER = 2.0
+"""Factor by which a band must be narrower than the usual one to be chosen."""
+
+_MOTION = 0.99
+"""Share of the power of a joint's speed below the bandwidth of its motion."""
+
+_SEGMENT = 20.0
+"""Length [s] of the segments of which spectra are the mean: a resolution of 0.05 Hz."""
+
+_ABOVE_NOISE = 1.5
+"""RMS of what is above the narrow band, over that of noise, from which on something else than noise is there."""
+
+_SURE, _RIPPLES = 1e-3, 0.1
+"""Probability by chance below which, and share of what is above the narrow band from which on, it is ripple."""
+
+_TO_HALF = np.sqrt(np.log(2.0)) / (2 * np.pi)
+"""Standard deviation of a Gaussian low-pass times its cut-off, where it keeps half of the power."""
+
+
+def comparison_cutoff(log: Log, machine: Machine) -> float:
+    """Cut-off [Hz] of what is compared of a log: the usual one, or a lower one above which a rigid model knows nothing.
+
+    Args:
+        log: made ready for the usual band.
+        machine: the nominal model.
+    """
+    usual = log.sampling.cutoff
+    if not machine.physical.drive.is_rigid.all():
+        return usual
+    narrow = max(LEAST, HARMONICS * motion_bandwidth(log))
+    if NARROWER * narrow > usual:
+        return usual
+    run = replay(log.torque_alone, machine)
+    above = _above(run, narrow)
+    return usual if _is_noise(run, above) or _is_ripple(run, above) else narrow
+
+
+def motion_bandwidth(log: Log) -> float:
+    """Frequency [Hz] below which nearly all power of the speed of every joint lies, noise of the reading taken off."""
+    total, frequency = 0.0, np.zeros(1)
+    longest = max(log.lengths)
+    width = min(round(_SEGMENT / log.dt), longest)
+    for i, n in enumerate(log.lengths):
+        q = log.q[:n, i]
+        if n < width // 4:
+            continue
+        padded = np.concatenate([q, np.repeat(q[-1:], max(0, width - n), axis=0)])
+        frequency, power = welch(padded, fs=1 / log.dt, nperseg=width, axis=0, detrend="constant")
+        white = 2 * log.dt * white_noise(q, log.sampling.motion_filter, log.dt) ** 2
+        total = total + n * np.maximum(power - white, 0.0)
+    speed = np.asarray(total) * frequency[:, None] ** 2
+    speed = speed[:, speed.sum(axis=0) > 0]
+    if not speed.size:
+        return 0.0
+    share = np.cumsum(speed, axis=0) / speed.sum(axis=0)
+    return float(frequency[np.argmax(share > _MOTION, axis=0)].max())
+
+
+def _above(run: Replay, narrow: float) -> Array:
+    """What the model leaves of the torque above a lower cut-off, rows (R, M, N)."""
+    rest = residual_rows(run.log, predicted(run))["torque"]
+    width = _TO_HALF / (narrow * run.log.sampling.row_dt)
+    return np.asarray(rest - gaussian_filter1d(rest, width, axis=0, mode="nearest"))
+
+
+def _is_noise(run: Replay, above: Array) -> bool:
+    """Whether what is there is no more than what noise of torque and angle makes."""
+    floor, counting = torque_noise(run), counting_rows(run.log)
+    ratio = []
+    for j in range(above.shape[2]):
+        rows = counting["torque", j]
+        over = (above[..., j] / floor[:, j])[rows]
+        ratio.append(float(np.sqrt(np.mean(over**2))) if over.size else 0.0)
+    return max(ratio) < _ABOVE_NOISE
+
+
+def _is_ripple(run: Replay, above: Array) -> bool:
+    """Whether it repeats with the turns of a motor, on halves of motions that were not used."""
+    residual = residual_of(run.log, run, {"torque": above}, {"torque": torque_noise(run)})
+    rows = rows_of(residual, "torque", np.random.default_rng(0))
+    if rows is None:
+        return False
+    values = rows.centred(rows.values)
+    energy = np.maximum(np.sum(values**2, axis=0), np.finfo(np.float64).tiny)
+    for j in range(values.shape[1]):
+        trial = tried(PerTurn(joint=j), rows, values, [j])
+        if trial.p[j] < _SURE and trial.gain[:, j].sum() > _RIPPLES * energy[j]:
+            return True
+    return False

@@ -1,0 +1,51 @@
+"""Numbers of a model that were fitted beside causes, put into the model: what is measured is then what is written."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ffgym.diagnosis.calibration import Doubt
+from ffgym.effects import Effect, NativeEffect
+from ffgym.plant import Machine
+from ffgym.types import Array
+
+
+def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Machine:
+    """The nominal machine with its calibration errors corrected.
+
+    Args:
+        nominal: the machine whose numbers they are.
+        doubts: what is open of it.
+        sizes: in standard deviations, shape (len(doubts),).
+    """
+    robot, beside = nominal.robot, list[Effect]()
+    for effect in _effects(nominal, doubts, sizes):
+        if effect.is_null:
+            continue
+        if isinstance(effect, NativeEffect):
+            robot = effect.in_description(robot)
+        else:
+            beside.append(effect)
+    return replace(nominal, robot=robot, effects=(*nominal.effects, *beside))
+
+
+def _effects(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> list[Effect]:
+    """Calibration errors as effects, one of each kind with the numbers of all its joints."""
+    n, values = nominal.robot.n_joints, dict[type[Effect], dict[str, Array]]()
+    for doubt, size in zip(doubts, sizes.tolist(), strict=True):
+        column, known = doubt.column, doubt.column.effect.parameters()
+        own = values.setdefault(
+            column.effect, {name: np.full(p.shape(n), p.neutral) for name, p in known.items() if p.null is not None}
+        )
+        place = _place(doubt, nominal)
+        own[column.parameter][place] += size * doubt.sigma
+    return [kind(**own) for kind, own in values.items()]
+
+
+def _place(doubt: Doubt, nominal: Machine) -> int | tuple[()]:
+    """Where the number of a column stands among those of its parameter."""
+    column = doubt.column
+    if column.joint:
+        return nominal.robot.joints.index(column.joint)
+    return () if column.part is None else column.part

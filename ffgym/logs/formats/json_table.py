@@ -1,0 +1,86 @@
+"""JSON logs: an object of lists, a list of objects, either within objects, or one object per line."""
+
+import json
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ffgym.errors import FFGymError
+from ffgym.logs.contents import Contents
+
+
+def read_json(data: bytes, where: str) -> Contents:
+    """Arrays of a JSON file: `q`, or `arm.q` in objects within objects; of rows that are objects, a column per key.
+
+    Raises:
+        FFGymError: if it is no JSON text, or holds no arrays.
+    """
+    tree = _tree(data)
+    arrays: dict[str, NDArray[Any]] = {}
+    skipped: dict[str, str] = {}
+    for name, value in _leaves("", tree):
+        array = _array(value)
+        if array is None:
+            skipped[name or "the file"] = "a list of rows of different kinds or lengths"
+        else:
+            arrays[name] = array
+    return Contents(where=where, arrays=arrays, skipped=skipped)
+
+
+def _tree(data: bytes) -> Any:
+    """The one value of the file, or a list with that of each line."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FFGymError(f"it is no UTF-8 text: {error}.") from error
+    try:
+        return json.loads(text)
+    except RecursionError as error:
+        raise FFGymError("it holds lists in lists without end.") from error
+    except ValueError as whole:
+        lines = [line for line in text.splitlines() if line.strip()]
+        try:
+            return [json.loads(line) for line in lines] if len(lines) > 1 else _refuse(whole)
+        except (ValueError, RecursionError):
+            return _refuse(whole)
+
+
+def _refuse(error: ValueError) -> Any:
+    raise FFGymError(f"it is no valid JSON, nor one object per line: {error}. Copy it again.") from error
+
+
+def _leaves(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Lists and single values by path; rows that are objects become columns."""
+    if isinstance(value, dict):
+        for key, entry in value.items():
+            yield from _leaves(f"{path}.{key}" if path else str(key), entry)
+    elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value):
+        for key in dict.fromkeys(key for row in value for key in row):
+            yield from _leaves(f"{path}.{key}" if path else key, _column([row.get(key) for row in value]))
+    else:
+        yield path or "values", value
+
+
+def _column(cells: Sequence[Any]) -> Any:
+    """One key of all rows; objects in it are columns themselves."""
+    if any(isinstance(cell, dict) for cell in cells):
+        return [cell if isinstance(cell, dict) else {} for cell in cells]
+    return list(cells)
+
+
+def _array(value: Any) -> NDArray[Any] | None:
+    """Numbers with NaN for null, or text; None if it is neither, or ragged."""
+    cells = _with_nan(value)
+    try:
+        array = np.array(cells)
+    except (ValueError, OverflowError):
+        return None
+    return array if array.dtype.kind in "biufU" else None
+
+
+def _with_nan(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_with_nan(entry) for entry in value]
+    return np.nan if value is None else value
