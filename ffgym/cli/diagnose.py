@@ -23,6 +23,7 @@ from ffgym.diagnosis.search.search import MOST
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import made_folder, write_text
 from ffgym.plant import Machine, load_machine, save_machine
+from ffgym.quality import accepted, judged
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 
@@ -54,6 +55,9 @@ class Diagnose:
     fit: bool = False
     """Fit masses, rotors and friction to the logs before, for a robot whose numbers are not known; its description may
     lack them."""
+    accept: tuple[str, ...] = ()
+    """Checks of quality that are overruled, e.g. coarse: a log that they refuse is used all the same, and the page says
+    so. Others that are refused are left out."""
     validate: tuple[Path, ...] = ()
     """Recordings or folders that are not diagnosed: both models, read from their files if there is --out, are replayed
     along them, and run their references in closed loop where they have reference.position and the servo is known."""
@@ -89,6 +93,7 @@ class Diagnose:
                 report=tell,
                 first=_say,
                 most=self.most_causes,
+                accept=self.accept,
             )
         physics = nominal.machine.physics(ModelOptions(looks=False))
         info = provenance("ffgym diagnose", self, nominal.machine.robot.name, physics, self.seed)
@@ -108,6 +113,7 @@ class Diagnose:
             raise FFGymError("Name the model that the logs are compared with: --robot ROBOT.")
         if not self.logs and (given := given_options(self, ("columns",))):
             raise FFGymError(f"{given[0]} has no effect on the example logs. Leave it out, or name logs.")
+        accepted(self.accept)
         check_whole("--seed", self.seed, low=0)
         check_whole("--most-causes", self.most_causes, low=1, high=MOST)
         if self.calibration is not None:
@@ -133,7 +139,8 @@ class Diagnose:
         assert self.robot is not None
         draft = draft_named(self.robot)
         recordings = logs_from(self.logs, self.columns, draft.description_for("identification"))
-        return fitted(draft, self.robot, recordings), recordings
+        sound = judged(recordings, needs=("diagnosis",), accept=self.accept).recordings
+        return fitted(draft, self.robot, sound or recordings), recordings
 
     def _calibration(self, nominal: Nominal) -> Calibration:
         """How well the numbers are known: as told, as fitted, or as usual."""

@@ -14,6 +14,7 @@ from ffgym.files import read_text, write_text
 from ffgym.logs import read_logs
 from ffgym.plant import Machine, load_machine
 from ffgym.plant.machine_file import is_machine_file, origins_of, robot_reference
+from ffgym.quality import conditioned_alike
 from ffgym.recordings import Recording
 from ffgym.recordings.folder import read_folder
 from ffgym.robot import RobotDescription, RobotDraft, load_draft
@@ -54,7 +55,7 @@ class Nominal:
 
 
 def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescription) -> list[Recording]:
-    """Recordings in files and folders; the example logs if none is named.
+    """Recordings in files and folders, conditioned; the example logs if none is named.
 
     A name that several motions have gets that of its folder or file before it.
 
@@ -64,6 +65,7 @@ def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescriptio
     if not paths:
         return example_logs()
     read = [(path, recording) for path in paths for recording in _read(path, columns, robot)]
+    read = list(zip([path for path, _ in read], conditioned_alike([recording for _, recording in read]), strict=True))
     names = [recording.header.segment for _, recording in read]
     return [
         recording.renamed(f"{path.stem}/{recording.header.segment}")

@@ -7,7 +7,7 @@ from pathlib import Path
 from ffgym.cli.progress import progress_bar
 from ffgym.errors import FFGymError
 from ffgym.logs import read_logs as read_motions
-from ffgym.quality import check_quality
+from ffgym.quality import check_quality, conditioned_alike
 from ffgym.recordings import Recording
 from ffgym.recordings.folder import read_folder
 from ffgym.robot import RobotDescription
@@ -39,7 +39,7 @@ def read_logs(
     unchecked: bool = False,
     known: bool = True,
 ) -> LogSet:
-    """Read recordings and folders of them, or with `columns` files of other tools.
+    """Read recordings and folders of them, or with `columns` files of other tools, and condition them.
 
     Args:
         robot: the robot that they are of.
@@ -52,8 +52,10 @@ def read_logs(
     Raises:
         FFGymError: if one cannot be read, is of another robot or not good enough, or none is left to identify from.
     """
-    held_out = [recording for path in validate for recording in _read(path, columns, robot)]
-    used = [r for path in logs for r in _read(path, columns, robot) if not any(r.equals(other) for other in held_out)]
+    apart = [recording for path in validate for recording in _read(path, columns, robot)]
+    given = [r for path in logs for r in _read(path, columns, robot) if not any(r.equals(other) for other in apart)]
+    made = conditioned_alike([*given, *apart])
+    used, held_out = made[: len(given)], made[len(given) :]
     if not used:
         raise FFGymError("All logs are for validation, so none is left to identify from.")
     doubts = _doubts([*used, *held_out], robot if known else None)

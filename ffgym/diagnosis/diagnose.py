@@ -33,7 +33,7 @@ from ffgym.diagnosis.search.search import MOST, Report, search
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
 from ffgym.provenance import versions
-from ffgym.quality import check_quality
+from ffgym.quality import judged as judged_logs
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
@@ -62,6 +62,7 @@ def diagnose(
     report: Report = lambda what, share: None,
     memory: Memory | None = None,
     most: int = MOST,
+    accept: Sequence[str] = (),
 ) -> Diagnosis:
     """Diagnose logs of a machine.
 
@@ -74,12 +75,20 @@ def diagnose(
         memory: kept from one diagnosis to the next, which is faster where many logs are of the same motions.
         most: causes to look for, 1 to 8; a diagnosis of the extended model finds further ones, and several short ones
             take less time than a long one.
+        accept: names of checks of quality that are overruled, and told.
 
     Raises:
         FFGymError: if there is nothing to diagnose, or logs and robot do not fit.
     """
     return examine(
-        nominal, recordings, calibration=calibration, seed=seed, report=report, memory=memory, most=most
+        nominal,
+        recordings,
+        calibration=calibration,
+        seed=seed,
+        report=report,
+        memory=memory,
+        most=most,
+        accept=accept,
     ).diagnosis
 
 
@@ -93,6 +102,7 @@ def examine(
     first: Callable[[FirstLook], None] | None = None,
     memory: Memory | None = None,
     most: int = MOST,
+    accept: Sequence[str] = (),
 ) -> Examined:
     """Diagnose logs of a machine, and keep what that was made from.
 
@@ -105,24 +115,26 @@ def examine(
         first: told what stands out, soon and before anything is sure; None saves that time.
         memory: see `diagnose`.
         most: see there.
+        accept: see there.
     """
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=MOST)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
-    flagged, refused = _quality(recordings, machine.physical)
+    quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
     provenance = {"seed": seed, "versions": versions()}
     names = tuple(recording.header.segment for recording in recordings)
-    if refused:
+    if not quality.recordings and recordings:
         insufficient = Diagnosis(
             verdict="insufficient",
-            sentence=f"These logs do not allow a diagnosis: {refused[0]}",
+            sentence=f"These logs do not allow a diagnosis: {quality.left_out[0]}",
             robot=machine.robot.name,
             motions=names,
-            quality=(*refused, *flagged),
+            quality=quality.flagged,
             provenance=provenance,
         )
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
     report("replaying the nominal model", 0.0)
+    recordings = quality.recordings
     log = log_of(machine.physical, recordings)
     check_length(log)
     if (cutoff := comparison_cutoff(log, machine)) < log.sampling.cutoff:
@@ -131,7 +143,7 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    return _examined(log, machine, known, ready, rng, report, flagged, provenance, memory, most)
+    return _examined(log, machine, known, ready, rng, report, quality.flagged, provenance, memory, most)
 
 
 def _examined(
@@ -198,16 +210,3 @@ def _levels(setting: Setting, found: Found, gain: Gain | None, floor: Mapping[Ch
     """Of the nominal and the extended model; without one, the nominal model twice."""
     nominal = found.nominal.fit.residual
     return levels(setting, nominal if gain is None else gain.before, nominal if gain is None else gain.after, floor)
-
-
-def _quality(recordings: Sequence[Recording], robot: RobotDescription) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """What the quality gate flagged, and what it refused, in words."""
-    flagged, refused = [], []
-    for recording in recordings:
-        for finding in check_quality(recording, robot, ("diagnosis",)).findings:
-            text = f"{recording.header.segment}: {finding.message}"
-            if finding.verdict == "refused":
-                refused.append(text)
-            elif finding.verdict == "flagged":
-                flagged.append(text)
-    return tuple(flagged), tuple(refused)

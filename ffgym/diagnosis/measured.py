@@ -50,10 +50,10 @@ def valid_rows(log: Log) -> BoolArray:
 def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
     """Rows that count for each component, (R, M) each.
 
-    All valid ones, but those of torque at low speed where the model knows nothing of it, and none of an encoder that is
-    not there.
+    All valid ones, but those of torque at low speed where the model knows nothing of it, those whose samples the mask of
+    a recording leaves out for the joint, and none of an encoder that is not there.
     """
-    valid, judged = valid_rows(log), judged_rows(log)
+    valid, judged = valid_rows(log), judged_rows(log) & _unmasked(log)
     found: dict[tuple[Channel, int], BoolArray] = {}
     for channel, rows in measured_rows(log).items():
         for c in range(rows.shape[2]):
@@ -62,6 +62,17 @@ def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
         for c in np.flatnonzero(np.isnan(log.link).any(axis=(0, 1))).tolist():
             found["link", c] = np.zeros_like(valid)
     return found
+
+
+def _unmasked(log: Log) -> BoolArray:
+    """Rows none of whose samples is left out for a joint, shape (R, M, N)."""
+    masks = [recording.valid for recording in log.recordings]
+    if all(mask.all() for mask in masks):
+        return np.ones((len(log.sampling.at), len(masks), log.robot.n_joints), dtype=np.bool_)
+    within = np.ones((log.sampling.n_samples, len(masks), log.robot.n_joints), dtype=np.bool_)
+    for i, mask in enumerate(masks):
+        within[: len(mask), i] = mask
+    return np.stack([log.sampling.valid(within[:, :, j]) for j in range(log.robot.n_joints)], axis=-1)
 
 
 def residual_rows(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, Array]:

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from ffgym.identification.load_torque import load_torque
 from ffgym.identification.signals import LowPass, Signals, signals_of
 from ffgym.recordings import Recording
@@ -34,6 +36,10 @@ class FrictionTorque:
         """Friction torque [N m], shape (T, N)."""
         torque: Array = self.signals.torque - self.inertia - self.holding
         return torque
+
+    def counts(self, joint: int) -> BoolArray:
+        """Valid rows that the mask of the recording leaves to one joint, 0 is the first, shape (T,)."""
+        return np.asarray(self.valid & self.signals.unmasked[:, joint])
 
 
 def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | None = None) -> FrictionTorque:

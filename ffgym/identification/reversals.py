@@ -28,7 +28,7 @@ def n_reversals(torque: FrictionTorque, joint: int, presliding: float) -> int:
         joint: which joint, 0 is the first.
         presliding: how far bristles bend, f_s / sigma_0 [rad], motor side.
     """
-    speed = torque.signals.motor_dq[torque.valid, joint]
+    speed = torque.signals.motor_dq[torque.counts(joint), joint]
     speed = np.where(np.abs(speed) > _MOVING, speed, 0.0)
     moving = speed[speed != 0]
     if not len(moving):

@@ -3,15 +3,14 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.ndimage import minimum_filter1d
 from scipy.signal import butter, filtfilt
 
 from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.quality.intervals import is_even
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array, BoolArray
-
-_EVEN = 0.01
-"""Largest difference of sample periods that still counts as even, in sample periods."""
 
 _SAME_RATIO = 1e-6
 """Relative difference of gear ratios above which a recording is of another drive: ratios are written with 6 digits."""
@@ -76,6 +75,8 @@ class Signals:
     """Motor torque, motor side [N m], shape (T, N), filtered as the motion."""
     valid: BoolArray
     """Rows that the filter knows: all but the ends, shape (T,)."""
+    unmasked: BoolArray
+    """Rows far from all that the mask of the recording leaves out for a joint, shape (T, N)."""
     low_pass: LowPass = field(default_factory=LowPass)
     """The filter that position and torque went through; a prediction of the torque goes through it too."""
 
@@ -131,8 +132,14 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
         ddq=ddq,
         torque=torque,
         valid=valid,
+        unmasked=far_from_masked(recording.valid, 2 * ends + 1),
         low_pass=low_pass,
     )
+
+
+def far_from_masked(valid: BoolArray, reach: int) -> BoolArray:
+    """Rows (T, N) with none that does not count within `reach` rows about them."""
+    return np.asarray(minimum_filter1d(valid.astype(np.int8), reach, axis=0, mode="nearest") > 0)
 
 
 def joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:
@@ -143,10 +150,10 @@ def joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPas
     """
     check_fits(robot, recording)
     angle, dt = recording.joint_array("motor.position"), recording.dt
-    if np.ptp(np.diff(recording.t)) > _EVEN * dt:
+    if not is_even(recording.t):
         raise FFGymError(
             f"Recording {recording.header.segment!r} is sampled unevenly, every {np.diff(recording.t).min():g} to "
-            f"{np.diff(recording.t).max():g} s; it must be resampled at even times first."
+            f"{np.diff(recording.t).max():g} s; ffgym.quality.conditioning.conditioned brings it to even times."
         )
     angle = angle if recording.header.position_side == "link" else robot.drive.joint_angle(angle)
     q = low_pass(angle, dt)

@@ -93,7 +93,7 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
     speed = side_by_side([torque.signals.motor_dq[:, joint] for torque in torques])
     scored = np.zeros(speed.shape, dtype=np.bool_)
     for r, (torque, step) in enumerate(zip(torques, every, strict=True)):
-        rows = torque.valid[::step]
+        rows = torque.counts(joint)[::step]
         scored[: len(rows), r] = rows
     for r in range(len(torques)):
         scored[:, r] &= _known(speed[:, r], dt, FORGOTTEN * presliding)

@@ -94,7 +94,7 @@ def _means(torque: FrictionTorque, joint: int) -> Array:
     count = len(signals.t) // length
     columns = (signals.motor_dq, torque.friction, signals.q)
     rows = np.stack([column[: count * length, joint] for column in columns], axis=1)
-    rows[~torque.valid[: count * length]] = np.nan
+    rows[~torque.counts(joint)[: count * length]] = np.nan
     means: Array = rows.reshape(count, length, 3).mean(axis=1)
     return means
 

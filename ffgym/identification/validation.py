@@ -62,7 +62,7 @@ def validate(
         error = measured - predicted_friction(friction, torque)
         forgotten = _forgotten(friction, torque)
         for j, joint in enumerate(torque.signals.robot.joints):
-            scored = torque.valid & forgotten[:, j]
+            scored = torque.counts(j) & forgotten[:, j]
             if scored.any() and np.abs(torque.signals.motor_dq[scored, j]).max() > MOVING:
                 found.append(
                     Validation(

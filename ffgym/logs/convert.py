@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.errors import FFGymError
+from ffgym.logs.clock_order import increasing, order_note
 from ffgym.logs.clocks import Rows, rows_at_rate, rows_of
 from ffgym.logs.column_map import ColumnMap
 from ffgym.logs.contents import Contents
@@ -50,17 +51,20 @@ def _completed(header: Header, entries: Entries) -> Header:
 
 def _recording(contents: Contents, columns: ColumnMap, entries: Entries, header: Header, motion: Motion) -> Recording:
     with in_entry(TIMESTAMP):
-        rows = _rows(contents, entries, motion)
+        every = _rows(contents, entries, motion)
+    ordered = increasing(every.t)
+    rows = every if ordered.all() else replace(every, t=every.t[ordered])
     table = {TIMESTAMP: rows.t}
     reached: BoolArray = np.ones(len(rows.t), dtype=np.bool_)
     for key, entry in entries.others.items():
         with in_entry(key):
-            samples, within = _at_rows(contents, entry, header, motion, rows)
+            samples, within = _at_rows(contents, entry, header, motion, rows, ordered)
             _check_reach(entry, within, trim=columns.trim)
             kept = to_kept_side(samples, entry.target, entry.column, header)
         reached &= within
         table |= dict(zip(entry.target.columns, kept.T, strict=True))
-    header = replace(header, segment=motion.segment, meta={**header.meta, **motion.meta})
+    notes = {} if ordered.all() else {"conditioning": [order_note(every.t, ordered)]}
+    header = replace(header, segment=motion.segment, meta={**header.meta, **motion.meta, **notes})
     if columns.trim:
         table = {name: values[reached] for name, values in table.items()}
     return Recording(table, header)
@@ -75,8 +79,10 @@ def _rows(contents: Contents, entries: Entries, motion: Motion) -> Rows:
     return rows_at_rate(contents, rate or "", len(motion.of(first.values)))
 
 
-def _at_rows(contents: Contents, entry: Entry, header: Header, motion: Motion, rows: Rows) -> Resampled:
-    """SI numbers of an entry on the side of the file, one sample per row."""
+def _at_rows(
+    contents: Contents, entry: Entry, header: Header, motion: Motion, rows: Rows, ordered: BoolArray
+) -> Resampled:
+    """SI numbers of an entry on the side of the file, one sample per row of those in the file that are `ordered`."""
     column = entry.column
     values = motion.of(entry.values) if entry.clock is None else motion.uncut(entry.values)
     if column.from_first:
@@ -86,12 +92,12 @@ def _at_rows(contents: Contents, entry: Entry, header: Header, motion: Motion, r
     if entry.clock is not None:
         clock = rows.seconds(motion.uncut(entry.clock)[:, 0], column.clock_unit or rows.unit)
         return resample(samples, clock, rows.t, column.resample)
-    if len(samples) != len(rows.t):
+    if len(samples) != len(ordered):
         raise FFGymError(
-            f"has {len(samples)} rows, but timestamp has {len(rows.t)}. Samples of another clock need clock and "
+            f"has {len(samples)} rows, but timestamp has {len(ordered)}. Samples of another clock need clock and "
             "resample."
         )
-    return Resampled(samples, np.ones(len(samples), dtype=np.bool_))
+    return Resampled(samples[ordered], np.ones(len(rows.t), dtype=np.bool_))
 
 
 def _check_reach(entry: Entry, reached: BoolArray, *, trim: bool) -> None:

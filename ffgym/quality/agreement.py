@@ -44,7 +44,8 @@ def _seen(log: Log, odd: Stranger) -> Seen:
     else:
         figure = f"is {odd.value:.5g} times what {other} says, must be the same"
     message = f"{name} {figure}: {odd.text}. {_WAYS_OUT[odd.kind]}."
-    value = abs(np.log(abs(odd.value))) if odd.kind == "scale" else 1.0
+    value = 0.5 if odd.kind == "agreement" and odd.family.endswith("effort") else 1.0
+    value = abs(np.log(abs(odd.value))) if odd.kind == "scale" else value
     return Seen(value=float(value), message=message, columns=(*columns, *others), joint=joint)
 
 
@@ -52,7 +53,10 @@ _FACTOR = "columns of one quantity agree to some percent; a factor of another un
 _TWIN = (
     "a column that is another joint's at a slope of 1 and correlates with it by 0.98, not with its own, is that one's"
 )
-_ALONE = "columns of one quantity correlate by 0.97 and more; below 0.8 they are of different runs"
+_ALONE = (
+    "columns of one quantity correlate by 0.97 and more; below 0.8 they are of different runs; commanded torques count "
+    "half: what some controllers command lacks friction"
+)
 
 _FAULTS: Mapping[Kind, tuple[str, str]] = {
     "units": ("Columns in another unit", _FACTOR),
@@ -64,7 +68,15 @@ _FAULTS: Mapping[Kind, tuple[str, str]] = {
 
 AGREEMENT = (
     *(
-        Check(name=kind, figure=figure, unit="columns", flag=0.5, refuse=0.5, why=why, judge=_judge(kind))
+        Check(
+            name=kind,
+            figure=figure,
+            unit="columns",
+            flag=0.25 if kind == "agreement" else 0.5,
+            refuse=0.5,
+            why=why,
+            judge=_judge(kind),
+        )
         for kind, (figure, why) in _FAULTS.items()
     ),
     Check(

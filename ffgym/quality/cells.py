@@ -11,10 +11,19 @@ from scipy.ndimage import maximum_filter1d
 from ffgym.quality.check import Check, Seen
 from ffgym.quality.log import Log
 from ffgym.quality.runs import smallest_step
-from ffgym.types import Array, IntArray
+from ffgym.types import Array, BoolArray, IntArray
 
-_REACH = 10
+REACH = 10
 """Rows to either side that say what is usual: enough to know the noise, few enough to stay in one phase of a motion."""
+
+SPIKE = 5.0
+"""Excursion over the largest steps around it from which on a row is not of the machine."""
+
+SPIKE_REFUSED = 8.0
+"""The same, from which on it is none of any machine."""
+
+COMPUTED = ("feedforward.effort", "feedback.effort", "feedback.integral", "compensation.effort", "command.effort")
+"""Families that a controller computed, which may do what no machine does: they are flagged, not refused."""
 
 _FLOOR = 1e-3
 """Share of the range of a column that never counts as more than noise: what this check overlooks (docs/quality.md)."""
@@ -32,22 +41,25 @@ _CONTINUOUS = (
 )
 """Families whose quantity cannot jump; torques may, with the sign of a speed."""
 
-_BURST = 64
+BURST = 64
 """Rows over which noise is measured."""
+
+BURST_REFUSED = 50.0
+"""Noise over the usual noise from which on it is none of the machine."""
 
 _WHITE = 5.0
 """Energy of third over first differences from which on a window holds noise, not motion: it is 10 for white noise."""
 
 
 def usual_steps(x: Array, resolution: float) -> Array:
-    """Largest difference between neighbours within `_REACH`, the two at the row itself left out; shape (T,).
+    """Largest difference between neighbours within `REACH`, the two at the row itself left out; shape (T,).
 
     It is no less than the `resolution` of the column, and than `_FLOOR`.
     """
-    steps = np.concatenate([np.zeros(_REACH), np.abs(np.diff(x)), np.zeros(_REACH)])
-    windows = _largest(steps, _REACH - 1)
+    steps = np.concatenate([np.zeros(REACH), np.abs(np.diff(x)), np.zeros(REACH)])
+    windows = _largest(steps, REACH - 1)
     rows = np.arange(len(x))
-    before, after = windows[rows], windows[rows + _REACH + 1]
+    before, after = windows[rows], windows[rows + REACH + 1]
     return np.maximum(np.maximum(before, after), _floor(x, resolution))
 
 
@@ -74,16 +86,16 @@ def outlier_ratio(x: Array, resolution: float) -> Array:
 
 def jump_ratio(x: Array, resolution: float) -> Array:
     """How much larger each difference of `x` (T,) is than those around it; shape (T - 1,)."""
-    steps = np.concatenate([np.zeros(_REACH), np.abs(np.diff(x)), np.zeros(_REACH)])
-    windows = _largest(steps, _REACH)
+    steps = np.concatenate([np.zeros(REACH), np.abs(np.diff(x)), np.zeros(REACH)])
+    windows = _largest(steps, REACH)
     rows = np.arange(len(x) - 1)
-    usual = np.maximum(np.maximum(windows[rows], windows[rows + _REACH + 1]), _floor(x, resolution))
+    usual = np.maximum(np.maximum(windows[rows], windows[rows + REACH + 1]), _floor(x, resolution))
     return np.asarray(np.abs(np.diff(x)) / usual)
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class _Column:
+class Column:
     """A column without its missing samples."""
 
     family: str
@@ -97,7 +109,7 @@ class _Column:
 
 
 @lru_cache(maxsize=4)
-def _columns(log: Log) -> tuple[_Column, ...]:
+def columns_of(log: Log) -> tuple[Column, ...]:
     """Columns of the schema with samples enough; what columns of the user's own may do is not known."""
     found = []
     for family in log.families:
@@ -107,8 +119,8 @@ def _columns(log: Log) -> tuple[_Column, ...]:
         values = {name: log.recording[name][rows] for name, rows in seen.items()}
         steps = {name: smallest_step(x) if np.sum(np.diff(x) != 0) >= _STEPS else 0.0 for name, x in values.items()}
         for name, rows in seen.items():
-            if len(rows) > 2 * _REACH:
-                found.append(_Column(family, name, rows, values[name], steps[name] or max(steps.values())))
+            if len(rows) > 2 * REACH:
+                found.append(Column(family, name, rows, values[name], steps[name] or max(steps.values())))
     return tuple(found)
 
 
@@ -118,23 +130,22 @@ def _joint_of(log: Log, name: str) -> str:
 
 
 def _spikes(log: Log) -> Iterator[Seen]:
-    for column in _columns(log):
+    for column in columns_of(log):
         name, rows, x = column.name, column.rows, column.values
         ratio = outlier_ratio(x, column.resolution)
         worst = int(np.argmax(ratio))
         message = (
             f"{name}: {x[worst]:.6g} at {log.t[rows[worst]]:.4g} s sticks out of the rows around it by "
-            f"{ratio[worst]:.3g} of their largest steps, must be below 5; {np.sum(ratio > _SPIKE)} rows do. Repair or "
+            f"{ratio[worst]:.3g} of their largest steps, must be below 5; {np.sum(ratio > SPIKE)} rows do. Repair or "
             "cut them."
         )
-        yield Seen(value=float(ratio[worst]), message=message, columns=(name,), joint=_joint_of(log, name))
-
-
-_SPIKE = 5.0
+        value = float(ratio[worst])
+        value = min(value, SPIKE_REFUSED) if column.family in COMPUTED else value
+        yield Seen(value=value, message=message, columns=(name,), joint=_joint_of(log, name))
 
 
 def _jumps(log: Log) -> Iterator[Seen]:
-    for column in _columns(log):
+    for column in columns_of(log):
         if column.family not in _CONTINUOUS:
             continue
         name, rows, x = column.name, column.rows, column.values
@@ -156,27 +167,38 @@ they do not change, and more in some places than in others."""
 
 
 def _bursts(log: Log) -> Iterator[Seen]:
-    for column in _columns(log):
-        name, rows, x = column.name, column.rows, column.values
-        if len(x) < 8 * _BURST:
+    for column in columns_of(log):
+        joint = _joint_of(log, column.name)
+        counts = log.recording.valid[:, log.joints.index(joint)] if joint else np.ones(len(log.t), dtype=np.bool_)
+        ratios = burst_ratios(column, counts)
+        if not ratios.size:
             continue
-        levels = noise_levels(x)
-        rounding = _ROUNDING * float(np.max(np.abs(x)))
-        usual = max(float(np.median(levels)), column.resolution, _FLOOR * float(np.ptp(x)), rounding)
-        worst = int(np.argmax(levels))
-        ratio = float(levels[worst] / usual) if usual else 0.0
+        worst = int(np.argmax(ratios))
         message = (
-            f"{name}: noise around {log.t[rows[worst * _BURST]]:.4g} s is {ratio:.3g} of the usual {usual:.3g} "
-            f"{log.recording.unit(name)}, must be below 25. Look for a bad contact or a disturbance; cut it out."
+            f"{column.name}: noise around {log.t[column.rows[worst * BURST]]:.4g} s is {ratios[worst]:.3g} of the "
+            "usual, must be below 25. Look for a bad contact or a disturbance; cut it out."
         )
-        yield Seen(value=ratio, message=message, columns=(name,), joint=_joint_of(log, name))
+        yield Seen(value=float(ratios[worst]), message=message, columns=(column.name,), joint=joint)
+
+
+def burst_ratios(column: Column, counts: BoolArray) -> Array:
+    """Noise of windows of `BURST` rows over that usual in a column; 0 where not all rows `counts` (T,); empty if short.
+    """
+    x = column.values
+    if len(x) < 8 * BURST:
+        return np.zeros(0)
+    levels = noise_levels(x)
+    rounding = _ROUNDING * float(np.max(np.abs(x)))
+    usual = max(float(np.median(levels)), column.resolution, _FLOOR * float(np.ptp(x)), rounding)
+    known = counts[column.rows][: len(levels) * BURST].reshape(len(levels), BURST).all(axis=1)
+    return np.where(known, levels / usual, 0.0) if usual else np.zeros_like(levels)
 
 
 def noise_levels(x: Array) -> Array:
-    """Standard deviation of white noise in windows of `_BURST` rows of `x` (T,), without spikes; 0 in motion."""
-    count = (len(x) - 3) // _BURST
-    first = np.diff(x)[: count * _BURST].reshape(count, _BURST)
-    third = np.diff(x, 3)[: count * _BURST].reshape(count, _BURST)
+    """Standard deviation of white noise in windows of `BURST` rows of `x` (T,), without spikes; 0 in motion."""
+    count = (len(x) - 3) // BURST
+    first = np.diff(x)[: count * BURST].reshape(count, BURST)
+    third = np.diff(x, 3)[: count * BURST].reshape(count, BURST)
     white = np.mean(third**2, axis=1) > _WHITE * np.var(first, axis=1)
     return np.where(white, 1.4826 * np.median(np.abs(third), axis=1) / np.sqrt(20), 0.0)
 
@@ -186,9 +208,10 @@ CELLS = (
         name="spike",
         figure="Largest excursion of a single row over the largest steps around it, or those of a noisy column",
         unit="1",
-        flag=_SPIKE,
-        refuse=8.0,
-        why="Gaussian noise reaches 3, recorded torque 3.9; a row beyond 8 is no sample of a machine",
+        flag=SPIKE,
+        refuse=SPIKE_REFUSED,
+        why="Gaussian noise reaches 3, recorded torque 3.9; a row beyond 8 is no sample of a machine, only what a "
+        "controller computed may be",
         judge=_spikes,
     ),
     Check(
@@ -205,7 +228,7 @@ CELLS = (
         figure="Noise of 64 rows over the usual noise",
         unit="1",
         flag=25.0,
-        refuse=50.0,
+        refuse=BURST_REFUSED,
         why="the torque noise of recorded robots changes with speed and load by a factor of up to 15",
         judge=_bursts,
     ),

@@ -5,12 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from ffgym.quality.check import Check, NotJudgedError, Seen
+from ffgym.quality.intervals import longest_interval
 from ffgym.quality.log import Log
 
 _COLUMNS = ("timestamp",)
-
-_GAP = 1.5
-"""Periods from which on an interval is a gap: a missing row makes two. A clock that scatters has longer ones."""
 
 
 def _unit(log: Log) -> Iterator[Seen]:
@@ -23,7 +21,7 @@ def _unit(log: Log) -> Iterator[Seen]:
 
 def _gaps(log: Log) -> Iterator[Seen]:
     """Rows that are missing, over rows that there should be; clock jumps, over which nothing moves, are not meant."""
-    steps, moved = _long_intervals(log)
+    steps, moved = long_intervals(log)
     missing = np.round(np.diff(log.t)[steps] / log.dt) - 1
     missing = missing[moved]
     steps = steps[moved]
@@ -37,7 +35,7 @@ def _gaps(log: Log) -> Iterator[Seen]:
 
 
 def _jumps(log: Log) -> Iterator[Seen]:
-    steps, moved = _long_intervals(log)
+    steps, moved = long_intervals(log)
     jumps = steps[~moved]
     value = float(np.diff(log.t)[jumps].max() - log.dt) if jumps.size else 0.0
     where = f" after {log.t[jumps[0]]:.4g} s" if jumps.size else ""
@@ -48,9 +46,9 @@ def _jumps(log: Log) -> Iterator[Seen]:
     yield Seen(value=value / log.dt, message=message, columns=_COLUMNS)
 
 
-def _long_intervals(log: Log) -> tuple[np.ndarray, np.ndarray]:
+def long_intervals(log: Log) -> tuple[np.ndarray, np.ndarray]:
     """Rows before intervals that are too long, and whether the joints moved as far as their speed and the clock say."""
-    steps = np.flatnonzero(np.diff(log.t) > _longest(log))
+    steps = np.flatnonzero(np.diff(log.t) > longest_interval(log.t))
     moved = np.ones(len(steps), dtype=np.bool_)
     if log.q is None:
         return steps, moved
@@ -65,16 +63,9 @@ def _long_intervals(log: Log) -> tuple[np.ndarray, np.ndarray]:
     return steps, moved
 
 
-def _longest(log: Log) -> float:
-    """Longest interval [s] that is no gap: five deviations of the clock above its median, `_GAP` periods at least."""
-    intervals = np.diff(log.t)
-    scatter = 1.4826 * float(np.median(np.abs(intervals - log.dt)))
-    return max(_GAP * log.dt, log.dt + 5 * scatter)
-
-
 def _jitter(log: Log) -> Iterator[Seen]:
     intervals = np.diff(log.t)
-    regular = intervals[intervals < _longest(log)]
+    regular = intervals[intervals < longest_interval(log.t)]
     value = float(np.std(np.diff(regular)) / np.sqrt(2) / log.dt) if len(regular) > 1 else 0.0
     message = (
         f"timestamp: intervals scatter by {value:.1%} of {log.dt:.4g} s (rms), must be below 5 %. Use the clock of the "

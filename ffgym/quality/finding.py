@@ -51,6 +51,8 @@ class QualityReport:
     duration: float
     """[s]."""
     findings: tuple[Finding, ...]
+    conditioning: tuple[str, ...] = ()
+    """What conditioning did before, in sentences."""
 
     @property
     def verdict(self) -> Overall:
@@ -72,7 +74,8 @@ class QualityReport:
     def numbers(self) -> dict[str, Any]:
         """Everything, as JSON has it."""
         head = {"robot": self.robot, "segment": self.segment, "rows": self.n_rows, "duration": self.duration}
-        return {**head, "verdict": self.verdict, "findings": [asdict(finding) for finding in self.findings]}
+        head |= {"verdict": self.verdict, "conditioning": list(self.conditioning)}
+        return {**head, "findings": [asdict(finding) for finding in self.findings]}
 
 
 def worst_first(findings: Sequence[Finding]) -> tuple[Finding, ...]:

@@ -9,6 +9,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import uniform_filter1d
 
 from ffgym.recordings import FAMILIES, Recording
+from ffgym.recordings.schema import VALID
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array, BoolArray
 
@@ -60,8 +61,8 @@ class Log:
 
     @property
     def families(self) -> tuple[str, ...]:
-        """Families of the schema that are present."""
-        return tuple(name for name in self.recording.families if name in FAMILIES)
+        """Families of the schema that are present; a mask is none that is judged."""
+        return tuple(name for name in self.recording.families if name in FAMILIES and name != VALID)
 
     def columns(self, family: str) -> dict[str, Array]:
         """Columns of a family by name, those of joints that lack the sensor left out."""

@@ -69,12 +69,10 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
             columns=("motor.position", "motor.effort"),
             torque=True,
             sound=(
-                *("dropped_samples", "clock_jitter", "clock_drift", "repeated_rows"),
-                *("coarse", "encoder_steps", "spike", "torque_lag_apart"),
+                *("coarse", "encoder_steps", "torque_lag_apart"),
                 *("tracker_scale", "tracker_motion", "tracker_frame", "tracker_lag"),
             ),
-            why="what is uneven, coarser than its noise, or of another frame or time would be taken for a fault of the "
-            "machine",
+            why="what is coarser than its noise, or of another frame or time would be taken for a fault of the machine",
         ),
     }
 )

@@ -9,6 +9,7 @@ from ffgym.quality.check import Check, NotJudgedError, Seen
 from ffgym.quality.log import Log
 from ffgym.quality.runs import smallest_step, stretches
 from ffgym.recordings import FAMILIES
+from ffgym.recordings.schema import VALID
 from ffgym.types import Array, BoolArray
 
 _BLOCK = 5
@@ -32,7 +33,9 @@ def _table(log: Log) -> Array:
     columns = [
         np.nan_to_num(values)
         for name, values in log.recording.columns.items()
-        if name not in ("timestamp", "tcp.timestamp") and np.nanmin(values, initial=0) != np.nanmax(values, initial=0)
+        if name not in ("timestamp", "tcp.timestamp")
+        and not name.startswith(f"{VALID}.")
+        and np.nanmin(values, initial=0) != np.nanmax(values, initial=0)
     ]
     if not columns:
         raise NotJudgedError("nothing but the clock changes")
@@ -46,15 +49,42 @@ def _alive(table: Array) -> BoolArray:
     return np.asarray(changes.mean(axis=1) > 1 / 3)
 
 
-def _repeated(log: Log) -> Iterator[Seen]:
+def _passing(log: Log, before: int, after: int) -> bool:
+    """Whether a position goes on alike, by more than `_ALIVE` steps, into row `before` and out to row `after`.
+
+    Noise in coarse columns repeats by chance where a joint turns round or rests; a joint on its way never does.
+    """
+    families = [name for name in log.motion_families if name.endswith("position")]
+    for family in families:
+        for x in log.columns(family).values():
+            into, away = float(x[before] - x[before - 1]), float(x[after] - x[after - 1])
+            if into * away > 0 and min(abs(into), abs(away)) > _ALIVE * smallest_step(x):
+                return True
+    return not families
+
+
+def repeated_rows(log: Log) -> list[slice]:
+    """Stretches of rows that repeat the row before them in motion.
+
+    Raises:
+        NotJudgedError: if nothing but the clock changes.
+    """
     table = _table(log)
     equal = np.concatenate([[False], np.all(table[1:] == table[:-1], axis=1)])
     alive = _alive(table)
-    copies = [
+    return [
         rows
         for rows in stretches(equal)
-        if rows.start >= 2 and rows.stop < len(equal) and alive[rows.start - 1] and alive[rows.stop]
+        if rows.start >= 2
+        and rows.stop < len(equal)
+        and alive[rows.start - 1]
+        and alive[rows.stop]
+        and _passing(log, rows.start - 1, rows.stop)
     ]
+
+
+def _repeated(log: Log) -> Iterator[Seen]:
+    copies = repeated_rows(log)
     count = sum(rows.stop - rows.start for rows in copies)
     where = f", first at {log.t[copies[0].start]:.4g} s" if copies else ""
     message = (

@@ -1,35 +1,50 @@
 """Checks for columns that keep one value while their joint moves."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
 from ffgym.quality.check import Check, NotJudgedError, Seen
 from ffgym.quality.compare import compare
 from ffgym.quality.families import TORQUES, joint_columns
-from ffgym.quality.log import Log
+from ffgym.quality.log import EXCITED, Log
 from ffgym.quality.runs import constant_stretches, smallest_step
 from ffgym.types import Array
 
-_SENSED = ("motor.position", "motor.velocity", "link.position", "link.velocity", "motor.effort", "command.effort")
-"""Families that change wherever their joint moves."""
+_SENSED = ("motor.position", "motor.velocity", "link.position", "link.velocity", "motor.effort")
+"""Families that are measured, and change wherever their joint moves."""
 
-_STUCK_ROWS = 8
-"""Rows of one value from which on a column may be stuck; fewer are quantisation at low speed."""
+_STUCK_ROWS, _STUCK_TIME = 8, 0.02
+"""Rows and time [s] of one value from which on a column may be stuck; fewer are quantisation at low speed, shorter is
+what low-passes bridge."""
+
+_USUAL, _LONGER = 0.9, 4.0
+"""Quantile of the times for which a column keeps its values, and how many times that is no slow column any more."""
+
+_BEFORE = 0.005
+"""Time [s] over which it counts how fast a column comes to a stretch of one value, three rows at least."""
+
+_TOP, _SHARE = 0.95, 0.2
+"""Quantile of the changes of a column over that time that is its top speed, and the share of it that is abrupt."""
+
+_JUMP = 3.0
+"""Step at the end of a stretch over the steps that follow, from which on it is a jump and no joint that goes on."""
 
 _CAUGHT_UP = 0.5
 """Share of what set-points moved on during a stretch of one value by which a stuck column jumps at its end; a joint
 that sticks by friction goes on from where it stood."""
 
 _ABRUPT = 5.0
-"""Steps of the resolution per row before a stretch of one value that a joint coming to rest does not have."""
+"""Steps of the resolution in a third of `_BEFORE`, before a stretch of one value that begins abruptly."""
 
 
 def _constant(log: Log) -> Iterator[Seen]:
     moved = _travels(log)
     if not moved.any():
         raise NotJudgedError("no joint moves")
-    for _, j, name, x in joint_columns(log, (*_SENSED, "reference.position")):
+    for _, j, name, x in joint_columns(log, (*_SENSED, "command.effort", "reference.position")):
         alone = bool(moved[j] and np.ptp(x) == 0.0)
         message = (
             f"{name} is {x[0]:.4g} {log.recording.unit(name)} in all rows while joint {log.joints[j]} moves, must "
@@ -45,42 +60,81 @@ def _travels(log: Log) -> np.ndarray:
 
 
 def _stuck(log: Log) -> Iterator[Seen]:
-    for family, j, name, x in joint_columns(log, _SENSED):
-        if np.ptp(x) == 0.0:
-            continue
-        step = smallest_step(x)
-        longest = max(
-            (_stuck_time(log, family, j, x, step, rows), rows.start) for rows in [slice(0, 1), *_held(family, x)]
-        )
+    found = stuck_stretches(log)
+    if not found:
+        yield Seen(value=0.0, message="")
+    for stretch in found:
+        held = float(log.t[stretch.rows.stop - 1] - log.t[stretch.rows.start])
+        joint = log.joints[stretch.joint]
         message = (
-            f"{name} keeps one value for {longest[0]:.4g} s from {log.t[longest[1]]:.4g} s on while joint "
-            f"{log.joints[j]} moves, must change. Look for a lost connection; cut the log there."
+            f"{stretch.name} keeps one value for {held:.4g} s from {log.t[stretch.rows.start]:.4g} s on while joint "
+            f"{joint} moves, must change. Look for a lost connection."
         )
-        yield Seen(value=longest[0] / log.dt, message=message, columns=(name,), joint=log.joints[j])
+        yield Seen(value=held, message=message, columns=(stretch.name,), joint=joint)
 
 
-def _held(family: str, x: Array) -> list[slice]:
-    """Stretches of one value; not the extremes of a torque, at which it is cut rather than stuck."""
+@final
+@dataclass(frozen=True)
+class Stretch:
+    """Rows in which a column is stuck."""
+
+    name: str
+    joint: int
+    rows: slice
+
+
+def stuck_stretches(log: Log) -> list[Stretch]:
+    """Columns that keep one value while their joint moves on, and where."""
+    found = []
+    for family, j, name, x in joint_columns(log, _SENSED):
+        if np.ptp(x) > 0.0:
+            step = smallest_step(x)
+            held = _held(log, family, x)
+            found += [Stretch(name, j, rows) for rows in held if _is_stuck(log, family, j, x, step, rows)]
+    return found
+
+
+def _held(log: Log, family: str, x: Array) -> list[slice]:
+    """Long stretches of one value; not the extremes of a torque, at which it is cut rather than stuck.
+
+    A column that is written more seldom than the rows keeps each value for some rows: a stretch must be longer.
+    """
     edges = (x.min(), x.max()) if family in TORQUES else ()
-    return [rows for rows in constant_stretches(x, _STUCK_ROWS) if x[rows.start] not in edges]
+    every = np.diff(np.flatnonzero(np.diff(x) != 0))
+    usual = float(np.quantile(every, _USUAL)) if every.size else 0.0
+    shortest = max(_STUCK_ROWS, log.rows(_STUCK_TIME), int(_LONGER * usual))
+    return [rows for rows in constant_stretches(x, shortest) if x[rows.start] not in edges]
 
 
-def _stuck_time(log: Log, family: str, j: int, x: Array, step: float, rows: slice) -> float:
-    """How long a stretch of one value lasts [s]; 0 if it is a rest. `step` is the smallest step of `x`."""
-    if rows.stop - rows.start < _STUCK_ROWS:
-        return 0.0
-    after = np.abs(np.diff(x[rows.stop - 1 : rows.stop + 2]))
-    until_end = after.size == 0 and not family.endswith("position") and bool(log.moving[rows, j].mean() > 0.5)
-    sudden = until_end or (after.size > 0 and bool(after.max() > _ABRUPT * step))
-    if not ((sudden and _abrupt(x, step, rows.start)) or _others_move(log, family, j, rows)):
-        return 0.0
-    return float(log.t[rows.stop - 1] - log.t[rows.start])
+def _is_stuck(log: Log, family: str, j: int, x: Array, step: float, rows: slice) -> bool:
+    """Whether a stretch of one value in `x` (T,) is no rest. `step` is the resolution of `x`.
+
+    A joint that comes to rest, or sticks by friction, goes on from where it stood; a position that is stuck jumps to
+    where the joint is by then. Speeds and torques of a joint that moves change.
+    """
+    if _others_move(log, family, j, rows):
+        return True
+    if not _abrupt(log, x, step, rows.start):
+        return False
+    if family.endswith("position"):
+        return rows.stop < len(x) and _jumps(x, rows.stop, max(_ABRUPT * step, _JUMP * _largest_step(x, rows.stop)))
+    moves = bool(log.moving[rows, j].mean() > 0.5)
+    return moves and (rows.stop >= len(x) or _abrupt(log, x[::-1], step, len(x) - rows.stop))
 
 
-def _abrupt(x: Array, step: float, row: int) -> bool:
-    """Whether `x` (T,) comes to a row faster than a joint that comes to rest."""
-    before = np.abs(np.diff(x[max(0, row - 3) : row + 1]))
-    return before.size > 0 and bool(np.median(before) > _ABRUPT * step)
+def _abrupt(log: Log, x: Array, step: float, row: int) -> bool:
+    """Whether `x` (T,) comes to a row faster than a joint that comes to rest: by steps of the resolution, in a time."""
+    width = max(3, log.rows(_BEFORE))
+    if row < width:
+        return False
+    usual = float(np.quantile(np.abs(x[width:] - x[:-width]), _TOP))
+    return float(np.ptp(x[row - width : row + 1])) > max(3 * _ABRUPT * step, _SHARE * usual)
+
+
+def _largest_step(x: Array, row: int) -> float:
+    """Largest step of `x` (T,) just after a row."""
+    steps = np.abs(np.diff(x[row : row + 6]))
+    return float(steps.max()) if steps.size else 0.0
 
 
 def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
@@ -93,7 +147,8 @@ def _others_move(log: Log, family: str, j: int, rows: slice) -> bool:
         other = log.motions[name][:, j]
         moved = float(np.ptp(other[rows]))
         caught_up = not name.startswith("reference") or _jumps(own, rows.stop, _CAUGHT_UP * moved)
-        if moved > 0.05 * log.travel[family][j] and caught_up and _alike(own, other, rows):
+        least = max(0.05 * log.travel[family][j], EXCITED)
+        if moved > least and caught_up and _alike(own, other, rows):
             return True
     return False
 
@@ -123,12 +178,13 @@ STUCK = (
     Check(
         name="stuck",
         figure="Longest stretch of one value in motion",
-        unit="rows",
+        unit="s",
         flag=0.0,
-        refuse=_STUCK_ROWS - 2.0,
-        why="a stretch counts if it begins and ends abruptly, by 5 steps of the resolution and more, or if another "
-        "position of the joint moves on by 5 % of its range; set-points move on beside a joint that sticks, so that "
-        "the column must jump after them by half of that",
+        refuse=0.0,
+        why="a stretch counts from 20 ms on, beyond 4 of the times for which the column keeps its values, if another "
+        "position of the joint moves on by 1 mrad and 5 % of its range, or if it begins abruptly, by 15 steps of the "
+        "resolution and a fifth of its usual top speed in 5 ms, and ends so; a position must jump to where the joint is by then: one that sticks by "
+        "friction goes on from where it stood",
         judge=_stuck,
     ),
 )

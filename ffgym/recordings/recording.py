@@ -11,7 +11,7 @@ import numpy as np
 from ffgym.errors import FFGymError, check_choice
 from ffgym.recordings.header import Header
 from ffgym.recordings.phase import PHASE_KINDS, Phase, PhaseKind, clipped
-from ffgym.recordings.schema import FAMILIES, USER_PREFIX, Family, family_named
+from ffgym.recordings.schema import FAMILIES, USER_PREFIX, VALID, Family, family_named
 from ffgym.recordings.validation import check_phases, checked_columns, unit_of
 from ffgym.types import Array, BoolArray
 
@@ -80,6 +80,13 @@ class Recording:
     def dt(self) -> float:
         """Median sample period [s]."""
         return float(np.median(np.diff(self.t)))
+
+    @cached_property
+    def valid(self) -> BoolArray:
+        """Rows that count for each joint, shape (T, N): `valid.<joint>`, or all where there is no such family."""
+        if not self.has(VALID):
+            return np.ones((len(self), len(self.header.joints)), dtype=np.bool_)
+        return self.joint_array(VALID) > 0.5
 
     @property
     def families(self) -> tuple[str, ...]:

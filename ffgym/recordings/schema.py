@@ -15,6 +15,9 @@ Side = Literal["motor", "link", "tool", "none"]
 USER_PREFIX = "user."
 """Columns of your own start with this; their unit stands in the header field `units`."""
 
+VALID = "valid"
+"""Family that says which rows count for which joint."""
+
 _USER_NAME = re.compile(r"user\.[A-Za-z0-9_./-]+")
 
 
@@ -108,6 +111,12 @@ _FAMILIES = (
         side="none",
         may_miss=True,
         meaning="motor or gearbox temperature; say which in `meta`",
+    ),
+    Family(
+        name=VALID,
+        unit="1",
+        side="none",
+        meaning="1 where the row counts for the joint, 0 where it does not, as in a gap or a stop",
     ),
 )
 

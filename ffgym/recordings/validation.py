@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.errors import FFGymError
 from ffgym.recordings.header import Header
 from ffgym.recordings.phase import Phase
-from ffgym.recordings.schema import FAMILIES, check_columns, family_named
+from ffgym.recordings.schema import FAMILIES, VALID, check_columns, family_named
 from ffgym.types import Array
 
 LATEST_TIME = 1e11
@@ -36,6 +36,7 @@ def checked_columns(columns: Mapping[str, Any], header: Header) -> dict[str, Arr
         raise FFGymError(f"A recording needs at least 2 rows, got {n_rows}.")
     for name, array in arrays.items():
         _check_finite(name, array)
+        _check_mask(name, array)
         array.flags.writeable = False
     _check_time(arrays["timestamp"])
     return arrays
@@ -98,6 +99,15 @@ def _check_finite(name: str, array: Array) -> None:
             else "must be finite; only tcp.* and temperature.* may miss samples (NaN)"
         )
         raise FFGymError(f"Column {name!r} row {row} is {array[row]}, {hint}. Drop or repair the row.")
+
+
+def _check_mask(name: str, array: Array) -> None:
+    if not name.startswith(f"{VALID}."):
+        return
+    other = (array != 0.0) & (array != 1.0)
+    if other.any():
+        row = int(np.argmax(other))
+        raise FFGymError(f"Column {name!r} row {row} is {array[row]}, must be 1 where the row counts, or 0.")
 
 
 def _check_time(t: Array) -> None:

@@ -97,12 +97,16 @@ def test_a_thousands_separator_is_no_decimal_point():
         read("t;x\n0;1.234\n1;2,5\n", TextLayout(decimal=",")).numbers("x")
 
 
+def test_the_last_line_may_lack_its_end():
+    assert read("a,b\n1,2\n3,4").numbers("b").tolist() == [2, 4]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("a,b\n1,2\n3\n", "Line 3 has 1 cells, but there are 2 columns: a, b"),
         ("a,b\n1,2\n3,4,5\n", "Line 3 has 3 cells"),
-        ("a,b\n1,2\n3,4", "The last line has no line end: the file may be cut short"),
+        ("a,b\n1,2\n3", "Line 3 has 1 cells, but there are 2 columns: a, b. Damaged or cut short there"),
         ("a,b\n", "There are no rows from line 2 on"),
         ("\n\n# nothing\n", "The file has no lines but blank ones and comments"),
         (",\n1,2\n", "Line 1 holds no names of columns"),

@@ -33,9 +33,9 @@ def test_a_check_that_has_no_answer_says_why():
 
 def test_what_is_refused_stops_later_stages():
     position = np.sin(np.arange(4000) / 500)
-    position[1700] += 1.0
+    position[1700:] += 1.0
     report = check_quality(one_joint(position))
-    assert [finding.check for finding in report.problems] == ["spike"]
+    assert [finding.check for finding in report.problems] == ["jump"]
     assert all(finding.verdict == "not judged" for finding in report.of("torque_lag"))
     assert "'values'" in report.of("torque_lag")[0].message
 
@@ -82,10 +82,18 @@ def test_a_use_that_bears_less_than_others_refuses_what_is_flagged():
     columns = {name: np.r_[x[:3000], x[2999:-1]] for name, x in recording.columns.items() if name != "timestamp"}
     twice = recording.with_columns(columns)
     assert [(f.check, f.verdict) for f in check_quality(twice).problems] == [("repeated_rows", "flagged")]
-    assert [f.verdict for f in check_quality(twice, needs=["friction"]).of("need_friction")] != ["refused"]
     (finding,) = check_quality(twice, needs=["diagnosis"]).of("need_diagnosis")
+    assert finding.verdict == "ok"  # the copy is dropped before
+    torque = recording["motor.effort.elbow"]
+    step = np.ptp(torque) / 200
+    coarse = recording.with_columns(**{"motor.effort.elbow": np.round(torque / step) * step})
+    assert [(f.check, f.verdict) for f in check_quality(coarse).problems] == [("coarse", "flagged")]
+    assert [f.verdict for f in check_quality(coarse, needs=["friction"]).of("need_friction")] != ["refused"]
+    (finding,) = check_quality(coarse, needs=["diagnosis"]).of("need_diagnosis")
     assert finding.verdict == "refused"
-    assert finding.message.startswith("For diagnosis: All columns: 1 rows repeat")
+    assert finding.message.startswith("For diagnosis: motor.effort.elbow has 2")
+    (finding,) = check_quality(coarse, needs=["diagnosis"], accept=["coarse"]).of("need_diagnosis")
+    assert finding.verdict == "ok"
 
 
 def test_unknown_needs_and_things_that_are_no_recordings_are_refused():
@@ -114,6 +122,8 @@ def test_every_check_has_a_defect_or_is_a_figure():
             "torque_model",
             "saturation",
             "joint_speed",
+            "masked",
+            "nothing_left",
         ),
         *("tracker_frame", "tracker_clock", "reference_lag", "phases", "rate_for_resonance", "rate_for_motion"),
     }

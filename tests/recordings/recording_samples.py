@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from ffgym.errors import FFGymError
 from ffgym.recordings import FAMILIES, PHASE_KINDS, Header, Phase, Recording
+from ffgym.recordings.schema import VALID
 
 JOINTS = ("j1", "j2")
 
@@ -76,6 +77,8 @@ def recordings(draw: Any) -> Recording:
     table: dict[str, Any] = {"timestamp": times}
     for family in families:
         values = st.floats(allow_infinity=False, allow_nan=family.may_miss)
+        if family.name == VALID:
+            values = st.sampled_from([0.0, 1.0])
         for name in family.columns(joints):
             table[name] = draw(st.lists(values, min_size=len(times), max_size=len(times)))
     units = draw(

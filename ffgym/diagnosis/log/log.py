@@ -147,11 +147,12 @@ def log_of(
 
 
 def _known(sampling: Sampling, recordings: Sequence[Recording]) -> BoolArray:
-    """Samples of each record that the filter of the motion knows, shape (T, M)."""
+    """Samples of each record that the filter of the motion knows and that count for any joint, shape (T, M)."""
     ends = sampling.motion_filter.end_rows(sampling.dt)
     known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
     for i, recording in enumerate(recordings):
         known[ends : max(ends, len(recording) - ends), i] = True
+        known[: len(recording), i] &= recording.valid.any(axis=1)
     return known
 
 

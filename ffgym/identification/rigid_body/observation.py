@@ -128,7 +128,7 @@ def _part(
     for term in TERMS:
         if term not in terms and np.any(term.described(robot)):
             torque = torque - term.torque(robot, motion, term.described(robot))
-    counts = _counting(robot, motion, filtering, dt)[kept]
+    counts = _counting(robot, motion, recording.valid, filtering, dt)[kept]
     rows = np.ones(len(counts), dtype=np.bool_)
     return Equations(
         robot=robot,
@@ -150,11 +150,15 @@ def _filtered(columns: Array, low_pass: LowPass, dt: float) -> Array:
     return filtered
 
 
-def _counting(robot: RobotDescription, motion: Motion, filtering: Filtering, dt: float) -> BoolArray:
-    """Rows that count, (T, N): the motor moves as far as the parallel filter reaches, and the ends are far."""
+def _counting(
+    robot: RobotDescription, motion: Motion, valid: BoolArray, filtering: Filtering, dt: float
+) -> BoolArray:
+    """Rows that count, (T, N): the motor moves and is `valid` (T, N) as far as the parallel filter reaches, and the
+    ends are far."""
     speed = np.abs(motion.motor_dq / robot.drive.gear_ratio)
     reach = 2 * round(1 / (filtering.parallel.cutoff * dt)) + 1  # a period of the cut-off, on either side
-    counts: BoolArray = minimum_filter1d((speed > filtering.moving).astype(np.int8), reach, axis=0) > 0
+    good = (speed > filtering.moving) & valid
+    counts: BoolArray = minimum_filter1d(good.astype(np.int8), reach, axis=0) > 0
     ends = max(low_pass.end_rows(dt) for low_pass in (filtering.motion, filtering.parallel))
     counts[:ends], counts[len(counts) - ends :] = False, False
     return counts

@@ -29,9 +29,7 @@ def read_text_table(data: bytes, where: str, layout: TextLayout) -> Contents:
     Raises:
         FFGymError: if it is not text of the given encoding, or rows differ in their number of cells.
     """
-    *lines, rest = _decoded(data, layout).replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    if rest.strip():
-        raise FFGymError("The last line has no line end: the file may be cut short. Copy it again, or add a line end.")
+    lines = _decoded(data, layout).replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n")
     names_row = _names_row(lines, layout)
     _check_units_row(lines, names_row or 0, layout)
     first = layout.first_row or max(names_row or 0, layout.units_row or 0) + 1

@@ -17,7 +17,8 @@ def headline(report: QualityReport) -> str:
 
 
 def format_quality(report: QualityReport, *, figures: bool = False) -> str:
-    """The verdict and how much could not be judged in a line, then every problem, one of several joints once.
+    """The verdict and how much could not be judged in a line, what conditioning did, then every problem, one of several
+    joints once.
 
     Args:
         report: what was found.
@@ -25,6 +26,7 @@ def format_quality(report: QualityReport, *, figures: bool = False) -> str:
     """
     unknown = dict.fromkeys(finding.check for finding in report.findings if finding.verdict == "not judged")
     lines = [headline(report) + (f" {len(unknown)} checks not judged." if unknown else "")]
+    lines += [filled(f"conditioned: {note}") for note in report.conditioning]
     problems = [f"{finding.verdict}: [{finding.check}] {finding.message}" for finding in report.problems]
     lines += [filled(problem) for problem in dict.fromkeys(problems)]
     if figures:
