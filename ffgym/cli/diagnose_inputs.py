@@ -84,7 +84,9 @@ def nominal_named(name: str | None) -> Nominal:
     if name is None:
         return Nominal(machine=Machine(robot=described_robot(EXAMPLE_ROBOT)), reference=EXAMPLE_ROBOT)
     if is_machine_file(name):
-        return Nominal(machine=load_machine(name), reference=robot_reference(name), origins=origins_of(name))
+        return Nominal(
+            machine=load_machine(name, partial=True), reference=robot_reference(name), origins=origins_of(name)
+        )
     return Nominal(machine=Machine(robot=described_robot(name)), reference=name)
 
 
