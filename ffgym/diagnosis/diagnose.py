@@ -16,7 +16,7 @@ from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
-from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import check_length
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
@@ -122,11 +122,10 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    return _examined(log, machine, known, ready, rng, report, flagged, provenance, memory, most)
+    return _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
 
 
 def _examined(
-    log: Log,
     machine: Machine,
     calibration: Calibration,
     ready: Prepared,
@@ -137,8 +136,8 @@ def _examined(
     memory: Memory | None,
     most: int,
 ) -> Examined:
-    setting = ready.setting
-    kinds, not_judgeable = judgeable_kinds(log, machine)
+    setting, log = ready.setting, ready.setting.log
+    kinds, not_judgeable = judgeable_kinds(log, machine, ready.no_servo)
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
     first = without_calibration(setting, found.nominal.fit)
