@@ -7,6 +7,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.diagnosis.base_torques import base_torques
+from ffgym.diagnosis.lateness import late_columns
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Column, columns_of, machine_columns
 from ffgym.effects import Effect, NativeEffect
@@ -186,6 +187,7 @@ def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
     for column in columns_of(run, [TorqueOffset], {}):
         coulomb = float(robot.friction.coulomb[list(robot.joints).index(column.joint)])
         found.append(Doubt(column=column, sigma=calibration.offset * coulomb))
+    found += [Doubt(column=column, sigma=sigma) for column, sigma in late_columns(run)]
     if run.log.tool is not None:
         found += [Doubt(column=column, sigma=calibration.tool) for column in columns_of(run, [ToolFrame], {})]
     return found

@@ -21,7 +21,7 @@ from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import written
 from ffgym.diagnosis.fitted_numbers import fitted_numbers
-from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import check_length
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
@@ -143,11 +143,10 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    return _examined(log, machine, known, ready, rng, report, quality.flagged, provenance, memory, most)
+    return _examined(machine, known, ready, rng, report, quality.flagged, provenance, memory, most)
 
 
 def _examined(
-    log: Log,
     machine: Machine,
     calibration: Calibration,
     ready: Prepared,
@@ -158,8 +157,8 @@ def _examined(
     memory: Memory | None,
     most: int,
 ) -> Examined:
-    setting = ready.setting
-    kinds, not_judgeable = judgeable_kinds(log, machine, calibration)
+    setting, log = ready.setting, ready.setting.log
+    kinds, not_judgeable = judgeable_kinds(log, machine, calibration, ready.no_servo)
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
     first = without_calibration(setting, found.nominal.fit)

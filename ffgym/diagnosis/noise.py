@@ -5,19 +5,19 @@ and what replay and simulation differ by is seen where both are of the same mode
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.white import white_noise
-from ffgym.diagnosis.measured import residual_rows, valid_rows
+from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.types import Array
+from ffgym.types import Array, BoolArray
 
 _ROUNDING = 1e-12
 """Relative differences of angles that are those of floating point."""
@@ -29,6 +29,12 @@ _QUIETEST, _QUIETEST_SERVO = 0.3, 1.0
 """Share of its RMS in all motions that the noise of a component has in each of them at least. An encoder that stands
 shows none, until it stands at the edge of a step; and the servo, which acts on what it reads, is wrong by as much all
 the time."""
+
+_FORETOLD = 1e-3
+"""Least noise of torques as a share of their RMS: no model foretells torque better than to a per mille, however quiet
+the sensors; chosen."""
+
+_TORQUES: tuple[Channel, ...] = ("torque", "servo")
 
 DRAWS = 2
 """Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""
@@ -142,6 +148,8 @@ class Faultless:
 
     draws: Mapping[Channel, Array]
     """(R, M, C, D) for D draws."""
+    least: Mapping[Channel, Array] = field(default_factory=dict)
+    """RMS that no model falls short of, (C,) each; nothing is 0."""
 
     def floor(self, log: Log) -> dict[Channel, Array]:
         """RMS by channel, shape (M, C); in no motion much less than in all."""
@@ -152,7 +160,7 @@ class Faultless:
             energy = np.einsum("rmcd,rm->mc", draws**2, valid.astype(np.float64)) / (count * draws.shape[3])
             overall = np.sqrt(np.average(energy, axis=0, weights=count[:, 0]))
             least = _QUIETEST_SERVO if channel == "servo" else _QUIETEST
-            found[channel] = np.maximum(np.sqrt(energy), least * overall)
+            found[channel] = np.maximum(np.sqrt(energy), np.maximum(least * overall, self.least.get(channel, 0.0)))
         return found
 
 
@@ -168,7 +176,20 @@ def faultless_residuals(
         prediction = predicted(replay(one, machine))
         for channel, rows in residual_rows(one, prediction).items():
             draws.setdefault(channel, []).append(rows - bias[channel])
-    return Faultless(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()})
+    return Faultless(
+        draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()},
+        least={
+            channel: _FORETOLD * _rms(measured_rows(log)[channel], valid_rows(log))
+            for channel in draws
+            if channel in _TORQUES
+        },
+    )
+
+
+def _rms(rows: Array, valid: BoolArray) -> Array:
+    """Of each component (C,) of rows (R, M, C) that are valid (R, M)."""
+    rms: Array = np.sqrt(np.einsum("rmc,rm->c", rows**2, valid.astype(np.float64)) / max(np.count_nonzero(valid), 1))
+    return rms
 
 
 def torque_noise(run: Replay) -> Array:

@@ -26,7 +26,9 @@ def order_note(t: Array, kept: BoolArray) -> str:
     """What was left out, in a sentence."""
     twice = int((~kept & np.isin(t, t[kept])).sum())
     back = int((~kept).sum()) - twice
-    texts = [f"{n} {what}" for n, what in ((twice, "with the time of another row"), (back, "that go back in time")) if n]
+    texts = [
+        f"{n} {what}" for n, what in ((twice, "with the time of another row"), (back, "that go back in time")) if n
+    ]
     return f"Rows of the file were dropped: {' and '.join(texts)}, the first in row {int(np.argmin(kept))}."
 
 

@@ -84,12 +84,8 @@ def full_diagnosis() -> Diagnosis:
             expected=3.2,
         ),
         levels=(
-            Level(
-                channel="torque", component="j1", unit="N m", **left(0.5, 0.01, 0.011, 0.0105)
-            ),
-            Level(
-                channel="torque", component="j2", unit="N m", **left(0.6, 0.012, 0.09, 0.013)
-            ),
+            Level(channel="torque", component="j1", unit="N m", **left(0.5, 0.01, 0.011, 0.0105)),
+            Level(channel="torque", component="j2", unit="N m", **left(0.6, 0.012, 0.09, 0.013)),
             Level(channel="tool", component="x", unit="m", **left(1e-3, 2e-6, 9e-6, 3e-6)),
         ),
         threshold=0.06,
