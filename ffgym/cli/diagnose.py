@@ -152,7 +152,10 @@ class Diagnose:
         """Logs that are not diagnosed, read before long work."""
         if not self.validate:
             return []
-        held_out = logs_from(self.validate, self.columns, nominal.machine.robot)
+        read = logs_from(self.validate, self.columns, nominal.machine.robot)
+        held_out = judged(read, nominal.machine.physical, needs=("diagnosis",), accept=self.accept).recordings
+        if not held_out:
+            raise FFGymError("--validate: the quality gate refused all of these logs; ffgym log check says why.")
         if _runs_again(nominal, held_out):
             check_comparable(nominal.machine, held_out)
         return held_out
@@ -181,7 +184,9 @@ class Diagnose:
         return before, load_machine(self.out / EXTENDED)
 
     def _remove(self, *names: str) -> None:
-        for name in names if self.out is not None else ():
+        if self.out is None:
+            return
+        for name in names:
             (self.out / name).unlink(missing_ok=True)
 
     def _compared(

@@ -1,6 +1,6 @@
 """How well the nominal numbers are known: what a model that lacks nothing may still be off by."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, final
 
@@ -19,6 +19,7 @@ from ffgym.effects.measurement import ToolFrame
 from ffgym.effects.parameter import parameter
 from ffgym.effects.transmission import JointStiffness
 from ffgym.errors import check_number
+from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
@@ -86,9 +87,8 @@ class JointDamping(NativeEffect):
         return replace(robot, drive=replace(drive, joint_damping=drive.joint_damping * (1 + self.change)))
 
 
-Refit = Callable[[Mapping[int, Array]], RobotDescription]
-"""From the torque of causes along some motions, by their number, motor side [N m], (T, N) each, to the robot without
-it."""
+Refit = Callable[[Sequence[Recording]], RobotDescription]
+"""From recordings, whose torque is without that of causes, to the robot that they are of."""
 
 
 @dataclass(frozen=True, kw_only=True)

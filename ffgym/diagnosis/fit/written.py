@@ -6,7 +6,7 @@ more about where it then is.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
+from ffgym.recordings import Recording
 from ffgym.types import Array, BoolArray
 
 _ROUNDS = 2
@@ -105,10 +106,8 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
         if tried is None or plain is None:
             return best
         added = tried.run.torque - plain.run.torque
-        by_motion = {i: added[: setting.log.lengths[i], i] for i in motions}
-        numbers = Machine(
-            robot=calibration.refit(by_motion), effects=setting.nominal.effects, climate=setting.nominal.climate
-        )
+        left = [_without_torque(setting, i, added[: setting.log.lengths[i], i]) for i in motions]
+        numbers = replace(setting.nominal, robot=calibration.refit(left))
         best = _replayed(setting, numbers, hypotheses)
         if best is None or last or not hypotheses:
             return best
@@ -118,6 +117,15 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
         x = _solved(evidence, fit, nothing, fit.priors.low, fit.priors.high, chosen)
         hypotheses = moved(hypotheses, x[fit.n_calibration :])
     return best
+
+
+def _without_torque(setting: Setting, motion: int, torque: Array) -> Recording:
+    """The recording of a motion less a torque (T, N), motor side [N m]."""
+    recording = setting.log.recordings[motion]
+    link = recording.header.torque_semantics == "link_side"
+    own = setting.log.robot.drive.joint_torque(torque) if link else torque
+    names = [f"motor.effort.{joint}" for joint in recording.header.joints]
+    return recording.with_columns({name: recording[name] - own[:, j] for j, name in enumerate(names)})
 
 
 def _possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
