@@ -153,9 +153,10 @@ class Diagnose:
         if not self.validate:
             return []
         read = logs_from(self.validate, self.columns, nominal.machine.robot)
-        held_out = judged(read, nominal.machine.physical, needs=("diagnosis",), accept=self.accept).recordings
+        sound = judged(read, nominal.machine.physical, needs=("diagnosis",), accept=self.accept)
+        held_out = [*sound.recordings]
         if not held_out:
-            raise FFGymError("--validate: the quality gate refused all of these logs; ffgym log check says why.")
+            raise FFGymError(f"--validate: none of these logs can be used: {sound.left_out[0]}")
         if _runs_again(nominal, held_out):
             check_comparable(nominal.machine, held_out)
         return held_out
