@@ -16,20 +16,21 @@ def increasing(t: Array) -> BoolArray:
     if not np.isfinite(t).all() or bool(np.all(np.diff(t) > 0)):
         return everything
     kept = _longest_increasing(t)
-    back = np.flatnonzero(~kept & ~np.isin(t, t[kept]))
-    if len(back) > max(1.0, _BACK * len(t)):
-        return everything
-    return kept
+    return everything if _back(t, kept) > max(1.0, _BACK * len(t)) else kept
 
 
 def order_note(t: Array, kept: BoolArray) -> str:
     """What was left out, in a sentence."""
-    twice = int((~kept & np.isin(t, t[kept])).sum())
-    back = int((~kept).sum()) - twice
-    texts = [
-        f"{n} {what}" for n, what in ((twice, "with the time of another row"), (back, "that go back in time")) if n
-    ]
+    back = _back(t, kept)
+    twice = int((~kept).sum()) - back
+    texts = [f"{n} {what}" for n, what in ((twice, "with the time of another row"), (back, "that go back in time")) if n]
     return f"Rows of the file were dropped: {' and '.join(texts)}, the first in row {int(np.argmin(kept))}."
+
+
+def _back(t: Array, kept: BoolArray) -> int:
+    """Rows that are not `kept` (T,) and do not have the time of the kept row before them either."""
+    last = np.maximum.accumulate(np.where(kept, np.arange(len(t)), 0))
+    return int((~kept & (t != t[last])).sum())
 
 
 def _longest_increasing(t: Array) -> BoolArray:

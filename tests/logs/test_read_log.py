@@ -162,6 +162,23 @@ def test_meta_holds_values_and_arrays_of_the_file(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("t", "rows", "words"),
+    [
+        ([0, 1, 2, 2, 3, 4, 5.0], [0, 1, 2, 4, 5, 6], "1 with the time of another row, the first in row 3"),
+        ([0, 1, 1, 2, 2, 3, 4.0], [0, 1, 3, 5, 6], "2 with the time of another row, the first in row 2"),
+        ([0, 1, 2, 0.5, 3, 4, 5.0], [0, 1, 2, 4, 5, 6], "1 that go back in time, the first in row 3"),
+        ([0, 9, 2, 3, 4, 5, 6.0], [0, 2, 3, 4, 5, 6], "1 that go back in time, the first in row 1"),
+    ],
+)
+def test_rows_whose_time_repeats_or_goes_back_are_dropped_and_told(t, rows, words, tmp_path):
+    clock = CLOCK.replace('"ms"', '"s"')
+    recording = read_log(write_npz(tmp_path, t=np.array(t, dtype=float)), column_map(clock, POSITION))
+    assert recording.t.tolist() == [t[row] for row in rows]
+    assert np.array_equal(recording.joint_array("motor.position"), arrays()["q"][rows])
+    assert words in recording.header.meta["conditioning"][0]
+
+
+@pytest.mark.parametrize(
     ("changes", "words"),
     [
         ({"q": np.zeros((N_ROWS, 3))}, ["'q' has shape (7, 3) and so 3 parts, must be 2", "another robot"]),
@@ -176,8 +193,8 @@ def test_meta_holds_values_and_arrays_of_the_file(tmp_path):
         ({"q": np.where(np.arange(N_ROWS)[:, None] == 4, np.nan, np.zeros((1, 2)))}, ["row 4 is nan, must be finite"]),
         ({"q": np.full((N_ROWS, 2), np.inf)}, ["row 0 is inf"]),
         (
-            {"t": np.array([0, 1, 2, 2, 3, 4, 5.0])},
-            ["timestamp must increase strictly, but row 3 is 2.0 s after 2.0 s"],
+            {"t": np.array([0, 1, 2, 1, 0, 2, 1.0])},
+            ["timestamp must increase strictly, but row 3 is 1.0 s after 2.0 s"],
         ),
         ({"t": arrays()["t"][::-1]}, ["timestamp must increase strictly, but row 1"]),
         ({"t": np.zeros((N_ROWS, 2))}, ["'timestamp'", "'t' has shape (7, 2) and so 2 parts, must be 1"]),
