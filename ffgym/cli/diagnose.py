@@ -22,7 +22,7 @@ from ffgym.diagnosis.search.search import MOST
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import made_folder, write_text
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions
+from ffgym.robot import ModelOptions, RobotDescription
 
 REPORT, DOCUMENT, EXTENDED, NEXT = "report.html", "diagnosis.json", "extended.toml", "next.toml"
 """What is written to the folder; the last two only if there are causes, and if there is something to record."""
@@ -87,7 +87,7 @@ class Diagnose:
         diagnosis = replace(examined.diagnosis, provenance=_lasting(info))
         closed_loop = self._closed_loop(examined, held_out)
         self._write(replace(examined, diagnosis=diagnosis), nominal, recordings, closed_loop)
-        self._tell(diagnosis, closed_loop)
+        self._tell(diagnosis, closed_loop, nominal.machine.robot)
 
     def _check(self) -> None:
         """Refuse what cannot be run or written, before long work."""
@@ -174,11 +174,11 @@ class Diagnose:
         if diagnosis.separating_motion is not None:
             write_text(self.out / NEXT, diagnosis.separating_motion.toml)
 
-    def _tell(self, diagnosis: Diagnosis, closed_loop: Sequence[LoopLevel]) -> None:
+    def _tell(self, diagnosis: Diagnosis, closed_loop: Sequence[LoopLevel], robot: RobotDescription) -> None:
         """Everything for people."""
         from ffgym.report.diagnosis import format_closed_loop, format_diagnosis
 
-        print(format_diagnosis(diagnosis))
+        print(format_diagnosis(diagnosis, robot))
         if closed_loop:
             print(f"\n{format_closed_loop(closed_loop)}")
         print(f"\nnext: {self._next(diagnosis)}")
