@@ -25,7 +25,7 @@ from ffgym.files import made_folder, write_text
 from ffgym.plant import Machine, load_machine, save_machine
 from ffgym.quality import accepted, judged
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions
+from ffgym.robot import ModelOptions, RobotDescription
 
 REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT = (
     *("report.html", "diagnosis.json"),
@@ -105,7 +105,7 @@ class Diagnose:
             self._remove(EXTENDED)
         closed_loop = self._closed_loop(models, nominal, examined, held_out)
         self._write(examined, compared, closed_loop)
-        self._tell(examined.diagnosis, compared, closed_loop)
+        self._tell(examined.diagnosis, compared, closed_loop, nominal.machine.robot)
 
     def _check(self) -> None:
         """Refuse what cannot be run or written, before long work."""
@@ -229,11 +229,17 @@ class Diagnose:
         if diagnosis.separating_motion is not None:
             write_text(self.out / NEXT, diagnosis.separating_motion.toml)
 
-    def _tell(self, diagnosis: Diagnosis, compared: HeldOut | None, closed_loop: Sequence[LoopLevel]) -> None:
+    def _tell(
+        self,
+        diagnosis: Diagnosis,
+        compared: HeldOut | None,
+        closed_loop: Sequence[LoopLevel],
+        robot: RobotDescription,
+    ) -> None:
         """Everything for people."""
         from ffgym.report.diagnosis import format_closed_loop, format_diagnosis, format_held_out
 
-        print(format_diagnosis(diagnosis))
+        print(format_diagnosis(diagnosis, robot))
         if compared is not None:
             print(f"\n{format_held_out(compared.levels)}")
         if closed_loop:
