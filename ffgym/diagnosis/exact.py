@@ -12,9 +12,10 @@ from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.servo import has_servo
 from ffgym.recordings import Recording
 
-_SAME_MOTION = 0.1
-"""RMS angle of a motor [rad] by which a simulated motion may miss the measured one. The documented servo of a robot
-misses it by a thirtieth of that, whatever ails its joints; a quarter of a period of what repeats 16 times per turn."""
+_SAME_MOTION = 0.03
+"""RMS angle of a motor [rad] by which a simulated motion may miss the measured one. Under the documented servo, faults
+of joints, drives and loads make it miss by a third of that at most; another servo by twice that or more, and reversals
+are some milliseconds off then."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
