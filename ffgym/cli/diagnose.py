@@ -21,11 +21,15 @@ from ffgym.diagnosis.first_look import FirstLook
 from ffgym.diagnosis.search.search import MOST
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import made_folder, write_text
+from ffgym.logs import write_corrected
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 
 REPORT, DOCUMENT, EXTENDED, NEXT = "report.html", "diagnosis.json", "extended.toml", "next.toml"
 """What is written to the folder; the last two only if there are causes, and if there is something to record."""
+
+COLUMNS = "columns.toml"
+"""Corrected column map, which is written if columns are not what they are called."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +113,7 @@ class Diagnose:
         if self.out is None:
             return
         inputs = (self.robot, self.columns, *self.logs, *self.validate)
-        names = (REPORT, DOCUMENT, EXTENDED, NEXT)
+        names = (REPORT, DOCUMENT, EXTENDED, NEXT, COLUMNS)
         check_outputs({"--json": self.json} | {f"--out, {name}": self.out / name for name in names}, inputs=inputs)
 
     def _inputs(self) -> tuple[Nominal, list[Recording]]:
@@ -138,7 +142,7 @@ class Diagnose:
 
     def _closed_loop(self, examined: Examined, held_out: Sequence[Recording]) -> Sequence[LoopLevel]:
         """Both models beside the machine, on logs that were not diagnosed."""
-        if not held_out or examined.diagnosis.verdict == "insufficient":
+        if not held_out or examined.diagnosis.verdict in ("insufficient", "wiring"):
             return ()
         with progress_bar("closed loops", "s") as progress:
             return closed_loop_gain(
@@ -173,6 +177,9 @@ class Diagnose:
             )
         if diagnosis.separating_motion is not None:
             write_text(self.out / NEXT, diagnosis.separating_motion.toml)
+        if diagnosis.wiring:
+            notes = [mistake.message for mistake in diagnosis.wiring]
+            write_corrected(self.out / COLUMNS, examined.rewiring, self.columns, notes)
 
     def _tell(self, diagnosis: Diagnosis, closed_loop: Sequence[LoopLevel]) -> None:
         """Everything for people."""
@@ -184,6 +191,8 @@ class Diagnose:
         print(f"\nnext: {self._next(diagnosis)}")
         if self.out is not None:
             places = [self.out / name for name in (REPORT, DOCUMENT, EXTENDED, NEXT)]
+            if diagnosis.wiring:
+                print(f"corrected columns: {self.out / COLUMNS}")
             for what, place in zip(("report", "diagnosis", "model", "next motions"), places, strict=True):
                 if place.exists():
                     print(f"{what}: {place}")
@@ -205,6 +214,8 @@ class Diagnose:
                 f"{first}record other motions on the machine, and see whether the extended model explains them: "
                 f"ffgym diagnose OTHER_LOGS --robot {folder}/{EXTENDED}"
             )
+        if diagnosis.verdict == "wiring":
+            return f"{first}ffgym diagnose {logs} --robot {robot} --columns {folder}/{COLUMNS}"
         if diagnosis.verdict == "insufficient":
             return f"ffgym log check {logs} --robot {robot} --needs diagnosis"
         if diagnosis.verdict == "unknown":

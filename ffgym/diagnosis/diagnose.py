@@ -1,7 +1,8 @@
 """What does the simulation get wrong, why, and how sure is that: recordings and a nominal model in, a diagnosis out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -22,13 +23,14 @@ from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
 from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.residuals import residual_of
-from ffgym.diagnosis.result import Diagnosis
+from ffgym.diagnosis.result import Diagnosis, Miswiring
 from ffgym.diagnosis.search.search import MOST, Report, search
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
 from ffgym.provenance import versions
 from ffgym.quality import check_quality
-from ffgym.recordings import Recording
+from ffgym.quality.wiring import Wiring, find_wiring
+from ffgym.recordings import Recording, Rewiring
 from ffgym.robot import RobotDescription
 
 
@@ -44,6 +46,8 @@ class Examined:
     machine: Machine
     """The extended model: the nominal one with the causes."""
     nominal: Machine
+    rewiring: Rewiring = field(default_factory=Rewiring)
+    """How columns should be read, if the verdict is `wiring`."""
 
 
 def diagnose(
@@ -105,6 +109,12 @@ def examine(
     flagged, refused = _quality(recordings, machine.physical)
     provenance = {"seed": seed, "versions": versions()}
     names = tuple(recording.header.segment for recording in recordings)
+    wiring = find_wiring(recordings, machine.physical)
+    if wiring.mistakes:
+        miswired = _miswired(wiring, machine, names, (*refused, *flagged), provenance)
+        return Examined(
+            diagnosis=miswired, before=None, after=None, machine=machine, nominal=machine, rewiring=wiring.rewiring
+        )
     if refused:
         insufficient = Diagnosis(
             verdict="insufficient",
@@ -176,6 +186,26 @@ def _examined(
     )
     return Examined(
         diagnosis=diagnosis, before=before, after=after, machine=found.final.fit.run.machine, nominal=machine
+    )
+
+
+def _miswired(
+    wiring: Wiring, machine: Machine, motions: tuple[str, ...], quality: tuple[str, ...], provenance: dict[str, Any]
+) -> Diagnosis:
+    """Answer where columns are not what they are called."""
+    entries = tuple(
+        Miswiring(kind=one.kind, families=one.families, joints=one.joints, message=one.message)
+        for one in wiring.mistakes
+    )
+    more = f" {len(entries) - 1} more of the kind." if len(entries) > 1 else ""
+    return Diagnosis(
+        verdict="wiring",
+        sentence=f"Columns of these logs are not what they are called. {entries[0].message}{more}",
+        robot=machine.robot.name,
+        motions=motions,
+        wiring=entries,
+        quality=quality,
+        provenance=provenance,
     )
 
 

@@ -7,6 +7,7 @@ from typing import Self, final
 
 import numpy as np
 
+from ffgym.errors import FFGymError
 from ffgym.recordings.phase import Phase, clipped
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import FAMILIES
@@ -68,6 +69,18 @@ class Rewire:
         )
 
 
+    def then(self, later: "Rewire") -> "Rewire":
+        """Both corrections in one, `later` after this."""
+        first = self.permuted(later.source)
+        parts = range(len(first.source))
+        return Rewire(
+            source=first.source,
+            factor=tuple(later.factor[p] * first.factor[p] for p in parts),
+            offset=tuple(later.factor[p] * first.offset[p] + later.offset[p] for p in parts),
+            delay=tuple(first.delay[p] + later.delay[p] for p in parts),
+        )
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class Rewiring:
@@ -93,14 +106,33 @@ class Rewiring:
         """The same with another correction of one family."""
         return replace(self, families={**self.families, family: rewire})
 
+    def then(self, later: "Rewiring") -> "Rewiring":
+        """Both corrections in one, `later` after this; its delays are of the clock that this one made."""
+        families = dict(self.families)
+        for name, rewire in later.families.items():
+            given = replace(rewire, delay=tuple(delay / self.clock for delay in rewire.delay))
+            families[name] = self.of(name, len(rewire.source)).then(given)
+        return Rewiring(families=families, clock=self.clock * later.clock)
+
     def applied(self, recording: Recording) -> Recording:
-        """The recording as it should have been; rows that a late column does not reach are left out."""
+        """The recording as it should have been; rows that a late column does not reach are left out.
+
+        Raises:
+            FFGymError: if it is for another number of joints, or leaves no recording.
+        """
+        if self.is_none:
+            return recording
         t = recording.t * self.clock
         table, within = dict(recording.columns), np.ones(len(t), dtype=np.bool_)
         for name, rewire in self.families.items():
-            names = [column for column in FAMILIES[name].columns(recording.header.joints)]
+            names = FAMILIES[name].columns(recording.header.joints)
             if rewire.is_none or not all(column in recording.columns for column in names):
                 continue
+            if len(rewire.source) != len(names):
+                raise FFGymError(
+                    f"Corrections of {name} are for {len(rewire.source)} columns, the recording has {len(names)}. Take "
+                    "those of this robot."
+                )
             for part, column in enumerate(names):
                 given = recording.columns[names[rewire.source[part]]]
                 samples, reached = earlier(given, t, rewire.delay[part] * self.clock)

@@ -8,6 +8,7 @@ from typing import Any, final
 
 from ffgym.logs.column_map.column import Column
 from ffgym.logs.formats.text_layout import TextLayout
+from ffgym.recordings.rewiring import Rewiring
 
 LOG_KEYS: Mapping[str, str] = MappingProxyType(
     {
@@ -79,3 +80,10 @@ class ColumnMap:
     """JSON values, or tables {"source": name} for arrays of the file."""
     trim: bool = False
     """Whether rows that a column with a clock of its own does not reach are dropped."""
+    rewiring: Rewiring = field(default_factory=Rewiring)
+    """Corrections of what is read."""
+
+    @property
+    def is_for_recordings(self) -> bool:
+        """Whether the files are recordings, of which nothing but the corrections has to be said."""
+        return not self.columns

@@ -1,6 +1,6 @@
 """Mistakes that people make with columns, each as the correction that would mend it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, permutations, product
 from typing import Literal, final
@@ -53,6 +53,9 @@ _ZEROS = (10.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0)
 _STEPS = 14
 """Delays that are tried in each direction."""
 
+_COSTS: Mapping[Kind, float] = {"zero": 0.05, "axes": 0.05, "clock": 0.1}
+"""Gain that mistakes with numbers of their own need beyond those without."""
+
 LONGEST_DELAY = 0.3
 """[s]; periodic motions fit themselves again beyond."""
 
@@ -79,7 +82,7 @@ class Hypothesis:
     @property
     def cost(self) -> float:
         """Gain that a simpler mistake may lack, so that of two that explain the same the simpler one is named."""
-        return 0.02 * len(self.families) + (0.05 if self.kind in ("zero", "axes") else 0.0) + 0.1 * (self.kind == "clock")
+        return 0.02 * len(self.families) + _COSTS.get(self.kind, 0.0)
 
     def mended(self, wiring: Rewiring, n_joints: int) -> Rewiring:
         """The reading without this mistake."""

@@ -1,5 +1,6 @@
 """Torque that a description allows for a motion: a regressor per joint, each coefficient within what machines may have."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import final
@@ -20,17 +21,39 @@ _BOUNDS = {
     "inertia": (0.4, 2.5),
     "rotors": (0.3, 3.0),
     "gravity": (0.4, 2.0),
-    "mass": (-1.0, 4.0),
-    "moment": (-2.0, 2.0),
+    "mass": (-1.0, 8.0),
+    "moment": (-6.0, 6.0),
     "balance": (-0.4, 0.4),
     "coulomb": (0.15, 8.0),
     "viscous": (0.0, 8.0),
     "load": (0.0, 0.3),
     "constant": (-1.0, 1.0),
 }
-"""Smallest and largest coefficient: masses that are typical, an unknown payload of a fifth of the arm, a counterbalance
+"""Smallest and largest coefficient: masses that are typical, an unknown payload of two fifths of the arm, a counterbalance
 that is not described (in the largest gravity torque of the joint), friction by a factor, losses of a gearbox, offsets
 and friction that differs by direction (in Coulomb torques)."""
+
+
+KNOWN_MASSES = {
+    "inertia": (0.6, 1.6),
+    "rotors": (0.5, 2.0),
+    "gravity": (0.6, 1.6),
+    "mass": (-0.5, 1.0),
+    "moment": (-0.5, 0.5),
+    "balance": (-0.1, 0.1),
+}
+"""Bounds in place of these where masses are known to 60 %, and a payload to a twentieth of the arm."""
+
+_BODIES = ("inertia", "rotors", "gravity", "mass", "moment", "moment", "moment", "balance", "balance")
+_NAMES = (*_BODIES, "coulomb", "viscous", "load", "constant")
+"""Column by column."""
+
+
+def bounds(changed: Mapping[str, tuple[float, float]] | None = None) -> tuple[Array, Array]:
+    """Smallest and largest coefficients, (K,) each, of which some may be `changed`."""
+    known = _BOUNDS | dict(changed or {})
+    low, high = np.array([known[name] for name in _NAMES]).T
+    return low, high
 
 
 @final
@@ -40,10 +63,6 @@ class Columns:
 
     values: Array
     """Motor side [N m], shape (N, R, K)."""
-    low: Array
-    """Smallest coefficients, shape (K,)."""
-    high: Array
-    """Largest coefficients, shape (K,)."""
     expected: Array
     """Coefficients of the description as it is, shape (K,)."""
     counted: BoolArray
@@ -58,11 +77,8 @@ class Regressor:
         self.robot = robot
         self.arm = RigidArm(robot)
         self._loaded = [RigidArm(loaded) for loaded in _loads(robot)]
-        names = ["inertia", "rotors", "gravity", "mass", "moment", "moment", "moment", "balance", "balance"]
-        names += ["coulomb", "viscous", "load", "constant"]
-        self._low, self._high = (np.array([_BOUNDS[name][i] for name in names]) for i in range(2))
         ones = ("inertia", "rotors", "gravity", "coulomb", "viscous")
-        self._expected = np.array([float(name in ones) for name in names])
+        self._expected = np.array([float(name in ones) for name in _NAMES])
 
     def __call__(self, q: Array, dq: Array, ddq: Array, ways: Array | None = None) -> Columns:
         """Regressor for joint positions, speeds and accelerations, link side, (R, N) each.
@@ -87,8 +103,6 @@ class Regressor:
         values = np.stack([np.stack([part[:, j] for part in parts], axis=1) for j in range(q.shape[1])])
         return Columns(
             values=values,
-            low=self._low,
-            high=self._high,
             expected=self._expected,
             counted=np.asarray((np.abs(speed) > SLIDES * np.abs(speed).max(axis=0)).T),
         )

@@ -1,6 +1,6 @@
 """How much of each signal a reading of the columns leaves unexplained: torques by the arm, others by the motion."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import final
@@ -8,14 +8,17 @@ from typing import final
 import numpy as np
 
 from ffgym.quality.wiring.bounded import bounded_fit
-from ffgym.quality.wiring.model import Columns, Regressor
+from ffgym.quality.wiring.model import Columns, Regressor, bounds
 from ffgym.quality.wiring.sample import Samples
 from ffgym.recordings.rewiring import Rewiring
 from ffgym.types import Array, BoolArray
 
-FLOOR, TOOL_FLOOR = 0.01, 0.004
+FLOOR, TOOL_FLOOR = 0.005, 0.004
 """Shares of the energy of a signal, and of the path of the tool, below which what is left is not told apart: elasticity,
 ripple and friction laws make them."""
+
+_ROUNDING = 1e-5
+"""Share that resolution and filters leave."""
 
 CAP = 10.0
 """Share above which a signal is explained no worse: one of another unit leaves any multiple."""
@@ -37,6 +40,9 @@ Channel = tuple[str, int]
 
 Lefts = dict[Channel, float]
 """Share of the energy of each channel that is left on rows that were left out; at least FLOOR, at most CAP."""
+
+Bounds = Mapping[str, tuple[float, float]]
+"""Smallest and largest coefficients by the names of columns of a regressor."""
 
 TORQUE = "motor.effort"
 POSITION = "motor.position"
@@ -114,9 +120,9 @@ class Scorer:
             }
         return self._limit_shares[key]
 
-    def torques(self, wiring: Rewiring, floor: float = FLOOR) -> Lefts:
-        """Channels that the dynamics of the arm explain."""
-        return _clipped(dict(self._torque(wiring)), floor)
+    def torques(self, wiring: Rewiring, floor: float = FLOOR, known: Bounds | None = None) -> Lefts:
+        """Channels that the dynamics of the arm explain, with some coefficients in other bounds, if `known`."""
+        return _clipped(dict(self._torque(wiring, known)), floor)
 
     def tools(self, wiring: Rewiring, floor: float = TOOL_FLOOR) -> Lefts:
         """Channels that the kinematics of the arm explain."""
@@ -127,8 +133,8 @@ class Scorer:
         return self.cheap(wiring) | self.tools(wiring) | self.torques(wiring)
 
     def left_at_all(self, wiring: Rewiring) -> float:
-        """Sum of the logarithms of all that is left, however little."""
-        lefts = self.cheap(wiring, 1e-9) | self.tools(wiring, 1e-9) | self.torques(wiring, 1e-9)
+        """Sum of the logarithms of all that is left, down to rounding."""
+        lefts = self.cheap(wiring, _ROUNDING) | self.tools(wiring, _ROUNDING) | self.torques(wiring, _ROUNDING)
         return float(np.sum(np.log([*lefts.values()])))
 
     def link_side(self, values: Array) -> Array:
@@ -165,7 +171,15 @@ class Scorer:
         """Joints that move enough for their torque to be judged."""
         return [j for j in range(self.n) if self.columns(wiring).counted[j].sum() >= _ENOUGH]
 
-    def _torque(self, wiring: Rewiring) -> Iterator[tuple[Channel, float]]:
+    def strength(self, wiring: Rewiring, j: int) -> float:
+        """Torque of a joint as described over the torque as given, by least squares; 0 if they are opposite."""
+        columns, torque = self.columns(wiring), self.torque(wiring)[:, j]
+        rows = columns.counted[j]
+        said = columns.values[j][rows] @ columns.expected
+        along = float(said @ torque[rows])
+        return float(said @ said) / along if along > 0 else 0.0
+
+    def _torque(self, wiring: Rewiring, known: Bounds | None = None) -> Iterator[tuple[Channel, float]]:
         if not self.samples.has(TORQUE) or self.samples.header.torque_semantics == "unspecified":
             return
         columns, torque = self.columns(wiring), self.torque(wiring)
@@ -173,11 +187,11 @@ class Scorer:
         rewire = wiring.of(TORQUE, self.n)
         wanted = {}
         for j in self.judged(wiring):
-            key = (motion, j, rewire.source[j], rewire.factor[j], rewire.offset[j], rewire.delay[j])
+            key = (known is None, motion, j, rewire.source[j], rewire.factor[j], rewire.offset[j], rewire.delay[j])
             wanted[j] = key
         todo = [j for j, key in wanted.items() if key not in self._torques]
         if todo:
-            found = left_by(columns, todo, torque[:, todo].T, self.samples.held_out)
+            found = left_by(columns, todo, torque[:, todo].T, self.samples.held_out, known)
             self._torques |= {wanted[j]: left for j, left in zip(todo, found.tolist(), strict=True)}
         for j, key in wanted.items():
             yield (TORQUE, j), self._torques[key]
@@ -197,7 +211,9 @@ class Scorer:
                 yield (tool, 0), left
 
 
-def left_by(columns: Columns, joints: list[int], torque: Array, held_out: BoolArray) -> Array:
+def left_by(
+    columns: Columns, joints: list[int], torque: Array, held_out: BoolArray, known: Bounds | None = None
+) -> Array:
     """Share of each of the torques (Y, R) that the model of each of `joints` (Y) leaves on blocks left out, (Y,)."""
     grams, moments, energies = [], [], []
     for j, y in zip(joints, torque, strict=True):
@@ -208,7 +224,7 @@ def left_by(columns: Columns, joints: list[int], torque: Array, held_out: BoolAr
             moments.append(x.T @ y[rows])
             energies.append(float(y[rows] @ y[rows]))
     gram, moment, energy = np.stack(grams), np.stack(moments), np.array(energies)
-    theta = bounded_fit(gram, moment, columns.low, columns.high, columns.expected)
+    theta = bounded_fit(gram, moment, *bounds(known), columns.expected)
     other = np.arange(len(gram)).reshape(-1, 2)[:, ::-1].ravel()  # judged where it was not fitted
     theta = theta[other]
     left = energy - 2 * np.einsum("bk,bk->b", theta, moment) + np.einsum("bk,bkl,bl->b", theta, gram, theta)
