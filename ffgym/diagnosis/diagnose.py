@@ -111,7 +111,7 @@ def examine(
     names = tuple(recording.header.segment for recording in recordings)
     wiring = find_wiring(recordings, machine.physical)
     if wiring.mistakes:
-        miswired = _miswired(wiring, machine, names, (*refused, *flagged), provenance)
+        miswired = _miswired(wiring, machine, names, provenance)
         return Examined(
             diagnosis=miswired, before=None, after=None, machine=machine, nominal=machine, rewiring=wiring.rewiring
         )
@@ -190,9 +190,9 @@ def _examined(
 
 
 def _miswired(
-    wiring: Wiring, machine: Machine, motions: tuple[str, ...], quality: tuple[str, ...], provenance: dict[str, Any]
+    wiring: Wiring, machine: Machine, motions: tuple[str, ...], provenance: dict[str, Any]
 ) -> Diagnosis:
-    """Answer where columns are not what they are called."""
+    """Answer where columns are not what they are called; what the gate says of them repeats that."""
     entries = tuple(
         Miswiring(kind=one.kind, families=one.families, joints=one.joints, message=one.message)
         for one in wiring.mistakes
@@ -204,7 +204,6 @@ def _miswired(
         robot=machine.robot.name,
         motions=motions,
         wiring=entries,
-        quality=quality,
         provenance=provenance,
     )
 

@@ -47,6 +47,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
         "columns": "the columns of the recording, by family",
         "file": "layout of a text file",
         "motions": "how a file holds several motions",
+        "rewire": "corrections of columns that were read, by family; a map without other tables is for recordings",
         "meta": 'what goes into `meta` of the header: values, or `{ source = "name" }` for an array of the file, '
         "which may be `optional = true`; with `since_first = true`, times of day ('20:29', or seconds) become seconds "
         "since the earliest motion of the file, as `session_start` needs them",

@@ -39,8 +39,10 @@ def mistake_of(found: Found, samples: Samples, ratio: tuple[float, ...]) -> Mist
     before, after = found.before[found.telling], found.after[found.telling]
     names = _parts(one, samples)
     signal = f"{family} of {samples.joints[part]}" if part or not family.startswith("tcp") else family
+    fault = _fault(one, names, samples, ratio)
+    fault = fault[0].upper() + fault[1:] if fault.startswith(("all ", "timestamp")) else fault
     message = (
-        f"{_fault(one, names, samples, ratio)}: as given {_share(before)} of {signal} is left unexplained, so read "
+        f"{fault}. As given, {_share(before)} of the energy of {signal} is left unexplained, read otherwise "
         f"{_share(after)}. {_way_out(one)}."
     )
     return Mistake(
@@ -109,4 +111,6 @@ def _way_out(one: Hypothesis) -> str:
 
 
 def _share(left: float) -> str:
+    if left > 1.0:
+        return "more than all"
     return f"{left:.0%}" if left >= 0.1 else f"{left:.1%}"
