@@ -1,7 +1,8 @@
 """What does the simulation get wrong, why, and how sure is that: recordings and a nominal model in, a diagnosis out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -27,14 +28,16 @@ from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
 from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.residuals import residual_of
-from ffgym.diagnosis.result import Diagnosis, Level
+from ffgym.diagnosis.result import Diagnosis, Level, Miswiring
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.search import MOST, Report, search
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
 from ffgym.provenance import versions
+from ffgym.quality import conditioned_alike
 from ffgym.quality import judged as judged_logs
-from ffgym.recordings import Recording
+from ffgym.quality.wiring import Wiring, find_wiring
+from ffgym.recordings import Recording, Rewiring
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
@@ -51,6 +54,8 @@ class Examined:
     machine: Machine
     """The extended model: the nominal one with the causes."""
     nominal: Machine
+    rewiring: Rewiring = field(default_factory=Rewiring)
+    """How columns should be read, if the verdict is `wiring`."""
 
 
 def diagnose(
@@ -120,9 +125,16 @@ def examine(
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=MOST)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
+    recordings = conditioned_alike(recordings)
     quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
     provenance = {"seed": seed, "versions": versions()}
     names = tuple(recording.header.segment for recording in recordings)
+    wiring = find_wiring(recordings, machine.physical)
+    if wiring.mistakes:
+        miswired = _miswired(wiring, machine, names, provenance)
+        return Examined(
+            diagnosis=miswired, before=None, after=None, machine=machine, nominal=machine, rewiring=wiring.rewiring
+        )
     if not quality.recordings and recordings:
         insufficient = Diagnosis(
             verdict="insufficient",
@@ -209,3 +221,20 @@ def _levels(setting: Setting, found: Found, gain: Gain | None, floor: Mapping[Ch
     """Of the nominal and the extended model; without one, the nominal model twice."""
     nominal = found.nominal.fit.residual
     return levels(setting, nominal if gain is None else gain.before, nominal if gain is None else gain.after, floor)
+
+
+def _miswired(wiring: Wiring, machine: Machine, motions: tuple[str, ...], provenance: dict[str, Any]) -> Diagnosis:
+    """Answer where columns are not what they are called; what the gate says of them repeats that."""
+    entries = tuple(
+        Miswiring(kind=one.kind, families=one.families, joints=one.joints, message=one.message)
+        for one in wiring.mistakes
+    )
+    more = f" {len(entries) - 1} more of the kind." if len(entries) > 1 else ""
+    return Diagnosis(
+        verdict="wiring",
+        sentence=f"Columns of these logs are not what they are called. {entries[0].message}{more}",
+        robot=machine.robot.name,
+        motions=motions,
+        wiring=entries,
+        provenance=provenance,
+    )

@@ -38,6 +38,7 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
 def format_findings(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence, and the causes with their sizes."""
     parts = [filled(f"{diagnosis.verdict}: {diagnosis.sentence}")]
+    parts += [filled(f"wiring: {mistake.message}") for mistake in diagnosis.wiring]
     for cause in diagnosis.causes:
         where = f" of {cause.joint}" if cause.joint else ""
         sizes = "; ".join(size_text(size) for size in cause.parameters)
