@@ -15,7 +15,7 @@ from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with, moved
-from ffgym.diagnosis.fit.numbers import with_numbers
+from ffgym.diagnosis.fit.numbers import are_of_the_machine, with_numbers
 from ffgym.diagnosis.fit.setting import Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.measured import residual_rows
@@ -69,10 +69,11 @@ def _by_priors(setting: Setting, fit: Fit, chosen: BoolArray) -> Written | None:
     """With calibration errors as their priors and the log have them."""
     n, evidence, hypotheses = fit.n_calibration, fit.evidence, fit.hypotheses
     low, high = fit.priors.low, fit.priors.high
+    of_machine = are_of_the_machine(setting.doubts)
     sizes, best, least = np.zeros(n), None, np.inf
     for _ in range(_ROUNDS):
         x = _solved(evidence, fit, sizes, low, high, chosen)
-        sizes, hypotheses = sizes + x[:n], moved(hypotheses, x[n:])
+        sizes, hypotheses = sizes + x[:n] * of_machine, moved(hypotheses, x[n:])
         numbers = _possible_numbers(setting, sizes)
         tried = None if numbers is None else _replayed(setting, numbers, hypotheses)
         if tried is None:
