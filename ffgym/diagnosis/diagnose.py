@@ -17,6 +17,7 @@ from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log.reference import beyond_limits
 from ffgym.diagnosis.measured import check_length
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
@@ -115,6 +116,7 @@ def examine(
             provenance=provenance,
         )
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
+    flagged = (*flagged, *beyond_limits(machine.physical, recordings))
     report("replaying the nominal model", 0.0)
     log = log_of(machine.physical, recordings)
     check_length(log)
