@@ -159,7 +159,7 @@ def _energies(rows: Sequence[Array], dt: float) -> Array | None:
     parts = [part for values in rows for part in _parts(values, width)] if width > 4 * _GROUP else []
     if len(parts) < _FEWEST:
         return None
-    energy = np.stack([_spectrum(part, dt) for part in parts])[:, _LOWEST:]
+    energy: Array = np.stack([_spectrum(part, dt) for part in parts])[:, _LOWEST:]
     n = energy.shape[1] // _GROUP
     groups: Array = energy[:, : n * _GROUP].reshape(len(parts), n, _GROUP, -1).mean(axis=2)
     return groups
@@ -168,14 +168,14 @@ def _energies(rows: Sequence[Array], dt: float) -> Array | None:
 def _frequencies(n: int, dt: float) -> Array:
     """Middles of so many groups [Hz]."""
     width = round(_BLOCK / dt)
-    middles: Array = (_LOWEST + (np.arange(n) + 0.5) * _GROUP - 0.5) / (width * dt)
+    middles: Array = (_LOWEST + (np.arange(n, dtype=np.float64) + 0.5) * _GROUP - 0.5) / (width * dt)
     return middles
 
 
 def _parts(rows: Array, width: int) -> list[Array]:
     """Rows (T, N) in parts of so many, about their straight lines."""
     n = len(rows) // width
-    time = np.linspace(-1.0, 1.0, width)[:, None]
+    time: Array = np.linspace(-1.0, 1.0, width, dtype=np.float64)[:, None]
     found = []
     for part in rows[: n * width].reshape(n, width, -1):
         about = part - part.mean(axis=0)

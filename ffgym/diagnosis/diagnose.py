@@ -23,6 +23,7 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import written
 from ffgym.diagnosis.fitted_numbers import fitted_numbers
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log.reference import beyond_limits
 from ffgym.diagnosis.measured import check_length
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
@@ -145,6 +146,7 @@ def examine(
             provenance=provenance,
         )
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
+    flagged = (*flagged, *beyond_limits(machine.physical, recordings))
     report("replaying the nominal model", 0.0)
     recordings = quality.recordings
     log = log_of(machine.physical, recordings)

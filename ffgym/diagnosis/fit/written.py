@@ -13,14 +13,12 @@ import numpy as np
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
-from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with, moved
+from ffgym.diagnosis.fit.fit import Fit, trial_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.numbers import are_of_the_machine, with_numbers
 from ffgym.diagnosis.fit.setting import Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
-from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.replay import Replay, predicted, replay
-from ffgym.diagnosis.replay.springs import FlownAwayError
+from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
@@ -140,13 +138,7 @@ def _possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
 
 def _replayed(setting: Setting, numbers: Machine, hypotheses: Sequence[Hypothesis]) -> Written | None:
     """Numbers and causes as one machine, replayed; None if none can be so."""
-    machine = machine_with(numbers, hypotheses)
-    if machine is None:
+    tried = trial_of(setting, hypotheses, numbers)
+    if tried is None:
         return None
-    try:
-        run = replay(setting.log, machine, setting.like)
-    except FlownAwayError:
-        return None
-    rows = residual_rows(setting.log, predicted(run))
-    residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
-    return Written(numbers=numbers, hypotheses=tuple(hypotheses), run=run, residual=residual)
+    return Written(numbers=numbers, hypotheses=tuple(hypotheses), run=tried.run, residual=tried.residual)

@@ -12,6 +12,9 @@ from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
+_FEWEST = 4
+"""Set-points that a smooth curve takes."""
+
 _MARGIN = 0.05
 """Share of its reach by which a joint that went beyond its range has room; chosen: a servo overshoots."""
 
@@ -85,7 +88,10 @@ def _reach(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[Ar
     for recording in recordings:
         if recording.has("reference.position"):
             q = _set_points(robot, recording)
-            curve = CubicSpline(recording.t - recording.t[0], q)
+            known = np.isfinite(q).all(axis=1)
+            if np.count_nonzero(known) < _FEWEST:
+                continue
+            q, curve = q[known], CubicSpline(recording.t[known], q[known])
             low, high = np.minimum(low, q.min(axis=0)), np.maximum(high, q.max(axis=0))
             fast = np.maximum(fast, np.abs(curve(curve.x, 1)).max(axis=0))
     return low, high, fast
