@@ -146,9 +146,9 @@ def examine(
             provenance=provenance,
         )
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
-    flagged = (*flagged, *beyond_limits(machine.physical, recordings))
     report("replaying the nominal model", 0.0)
     recordings = quality.recordings
+    flagged = (*quality.flagged, *beyond_limits(machine.physical, recordings))
     log = log_of(machine.physical, recordings)
     check_length(log)
     if (cutoff := comparison_cutoff(log, machine)) < log.sampling.cutoff:
@@ -157,7 +157,7 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    return _examined(machine, known, ready, rng, report, quality.flagged, provenance, memory, most)
+    return _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
 
 
 def _examined(

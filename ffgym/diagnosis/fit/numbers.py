@@ -12,7 +12,7 @@ from ffgym.types import Array, BoolArray
 
 
 def are_of_the_machine(doubts: Sequence[Doubt]) -> BoolArray:
-    """Which calibration errors are of the machine, shape (len(doubts),); how rows were written is none of its numbers."""
+    """Tell calibration errors of the machine from those of how rows were written, shape (len(doubts),)."""
     return np.array([not issubclass(doubt.column.effect, ClockEffect) for doubt in doubts], dtype=np.bool_)
 
 
