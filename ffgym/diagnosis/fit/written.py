@@ -20,6 +20,7 @@ from ffgym.diagnosis.fit.setting import Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
+from ffgym.effects.friction import StribeckPeak
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
@@ -128,12 +129,16 @@ def _without_torque(setting: Setting, motion: int, torque: Array) -> Recording:
 
 
 def _possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
-    try:
-        machine = with_numbers(setting.nominal, setting.doubts, sizes)
-        _ = machine.physical
-    except FFGymError:
-        return None
-    return machine
+    """The machine with its numbers corrected, without its breakaway torque where that would come below Coulomb's."""
+    peaks = np.array([doubt.column.effect is StribeckPeak for doubt in setting.doubts], dtype=np.bool_)
+    for chosen in (sizes, np.where(peaks, 0.0, sizes)):
+        try:
+            machine = with_numbers(setting.nominal, setting.doubts, chosen)
+            _ = machine.physical
+        except FFGymError:
+            continue
+        return machine
+    return None
 
 
 def _replayed(setting: Setting, numbers: Machine, hypotheses: Sequence[Hypothesis]) -> Written | None:

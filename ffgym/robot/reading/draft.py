@@ -17,6 +17,10 @@ from ffgym.robot.shapes import Geom
 from ffgym.types import Array
 
 
+NO_LIMIT = 1e6
+"""Stand-in for peak torques [N m]: more than any drive gives, so that none is taken for saturated."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotDraft:
     """What a file says about a robot. All that is there has been checked; nothing has to be there."""
@@ -133,6 +137,7 @@ def stand_ins(values: Mapping[str, Array], n_joints: int, size: float = 1.0) -> 
     ins["kinematics.range"] = np.column_stack([np.minimum(-size, home), np.maximum(size, home)])
     ins["links.inertia"] = np.tile([size, size, size, 0.0, 0.0, 0.0], (n_joints, 1))
     ins["sensors.encoder_bits"] = np.array(16.0)
+    ins["drive.peak_torque"] = np.full(n_joints, NO_LIMIT)
     for first, second in (("friction.coulomb", "friction.static"), ("servo.control_dt", "simulation.physics_dt")):
         ins[first], ins[second] = values.get(second, ins[first]), values.get(first, ins[second])
     return ins
