@@ -50,8 +50,8 @@ def valid_rows(log: Log) -> BoolArray:
 def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
     """Rows that count for each component, (R, M) each.
 
-    All valid ones, but those of torque at low speed where the model knows nothing of it, those whose samples the mask of
-    a recording leaves out for the joint, and none of an encoder that is not there.
+    All valid ones, but those of torque at low speed where the model knows nothing of it, those whose samples the mask
+    of a recording leaves out for the joint, and none of an encoder that is not there.
     """
     valid, judged = valid_rows(log), judged_rows(log) & _unmasked(log)
     found: dict[tuple[Channel, int], BoolArray] = {}

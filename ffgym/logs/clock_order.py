@@ -23,7 +23,9 @@ def order_note(t: Array, kept: BoolArray) -> str:
     """What was left out, in a sentence."""
     back = _back(t, kept)
     twice = int((~kept).sum()) - back
-    texts = [f"{n} {what}" for n, what in ((twice, "with the time of another row"), (back, "that go back in time")) if n]
+    texts = [
+        f"{n} {what}" for n, what in ((twice, "with the time of another row"), (back, "that go back in time")) if n
+    ]
     return f"Rows of the file were dropped: {' and '.join(texts)}, the first in row {int(np.argmin(kept))}."
 
 

@@ -110,7 +110,9 @@ def _found(log: Log, accept: Collection[str]) -> list[Finding]:
 def _overruled(finding: Finding, accept: Collection[str]) -> Finding:
     if finding.check not in accept or finding.verdict != "refused":
         return finding
-    return replace(finding, verdict="flagged", message=f"Accepted, though refused by {finding.check}: {finding.message}")
+    return replace(
+        finding, verdict="flagged", message=f"Accepted, though refused by {finding.check}: {finding.message}"
+    )
 
 
 def _mended(log: Log, others: Sequence[Finding]) -> list[Finding]:

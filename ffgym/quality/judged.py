@@ -6,8 +6,8 @@ from typing import final
 
 from ffgym.errors import check_choice
 from ffgym.quality.conditioning import conditioned, notes_of
-from ffgym.quality.intervals import EVEN, is_even
 from ffgym.quality.gate import CHECKS, check_quality
+from ffgym.quality.intervals import EVEN, is_even
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
@@ -90,7 +90,7 @@ def conditioned_alike(recordings: Sequence[Recording]) -> list[Recording]:
         return found
     period = _usual([recording.dt for recording in found])
     for i in uneven:
-        if EVEN < abs(found[i].dt / period - 1.0) and 1 / _ALIKE < found[i].dt / period < _ALIKE:
+        if abs(found[i].dt / period - 1.0) > EVEN and 1 / _ALIKE < found[i].dt / period < _ALIKE:
             found[i] = conditioned(recordings[i], period=period)
     return found
 

@@ -24,4 +24,6 @@ def trimmed(recording: Recording) -> Recording:
     part = recording.slice(float(t[rows[0]]), end)
     before, after = float(t[rows[0]] - t[0]), float(t[-1] - t[rows[-1]])
     texts = [f"{x:.3g} s at the {end}" for x, end in ((before, "beginning"), (after, "end")) if x > 0]
-    return Recording(part.columns, noted(part.header, f"Rows that count for no joint were dropped: {', '.join(texts)}."))
+    return Recording(
+        part.columns, noted(part.header, f"Rows that count for no joint were dropped: {', '.join(texts)}.")
+    )

@@ -53,6 +53,8 @@ def test_a_mask_of_all_joints_takes_the_rows_out_of_everything(whole):
 
 def test_without_a_mask_all_rows_count(whole):
     log = log_with(shoulder=False, elbow=False)
-    log = log_of(log.robot, [log.recordings[0].with_columns({f"valid.{j}": np.ones(whole.lengths[0]) for j in log.robot.joints})])
+    log = log_of(
+        log.robot, [log.recordings[0].with_columns({f"valid.{j}": np.ones(whole.lengths[0]) for j in log.robot.joints})]
+    )
     for key, rows in counting_rows(whole).items():
         assert np.array_equal(rows, counting_rows(log)[key])

@@ -118,9 +118,7 @@ def test_rows_every_10_or_12_ms_come_to_an_even_clock_with_little_error():
     assert not got.has("valid")
     assert error_of_torque(got, true, 10.0) < 0.006
     uneven = jittered(true)
-    lines = got.with_columns(
-        {n: np.interp(got.t, uneven.t, uneven[n]) for n in ("motor.effort.shoulder", EFFORT)}
-    )
+    lines = got.with_columns({n: np.interp(got.t, uneven.t, uneven[n]) for n in ("motor.effort.shoulder", EFFORT)})
     assert error_of_torque(got, true, 10.0) < 0.9 * error_of_torque(lines, true, 10.0)
     low_pass = LowPass(cutoff=10.0)
     exact = low_pass(CubicSpline(true.t, true[POSITION])(got.t), got.dt)
