@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.errors import FFGymError
 from ffgym.identification import LowPass, signals_of
 from ffgym.identification.friction_torque import friction_torque
 from ffgym.identification.rigid_body.observation import Filtering, equations_of
@@ -58,5 +59,5 @@ def test_friction_torque_counts_without_the_masked_rows_of_a_joint(robot):
 def test_an_uneven_log_says_what_brings_it_to_even_times(robot):
     recording = clean_log("two_link", "multisine")
     uneven = recording.with_columns({"timestamp": recording.t + 1e-4 * (np.arange(len(recording)) % 2)})
-    with pytest.raises(Exception, match="sampled unevenly.*conditioned brings it to even times"):
+    with pytest.raises(FFGymError, match=r"sampled unevenly.*conditioned brings it to even times"):
         signals_of(robot, uneven)
