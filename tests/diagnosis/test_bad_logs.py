@@ -19,6 +19,9 @@ MENDED = (
 )
 """Defects that conditioning mends or leaves out."""
 
+BRIDGED = "stuck_position"
+"""Mended, but friction after a reversal that is not known may stay unexplained: `unknown` is right, a name is not."""
+
 HARMLESS = ("a_column_shifted_by_rows", "filtered_speed_called_raw", "truncated_in_motion")
 """Defects of what a diagnosis does not use: it differentiates positions itself, and takes any part of a motion."""
 
@@ -54,7 +57,7 @@ def test_what_the_quality_gate_refuses_is_insufficient_and_nothing_is_ever_named
     assert found.causes == ()
     if not refused:
         assert defect.name in (*HARMLESS, *MENDED)
-        assert found.verdict == "none"
+        assert found.verdict == "none" or (defect.name == BRIDGED and found.verdict == "unknown")
         return
     assert found.verdict == "insufficient"
     assert any(message in found.sentence for message in refused)
@@ -68,4 +71,5 @@ def test_no_defect_of_a_log_is_taken_for_a_fault_of_the_machine(defect, seed):
     if recording is None:
         pytest.skip("no recording of two_link can have this")
     allowed = ("insufficient", "none") if defect.name in (*HARMLESS, *MENDED) else ("insufficient",)
+    allowed += ("unknown",) if defect.name == BRIDGED else ()
     assert verdict_of(recording) in allowed
