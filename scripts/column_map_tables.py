@@ -12,6 +12,7 @@ import tyro
 from ffgym.files import write_text
 from ffgym.logs.column_map.column import COLUMN_KEYS
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES
+from ffgym.logs.column_map.rewire import REWIRE_KEYS
 from ffgym.logs.column_map.units import COUNTS, KELVIN, UNITS
 from ffgym.logs.formats.text_layout import LAYOUT_KEYS
 from scripts.format_tables import with_tables
@@ -46,6 +47,7 @@ def filled(page: str) -> str:
         "log": LOG_KEYS,
         "columns": COLUMN_KEYS,
         "motions": MOTION_KEYS,
+        "rewire": REWIRE_KEYS,
         "file": LAYOUT_KEYS,
     }
     return with_tables(page, {name: keys_table(keys) for name, keys in tables.items()} | {"units": units_table()})

@@ -13,7 +13,7 @@ from scripts.format_tables import filled
 from scripts.robot_tables import page
 
 ROOT = Path(__file__).parent.parent
-WITH_COMMANDS = ("your_robot.md", "identify.md", "diagnose.md")
+WITH_COMMANDS = ("your_robot.md", "identify.md", "diagnose.md", "real_machine.md")
 """Tutorials whose blocks need their commands: test_tutorial_with_commands."""
 
 EXECUTED = [

@@ -1,5 +1,6 @@
 """A page that a newcomer follows with files and commands: each block does what the page says, in its order."""
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -91,6 +92,15 @@ def test_the_page_leads_from_a_faulty_machine_to_its_extended_model(tmp_path, mo
         "diagnosis.json",
         "extended.toml",
     }
+
+
+def test_the_page_leads_from_the_files_of_a_controller_to_a_verdict(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    assert follow("real_machine.md", tmp_path, capsys).count("bash") == 5
+    found = json.loads((tmp_path / "found" / "diagnosis.json").read_text())
+    assert found["verdict"] != "insufficient"
+    assert (tmp_path / "found" / "report.html").exists()
 
 
 def test_an_excerpt_that_is_not_printed_is_noticed():

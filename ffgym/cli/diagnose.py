@@ -22,10 +22,11 @@ from ffgym.diagnosis.held_out import HeldOut, held_out_levels
 from ffgym.diagnosis.search.search import MOST
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import made_folder, write_text
+from ffgym.logs import write_corrected
 from ffgym.plant import Machine, load_machine, save_machine
 from ffgym.quality import accepted, judged
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions
+from ffgym.robot import ModelOptions, RobotDescription
 
 REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT = (
     *("report.html", "diagnosis.json"),
@@ -35,6 +36,9 @@ REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT = (
 better, and what to record if there is something."""
 
 WORSE = "The extended model leaves more than the nominal one of motions that were left out; it is not written."
+
+COLUMNS = "columns.toml"
+"""Corrected column map, which is written if columns are not what they are called."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +109,7 @@ class Diagnose:
             self._remove(EXTENDED)
         closed_loop = self._closed_loop(models, nominal, examined, held_out)
         self._write(examined, compared, closed_loop)
-        self._tell(examined.diagnosis, compared, closed_loop)
+        self._tell(examined.diagnosis, compared, closed_loop, nominal.machine.robot)
 
     def _check(self) -> None:
         """Refuse what cannot be run or written, before long work."""
@@ -128,7 +132,7 @@ class Diagnose:
         if self.out is None:
             return
         inputs = (self.robot, self.columns, *self.logs, *self.validate)
-        names = (REPORT, DOCUMENT, ROBOT, NOMINAL, EXTENDED, NEXT)
+        names = (REPORT, DOCUMENT, ROBOT, NOMINAL, EXTENDED, NEXT, COLUMNS)
         check_outputs({"--json": self.json} | {f"--out, {name}": self.out / name for name in names}, inputs=inputs)
 
     def _inputs(self) -> tuple[Nominal, list[Recording]]:
@@ -152,7 +156,11 @@ class Diagnose:
         """Logs that are not diagnosed, read before long work."""
         if not self.validate:
             return []
-        held_out = logs_from(self.validate, self.columns, nominal.machine.robot)
+        read = logs_from(self.validate, self.columns, nominal.machine.robot)
+        sound = judged(read, nominal.machine.physical, needs=("diagnosis",), accept=self.accept)
+        held_out = [*sound.recordings]
+        if not held_out:
+            raise FFGymError(f"--validate: none of these logs can be used: {sound.left_out[0]}")
         if _runs_again(nominal, held_out):
             check_comparable(nominal.machine, held_out)
         return held_out
@@ -161,7 +169,7 @@ class Diagnose:
         """Nominal and extended model; written and read back, if there is a folder for them."""
         if self.out is None:
             return examined.nominal, examined.machine
-        self._remove(NOMINAL, EXTENDED, NEXT)
+        self._remove(NOMINAL, EXTENDED, NEXT, COLUMNS)
         robot, before = nominal.described_in(self.out), examined.nominal
         if nominal.calibration is not None:
             source = "fitted to the logs before the diagnosis"
@@ -181,7 +189,9 @@ class Diagnose:
         return before, load_machine(self.out / EXTENDED)
 
     def _remove(self, *names: str) -> None:
-        for name in names if self.out is not None else ():
+        if self.out is None:
+            return
+        for name in names:
             (self.out / name).unlink(missing_ok=True)
 
     def _compared(
@@ -222,12 +232,21 @@ class Diagnose:
         write_diagnosis(self.out / DOCUMENT, diagnosis)
         if diagnosis.separating_motion is not None:
             write_text(self.out / NEXT, diagnosis.separating_motion.toml)
+        if diagnosis.wiring:
+            notes = [mistake.message for mistake in diagnosis.wiring]
+            write_corrected(self.out / COLUMNS, examined.rewiring, self.columns, notes)
 
-    def _tell(self, diagnosis: Diagnosis, compared: HeldOut | None, closed_loop: Sequence[LoopLevel]) -> None:
+    def _tell(
+        self,
+        diagnosis: Diagnosis,
+        compared: HeldOut | None,
+        closed_loop: Sequence[LoopLevel],
+        robot: RobotDescription,
+    ) -> None:
         """Everything for people."""
         from ffgym.report.diagnosis import format_closed_loop, format_diagnosis, format_held_out
 
-        print(format_diagnosis(diagnosis))
+        print(format_diagnosis(diagnosis, robot))
         if compared is not None:
             print(f"\n{format_held_out(compared.levels)}")
         if closed_loop:
@@ -236,8 +255,8 @@ class Diagnose:
             print(f"\n{WORSE}")
         print(f"\nnext: {self._next(diagnosis)}")
         if self.out is not None:
-            places = [self.out / name for name in (REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT)]
-            words = ("report", "diagnosis", "fitted model", "model", "next motions")
+            places = [self.out / name for name in (REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT, COLUMNS)]
+            words = ("report", "diagnosis", "fitted model", "model", "next motions", "corrected columns")
             for what, place in zip(words, places, strict=True):
                 if place.exists():
                     print(f"{what}: {place}")
@@ -259,6 +278,8 @@ class Diagnose:
                 f"{first}record other motions on the machine, and see whether the extended model explains them: "
                 f"ffgym diagnose OTHER_LOGS --robot {folder}/{EXTENDED}"
             )
+        if diagnosis.verdict == "wiring":
+            return f"{first}ffgym diagnose {logs} --robot {robot} --columns {folder}/{COLUMNS}"
         if diagnosis.verdict == "insufficient":
             return f"ffgym log check {logs} --robot {robot} --needs diagnosis"
         if diagnosis.verdict == "unknown":

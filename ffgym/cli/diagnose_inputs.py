@@ -11,7 +11,8 @@ from ffgym.diagnosis.nominal import fitted_nominal
 from ffgym.effects import Origin
 from ffgym.errors import FFGymError
 from ffgym.files import read_text, write_text
-from ffgym.logs import read_logs
+from ffgym.logs import load_columns, read_logs
+from ffgym.logs.read import corrected
 from ffgym.plant import Machine, load_machine
 from ffgym.plant.machine_file import is_machine_file, origins_of, robot_reference
 from ffgym.quality import conditioned_alike
@@ -84,7 +85,9 @@ def nominal_named(name: str | None) -> Nominal:
     if name is None:
         return Nominal(machine=Machine(robot=described_robot(EXAMPLE_ROBOT)), reference=EXAMPLE_ROBOT)
     if is_machine_file(name):
-        return Nominal(machine=load_machine(name), reference=robot_reference(name), origins=origins_of(name))
+        return Nominal(
+            machine=load_machine(name, partial=True), reference=robot_reference(name), origins=origins_of(name)
+        )
     return Nominal(machine=Machine(robot=described_robot(name)), reference=name)
 
 
@@ -115,4 +118,6 @@ def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Reco
         raise FFGymError(f"{path}: there is no such log. Check the path; it is relative to {Path.cwd()}.")
     if columns is None and path.is_dir():
         return read_folder(path)
+    if columns is not None and path.is_dir() and (made := load_columns(columns)).is_for_recordings:
+        return [corrected(recording, made) for recording in read_folder(path)]
     return read_logs(path, columns, robot=None if columns is None else robot)

@@ -1,12 +1,13 @@
 """How well the nominal numbers are known: what a model that lacks nothing may still be off by."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, final
 
 import numpy as np
 
 from ffgym.diagnosis.base_torques import base_torques
+from ffgym.diagnosis.lateness import late_columns
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Column, columns_of, machine_columns
 from ffgym.effects import Effect, NativeEffect
@@ -18,6 +19,7 @@ from ffgym.effects.measurement import ToolFrame
 from ffgym.effects.parameter import parameter
 from ffgym.effects.transmission import JointStiffness
 from ffgym.errors import check_number
+from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
@@ -85,9 +87,8 @@ class JointDamping(NativeEffect):
         return replace(robot, drive=replace(drive, joint_damping=drive.joint_damping * (1 + self.change)))
 
 
-Refit = Callable[[Mapping[int, Array]], RobotDescription]
-"""From the torque of causes along some motions, by their number, motor side [N m], (T, N) each, to the robot without
-it."""
+Refit = Callable[[Sequence[Recording]], RobotDescription]
+"""From recordings, whose torque is without that of causes, to the robot that they are of."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -186,6 +187,7 @@ def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
     for column in columns_of(run, [TorqueOffset], {}):
         coulomb = float(robot.friction.coulomb[list(robot.joints).index(column.joint)])
         found.append(Doubt(column=column, sigma=calibration.offset * coulomb))
+    found += [Doubt(column=column, sigma=sigma) for column, sigma in late_columns(run)]
     if run.log.tool is not None:
         found += [Doubt(column=column, sigma=calibration.tool) for column in columns_of(run, [ToolFrame], {})]
     return found

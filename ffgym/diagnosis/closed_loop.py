@@ -12,8 +12,9 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.control import FeedForwardLaw, Reference
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.log import Sampling
-from ffgym.diagnosis.log.reference import reference_of
+from ffgym.diagnosis.log.reference import reference_of, roomy
 from ffgym.errors import FFGymError
 from ffgym.identification.signals import acting_torque
 from ffgym.metrics import motor_error
@@ -70,15 +71,9 @@ def closed_loop_gain(
         raise FFGymError("There is nothing to compare: name recordings that were not diagnosed.")
     robot = nominal.robot
     runs = [_run_again(nominal, recording) for recording in recordings]
+    machines = [[_started(model, recording) for recording in recordings] for model in (nominal, extended)]
     before, after = (
-        simulate(
-            runs,
-            arm=RigidArm(robot),
-            machine=[_started(model, recording) for recording in recordings],
-            n_threads=n_threads,
-            progress=part,
-        )
-        for model, part in zip((nominal, extended), _halves(progress), strict=True)
+        _simulated(runs, each, n_threads, part) for each, part in zip(machines, _halves(progress), strict=True)
     )
     has_tool = robot.tool is not None and all(recording.has("tcp.position") for recording in recordings)
     levels: list[LoopLevel] = []
@@ -86,8 +81,8 @@ def closed_loop_gain(
         if quantity == "tool" and not has_tool:
             continue
         rows = [
-            _compared(quantity, robot, recording, one, other)
-            for recording, one, other in zip(recordings, before, after, strict=True)
+            _compared(quantity, robot, recording, run, one, other)
+            for recording, run, one, other in zip(recordings, runs, before, after, strict=True)
         ]
         own, first, second = (_rms([part[k] for part in rows]) for k in range(3))
         names = ("x", "y", "z") if quantity == "tool" else robot.joints
@@ -96,6 +91,17 @@ def closed_loop_gain(
             for name, a, b, c in zip(names, own.tolist(), first.tolist(), second.tolist(), strict=True)
         ]
     return tuple(levels)
+
+
+def _simulated(
+    runs: Sequence[Run], machines: Sequence[Machine], n_threads: int, progress: Progress | None
+) -> Sequence[Recording | None]:
+    """All runs; none of them if one cannot be simulated: such a model is infinitely far from any machine."""
+    arm = RigidArm(runs[0].reference.robot)
+    try:
+        return simulate(runs, arm=arm, machine=machines, n_threads=n_threads, progress=progress)
+    except FAILED:
+        return [None] * len(runs)
 
 
 def _halves(progress: Progress | None) -> tuple[Progress | None, Progress | None]:
@@ -137,7 +143,7 @@ class Recorded(FeedForwardLaw):
 
 def _run_again(nominal: Machine, recording: Recording) -> Run:
     """The motion of a recording, with what a law added to it."""
-    reference = reference_of(nominal.robot, recording)
+    reference = reference_of(roomy(nominal.robot, [recording]), recording)
     if not recording.has("compensation.effort"):
         law = recording.header.meta.get("feedforward_law", "none")
         if law != "none":
@@ -159,17 +165,31 @@ def _started(model: Machine, recording: Recording) -> Machine:
 
 
 def _compared(
-    quantity: str, robot: RobotDescription, recording: Recording, before: Recording, after: Recording
+    quantity: str,
+    robot: RobotDescription,
+    recording: Recording,
+    run: Run,
+    before: Recording | None,
+    after: Recording | None,
 ) -> tuple[Array, Array, Array]:
-    """What was measured less its mean, and measured minus simulated for both models, through one low-pass."""
-    t, sampling = before.t, Sampling.of(before.dt, [len(before)])
-    inside = sampling.valid(np.ones((len(before), 1), dtype=np.bool_))[:, 0]
+    """What was measured less its mean, and measured minus simulated for both models, through one low-pass.
+
+    Infinite for a model that could not be simulated.
+    """
+    known = before or after
+    t = run.reference.t if known is None else known.t
+    sampling = Sampling.of(float(t[1] - t[0]), [len(t)])
+    inside = sampling.valid(np.ones((len(t), 1), dtype=np.bool_))[:, 0]
     if not inside.any():
         raise FFGymError(f"Recording {recording.header.segment!r} is too short to be compared through a low-pass.")
     measured = _at(t, recording, _signal(quantity, robot, recording))
-    parts = [measured - measured.mean(axis=0), *(measured - _signal(quantity, robot, run) for run in (before, after))]
-    first, second, third = (sampling(part)[inside] for part in parts)
-    return first, second, third
+
+    def far(model: Recording | None) -> Array:
+        if model is None:
+            return np.full_like(sampling(measured)[inside], np.inf)
+        return sampling(measured - _signal(quantity, robot, model))[inside]
+
+    return sampling(measured - measured.mean(axis=0))[inside], far(before), far(after)
 
 
 def _signal(quantity: str, robot: RobotDescription, recording: Recording) -> Array:

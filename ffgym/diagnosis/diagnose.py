@@ -1,7 +1,8 @@
 """What does the simulation get wrong, why, and how sure is that: recordings and a nominal model in, a diagnosis out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -21,20 +22,23 @@ from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import written
 from ffgym.diagnosis.fitted_numbers import fitted_numbers
-from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log.reference import beyond_limits
 from ffgym.diagnosis.measured import check_length
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
 from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.residuals import residual_of
-from ffgym.diagnosis.result import Diagnosis, Level
+from ffgym.diagnosis.result import Diagnosis, Level, Miswiring
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.search import MOST, Report, search
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
 from ffgym.provenance import versions
+from ffgym.quality import conditioned_alike
 from ffgym.quality import judged as judged_logs
-from ffgym.recordings import Recording
+from ffgym.quality.wiring import Wiring, find_wiring
+from ffgym.recordings import Recording, Rewiring
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
@@ -51,6 +55,8 @@ class Examined:
     machine: Machine
     """The extended model: the nominal one with the causes."""
     nominal: Machine
+    rewiring: Rewiring = field(default_factory=Rewiring)
+    """How columns should be read, if the verdict is `wiring`."""
 
 
 def diagnose(
@@ -120,9 +126,16 @@ def examine(
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=MOST)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
+    recordings = conditioned_alike(recordings)
     quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
     provenance = {"seed": seed, "versions": versions()}
     names = tuple(recording.header.segment for recording in recordings)
+    wiring = find_wiring(recordings, machine.physical)
+    if wiring.mistakes:
+        miswired = _miswired(wiring, machine, names, provenance)
+        return Examined(
+            diagnosis=miswired, before=None, after=None, machine=machine, nominal=machine, rewiring=wiring.rewiring
+        )
     if not quality.recordings and recordings:
         insufficient = Diagnosis(
             verdict="insufficient",
@@ -135,6 +148,7 @@ def examine(
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
     report("replaying the nominal model", 0.0)
     recordings = quality.recordings
+    flagged = (*quality.flagged, *beyond_limits(machine.physical, recordings))
     log = log_of(machine.physical, recordings)
     check_length(log)
     if (cutoff := comparison_cutoff(log, machine)) < log.sampling.cutoff:
@@ -143,11 +157,10 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    return _examined(log, machine, known, ready, rng, report, quality.flagged, provenance, memory, most)
+    return _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
 
 
 def _examined(
-    log: Log,
     machine: Machine,
     calibration: Calibration,
     ready: Prepared,
@@ -158,8 +171,8 @@ def _examined(
     memory: Memory | None,
     most: int,
 ) -> Examined:
-    setting = ready.setting
-    kinds, not_judgeable = judgeable_kinds(log, machine, calibration)
+    setting, log = ready.setting, ready.setting.log
+    kinds, not_judgeable = judgeable_kinds(log, machine, calibration, ready.no_servo)
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
     first = without_calibration(setting, found.nominal.fit)
@@ -210,3 +223,20 @@ def _levels(setting: Setting, found: Found, gain: Gain | None, floor: Mapping[Ch
     """Of the nominal and the extended model; without one, the nominal model twice."""
     nominal = found.nominal.fit.residual
     return levels(setting, nominal if gain is None else gain.before, nominal if gain is None else gain.after, floor)
+
+
+def _miswired(wiring: Wiring, machine: Machine, motions: tuple[str, ...], provenance: dict[str, Any]) -> Diagnosis:
+    """Answer where columns are not what they are called; what the gate says of them repeats that."""
+    entries = tuple(
+        Miswiring(kind=one.kind, families=one.families, joints=one.joints, message=one.message)
+        for one in wiring.mistakes
+    )
+    more = f" {len(entries) - 1} more of the kind." if len(entries) > 1 else ""
+    return Diagnosis(
+        verdict="wiring",
+        sentence=f"Columns of these logs are not what they are called. {entries[0].message}{more}",
+        robot=machine.robot.name,
+        motions=motions,
+        wiring=entries,
+        provenance=provenance,
+    )

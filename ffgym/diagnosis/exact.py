@@ -1,31 +1,21 @@
 """What the nominal machine would have recorded, without noise: simulated under its controller, or as it was moved."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
+from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.log.reference import reference_of
+from ffgym.diagnosis.own_motion import own_motion
 from ffgym.diagnosis.replay import Replay
+from ffgym.diagnosis.servo import has_servo
 from ffgym.recordings import Recording
-from ffgym.robot import RobotDescription
-from ffgym.simulation import Run, simulate
-from ffgym.types import Array
 
-_SAME_MOTION = 0.1
-"""RMS angle of a motor [rad] by which a simulated motion may miss the measured one. The documented servo of a robot
-misses it by a thirtieth of that, whatever ails its joints; a quarter of a period of what repeats 16 times per turn."""
-
-_SAME_TIME = 1e-4
-"""Share of a sample period by which times of rows may differ and still be the same."""
-
-_THREADS = 1
-"""Of the engine: a few simulations, one physics step at a time, take twice the CPU on two for a seventh less time."""
-
-_SMOOTH = ("motor.position", "link.position", "reference.position")
-"""Families that are curves between samples, not straight lines: they are differentiated twice."""
+_SAME_MOTION = 0.03
+"""RMS angle of a motor [rad] by which a simulated motion may miss the measured one. Under the documented servo, faults
+of joints, drives and loads make it miss by a third of that at most; another servo by twice that or more, and reversals
+are some milliseconds off then."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,20 +28,21 @@ class Exact:
 
 
 def exact_recordings(log: Log, run: Replay) -> Exact:
-    """What the nominal machine would have recorded, without noise.
+    """What the nominal machine would have recorded in continuous time, without noise.
 
-    With set-points, it is simulated under its controller. Without, or where another controller moved the machine,
-    it moves as measured, and takes the torque that it takes: what repeats with the motor's turns must stay in phase.
+    With set-points, it is simulated under its controller. Without, or where another controller moved the machine, or
+    its own would not hold it, it moves as measured, and takes the torque that it takes: what repeats with the motor's
+    turns must stay in phase.
 
     Args:
         log: what was measured.
         run: its replay on the nominal machine.
     """
-    if log.reference is not None:
-        simulated = _simulated(log, run)
-        if is_same_motion(log, simulated):
+    if log.reference is not None and has_servo(log.robot):
+        simulated = own_motion(log, run)
+        if simulated is not None and is_same_motion(log, simulated):
             return Exact(recordings=tuple(simulated), simulated=True)
-    return Exact(recordings=tuple(_as_moved(log, run, i) for i in range(len(log.recordings))), simulated=False)
+    return Exact(recordings=tuple(as_moved(log, run)), simulated=False)
 
 
 def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
@@ -65,56 +56,3 @@ def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
         if np.sqrt(np.mean(missed**2, axis=0)).max() > _SAME_MOTION:
             return False
     return True
-
-
-def _simulated(log: Log, run: Replay) -> list[Recording]:
-    """Along the set-points, under the documented controller."""
-    references = [reference_of(log.robot, recording) for recording in log.recordings]
-    machines = [run.machine.later(float(s)) for s in log.started]
-    period = _simulated_dt(log.robot, log.dt)
-    found = simulate([Run(reference=r) for r in references], machine=machines, record_dt=period, n_threads=_THREADS)
-    return [_like(one, recording) for one, recording in zip(found, log.recordings, strict=True)]
-
-
-def _simulated_dt(robot: RobotDescription, dt: float) -> float:
-    """The longest sample period of a simulation that is no longer than that of a log, whose clock is never exact."""
-    steps = [n for n in range(1, robot.n_substeps + 1) if robot.n_substeps % n == 0]
-    periods = [n * robot.physics_dt for n in steps]
-    return max((period for period in periods if period <= (1 + _SAME_TIME) * dt), default=periods[0])
-
-
-def _like(exact: Recording, like: Recording) -> Recording:
-    """The rows and columns of another recording: what one must be derived from, the other must, too."""
-    names = [name for name in exact.columns if name in like.columns]
-    since, dt = like.t - like.t[0] + exact.t[0], like.dt
-    n = int(np.searchsorted(since, exact.t[-1] + 0.5 * dt))
-    if n == len(exact) and np.abs(since[:n] - exact.t).max() <= _SAME_TIME * dt:
-        return Recording(columns={name: exact[name] for name in names}, header=exact.header)
-    t = np.minimum(since[:n], exact.t[-1])
-    columns = {name: _at(exact, name, t) for name in names}
-    return Recording(columns=columns | {"timestamp": since[:n]}, header=replace(exact.header, phases=()))
-
-
-def _at(recording: Recording, name: str, t: Array) -> Array:
-    """A column at other times; what is not known at some rows is straight between those at which it is."""
-    values = recording[name]
-    if name.startswith(_SMOOTH):
-        smooth: Array = CubicSpline(recording.t, values)(t)
-        return smooth
-    seen = ~np.isnan(values)
-    straight: Array = np.interp(t, recording.t[seen], values[seen])
-    return straight
-
-
-def _as_moved(log: Log, run: Replay, i: int) -> Recording:
-    recording, joints = log.recordings[i], log.robot.joints
-    n = len(recording)
-    angle = log.robot.drive.motor_angle(log.q)
-    columns = {"timestamp": recording.t}
-    for j, joint in enumerate(joints):
-        columns[f"motor.position.{joint}"] = angle[:n, i, j]
-        columns[f"motor.effort.{joint}"] = run.torque[:n, i, j]
-        if log.link is not None:
-            columns[f"link.position.{joint}"] = run.link_q[:n, i, j]
-    header = replace(recording.header, position_side="motor", torque_semantics="motor_side", hold="sampled")
-    return Recording(columns=columns, header=header)

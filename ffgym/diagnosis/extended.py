@@ -106,13 +106,17 @@ def recorded_climate(recordings: Sequence[Recording]) -> Climate | None:
 
 
 def _place(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tuple[str, Any]:
-    """Parameter and index of a number; its name may go on with a dot and an axis, or the other joint of a pair."""
+    """Parameter and index of a number; its name may go on with a dot and an axis, or the other joint of a pair.
+
+    A vector without an axis is all of it: one that stayed where it was.
+    """
     parameter, _, part = name.partition(".")
     p: Parameter = known[check_choice(f"parameter of {cause.effect}", parameter, list(known))]
     if p.per == "machine":
         return parameter, ()
     if p.per == "vector":
-        return parameter, ("x", "y", "z").index(check_choice(f"axis of {cause.effect}.{parameter}", part, "xyz"))
+        axes = ("x", "y", "z")
+        return parameter, axes.index(check_choice(f"axis of {cause.effect}.{parameter}", part, axes)) if part else ...
     check_choice(f"joint of cause {cause.effect}", cause.joint, robot.joints)
     joint = robot.joints.index(cause.joint)
     if p.per == "joint":

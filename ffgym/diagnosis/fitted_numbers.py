@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -42,14 +43,16 @@ def with_fitted_numbers(nominal: Machine, numbers: Sequence[Number]) -> Machine:
     Raises:
         FFGymError: if an entry is unknown, or has another number of values.
     """
-    robot, effects = nominal.robot, dict[str, dict[str, Array]]()
+    robot, parts, effects = nominal.robot, dict[str, dict[str, Any]](), dict[str, dict[str, Array]]()
     for number in numbers:
         group, _, name = number.entry.partition(".")
         if group == _EFFECT:
             kind, _, parameter = name.partition(".")
             effects.setdefault(kind, {})[parameter] = np.array(number.after)
         else:
-            robot = _with_entry(robot, number)
+            parts.setdefault(GROUPS.get(group, ""), {})[name] = _value(robot, number)
+    changed = {part: replace(getattr(robot, part), **values) for part, values in parts.items()}
+    robot = replace(robot, **changed)  # entries of one part only fit together
     beside = [_effect(kind, values, robot) for kind, values in effects.items()]
     return replace(nominal, robot=robot, effects=(*nominal.effects, *beside))
 
@@ -66,17 +69,16 @@ def _entry(robot: RobotDescription, path: str) -> Array | None:
     return None if value is None else np.asarray(value, dtype=np.float64)
 
 
-def _with_entry(robot: RobotDescription, number: Number) -> RobotDescription:
+def _value(robot: RobotDescription, number: Number) -> Array | float:
+    """Values of a number in the shape that its entry has."""
     before = _entry(robot, number.entry)
     if before is None or before.size != len(number.after):
         raise FFGymError(
             f"Number {number.entry!r} of a diagnosis has {len(number.after)} values, which robot {robot.name!r} has no "
             f"place for. Use the description that was diagnosed."
         )
-    group, _, name = number.entry.partition(".")
     value = np.array(number.after).reshape(before.shape)
-    part = replace(getattr(robot, GROUPS[group]), **{name: value if value.ndim else float(value)})
-    return replace(robot, **{GROUPS[group]: part})
+    return value if value.ndim else float(value)
 
 
 def _effect(name: str, values: dict[str, Array], robot: RobotDescription) -> Effect:

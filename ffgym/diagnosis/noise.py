@@ -5,19 +5,19 @@ and what replay and simulation differ by is seen where both are of the same mode
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ffgym.diagnosis.colour import Colour, colour_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.white import white_noise
-from ffgym.diagnosis.measured import residual_rows, valid_rows
-from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
+from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
-from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.types import Array
+from ffgym.types import Array, BoolArray
 
 _ROUNDING = 1e-12
 """Relative differences of angles that are those of floating point."""
@@ -30,6 +30,12 @@ _QUIETEST, _QUIETEST_SERVO = 0.3, 1.0
 shows none, until it stands at the edge of a step; and the servo, which acts on what it reads, is wrong by as much all
 the time."""
 
+_FORETOLD = 2e-3
+"""What is added to the noise of torques, as a share of their RMS: no model foretells torque better than to some per
+mille, however quiet the sensors; chosen."""
+
+_TORQUES: tuple[Channel, ...] = ("torque", "servo")
+
 DRAWS = 2
 """Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""
 
@@ -40,7 +46,7 @@ _LEAST_TORQUE = 1e-3
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Noise:
-    """White noise of each signal, standard deviations, shape (M, N), or (M, 3) for the tool."""
+    """White noise of each signal, standard deviations, shape (M, N), or (M, 3) for the tool; torques may have more."""
 
     angle: Array
     """Of `motor.position`, motor side [rad]."""
@@ -51,6 +57,8 @@ class Noise:
     tool: Array | None
     link: Array | None
     feedback: Array | None
+    colours: Mapping[str, Colour] = field(default_factory=dict)
+    """By family of columns; the noise of others is white."""
 
 
 def noise_of(log: Log) -> Noise:
@@ -75,6 +83,44 @@ def noise_of(log: Log) -> Noise:
         link=each(log.link),
         feedback=each(log.feedback),
     )
+
+
+def _coloured(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
+    """Noise with what torques have beside white noise.
+
+    Args:
+        noise: white.
+        log: whose noise it is.
+        like: its replay on the nominal machine.
+        own: replay of that machine over its own motion, with white noise.
+    """
+    left, white = _left(like), _left(own)
+    measured = {"motor.effort": log.torque} | ({} if log.feedback is None else {"feedback.effort": log.feedback})
+    cutoff, low_pass, n = log.sampling.cutoff, log.sampling.motion_filter, range(len(log.recordings))
+
+    def of(values: Array) -> list[Array]:
+        return [values[log.known[:, i], i] for i in n]
+
+    colours = {
+        family: colour_of(of(measured[family]), of(rest), of(white[family]), cutoff, low_pass, log.dt)
+        for family, rest in left.items()
+    }
+    colours = {family: colour for family, colour in colours.items() if not colour.is_white}
+    torque, feedback = noise.torque, noise.feedback
+    if "motor.effort" in colours:
+        torque = colours["motor.effort"].beside(torque)
+    if feedback is not None and "feedback.effort" in colours:
+        feedback = colours["feedback.effort"].beside(feedback)
+    return replace(noise, torque=torque, feedback=feedback, colours=colours)
+
+
+def _left(run: Replay) -> dict[str, Array]:
+    """What a replay leaves of torques at all samples, by family of columns."""
+    read = run.read
+    left = {"motor.effort": read.torque - run.torque}
+    if read.feedback is not None and read.reference is not None:
+        left["feedback.effort"] = read.feedback - servo_feedback(read, run.robot)
+    return left
 
 
 def encoder_steps(log: Log) -> Array:
@@ -116,9 +162,10 @@ def noisy(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> R
         columns[name] = _read(exact[name], float(noise.angle[i, j]), float(noise.step[i, j]), rng)
         for family, size in (("motor.effort", noise.torque), ("feedback.effort", noise.feedback)):
             if size is not None and exact.has(family):
-                columns[f"{family}.{joint}"] = exact[f"{family}.{joint}"] + rng.normal(
-                    scale=size[i, j], size=len(exact)
-                )
+                drawn = rng.normal(scale=size[i, j], size=len(exact))
+                if family in noise.colours:
+                    drawn = drawn + noise.colours[family].drawn(j, len(exact), rng)
+                columns[f"{family}.{joint}"] = exact[f"{family}.{joint}"] + drawn
         if noise.link is not None:
             name = f"link.position.{joint}"
             columns[name] = exact[name] + rng.normal(scale=noise.link[i, j], size=len(exact))
@@ -142,6 +189,8 @@ class Faultless:
 
     draws: Mapping[Channel, Array]
     """(R, M, C, D) for D draws."""
+    least: Mapping[Channel, Array] = field(default_factory=dict)
+    """RMS that any model leaves beside noise, (C,) each; what is not there is 0."""
 
     def floor(self, log: Log) -> dict[Channel, Array]:
         """RMS by channel, shape (M, C); in no motion much less than in all."""
@@ -152,23 +201,51 @@ class Faultless:
             energy = np.einsum("rmcd,rm->mc", draws**2, valid.astype(np.float64)) / (count * draws.shape[3])
             overall = np.sqrt(np.average(energy, axis=0, weights=count[:, 0]))
             least = _QUIETEST_SERVO if channel == "servo" else _QUIETEST
-            found[channel] = np.maximum(np.sqrt(energy), least * overall)
+            found[channel] = np.hypot(np.maximum(np.sqrt(energy), least * overall), self.least.get(channel, 0.0))
         return found
 
 
 def faultless_residuals(
-    log: Log, exact: Sequence[Recording], bias: Mapping[Channel, Array], machine: Machine, rng: np.random.Generator
+    log: Log, exact: Sequence[Recording], bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator
 ) -> Faultless:
-    """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off."""
+    """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off.
+
+    Args:
+        log: whose noise it is.
+        exact: of the nominal machine.
+        bias: what replay and machine differ by.
+        like: replay of the log on the nominal machine.
+        rng: draws the noise.
+    """
     noise = noise_of(log)
-    draws: dict[Channel, list[Array]] = {}
-    for _ in range(DRAWS):
+
+    def drawn() -> Replay:
         seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(exact)]
-        one = log_of(log.robot, seen, like=log)
-        prediction = predicted(replay(one, machine))
-        for channel, rows in residual_rows(one, prediction).items():
+        return replay(log_of(log.robot, seen, like=log), like.machine)
+
+    runs = [drawn()]
+    noise = _coloured(noise, log, like, runs[0])
+    if noise.colours:
+        runs.clear()
+    runs += [drawn() for _ in range(DRAWS - len(runs))]
+    draws: dict[Channel, list[Array]] = {}
+    for run in runs:
+        for channel, rows in residual_rows(run.read, predicted(run)).items():
             draws.setdefault(channel, []).append(rows - bias[channel])
-    return Faultless(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()})
+    return Faultless(
+        draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()},
+        least={
+            channel: _FORETOLD * _rms(measured_rows(log)[channel], valid_rows(log))
+            for channel in draws
+            if channel in _TORQUES
+        },
+    )
+
+
+def _rms(rows: Array, valid: BoolArray) -> Array:
+    """Of each component (C,) of rows (R, M, C) that are valid (R, M)."""
+    rms: Array = np.sqrt(np.einsum("rmc,rm->c", rows**2, valid.astype(np.float64)) / max(np.count_nonzero(valid), 1))
+    return rms
 
 
 def torque_noise(run: Replay) -> Array:

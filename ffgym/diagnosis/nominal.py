@@ -1,6 +1,6 @@
 """A nominal model for a robot whose numbers nobody knows: rigid bodies and friction fitted to the very logs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +21,6 @@ from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription, RobotDraft
 from ffgym.robot.template.proposals import PRESLIDING
-from ffgym.types import Array
 
 LEAST_SHARE = 0.1
 """Least standard deviation of fitted numbers, relative. An effect that is not in the model hides in its neighbours
@@ -74,8 +73,7 @@ def fitted_nominal(
     fit = identify_rigid_body(known, recordings, RigidBodyOptions(filtering=filtering, resamples=RESAMPLES))
     quick = RigidBodyOptions(filtering=filtering, resamples=2, spread=fit.trade_off.chosen)
 
-    def refit(added: Mapping[int, Array]) -> RobotDescription:
-        left = [_without_torque(known, recordings[i], torque) for i, torque in added.items()]
+    def refit(left: Sequence[Recording]) -> RobotDescription:
         return _completed(robot, identify_rigid_body(known, left, quick).identified)
 
     return Machine(robot=_completed(robot, fit.identified)), replace(_calibration(fit), refit=refit)
@@ -86,14 +84,6 @@ def _completed(robot: RobotDescription | RobotDraft, found: RobotDescription) ->
     if isinstance(robot, RobotDraft) and "friction.bristle_stiffness" not in robot.quantities:
         return replace(found, friction=_with_stiff_bristles(found))
     return found
-
-
-def _without_torque(robot: RobotDescription, recording: Recording, torque: Array) -> Recording:
-    """A recording less a torque (T, N), motor side [N m]."""
-    link = recording.header.torque_semantics == "link_side"
-    own = robot.drive.joint_torque(torque) if link else torque
-    names = [f"motor.effort.{joint}" for joint in recording.header.joints]
-    return recording.with_columns({name: recording[name] - own[:, j] for j, name in enumerate(names)})
 
 
 def _with_stiff_bristles(robot: RobotDescription) -> LuGreParameters:

@@ -18,6 +18,7 @@ from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.search.surrogates import surrogates
+from ffgym.diagnosis.servo import FOREIGN, UNKNOWN, has_servo, is_foreign
 from ffgym.diagnosis.signatures.column import Column, columns_of
 from ffgym.diagnosis.signatures.variant import variants
 from ffgym.diagnosis.standing import misread_friction
@@ -44,6 +45,8 @@ class Prepared:
     """RMS of noise alone, (M, C)."""
     simulated: bool
     """Whether that motion is of the controller along set-points, which other logs may share."""
+    no_servo: str = ""
+    """Why the feedback torque is not compared, though the log has it; empty if it is."""
 
 
 @dataclass(eq=False)
@@ -74,7 +77,10 @@ def prepared(
     """Replay the nominal model, and find out what noise alone would leave."""
     like = replay(log, nominal)
     known = _known(log, like, calibration, memory)
-    faultless = faultless_residuals(log, known.exact, known.bias, nominal, rng)
+    if reason := _without_servo(log, known):
+        bare = replace(log, feedback=None)
+        return replace(prepared(bare, nominal, calibration, rng, memory), no_servo=reason)
+    faultless = faultless_residuals(log, known.exact, known.bias, like, rng)
     floor = faultless.floor(log)
     weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in counting_rows(log).items()}
     missed = {channel: rows - known.bias[channel] for channel, rows in residual_rows(log, predicted(like)).items()}
@@ -90,6 +96,15 @@ def prepared(
         bound=BOUND,
     )
     return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor, simulated=known.simulated)
+
+
+def _without_servo(log: Log, known: NominalRun) -> str:
+    """Why the log's feedback torque is not to be compared; empty if it is, or there is none."""
+    if log.feedback is None or log.reference is None:
+        return ""
+    if not has_servo(log.robot):
+        return UNKNOWN
+    return FOREIGN if not known.simulated and is_foreign(log) else ""
 
 
 def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | None) -> NominalRun:

@@ -5,10 +5,11 @@ from typing import Any, Literal
 
 from ffgym.diagnosis.residual import Channel
 
-Verdict = Literal["none", "named", "partly", "ambiguous", "unknown", "insufficient"]
+Verdict = Literal["none", "named", "partly", "ambiguous", "unknown", "wiring", "insufficient"]
 """`none`: these motions do not falsify the model; `named`: causes explain what it lacks; `partly`: a cause explains
 much and something is left; `ambiguous`: several causes explain it as well, see the separating motion; `unknown`:
-something is there that no effect of the library explains; `insufficient`: these logs do not allow a diagnosis."""
+something is there that no effect of the library explains; `wiring`: columns are not what they are called, and no
+physical cause was looked for; `insufficient`: these logs do not allow a diagnosis."""
 
 
 NEAR_NOISE = 1.25
@@ -159,6 +160,20 @@ class SeparatingMotion:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Miswiring:
+    """Columns that are not what they are called."""
+
+    kind: str
+    """sign, unit, side, swap, axes, zero, delay, clock or current."""
+    families: tuple[str, ...]
+    """Families of columns; empty for the clock."""
+    joints: tuple[str, ...]
+    """Joints, or axes of the tracker; empty for the clock."""
+    message: str
+    """One sentence: what is wrong, what shows it, the way out."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Diagnosis:
     """Answer to: what does the simulation get wrong, why, and how sure is that."""
 
@@ -177,6 +192,8 @@ class Diagnosis:
     not_judgeable: tuple[Unjudged, ...] = ()
     """Effects that take columns, or a description, that are not there."""
     separating_motion: SeparatingMotion | None = None
+    wiring: tuple[Miswiring, ...] = ()
+    """Columns that are not what they are called, the most telling first; then there is nothing else."""
     levels: tuple[Level, ...] = ()
     gains: bool = False
     """Whether the extended model leaves less than the nominal one of motions that it was not fitted to; if it does not,

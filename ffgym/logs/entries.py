@@ -67,7 +67,7 @@ def entries_of(contents: Contents, columns: ColumnMap, header: Header) -> Entrie
     Raises:
         FFGymError: if one is missing or has another shape than it must; the message names the entry.
     """
-    timestamp = columns.columns[TIMESTAMP]
+    timestamp = _clock_there_is(contents, columns.columns[TIMESTAMP])
     with in_entry(TIMESTAMP):
         times = _times(contents, timestamp)
     others: dict[str, Entry] = {}
@@ -96,8 +96,13 @@ def _times(contents: Contents, timestamp: Column) -> Gathered | None:
         return None
     if not isinstance(timestamp.source, str) or not isinstance(timestamp.unit, str):
         raise FFGymError("the clock of the rows is one array in one unit.")
+    return gather(contents, timestamp, timestamp.source, 1)
+
+
+def _clock_there_is(contents: Contents, timestamp: Column) -> Column:
+    """The clock of the rows by the first of its names that the file has."""
     here = (name for name in (timestamp.source, *timestamp.otherwise) if name in contents.arrays)
-    return gather(contents, timestamp, next(here, timestamp.source), 1)
+    return replace(timestamp, source=next(here, timestamp.source), otherwise=())
 
 
 def _names(contents: Contents, column: Column, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:

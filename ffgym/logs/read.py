@@ -61,6 +61,8 @@ def read_logs(
     if header is not None:
         raise FFGymError("header belongs to a recording without one; with a column map, [log] says what it says.")
     columns = load_columns(columns)
+    if columns.is_for_recordings:
+        return [corrected(read_recording(path), columns)]
     described = robot_of(columns, robot)
     made = header_of(columns, described)
     try:
@@ -71,9 +73,16 @@ def read_logs(
     provenance = {"file": Path(path).name, "sha256": digest(Path(path)), "columns": Path(columns.where).name}
     made = replace(made, segment=made.segment or bare_name(path), provenance=provenance)
     try:
-        return recordings_of(contents, columns, made)
+        return [columns.rewiring.applied(recording) for recording in recordings_of(contents, columns, made)]
     except FFGymError as error:
         raise FFGymError(f"{os.fspath(path)} with {columns.where}: {error}") from error
+
+
+def corrected(recording: Recording, columns: ColumnMap) -> Recording:
+    """A recording with the corrections of a map, which its provenance names."""
+    provenance = recording.header.provenance | {"columns": Path(columns.where).name}
+    made = columns.rewiring.applied(recording)
+    return Recording(made.columns, replace(made.header, provenance=provenance))
 
 
 def digest(path: Path) -> str:

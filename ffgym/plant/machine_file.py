@@ -25,8 +25,8 @@ from ffgym.files import read_text
 from ffgym.plant.climate import Climate
 from ffgym.plant.machine import Machine
 from ffgym.plant.sameness import check_same_controller
-from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_robot
-from ffgym.robot.reading.parameters import GROUPS, with_numbers
+from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_draft, load_robot
+from ffgym.robot.reading.parameters import GROUPS, draft_with_numbers, with_numbers
 from ffgym.robot.template.toml_text import text
 
 CLIMATE_UNITS: Mapping[str, str] = MappingProxyType(
@@ -35,8 +35,14 @@ CLIMATE_UNITS: Mapping[str, str] = MappingProxyType(
 """What [climate] may have."""
 
 
-def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS) -> Machine:
-    """Read a machine file; `known` has the effects that it may name.
+def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS, *, partial: bool = False) -> Machine:
+    """Read a machine file.
+
+    Args:
+        path: the file.
+        known: effects that it may name.
+        partial: whether entries may lack that neither the robot's description nor the file has, such as the servo: for
+            what compares logs, and simulates nothing.
 
     Raises:
         FFGymError: if the file cannot be read, or an entry is unknown, missing or invalid.
@@ -44,7 +50,7 @@ def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS) 
     tree = _tree(path)
     if "machine" not in tree:
         raise FFGymError(f"{path} is no machine file: it has no table [machine] with title and robot.")
-    return parse_machine(tree, where=str(path), folder=Path(path).parent, known=known)
+    return parse_machine(tree, where=str(path), folder=Path(path).parent, known=known, partial=partial)
 
 
 def known_robot(path: str | Path) -> RobotDescription:
@@ -102,6 +108,8 @@ def parse_machine(
     where: str = "machine",
     folder: Path = Path(),
     known: Mapping[str, type[Effect]] = EFFECTS,
+    *,
+    partial: bool = False,
 ) -> Machine:
     """Machine of parsed tables.
 
@@ -110,6 +118,7 @@ def parse_machine(
         where: their name, for messages.
         folder: where the path of a description file starts.
         known: effects that the tables may name.
+        partial: as for `load_machine`.
 
     Raises:
         FFGymError: if an entry is unknown, missing or invalid.
@@ -117,11 +126,8 @@ def parse_machine(
     try:
         for table in tree:
             check_choice("table", table, ["machine", *GROUPS, "effects", "climate"])
-        known_to_controller = robot = _robot(tree.get("machine"), folder)
         numbers = {group: tree[group] for group in GROUPS if group in tree}
-        if numbers:
-            robot = with_numbers(robot, numbers)
-            check_same_controller(robot, known_to_controller)
+        robot = _with_numbers(tree.get("machine"), folder, numbers, partial=partial)
         effects = read_effects(_table(tree, "effects"), robot, known)
         climate = parse_climate(_table(tree, "climate")) if "climate" in tree else None
         return Machine(robot=robot, effects=effects, climate=climate)
@@ -162,6 +168,27 @@ def _table(tree: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     if not isinstance(table, dict):
         raise FFGymError(f"[{name}] must be a table, got {table!r}.")
     return table
+
+
+def _with_numbers(head: Any, folder: Path, numbers: Mapping[str, Any], *, partial: bool) -> RobotDescription:
+    """The robot that a file names, with the numbers of the file."""
+    draft = load_draft(place) if (place := _description(head, folder)) is not None else None
+    if draft is None or not draft.missing:
+        known = _robot(head, folder)
+        robot = with_numbers(known, numbers) if numbers else known
+    else:
+        known = draft.description_for("identification")
+        whole = draft_with_numbers(draft, numbers) if numbers else draft
+        robot = whole.description_for("identification") if partial and whole.missing else whole.complete()
+    if numbers:
+        check_same_controller(robot, known)
+    return robot
+
+
+def _description(head: Any, folder: Path) -> Path | None:
+    """Path of the description that a file names; None for what is no path."""
+    named = head.get("robot") if isinstance(head, dict) else None
+    return folder / named if isinstance(named, str) and named.endswith(".toml") else None
 
 
 def _robot(head: Any, folder: Path) -> RobotDescription:

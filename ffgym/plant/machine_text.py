@@ -13,7 +13,7 @@ from ffgym.files import write_text
 from ffgym.plant.machine import Machine
 from ffgym.plant.machine_file import climate_toml, parse_machine
 from ffgym.plant.sameness import check_same_controller
-from ffgym.robot import ModelOptions, RobotDescription, builtin_robots, load_robot
+from ffgym.robot import ModelOptions, RobotDescription, builtin_robots, load_draft, load_robot
 from ffgym.robot.reading.parameters import GROUPS
 from ffgym.robot.reading.rule import JointFrame, si_units
 from ffgym.robot.reading.rules import RULES
@@ -85,16 +85,18 @@ def _named(robot: RobotDescription, reference: str | Path | None, folder: Path) 
     if not str(reference).endswith(".toml"):
         return load_robot(reference), str(reference)
     path = Path(reference).resolve()
+    draft = load_draft(path)
+    known = draft.description_for("identification") if draft.missing else load_robot(path)
     try:
-        return load_robot(path), Path(os.path.relpath(path, folder.resolve())).as_posix()
+        return known, Path(os.path.relpath(path, folder.resolve())).as_posix()
     except ValueError:  # another drive
-        return load_robot(path), path.as_posix()
+        return known, path.as_posix()
 
 
 def _check_says(written: str, machine: Machine, folder: Path) -> None:
     """Check that a machine file leaves nothing out."""
     options = ModelOptions(looks=False)
-    read = parse_machine(tomllib.loads(written), folder=folder)
+    read = parse_machine(tomllib.loads(written), folder=folder, partial=True)
     check_same_controller(machine.robot, read.robot)
     if read.physics(options) != machine.physics(options):
         raise FFGymError(
@@ -104,7 +106,7 @@ def _check_says(written: str, machine: Machine, folder: Path) -> None:
 
 
 def _numbers(robot: RobotDescription, known: RobotDescription, source: str) -> list[str]:
-    """Tables of all numbers in which the robot differs from the known one; those of files keep their sources."""
+    """Tables of all numbers in which the robot differs from the known one, or that this lacks; files' keep sources."""
     joints = JointFrame(types=robot.kinematics.types, gear_ratio=robot.drive.gear_ratio)
     tables = []
     for path, rule in RULES.items():
@@ -112,7 +114,8 @@ def _numbers(robot: RobotDescription, known: RobotDescription, source: str) -> l
         if group not in GROUPS:
             continue
         mine, theirs = (getattr(getattr(r, GROUPS[group]), name, None) for r in (robot, known))
-        if mine is None or theirs is None or np.array_equal(mine, theirs):
+        lacking = not rule.optional and path not in known.quantities
+        if mine is None or theirs is None or (np.array_equal(mine, theirs) and not lacking):
             continue
         given = robot.quantities.get(path)
         said = given.source if given is not None and np.array_equal(given.value, mine) else source

@@ -26,6 +26,10 @@ _WINDOW = 0.02
 _LAG_SPAN = 0.3
 """Largest delay [s] that is looked for."""
 
+_VARIES = 0.05
+"""Change of the speed along a path, as a share of its mean, from which on a delay can be seen in it; chosen: below,
+noise and vibration are most of what changes."""
+
 _LARGEST_SWING = 5.0
 """Largest factor that elastic joints may make of a path: a tenth of critical damping leaves 5, a unit makes 10."""
 
@@ -44,6 +48,8 @@ class Fit:
     """Share of the measured path that the copy leaves."""
     lag: float
     """By how much it is later [s]."""
+    varies: bool
+    """Whether the speed along the path changes enough to tell that."""
 
 
 @lru_cache(maxsize=4)
@@ -61,6 +67,7 @@ def _fit(log: Log) -> Fit:
         offset=float(np.linalg.norm(measured.mean(axis=0) - planned.mean(axis=0))),
         left=left,
         lag=lag * dt if late[2] < at_once[2] else 0.0,
+        varies=_varies(planned, dt),
     )
 
 
@@ -121,6 +128,13 @@ def _lag(a: Array, b: Array, dt: float) -> int:
     return int(np.argmax(curve[middle - reach : middle + reach + 1])) - reach
 
 
+def _varies(path: Array, dt: float) -> bool:
+    """Whether the speed along a path (R, 3) changes."""
+    window = max(1, round(_WINDOW / dt))
+    speed = np.linalg.norm(path[window:] - path[:-window], axis=1)
+    return bool(speed.std() > _VARIES * speed.mean())
+
+
 def _swing(log: Log) -> float:
     """Factor by which the springs of the arm may enlarge its path: 1 for slow motions, `_LARGEST_SWING` at resonance.
 
@@ -169,6 +183,8 @@ def _delay(log: Log) -> Iterator[Seen]:
     fit = _fit(log)
     if fit.left > 0.5:
         raise NotJudgedError("the tool does not move as the joints do")
+    if not fit.varies:
+        raise NotJudgedError("the speed along the path hardly changes")
     message = (
         f"tcp.position is {'later' if fit.lag > 0 else 'earlier'} than the joints by {abs(fit.lag):.3g} s, must be by "
         "less than 20 ms. Shift it by that time, or synchronise the clocks."

@@ -91,6 +91,8 @@ def _saturation(log: Log) -> Iterator[Seen]:
         raise NotJudgedError("it needs the robot and motor.effort")
     if semantics == "unspecified":
         raise NotJudgedError("torque_semantics of the header is unspecified")
+    if log.robot.quantities and "drive.peak_torque" not in log.robot.quantities:
+        raise NotJudgedError("the description does not say drive.peak_torque")
     torque = log.recording.joint_array("motor.effort")
     if semantics == "link_side":
         torque = log.robot.drive.motor_torque(torque)

@@ -10,5 +10,7 @@ from ffgym.recordings.phase import Phase as Phase
 from ffgym.recordings.phase import PhaseKind as PhaseKind
 from ffgym.recordings.phase import clipped as clipped
 from ffgym.recordings.recording import Recording as Recording
+from ffgym.recordings.rewiring import Rewire as Rewire
+from ffgym.recordings.rewiring import Rewiring as Rewiring
 from ffgym.recordings.schema import FAMILIES as FAMILIES
 from ffgym.recordings.schema import Family as Family

@@ -12,6 +12,11 @@ from ffgym.diagnosis.result import (
 )
 
 
+def left(measured, noise_floor, before, after):
+    """RMS of a level."""
+    return {"measured": measured, "noise_floor": noise_floor, "before": before, "after": after}
+
+
 def full_diagnosis() -> Diagnosis:
     """Ambiguous between two causes on j2, with everything that a result can have."""
     size = Size(name="share", value=0.021, unit="1", interval=(0.019, 0.024))
@@ -79,13 +84,9 @@ def full_diagnosis() -> Diagnosis:
             expected=3.2,
         ),
         levels=(
-            Level(
-                channel="torque", component="j1", unit="N m", measured=0.5, noise_floor=0.01, before=0.011, after=0.0105
-            ),
-            Level(
-                channel="torque", component="j2", unit="N m", measured=0.6, noise_floor=0.012, before=0.09, after=0.013
-            ),
-            Level(channel="tool", component="x", unit="m", measured=1e-3, noise_floor=2e-6, before=9e-6, after=3e-6),
+            Level(channel="torque", component="j1", unit="N m", **left(0.5, 0.01, 0.011, 0.0105)),
+            Level(channel="torque", component="j2", unit="N m", **left(0.6, 0.012, 0.09, 0.013)),
+            Level(channel="tool", component="x", unit="m", **left(1e-3, 2e-6, 9e-6, 3e-6)),
         ),
         threshold=0.06,
         quality=("diagnosis.sine: j6 hardly moves",),

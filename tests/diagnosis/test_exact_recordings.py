@@ -12,7 +12,9 @@ from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import replay
 from ffgym.recordings import Recording
-from tests.diagnosis.replay.replay_samples import nominal, recorded
+from ffgym.robot import ModelOptions
+from ffgym.simulation import Run, simulate
+from tests.diagnosis.replay.replay_samples import nominal, recorded, reference
 
 
 @pytest.fixture(scope="module")
@@ -34,11 +36,18 @@ def exact(recording):
     return exact_recordings(log, replay(log, nominal()))
 
 
-def test_a_nominal_machine_records_along_its_set_points_what_it_recorded(recording):
+def test_what_a_machine_records_is_known_for_steps_of_no_length(recording):
+    """The engine's recordings come as near as their steps are short: its error is of first order."""
     found = exact(recording)
     assert found.simulated
-    again = found.recordings[0].joint_array("motor.position")
-    np.testing.assert_allclose(again, recording.joint_array("motor.position"), atol=2e-4)
+    angle, missed = found.recordings[0].joint_array("motor.position"), []
+    for share in (1.0, 0.5, 0.25):
+        options = ModelOptions(looks=False, physics_dt=share * nominal().robot.physics_dt)
+        (own,) = simulate([Run(reference=reference())], machine=nominal(), options=options, record_dt=0.002)
+        missed.append(np.abs(own.joint_array("motor.position") - angle).max())
+    assert missed[0] < 2e-3
+    assert missed[1] < 0.6 * missed[0]
+    assert missed[2] < 0.6 * missed[1]
 
 
 @pytest.mark.parametrize("period", [0.00199998, 0.0021, 0.005, 0.0004])
@@ -52,7 +61,7 @@ def test_clocks_of_real_machines_are_no_multiple_of_a_step(recording, period):
     np.testing.assert_allclose(again.t, log.t[: len(again)])
     assert log.t[-1] - again.t[-1] <= nominal().robot.servo.control_dt + period
     measured = log.joint_array("motor.position")[: len(again)]
-    np.testing.assert_allclose(again.joint_array("motor.position")[inner], measured[inner], atol=2e-4)
+    np.testing.assert_allclose(again.joint_array("motor.position")[inner], measured[inner], atol=2e-3)
 
 
 def test_a_machine_under_another_controller_moves_as_measured(recording):

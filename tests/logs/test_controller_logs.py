@@ -4,64 +4,21 @@ import gzip
 import io
 import json
 from importlib import resources
-from pathlib import Path
 
 import numpy as np
 import pytest
+from controller_robot import CURRENTS, DRIVES, GEARS, JOINTS, PER_CURRENT, RATED, RATEDS, described
 from log_samples import refused
 
 from ffgym.cli.main import main
 from ffgym.logs import builtin_columns, load_columns, parse_columns, read_contents, read_log
 from ffgym.logs.recognise import fitting_maps
-from ffgym.robot import load_draft
 
 N = 40
-JOINTS = ("j1", "j2")
-RATIOS = np.array([118.0, -101.0])
-PER_CURRENT = np.array([14.0, 11.0])  # N m/A behind the gearbox
-RATED = np.array([2.5, 1.5])  # N m at the motor
 T = 0.004 * np.arange(N)
 Q = np.column_stack([np.sin(9 * T), 0.5 * np.cos(7 * T)])
 DQ = np.column_stack([9 * np.cos(9 * T), -3.5 * np.sin(7 * T)])
 DRIVEN = np.column_stack([2.0 + np.cos(9 * T), np.sin(7 * T)])  # whatever a controller calls torque
-
-DRIVES = """
-[drive.gear_ratio]
-value = [118.0, -101.0]
-unit = "1"
-origin = "chosen"
-source = "test"
-"""
-CURRENTS = """
-[drive.torque_per_current]
-value = [14.0, 11.0]
-unit = "N m/A"
-side = "link"
-origin = "chosen"
-source = "test"
-"""
-RATEDS = """
-[drive.rated_torque]
-value = [2.5, 1.5]
-unit = "N m"
-side = "motor"
-origin = "chosen"
-source = "test"
-"""
-
-
-def described(folder: Path, *tables: str) -> str:
-    """Path of a two-link arm of which geometry, gears and these tables are known."""
-    tree = (resources.files("ffgym.robot") / "data" / "two_link.toml").read_text(encoding="utf-8")
-    head = "\n[".join(
-        part for part in tree.split("\n[") if part.startswith(("robot]", "kinematics.", "simulation.gravity", "#"))
-    )
-    joints = load_draft("two_link").joints
-    for old, new in zip(joints, JOINTS, strict=True):
-        head = head.replace(f'"{old}"', f'"{new}"')
-    path = folder / "arm.toml"
-    path.write_text("\n".join([head, *tables]), encoding="utf-8")
-    return str(path)
 
 
 def csv(titles: str, *columns: np.ndarray, comma: str = ",") -> str:
@@ -97,12 +54,12 @@ LAYOUTS = {
             *(40 + T, Q, DQ, DRIVEN, Q),
             comma=" ",
         ),
-        DRIVEN * PER_CURRENT / RATIOS,
+        DRIVEN * PER_CURRENT / GEARS,
     ),
     "ur_rtde commas": (
         "ur_rtde",
         csv("timestamp," + counted("actual_q_{}", 0) + "," + counted("actual_current_{}", 0), 40 + T, Q, DRIVEN),
-        DRIVEN * PER_CURRENT / RATIOS,
+        DRIVEN * PER_CURRENT / GEARS,
     ),
     "kuka_rsi": (
         "kuka_rsi",
@@ -198,7 +155,7 @@ def test_the_constants_that_made_torques_are_kept(tmp_path):
     path = tmp_path / "run.csv"
     path.write_text(LAYOUTS["ur_rtde blanks"][1], encoding="utf-8")
     meta = read_log(path, "ur_rtde", robot=described(tmp_path, DRIVES, CURRENTS)).header.meta
-    np.testing.assert_allclose(meta["drive_torque_per_current"], PER_CURRENT / RATIOS)
+    np.testing.assert_allclose(meta["drive_torque_per_current"], PER_CURRENT / GEARS)
 
 
 HEADERLESS = """
@@ -230,7 +187,7 @@ def test_columns_without_names_are_counted_and_a_packed_file_is_read(tmp_path):
     recording = read_log(path, tmp_path / "map.toml", robot=robot)
     assert recording.header.segment == "run"
     np.testing.assert_allclose(recording.joint_array("motor.position"), Q)
-    np.testing.assert_allclose(recording.joint_array("motor.effort"), DRIVEN * PER_CURRENT / RATIOS)
+    np.testing.assert_allclose(recording.joint_array("motor.effort"), DRIVEN * PER_CURRENT / GEARS)
     path.write_bytes(path.read_bytes()[:-20])
     with refused("run.csv.gz", "no whole gzip file"):
         read_log(path, tmp_path / "map.toml", robot=robot)
@@ -241,7 +198,7 @@ def test_a_map_begins_with_another_and_changes_what_it_says(tmp_path):
     path.write_text(LAYOUTS["kuka_rsi"][1], encoding="utf-8")
     ampere = parse_columns('[log]\nbase = "kuka_rsi"\n[columns."motor.effort"]\nunit = "A"\n')
     recording = read_log(path, ampere, robot=described(tmp_path, DRIVES, CURRENTS))
-    np.testing.assert_allclose(recording.joint_array("motor.effort"), DRIVEN * PER_CURRENT / RATIOS)
+    np.testing.assert_allclose(recording.joint_array("motor.effort"), DRIVEN * PER_CURRENT / GEARS)
     with refused("base = 'kuka_rsy' is unknown"):
         parse_columns('[log]\nbase = "kuka_rsy"')
     (tmp_path / "a.toml").write_text('[log]\nbase = "a.toml"')

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from controller_robot import CURRENTS, DRIVES, GEARS, PER_CURRENT, described
 from log_samples import LOG, RATIOS, column_map, refused
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from ffgym.logs import read_contents, read_log
+from ffgym.logs import parse_columns, read_contents, read_log
+from ffgym.logs.recognise import fitting_maps
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 START = 1_789_999_999_963_456_789  # a second ends after ten rows
@@ -166,3 +168,37 @@ def test_what_is_no_bag_is_one_error(suffix, tmp_path):
     path.write_bytes(b"no bag" * 99)
     with refused(f"run{suffix}: Not an MCAP file or rosbag, or damaged"):
         read_contents(path)
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["arm alone", "arm and gripper"])
+def full_bag(request, tmp_path_factory):
+    """Arm with efforts, its joints in changing order, maybe a gripper on the same topic."""
+    folder = tmp_path_factory.mktemp("bags") / "run"
+    with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        states = writer.add_connection("/joint_states", "sensor_msgs/msg/JointState", typestore=STORE)
+        for i in range(N):
+            ns, names = START + i * PERIOD, ("j1", "j2") if i % 2 else ("j2", "j1")
+            values = {"j1": (0.1 * i, 0.2, 5.0 + i), "j2": (-0.1 * i, 0.3, 7.0 - i)}
+            sent = [np.array([values[name][k] for name in names]) for k in range(3)]
+            fields = dict(zip(("position", "velocity", "effort"), sent, strict=True))
+            state = message("sensor_msgs/msg/JointState", header=header(ns), name=list(names), **fields)
+            writer.write(states, ns + 700, STORE.serialize_cdr(state, state.__msgtype__))
+            if request.param:
+                finger = joints(ns, ["finger"], [0.01])
+                writer.write(states, ns + 900, STORE.serialize_cdr(finger, finger.__msgtype__))
+    return folder
+
+
+def test_joint_states_of_any_robot_are_read_by_the_built_in_map(full_bag, tmp_path):
+    robot = described(tmp_path, DRIVES, CURRENTS)
+    recording = read_log(full_bag, "ros_joint_states", robot=robot)
+    i = np.arange(N)
+    np.testing.assert_allclose(recording.t, 0.004 * i, rtol=1e-15)
+    np.testing.assert_allclose(recording.joint_array("motor.position"), np.column_stack([0.1 * i, -0.1 * i]))
+    np.testing.assert_allclose(recording.joint_array("motor.velocity")[:, 1], 0.3)
+    np.testing.assert_allclose(recording.joint_array("motor.effort"), np.column_stack([5.0 + i, 7.0 - i]))
+    assert recording.header.torque_semantics == "link_side"
+    assert fitting_maps(read_contents(full_bag)) == ["ros_joint_states"]
+    current = '[log]\nbase = "ros_joint_states"\ntorque_semantics = "current"\n[columns."motor.effort"]\nunit = "A"'
+    sent = read_log(full_bag, parse_columns(current), robot=robot).joint_array("motor.effort")
+    np.testing.assert_allclose(sent, np.column_stack([5.0 + i, 7.0 - i]) * PER_CURRENT / GEARS)

@@ -14,6 +14,8 @@ LEAST_SPAN = {"temperature": 5.0, "running": 120.0}
 """Span that a log must have of what an effect varies with: temperature [K], and time since switching on [s]; chosen:
 what moves friction by some per cent."""
 
+_NO_FEEDBACK = "the log has no set-points, or no feedback torque (reference.position, feedback.effort)"
+
 _UNITS = {"temperature": "K", "running": "s"}
 
 
@@ -21,12 +23,14 @@ _OPEN = "it is a number of the model that is not known any better than that: it 
 
 
 def judgeable_kinds(
-    log: Log, machine: Machine, calibration: Calibration
+    log: Log, machine: Machine, calibration: Calibration, no_servo: str = ""
 ) -> tuple[list[type[Effect]], tuple[Unjudged, ...]]:
-    """Effects that a log may show, and the others with the reason."""
+    """Effects that a log may show, and the others with the reason; `no_servo` is that of effects in the servo."""
     judgeable, others = [], []
     for kind in EFFECTS.values():
         reason = _OPEN if kind in calibration.open_numbers else _missing(kind, log, machine)
+        if reason == _NO_FEEDBACK:
+            reason = no_servo or reason
         if reason:
             others.append(Unjudged(effect=kind.name, joint="", reason=reason))
         else:
@@ -45,7 +49,7 @@ def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
         and not issubclass(kind, ClockEffect)
         and (log.feedback is None or log.reference is None)
     ):
-        return "the log has no set-points, or no feedback torque (reference.position, feedback.effort)"
+        return _NO_FEEDBACK
     if kind.needs_elasticity and bool(machine.physical.drive.is_rigid.all()):
         return "the joints are described as rigid"
     if kind.at_low_speed and not knows_low_speed(log.robot).any():

@@ -8,6 +8,7 @@ would be read as a part of the effect.
 from dataclasses import replace
 
 from ffgym.diagnosis.exact import exact_recordings
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.refine import fit
 from ffgym.diagnosis.fit.setting import Setting
@@ -19,16 +20,19 @@ from ffgym.diagnosis.replay import predicted, replay
 def corrected(setting: Setting, found: Fit) -> Fit:
     """The same hypotheses, fitted once more to residuals without what replay and simulation of their machine differ by.
 
-    As they are, where nothing was found, the machine cannot be simulated along the log's set-points, or no more would
-    be explained.
+    As they are, where nothing was found, the machine cannot be simulated along the log's set-points or be fitted again,
+    or no more would be explained.
     """
     log, machine = setting.log, found.run.machine
     if not found.hypotheses:
         return found
-    exact = exact_recordings(log, found.run)
-    if not exact.simulated:
+    try:
+        exact = exact_recordings(log, found.run)
+        if not exact.simulated:
+            return found
+        own = log_of(log.robot, exact.recordings, like=log)
+        bias = residual_rows(own, predicted(replay(own, machine)))
+        again = fit(replace(setting, bias=bias), found.hypotheses, begun=True)
+    except FAILED:
         return found
-    own = log_of(log.robot, exact.recordings, like=log)
-    bias = residual_rows(own, predicted(replay(own, machine)))
-    again = fit(replace(setting, bias=bias), found.hypotheses, begun=True)
     return again if again.left < found.left else found

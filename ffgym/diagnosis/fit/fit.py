@@ -8,15 +8,16 @@ import numpy as np
 from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.stack import Evidence
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
 from ffgym.diagnosis.fit.setting import Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay
-from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.errors import FFGymError
+from ffgym.plant import Machine
 from ffgym.types import Array, IntArray
 
 _FAR = 3.0
@@ -79,19 +80,22 @@ class Trial:
     left: float
 
 
-def trial_of(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Trial | None:
-    """Replay of the machine with all hypotheses; None if none can have them, or its arm would not stay where it is."""
-    machine = machine_with(setting.nominal, hypotheses)
+def trial_of(setting: Setting, hypotheses: Sequence[Hypothesis], nominal: Machine | None = None) -> Trial | None:
+    """Replay of the machine with all hypotheses; None if none can have them, or what it does cannot be computed."""
+    machine = machine_with(nominal or setting.nominal, hypotheses)
     if machine is None:
         return None
     try:
-        run = replay(setting.log, machine, setting.like)
-    except FlownAwayError:
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            run = replay(setting.log, machine, setting.like)
+            rows = residual_rows(setting.log, predicted(run))
+            residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
+        if not all(np.isfinite(values).all() for values in residual.values()):
+            return None
+        left = _left(setting.stack.evidence(values_of(residual)), priors_of_calibration(setting, hypotheses))
+    except FAILED:
         return None
-    rows = residual_rows(setting.log, predicted(run))
-    residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
-    left = _left(setting.stack.evidence(values_of(residual)), priors_of_calibration(setting, hypotheses))
-    return Trial(hypotheses=hypotheses, run=run, residual=residual, left=left)
+    return Trial(hypotheses=hypotheses, run=run, residual=residual, left=left) if np.isfinite(left) else None
 
 
 def _left(evidence: Evidence, priors: Priors) -> float:
@@ -115,9 +119,15 @@ def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | No
 
 
 def with_tangents(setting: Setting, tried: Trial, like: Fit | None) -> Fit:
-    """What was replayed, with columns for all numbers; but for the newest hypothesis those that `like` has serve."""
+    """What was replayed, with columns for all numbers; but for the newest hypothesis those that `like` has serve.
+
+    Raises:
+        FFGymError: if a number can be neither higher nor lower, or slopes cannot be computed.
+    """
     known = {i: of for i, h in enumerate(tried.hypotheses[:-1]) if like is not None and (of := like.tangents_of(h))}
     columns = tangents(tried.run, setting.nominal, tried.hypotheses, known) if tried.hypotheses else []
+    if not all(np.isfinite(rows).all() for column in columns for rows in column.values()):
+        raise FFGymError(f"Slopes of {', '.join(h.label for h in tried.hypotheses)} are beyond all numbers.")
     return Fit(
         hypotheses=tuple(tried.hypotheses),
         run=tried.run,

@@ -6,9 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.diagnosis.calibration import Doubt
-from ffgym.effects import Effect, NativeEffect
+from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.plant import Machine
-from ffgym.types import Array
+from ffgym.types import Array, BoolArray
+
+
+def are_of_the_machine(doubts: Sequence[Doubt]) -> BoolArray:
+    """Tell calibration errors of the machine from those of how rows were written, shape (len(doubts),)."""
+    return np.array([not issubclass(doubt.column.effect, ClockEffect) for doubt in doubts], dtype=np.bool_)
 
 
 def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Machine:
@@ -17,7 +22,7 @@ def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Mac
     Args:
         nominal: the machine whose numbers they are.
         doubts: what is open of it.
-        sizes: in standard deviations, shape (len(doubts),).
+        sizes: in standard deviations, shape (len(doubts),); 0 for those that are not of the machine.
     """
     robot, beside = nominal.robot, list[Effect]()
     for effect in _effects(nominal, doubts, sizes):

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ffgym.diagnosis.evidence.fitted import fitted
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.fit import Fit, evaluated, left_by, trial_of, with_tangents
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.setting import Setting
@@ -66,7 +67,10 @@ def refined(setting: Setting, begun: Fit, like: Fit | None = None, *, roughly: b
         if tried is None or tried.left >= best.left:
             break
         gained = 1 - tried.left / best.left
-        best = with_tangents(setting, tried, like)
+        try:
+            best = with_tangents(setting, tried, like)
+        except FAILED:
+            break  # a machine at the edge of what can be: it stays where slopes were known
         if gained < _ENOUGH and (roughly or float(np.max(np.abs(step))) < _SMALL):
             break
     return best
@@ -85,9 +89,12 @@ def polished(setting: Setting, found: Fit) -> Fit:
         return left_by(setting, [*others, last.scaled(float(np.exp(log_factor)))])
 
     best = minimize_scalar(left, bounds=_SOUGHT, method="bounded", options={"xatol": _FINE})
-    if best.fun >= found.left:
+    if not best.fun < found.left:
         return found
-    return fit(setting, [*others, last.scaled(float(np.exp(best.x)))], begun=True)
+    try:
+        return fit(setting, [*others, last.scaled(float(np.exp(best.x)))], begun=True)
+    except FAILED:
+        return found
 
 
 def _on_springs(hypothesis: Hypothesis) -> bool:

@@ -6,24 +6,23 @@ more about where it then is.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
-from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with, moved
-from ffgym.diagnosis.fit.numbers import with_numbers
+from ffgym.diagnosis.fit.fit import Fit, trial_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
+from ffgym.diagnosis.fit.numbers import are_of_the_machine, with_numbers
 from ffgym.diagnosis.fit.setting import Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
-from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.replay import Replay, predicted, replay
-from ffgym.diagnosis.replay.springs import FlownAwayError
+from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
+from ffgym.recordings import Recording
 from ffgym.types import Array, BoolArray
 
 _ROUNDS = 2
@@ -68,10 +67,11 @@ def _by_priors(setting: Setting, fit: Fit, chosen: BoolArray) -> Written | None:
     """With calibration errors as their priors and the log have them."""
     n, evidence, hypotheses = fit.n_calibration, fit.evidence, fit.hypotheses
     low, high = fit.priors.low, fit.priors.high
+    of_machine = are_of_the_machine(setting.doubts)
     sizes, best, least = np.zeros(n), None, np.inf
     for _ in range(_ROUNDS):
         x = _solved(evidence, fit, sizes, low, high, chosen)
-        sizes, hypotheses = sizes + x[:n], moved(hypotheses, x[n:])
+        sizes, hypotheses = sizes + x[:n] * of_machine, moved(hypotheses, x[n:])
         numbers = _possible_numbers(setting, sizes)
         tried = None if numbers is None else _replayed(setting, numbers, hypotheses)
         if tried is None:
@@ -105,10 +105,8 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
         if tried is None or plain is None:
             return best
         added = tried.run.torque - plain.run.torque
-        by_motion = {i: added[: setting.log.lengths[i], i] for i in motions}
-        numbers = Machine(
-            robot=calibration.refit(by_motion), effects=setting.nominal.effects, climate=setting.nominal.climate
-        )
+        left = [_without_torque(setting, i, added[: setting.log.lengths[i], i]) for i in motions]
+        numbers = replace(setting.nominal, robot=calibration.refit(left))
         best = _replayed(setting, numbers, hypotheses)
         if best is None or last or not hypotheses:
             return best
@@ -118,6 +116,15 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
         x = _solved(evidence, fit, nothing, fit.priors.low, fit.priors.high, chosen)
         hypotheses = moved(hypotheses, x[fit.n_calibration :])
     return best
+
+
+def _without_torque(setting: Setting, motion: int, torque: Array) -> Recording:
+    """The recording of a motion less a torque (T, N), motor side [N m]."""
+    recording = setting.log.recordings[motion]
+    link = recording.header.torque_semantics == "link_side"
+    own = setting.log.robot.drive.joint_torque(torque) if link else torque
+    names = [f"motor.effort.{joint}" for joint in recording.header.joints]
+    return recording.with_columns({name: recording[name] - own[:, j] for j, name in enumerate(names)})
 
 
 def _possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
@@ -131,13 +138,7 @@ def _possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
 
 def _replayed(setting: Setting, numbers: Machine, hypotheses: Sequence[Hypothesis]) -> Written | None:
     """Numbers and causes as one machine, replayed; None if none can be so."""
-    machine = machine_with(numbers, hypotheses)
-    if machine is None:
+    tried = trial_of(setting, hypotheses, numbers)
+    if tried is None:
         return None
-    try:
-        run = replay(setting.log, machine, setting.like)
-    except FlownAwayError:
-        return None
-    rows = residual_rows(setting.log, predicted(run))
-    residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
-    return Written(numbers=numbers, hypotheses=tuple(hypotheses), run=run, residual=residual)
+    return Written(numbers=numbers, hypotheses=tuple(hypotheses), run=tried.run, residual=tried.residual)

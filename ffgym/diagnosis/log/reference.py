@@ -1,5 +1,8 @@
 """The reference that a recording says its controller tracked."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 
@@ -7,6 +10,13 @@ from ffgym.control import Reference
 from ffgym.errors import FFGymError
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
+from ffgym.types import Array
+
+_FEWEST = 4
+"""Set-points that a smooth curve takes."""
+
+_MARGIN = 0.05
+"""Share of its reach by which a joint that went beyond its range has room; chosen: a servo overshoots."""
 
 
 def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
@@ -20,8 +30,7 @@ def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
             f"Recording {recording.header.segment!r} has no reference.position, so it cannot be run again."
         )
     dt = robot.servo.control_dt
-    position = recording.joint_array("reference.position")
-    q = position if recording.header.position_side == "link" else robot.drive.joint_angle(position)
+    q = _set_points(robot, recording)
     since = recording.t - recording.t[0]
     t = dt * np.arange(int(np.floor(since[-1] / dt + 1e-6)) + 1, dtype=np.float64)
     curve = CubicSpline(since, q)
@@ -34,3 +43,61 @@ def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
         ddq=curve(t, 2),
         phases=(),
     )
+
+
+def roomy(robot: RobotDescription, recordings: Sequence[Recording]) -> RobotDescription:
+    """The robot with ranges and speeds that hold all set-points: what a machine has done, it can do.
+
+    The same robot, if they do.
+    """
+    low, high, fast = _reach(robot, recordings)
+    kinematics = robot.kinematics
+    margin = _MARGIN * (high - low)
+    beyond = (low < kinematics.range[:, 0]) | (high > kinematics.range[:, 1])
+    ends = np.minimum(low - margin, kinematics.range[:, 0]), np.maximum(high + margin, kinematics.range[:, 1])
+    speed = np.where(fast > kinematics.max_speed, (1 + _MARGIN) * fast, kinematics.max_speed)
+    if not beyond.any() and np.array_equal(speed, kinematics.max_speed):
+        return robot
+    limits = np.where(beyond[:, None], np.stack(ends, axis=1), kinematics.range)
+    return replace(robot, kinematics=replace(kinematics, range=limits, max_speed=speed))
+
+
+def beyond_limits(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """Set-points that lie beyond the range of their joint or its speed, in words; empty if none do."""
+    low, high, fast = _reach(robot, recordings)
+    kinematics, found = robot.kinematics, []
+    for j, joint in enumerate(robot.joints):
+        unit, (least, most) = kinematics.units[j], kinematics.range[j]
+        for value, is_out in ((low[j], low[j] < least), (high[j], high[j] > most)):
+            if is_out:
+                found.append(
+                    f"reference.position.{joint} goes to {value:.6g} {unit}, must be within {least:.6g} to {most:.6g} "
+                    f"{unit}. The diagnosis goes on as if the joint had room; look at kinematics.range."
+                )
+        if fast[j] > kinematics.max_speed[j]:
+            found.append(
+                f"reference.position.{joint} moves at {fast[j]:.6g} {unit}/s, must stay below "
+                f"{kinematics.max_speed[j]:.6g} {unit}/s. The diagnosis goes on; look at kinematics.max_speed."
+            )
+    return tuple(found)
+
+
+def _reach(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[Array, Array, Array]:
+    """Lowest and highest set-point of each joint, and their highest speed, (N,) each, as they are run again."""
+    low, high, fast = np.full(robot.n_joints, np.inf), np.full(robot.n_joints, -np.inf), np.zeros(robot.n_joints)
+    for recording in recordings:
+        if recording.has("reference.position"):
+            q = _set_points(robot, recording)
+            known = np.isfinite(q).all(axis=1)
+            if np.count_nonzero(known) < _FEWEST:
+                continue
+            q, curve = q[known], CubicSpline(recording.t[known], q[known])
+            low, high = np.minimum(low, q.min(axis=0)), np.maximum(high, q.max(axis=0))
+            fast = np.maximum(fast, np.abs(curve(curve.x, 1)).max(axis=0))
+    return low, high, fast
+
+
+def _set_points(robot: RobotDescription, recording: Recording) -> Array:
+    """Behind the gearbox if joints were rigid, (T, N)."""
+    position = recording.joint_array("reference.position")
+    return position if recording.header.position_side == "link" else robot.drive.joint_angle(position)

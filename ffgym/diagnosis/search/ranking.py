@@ -8,6 +8,7 @@ import numpy as np
 from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import screen
+from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
 from ffgym.diagnosis.fit.from_columns import hypothesis_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
@@ -74,12 +75,19 @@ def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray) ->
 
 
 def _largest(evidence: Evidence, candidates: Candidates, calibration: IntArray) -> Array:
-    """Energy that calibration cannot imitate of each candidate's loudest column, at the end of its range."""
-    gram = evidence.gram.sum(axis=0)
-    inner = gram[np.ix_(calibration, calibration)] + np.diag(candidates.priors.precision[calibration])
-    cross = gram[calibration]
-    own = np.diagonal(gram) - np.einsum("cp,cp->p", cross, np.linalg.solve(inner, cross))
-    return np.array([own[group.columns].max() / STEP**2 for group in candidates.groups])
+    """Energy that calibration cannot imitate of each candidate's loudest column, at the end of its range.
+
+    Calibration errors have bounds: what is as large as a plausible effect may be beyond all of them together.
+    """
+    gram, priors = evidence.gram.sum(axis=0), candidates.priors
+    inner, precision = gram[np.ix_(calibration, calibration)], priors.precision[calibration]
+    low, high = priors.low[calibration], priors.high[calibration]
+    own = np.zeros(len(gram))
+    for p in range(len(calibration), len(gram)):
+        cross = gram[calibration, p] / STEP
+        x = bounded(inner, cross, precision, low, high)
+        own[p] = gram[p, p] / STEP**2 - 2 * x @ cross + x @ inner @ x + precision @ x**2
+    return np.array([own[group.columns].max() for group in candidates.groups])
 
 
 def _extreme(largest: Array) -> float:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place
 from ffgym.diagnosis.fit.leftover import loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
@@ -126,8 +127,8 @@ def _against(
     if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
         tied = False  # it was fitted beside it, explains no more, and has more numbers
     elif others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
-        instead = judged_with(setting, (*others, other.hypothesis), fitted.fit)
-        tied = _is_tied(nominal, fitted, instead, rng)
+        instead = _instead(setting, (*others, other.hypothesis), fitted)
+        tied = instead is not None and _is_tied(nominal, fitted, instead, rng)
     elif tied and len(other.fit.hypotheses) == 1:
         instead = other
     lost = f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"
@@ -141,6 +142,14 @@ def _against(
         lost=lost,
         instead=instead,
     )
+
+
+def _instead(setting: Setting, hypotheses: Sequence[Hypothesis], fitted: Tried) -> Tried | None:
+    """A rival beside the other causes; None if no machine can be so."""
+    try:
+        return judged_with(setting, hypotheses, fitted.fit)
+    except FAILED:
+        return None
 
 
 def _share(setting: Setting, before: Tried, best: Tried, other: Tried) -> float:

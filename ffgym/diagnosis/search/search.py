@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.diagnosis.evidence.stack import Evidence, Values
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.fit import Fit, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place, machine_with
@@ -179,7 +180,10 @@ def _tried(
         places.add(start.place)
         best, where = max(best, float(ranking.score[i])), where or here
         report(f"fitting {start.label}", len(tried) / TRIED)
-        tried.append(slimmed(setting, judged_with(setting, (*fixed, start), now.fit), now.fit))
+        try:
+            tried.append(slimmed(setting, judged_with(setting, (*fixed, start), now.fit), now.fit))
+        except FAILED:
+            continue  # what cannot be computed loses
     return sorted(tried, key=lambda one: one.total + SLACK * len(one.hypothesis.free()) * _price(now, one))
 
 

@@ -7,6 +7,7 @@ the log, the other two bend around noise, and lose against another effect of a s
 import numpy as np
 
 from ffgym.diagnosis.evidence.priors import Priors
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.fit import Fit, evaluated
 from ffgym.diagnosis.fit.refine import refined
 from ffgym.diagnosis.fit.setting import Setting
@@ -31,7 +32,10 @@ def slimmed(setting: Setting, tried: Tried, like: Fit | None = None) -> Tried:
         if left[least] >= tried.total:
             break
         *others, newest = tried.fit.hypotheses
-        fewer = scored(setting, refined(setting, evaluated(setting, (*others, newest.without(least)), like), like))
+        try:
+            fewer = scored(setting, refined(setting, evaluated(setting, (*others, newest.without(least)), like), like))
+        except FAILED:
+            break
         if fewer.total >= tried.total:
             break
         tried = fewer

@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import SeparatingMotion
@@ -110,8 +111,10 @@ def _best(
 ) -> SeparatingMotion | None:
     """The fastest of the sessions that are sure; None if none is."""
     motions = [_named(p, motion) for p in planned for motion in p.motions]
-    log = planned_log(arm, nominal, motions, list(noise))
-    foreseen = foresee(log, nominal, causes, noise, calibration)
+    try:
+        foreseen = foresee(planned_log(arm, nominal, motions, list(noise)), nominal, causes, noise, calibration)
+    except FAILED:
+        return None  # a machine that cannot be simulated in these motions says nothing of them
     sure, first = [], 0
     for p in planned:
         own = range(first, first + len(p.motions))

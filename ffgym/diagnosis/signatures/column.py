@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.signatures.bending import changes
 from ffgym.diagnosis.signatures.parts import Parts, clock_parts, replayed_parts, shown
@@ -52,23 +53,34 @@ def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> li
 
     for kind in kinds:
         for variant in variants(kind, run.robot, cycles):
-            if isinstance(variant.effect, TrackerEffect):
-                found += _tracker_columns(run, variant)
-            elif isinstance(variant.effect, ClockEffect):
-                found += _clock_columns(run, variant)
-            elif isinstance(variant.effect, ModelEffect):
-                found.append(_model_column(run, variant))
-            elif kind.side == "controller":
-                found += _servo_columns(run, variant)
-            elif kind.side == "motor" and not isinstance(variant.effect, ResolverEffect):
-                found += _motor_columns(run, variant)
-            else:
-                for joint, push in _pushes(run, variant):
-                    waiting.append((variant, joint, push))
-                    if len(waiting) == _TOGETHER:
-                        solve()
+            try:
+                at_once = _at_once(run, variant)
+                pushes = [] if at_once is not None else _pushes(run, variant)
+            except FAILED:
+                continue  # a machine that cannot have it, or not so much of it, shows nothing of it
+            found += at_once or ()
+            for joint, push in pushes:
+                waiting.append((variant, joint, push))
+                if len(waiting) == _TOGETHER:
+                    solve()
     solve()
-    return found
+    return [column for column in found if all(np.isfinite(rows).all() for rows in column.parts.values())]
+
+
+def _at_once(run: Replay, variant: Variant) -> list[Column] | None:
+    """Columns of a variant that bends no springs of the arm; None if it does."""
+    effect = variant.effect
+    if isinstance(effect, TrackerEffect):
+        return _tracker_columns(run, variant)
+    if isinstance(effect, ClockEffect):
+        return _clock_columns(run, variant)
+    if isinstance(effect, ModelEffect):
+        return [_model_column(run, variant)]
+    if effect.side == "controller":
+        return _servo_columns(run, variant)
+    if effect.side == "motor" and not isinstance(effect, ResolverEffect):
+        return _motor_columns(run, variant)
+    return None
 
 
 def machine_columns(run: Replay, effects: Sequence[tuple[str, Effect]], parameter: str, step: float) -> list[Column]:

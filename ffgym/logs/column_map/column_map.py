@@ -8,6 +8,7 @@ from typing import Any, final
 
 from ffgym.logs.column_map.column import Column
 from ffgym.logs.formats.text_layout import TextLayout
+from ffgym.recordings.rewiring import Rewiring
 
 LOG_KEYS: Mapping[str, str] = MappingProxyType(
     {
@@ -48,6 +49,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
         "columns": "the columns of the recording, by family",
         "file": "layout of a text file",
         "motions": "how a file holds several motions",
+        "rewire": "corrections of columns that were read, by family; a map without other tables is for recordings",
         "meta": 'what goes into `meta` of the header: values, or `{ source = "name" }` for an array of the file, '
         "which may be `optional = true`; with `since_first = true`, times of day ('20:29', or seconds) become seconds "
         "since the earliest motion of the file, as `session_start` needs them",
@@ -81,3 +83,10 @@ class ColumnMap:
     """JSON values, or tables {"source": name} for arrays of the file."""
     trim: bool = False
     """Whether rows that a column with a clock of its own does not reach are dropped."""
+    rewiring: Rewiring = field(default_factory=Rewiring)
+    """Corrections of what is read."""
+
+    @property
+    def is_for_recordings(self) -> bool:
+        """Whether the files are recordings, of which nothing but the corrections has to be said."""
+        return not self.columns

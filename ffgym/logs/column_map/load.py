@@ -10,6 +10,7 @@ from ffgym.errors import FFGymError
 from ffgym.files import read_text
 from ffgym.logs.column_map.column import Column, parse_column
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES, ColumnMap
+from ffgym.logs.column_map.rewire import parse_rewiring
 from ffgym.logs.formats.text_layout import TextLayout
 from ffgym.recordings.schema import closest
 
@@ -33,15 +34,27 @@ def load_columns(columns: ColumnMap | str | Path) -> ColumnMap:
         return columns
     if not isinstance(columns, str | Path):
         raise FFGymError(f"columns = {columns!r} must be a ColumnMap, a name or a path.")
-    if str(columns).endswith(".toml"):
-        return parse_columns(read_text(columns), where=str(columns), folder=Path(columns).parent)
     name = str(columns)
+    if name.endswith(".toml"):
+        return parse_columns(map_text(name), where=name, folder=Path(columns).parent)
+    return parse_columns(map_text(name), where=f"{name}.toml")
+
+
+def map_text(columns: str | Path) -> str:
+    """TOML text of a built-in map, or of a file that ends in .toml.
+
+    Raises:
+        FFGymError: if there is none.
+    """
+    name = str(columns)
+    if name.endswith(".toml"):
+        return read_text(columns)
     if name not in builtin_columns():
         raise FFGymError(
             f"Unknown column map {name!r}. Built in: {', '.join(builtin_columns())}. A file must end in .toml; "
             "`ffgym log columns FILE` writes a draft."
         )
-    return parse_columns(_builtin_text(name), where=f"{name}.toml")
+    return _builtin_text(name)
 
 
 def _builtin_text(name: str) -> str:
@@ -125,6 +138,8 @@ def column_map_of(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMa
     for key in tree:
         if key not in TABLES:
             raise FFGymError(f"Unknown table [{key}]. {closest(key, TABLES)}")
+    if set(tree) == {"rewire"}:
+        return ColumnMap(where=where, folder=folder, columns={}, rewiring=parse_rewiring(tree["rewire"]))
     log = _table(tree, "log", LOG_KEYS)
     motions = _table(tree, "motions", MOTION_KEYS)
     for name, value in [("robot", log.get("robot", "")), *motions.items()]:
@@ -142,6 +157,7 @@ def column_map_of(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMa
         layout=TextLayout.of(tree.get("file", {})),
         meta=_table(tree, "meta"),
         trim=trim,
+        rewiring=parse_rewiring(tree.get("rewire", {})),
         **motions,
     )
 

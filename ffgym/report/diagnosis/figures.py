@@ -11,6 +11,7 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.diagnosis.candidates_plot import candidates_figure
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place, worst_motions
+from ffgym.report.diagnosis.joint_units import in_joint_units, scale_of
 from ffgym.report.diagnosis.levels_plot import levels_figure
 from ffgym.report.diagnosis.loops_plot import loops_caption, loops_figure
 from ffgym.report.diagnosis.map_plot import map_caption, map_figure
@@ -56,7 +57,9 @@ def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
             f"depends-{channel}-{j + 1}",
             f"{place.component}, {channel}: what the residual depends on",
             profiles_caption(),
-            profiles_figure(rows, channel, j, j, report.before.robot.kinematics.units[j]),
+            profiles_figure(
+                rows, channel, j, j, report.before.robot.kinematics.units[j], scale_of(report.before.robot, channel, j)
+            ),
         ),
     ]
     figures += _spectrum(report, place)
@@ -108,7 +111,7 @@ def candidate_figures(report: DiagnosisReport) -> list[ReportFigure]:
 
 def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
     """What is gained; none if nothing was compared, or nothing changed."""
-    levels = report.diagnosis.levels
+    levels = in_joint_units(report.diagnosis, None if report.before is None else report.before.robot).levels
     if not levels or not report.diagnosis.causes:
         return []
     caption = (

@@ -35,9 +35,9 @@ def levels_figure(levels: Sequence[Level]) -> "Figure":
 def _draw(axes: "Axes", levels: Sequence[Level]) -> None:
     """Levels of one channel; the label of the upright axis is their unit."""
     at = np.arange(len(levels))
-    factor, unit = FINE[levels[0].unit]
+    factors, units = zip(*(FINE[level.unit] for level in levels), strict=True)
     before, after, floor = (
-        factor * np.array([getattr(level, name) for level in levels]) for name in ("before", "after", "noise_floor")
+        np.array(factors) * [getattr(level, name) for level in levels] for name in ("before", "after", "noise_floor")
     )
     axes.hlines(floor, at - 0.3, at + 0.3, color="black", linewidth=1.4, label="noise floor")
     axes.vlines(at, after, before, color="#b9c0c9", linewidth=2.0, zorder=1)
@@ -48,4 +48,4 @@ def _draw(axes: "Axes", levels: Sequence[Level]) -> None:
     axes.set_yscale("log")
     known = np.concatenate([before, after, floor])
     axes.set_ylim(known.min() / _MARGIN, known.max() * _MARGIN)
-    axes.set_ylabel(unit)
+    axes.set_ylabel(", ".join(dict.fromkeys(units)))

@@ -8,6 +8,7 @@ import numpy as np
 from ffgym.diagnosis.residual import MotionResidual, Residual
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.circles.tables import shortened
+from ffgym.report.diagnosis.joint_units import scale_of
 from ffgym.report.diagnosis.models import LOOKS, NOMINAL, counting, motor_speed
 from ffgym.types import Array
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 def loops_figure(models: Mapping[str, Residual], joint: int, motions: Sequence[int]) -> "Figure":
     """One panel for each of `motions`, places in the log: torque without what the arm takes, over motor speed."""
+    factor, unit = scale_of(models[NOMINAL].robot, "torque", joint)
     with house_style():
         figure = new_figure(3.1 * len(motions) + 0.5, 3.2)
         panels = figure.subplots(1, len(motions), squeeze=False)[0]
@@ -26,10 +28,12 @@ def loops_figure(models: Mapping[str, Residual], joint: int, motions: Sequence[i
             lines = {"measured": nominal.measured["torque"][:, joint]}
             lines |= {name: residual.motions[place].predicted["torque"][:, joint] for name, residual in models.items()}
             for name, torque in lines.items():
-                axes.plot(motor_speed(nominal, joint), counting(nominal, torque - rest), label=name, **LOOKS[name])
+                axes.plot(
+                    motor_speed(nominal, joint), factor * counting(nominal, torque - rest), label=name, **LOOKS[name]
+                )
             axes.set_title(shortened(nominal.motion), fontsize=8)
             axes.set_xlabel("motor speed [rad/s]")
-        panels[0].set_ylabel("friction torque [N m]")
+        panels[0].set_ylabel(f"friction {'torque' if unit == 'N m' else 'force'} [{unit}]")
         legend_above(figure, *panels[0].get_legend_handles_labels())
     return figure
 

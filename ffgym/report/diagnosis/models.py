@@ -22,7 +22,9 @@ LOOKS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
 )
 """How lines are drawn."""
 
-FINE: Mapping[str, tuple[float, str]] = MappingProxyType({"N m": (1.0, "N m"), "m": (1e6, "µm"), "rad": (1e6, "µrad")})
+FINE: Mapping[str, tuple[float, str]] = MappingProxyType(
+    {"N m": (1.0, "N m"), "N": (1.0, "N"), "m": (1e6, "µm"), "rad": (1e6, "µrad")}
+)
 """Factor and unit in which people read a residual of that unit."""
 
 

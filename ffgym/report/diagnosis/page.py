@@ -16,6 +16,7 @@ from ffgym.report.diagnosis.figures import (
     place_figures,
     tool_figures,
 )
+from ffgym.report.diagnosis.joint_units import in_joint_units
 from ffgym.report.diagnosis.models import FINE
 from ffgym.report.diagnosis.words import VERDICTS, place_of, rivals_of, signature_of, size_text, title_of, together
 from ffgym.report.html import embedded, provenance_lines, render
@@ -30,7 +31,7 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
     Raises:
         FFGymError: if matplotlib or jinja2 is missing.
     """
-    diagnosis = report.diagnosis
+    diagnosis = in_joint_units(report.diagnosis, None if report.before is None else report.before.robot)
     return render(
         "diagnosis.html.j2",
         diagnosis=diagnosis,

@@ -23,7 +23,12 @@ _TICKS = 6
 
 
 def profiles_figure(
-    logs: Mapping[str, LogRows], channel: Channel, component: int, joint: int, unit: str = "rad"
+    logs: Mapping[str, LogRows],
+    channel: Channel,
+    component: int,
+    joint: int,
+    unit: str = "rad",
+    scale: tuple[float, str] | None = None,
 ) -> "Figure":
     """One panel for each variable that changes.
 
@@ -33,7 +38,9 @@ def profiles_figure(
         component: which component of the channel.
         joint: whose motion they are shown over.
         unit: of the position of that joint.
+        scale: factor and unit of the residual; None is that of the channel.
     """
+    factor, of_residual = scale or (1.0, UNITS[channel])
     found = {
         name: {log: profiles(rows, component, joint, variable) for log, rows in logs.items()}
         for name, variable in VARIABLES.items()
@@ -45,12 +52,12 @@ def profiles_figure(
         panels = figure.subplots(rows, _WIDEST, squeeze=False, sharey=True).ravel()
         for axes, (name, of_logs) in zip(panels, shown.items(), strict=False):
             for log, (place, of_directions) in zip(of_logs, enumerate(of_logs.values()), strict=True):
-                _draw(axes, of_directions, log, pale=place > 0)
+                _draw(axes, of_directions, log, factor, pale=place > 0)
             _name(axes, VARIABLES[name], unit if name == "position" else VARIABLES[name].unit)
         for axes in panels[len(shown) :]:
             axes.set_visible(False)
         for axes in panels[::_WIDEST]:
-            axes.set_ylabel(f"mean residual [{UNITS[channel]}]")
+            axes.set_ylabel(f"mean residual [{of_residual}]")
         entries = dict(entry for axes in panels for entry in zip(*axes.get_legend_handles_labels()[::-1], strict=True))
         legend_above(figure, list(entries.values()), list(entries))
     return figure
@@ -64,15 +71,23 @@ def profiles_caption() -> str:
     )
 
 
-def _draw(axes: "Axes", found: Mapping[str, Profile], log: str, *, pale: bool) -> None:
+def _draw(axes: "Axes", found: Mapping[str, Profile], log: str, factor: float, *, pale: bool) -> None:
     for direction, profile in found.items():
         label = f"{log}, {direction}" if direction != "both" else f"{log}, both directions"
         colour = _COLOURS[direction]
         if not pale:
-            axes.fill_between(profile.centre, profile.low, profile.high, color=colour, alpha=0.2, linewidth=0)
+            axes.fill_between(
+                profile.centre, factor * profile.low, factor * profile.high, color=colour, alpha=0.2, linewidth=0
+            )
         width, alpha = (0.8, 0.45) if pale else (1.3, 1.0)
         axes.plot(
-            profile.centre, profile.mean, _LINES[direction], color=colour, label=label, linewidth=width, alpha=alpha
+            profile.centre,
+            factor * profile.mean,
+            _LINES[direction],
+            color=colour,
+            label=label,
+            linewidth=width,
+            alpha=alpha,
         )
 
 

@@ -9,9 +9,10 @@ import numpy as np
 from ffgym.diagnosis.log_rows import LogRows, log_rows
 from ffgym.diagnosis.patterns import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
-from ffgym.diagnosis.residual import UNITS, Channel, Residual, components
+from ffgym.diagnosis.residual import Channel, Residual, components
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
-from ffgym.report.diagnosis.models import FINE, LOOKS
+from ffgym.report.diagnosis.joint_units import fine_scale_of
+from ffgym.report.diagnosis.models import LOOKS
 from ffgym.report.motion.thinning import peaks_kept
 from ffgym.types import Array
 
@@ -43,6 +44,7 @@ def spectrum_figure(
     found = {form: _amplitudes(models, channel, component, joint, form) for form in FORMS}
     if not all(found.values()):
         return None
+    unit = fine_scale_of(next(iter(models.values())).robot, channel, component)[1]
     with house_style():
         figure = new_figure(9.4, 3.0)
         panels = figure.subplots(1, len(FORMS), sharey=True)
@@ -54,7 +56,7 @@ def spectrum_figure(
             axes.set_xscale("log")
             axes.set_xlabel("cycles per turn of the motor")
         panels[0].set_ylim(bottom=0.0)
-        panels[0].set_ylabel(f"amplitude [{FINE[UNITS[channel]][1]}]")
+        panels[0].set_ylabel(f"amplitude [{unit}]")
         for axes in panels:
             _mark(axes, marked)
         legend_above(figure, *panels[0].get_legend_handles_labels())
@@ -76,7 +78,8 @@ def _amplitudes(
         of = components(channel, residual.robot)[component]
         spectrum = cycles_per_turn(residual, channel, of, joint, amplitude=form)
         if spectrum is not None:
-            size = FINE[UNITS[channel]][0] * _deviation(log_rows(residual, channel), component)
+            size = _deviation(log_rows(residual, channel), component)
+            size *= fine_scale_of(residual.robot, channel, component)[0]
             found[name] = (spectrum.frequency, size * np.sqrt(2 * spectrum.share))
     return found
 

@@ -5,12 +5,20 @@ from collections.abc import Sequence
 from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.report.circles.tables import Column, aligned, filled, shortened
+from ffgym.report.diagnosis.joint_units import in_joint_units
 from ffgym.report.diagnosis.models import FINE
 from ffgym.report.diagnosis.words import place_of, size_text, title_of, together
+from ffgym.robot import RobotDescription
 
 
-def format_diagnosis(diagnosis: Diagnosis) -> str:
-    """Verdict, causes with sizes, ties, patterns, what is left, what was not judged, what to record next."""
+def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None) -> str:
+    """Verdict, causes with sizes, ties, patterns, what is left, what was not judged, what to record next.
+
+    Args:
+        diagnosis: what was found.
+        robot: on which; sizes of its sliding joints are then told behind the gearbox.
+    """
+    diagnosis = in_joint_units(diagnosis, robot)
     parts = [format_findings(diagnosis)]
     ties = [rival for rival in diagnosis.rivals if rival.tied]
     parts += [filled(f"cannot be excluded: {place_of(tie.effect, tie.joint)}: {tie.reason}") for tie in ties]
@@ -30,6 +38,7 @@ def format_diagnosis(diagnosis: Diagnosis) -> str:
 def format_findings(diagnosis: Diagnosis) -> str:
     """The verdict in one sentence, and the causes with their sizes."""
     parts = [filled(f"{diagnosis.verdict}: {diagnosis.sentence}")]
+    parts += [filled(f"wiring: {mistake.message}") for mistake in diagnosis.wiring]
     for cause in diagnosis.causes:
         where = f" of {cause.joint}" if cause.joint else ""
         sizes = "; ".join(size_text(size) for size in cause.parameters)

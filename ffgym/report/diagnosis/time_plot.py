@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ffgym.diagnosis.residual import UNITS, Channel, Residual
+from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
-from ffgym.report.diagnosis.models import FINE, LOOKS, NOMINAL, counting, motor_speed
+from ffgym.report.diagnosis.joint_units import fine_scale_of, scale_of
+from ffgym.report.diagnosis.models import LOOKS, NOMINAL, counting, motor_speed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,20 +22,22 @@ def time_figure(models: Mapping[str, Residual], channel: Channel, component: int
         joint: whose motor's speed stands below.
         motion: which motion of the log.
     """
-    nominal, (factor, unit) = models[NOMINAL].motions[motion], FINE[UNITS[channel]]
+    robot, nominal = models[NOMINAL].robot, models[NOMINAL].motions[motion]
+    (factor, unit), (plain, shown) = fine_scale_of(robot, channel, joint), scale_of(robot, channel, joint)
     noise = 2 * factor * models[NOMINAL].floor[channel][motion, component]
     with house_style():
         figure = new_figure(8.6, 5.4)
         upper, middle, lower = figure.subplots(3, 1, sharex=True, height_ratios=(3, 2, 1.2))
         measured = counting(nominal, nominal.measured[channel][:, component])
-        upper.plot(nominal.t, measured, label="measured", **LOOKS["measured"])
+        upper.plot(nominal.t, plain * measured, label="measured", **LOOKS["measured"])
         middle.axhspan(-noise, noise, color="#dfe5ec", linewidth=0, label="noise (two sigma)")
         for name, residual in models.items():
             one = residual.motions[motion]
-            upper.plot(one.t, counting(one, one.predicted[channel][:, component]), label=name, **LOOKS[name])
+            predicted = plain * counting(one, one.predicted[channel][:, component])
+            upper.plot(one.t, predicted, label=name, **LOOKS[name])
             middle.plot(one.t, factor * counting(one, one.residual[channel][:, component]), **LOOKS[name])
         lower.plot(nominal.t, counting(nominal, motor_speed(nominal, joint)), color="black", linewidth=0.8)
-        upper.set_ylabel(f"{channel} [{UNITS[channel]}]")
+        upper.set_ylabel(f"{channel} [{shown}]")
         middle.set_ylabel(f"residual [{unit}]")
         lower.set_ylabel("motor [rad/s]")
         lower.set_xlabel("time [s]")

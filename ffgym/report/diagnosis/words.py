@@ -13,6 +13,7 @@ VERDICTS: Mapping[Verdict, str] = MappingProxyType(
         "partly": "a cause explains much, and something is left",
         "ambiguous": "several causes explain it as well, and one more motion would tell them apart",
         "unknown": "something is there that no effect of the library explains; patterns say what it depends on",
+        "wiring": "columns are not what they are called; no physical cause was looked for",
         "insufficient": "these logs do not allow a diagnosis",
     }
 )

@@ -78,16 +78,26 @@ def draft_with_parameters(draft: RobotDraft, text: str, where: str) -> RobotDraf
     Raises:
         FFGymError: as `parse_parameters`.
     """
-    known = draft.description_for("kinematics")
     try:
         tree = tomllib.loads(text)
-        _check_head(tree.pop("parameters", {}), known)
-        quantities = {**draft.quantities, **_parsed(tree, known)}
+        _check_head(tree.pop("parameters", {}), draft.description_for("kinematics"))
+        return replace(draft_with_numbers(draft, tree), where=where)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise FFGymError(f"Cannot read parameter file {where}: it is not valid TOML: {error}.") from error
     except FFGymError as error:
         raise FFGymError(f"{where}: {error}") from error
-    return replace(draft, where=where, quantities=quantities)
+
+
+def draft_with_numbers(draft: RobotDraft, tree: Mapping[str, Any]) -> RobotDraft:
+    """Return a description that may lack entries with the numbers of parsed TOML tables, as in a parameter file.
+
+    Raises:
+        FFGymError: if an entry is unknown or invalid.
+    """
+    found = _parsed(tree, draft.description_for("kinematics"))
+    changed = replace(draft, quantities={**draft.quantities, **found})
+    changed.check()
+    return changed
 
 
 def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescription:

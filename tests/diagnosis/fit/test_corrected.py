@@ -13,6 +13,7 @@ from ffgym.diagnosis.prepare import prepared
 from ffgym.effects import EFFECTS
 from ffgym.paths import multisine
 from ffgym.plant import Machine
+from ffgym.robot import ModelOptions
 from ffgym.simulation import Resolver, Run, TorqueSensor, simulate
 
 TRUE = {"presliding": {"stiffness": 1.5, "damping": 0.0}, "torque_clock": {"latency": 0.006}}
@@ -27,6 +28,7 @@ def diagnosed(robot, name):
     log = simulate(
         [Run(reference=joint_reference(robot, path))],
         machine=true.on(Machine(robot=robot)),
+        options=ModelOptions(looks=False, physics_dt=robot.physics_dt / 8),  # a machine takes no steps
         sensors=(Resolver(bits=16), TorqueSensor(noise=np.array([0.002]))),
         seed=3,
         record_dt=0.004,

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.closed_loop import LoopLevel
-from ffgym.diagnosis.result import Diagnosis
+from ffgym.diagnosis.result import Diagnosis, Size
 from ffgym.errors import FFGymError
 from ffgym.report.diagnosis import DiagnosisReport, format_diagnosis, render_diagnosis_page
 from ffgym.report.diagnosis.words import VERDICTS, rivals_of
+from ffgym.robot import load_robot
 from tests.diagnosis.residual_samples import made_up
 from tests.diagnosis.result_samples import full_diagnosis
 from tests.report.html_pages import Page
@@ -129,3 +130,34 @@ def test_rivals_stand_with_the_cause_whose_joint_they_name():
     diagnosis = replace(full, causes=(*full.causes, other), rivals=rivals)
     assert [rival.effect for rival in rivals_of(diagnosis, full.causes[0])] == ["torque_constant"]
     assert [rival.effect for rival in rivals_of(diagnosis, other)] == ["payload", "torque_constant"]
+
+
+def test_a_sliding_joint_is_told_in_newtons_metres_and_kilograms():
+    """Behind the screw, and not as torque of its motor: 2513 rad of the motor per metre."""
+    robot = load_robot("ball_screw")
+    ratio = float(robot.drive.gear_ratio[0])
+
+    def size(name, value, unit):
+        return Size(name=name, value=value, unit=unit, interval=(0.9 * value, 1.1 * value))
+
+    sizes = (size("amplitude", 2e-3, "N m"), size("inertia", 1e-5, "kg m^2"), size("gap", 0.5, "rad"))
+    full = full_diagnosis()
+    cause = replace(full.causes[0], effect="cogging", joint="x", parameters=sizes)
+    level = replace(
+        full.levels[0], channel="torque", component="x", unit="N m", before=1e-3, after=4e-4, noise_floor=3e-4
+    )
+    diagnosis = replace(full, causes=(cause,), levels=(level,), rivals=())
+    text = format_diagnosis(diagnosis, robot)
+    assert f"amplitude = {2e-3 * ratio:.3g} N ({1.8e-3 * ratio:.3g} to {2.2e-3 * ratio:.3g})" in " ".join(text.split())
+    assert f"inertia = {1e-5 * ratio**2:.3g} kg (" in " ".join(text.split())
+    assert f"gap = {0.5 / ratio:.3g} m (" in " ".join(text.split())
+    assert re.search(rf"torque +x +\| N +{3e-4 * ratio:.3g} +{1e-3 * ratio:.3g} +{4e-4 * ratio:.3g}", text)
+    before = made_up(robot, {"torque": lambda state, travel: 1e-4 * np.sign(state.motor_speed)})
+    page = render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis, before=before, after=before))
+    told = text_of(page)
+    assert f"amplitude = {2e-3 * ratio:.3g} N " in told
+    drawn = "".join(base64.b64decode(data).decode() for data in re.findall(r"base64,([\w+/=]+)", page))
+    assert "friction force [N]" in drawn
+    assert "residual [N]" in drawn
+    assert "[N m]" not in drawn.replace("load on the motor [N m]", "")
+    assert format_diagnosis(diagnosis, load_robot("one_axis")) == format_diagnosis(diagnosis)

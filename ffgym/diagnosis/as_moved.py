@@ -1,0 +1,126 @@
+"""The nominal machine with motors that move as measured: what it would have recorded, in continuous time.
+
+For logs without set-points, or of another controller than the documented one. The motion is that of the log without the
+noise of its readings, and the machine is replayed along it in steps so small that they do not matter. A replay of what
+is recorded so, sample by sample, differs from it by what the sampled replay does wrong: that is its bias.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.log.white import without_trembling
+from ffgym.diagnosis.replay import Replay, replay, servo_feedback
+from ffgym.recordings import Recording
+from ffgym.types import Array
+
+_STEP = 2.5e-4
+"""Longest step of the fine replay [s]; chosen: that of the engine for the fastest friction of the built-in robots."""
+
+
+def as_moved(log: Log, run: Replay) -> list[Recording]:
+    """One recording for each motion of a log, with the columns that its channels take.
+
+    Args:
+        log: that is diagnosed.
+        run: its replay on the nominal machine.
+    """
+    every = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
+    fine = replay(_finer(log, every), run.machine)
+    return [_recorded(log, run, fine, every, i) for i in range(len(log.recordings))]
+
+
+def _finer(log: Log, every: int) -> Log:
+    """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way."""
+    low_pass, dt = log.sampling.motion_filter, log.dt
+    still = without_trembling(log.q, log.trembling)
+    q = np.stack([_held(low_pass(still[:n, i], dt), len(log.q)) for i, n in enumerate(log.lengths)], axis=1)
+    t: Array = dt / every * np.arange((len(q) - 1) * every + 1, dtype=np.float64)
+    q, dq, ddq = _along(q, log, t)
+    sampling = replace(log.sampling, dt=dt / every, n_samples=len(t))
+    return replace(
+        log,
+        recordings=tuple(_clock(log, i, every) for i in range(len(log.recordings))),
+        sampling=sampling,
+        known=np.ones((len(t), len(log.recordings)), dtype=np.bool_),
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        trembling=np.zeros_like(log.trembling),
+        slip_dq=dq,
+        torque=np.zeros_like(q),
+        tool=None,
+        link=None,
+        feedback=None if log.feedback is None else _between(log.feedback, log, t),
+        reference=None if log.reference is None else _reference(log.reference, log, t),
+        temperature=None if log.temperature is None else _between(log.temperature, log, t),
+    )
+
+
+def _along(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
+    """Angle, speed and acceleration at finer times `t` of a curve through samples (T, M, N); it ends at rest."""
+    shape = (len(t), *q.shape[1:])
+    angle, speed, change = np.empty(shape), np.zeros(shape), np.zeros(shape)
+    for i, n in enumerate(log.lengths):
+        curve, within = CubicSpline(log.t[:n], q[:n, i]), int(np.searchsorted(t, log.t[n - 1], side="right"))
+        angle[:within, i] = curve(t[:within])
+        angle[within:, i] = q[n - 1, i]
+        speed[:within, i], change[:within, i] = curve(t[:within], 1), curve(t[:within], 2)
+    return angle, speed, change
+
+
+def _held(values: Array, n: int) -> Array:
+    """Rows (T, N) with the last of them held, (n, N)."""
+    return np.pad(values, ((0, n - len(values)), (0, 0)), mode="edge")
+
+
+def _between(values: Array, log: Log, t: Array) -> Array:
+    """Values (T, M, N) at finer times, straight between samples."""
+    flat = values.reshape(len(values), -1)
+    found = np.stack([np.interp(t, log.t, column) for column in flat.T], axis=1)
+    return found.reshape(len(t), *values.shape[1:])
+
+
+def _reference(reference: tuple[Array, Array], log: Log, t: Array) -> tuple[Array, Array]:
+    position, rate = reference
+    return _along(position, log, t)[0], _between(rate, log, t)
+
+
+def _clock(log: Log, i: int, every: int) -> Recording:
+    """A recording with as many rows as a motion has on the finer clock: those that say how long it is."""
+    n = (log.lengths[i] - 1) * every + 1
+    header = replace(log.recordings[i].header, phases=())
+    return Recording(columns={"timestamp": log.dt / every * np.arange(n, dtype=np.float64)}, header=header)
+
+
+def _recorded(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recording:
+    """What is recorded of one motion, at the samples of the log, motor side."""
+    recording, n = log.recordings[i], log.lengths[i]
+    rows = slice(0, (n - 1) * every + 1, every)
+    link = fine.link_q[rows, i]
+    families = {
+        "motor.position": log.robot.drive.motor_angle(fine.read.q[rows, i]),
+        "motor.effort": fine.torque[rows, i],
+        "link.position": link,
+    }
+    if log.reference is not None:
+        families |= {"reference.position": log.reference[0][:n, i], "reference.velocity": log.reference[1][:n, i]}
+        if log.feedback is not None:
+            families["feedback.effort"] = servo_feedback(fine.read, fine.robot)[rows, i]
+    columns = {"timestamp": recording.t}
+    columns |= {
+        f"{family}.{joint}": x[:, j] for family, x in families.items() for j, joint in enumerate(log.robot.joints)
+    }
+    if log.tool is not None:
+        position = run.arm.tcp_position(link)
+        if fine.tilt is not None:
+            position = position + np.cross(fine.tilt.angle[rows, i], position)
+        columns |= {f"tcp.position.{axis}": position[:, k] for k, axis in enumerate("xyz")}
+    header = replace(recording.header, position_side="motor", torque_semantics="motor_side", hold="sampled", phases=())
+    seen = run.machine.seen(Recording(columns=columns, header=header))
+    hidden = ("link.",) if log.link is None else ()  # trackers that err need it, but the log has none
+    return Recording(
+        columns={name: values for name, values in seen.columns.items() if not name.startswith(hidden)}, header=header
+    )

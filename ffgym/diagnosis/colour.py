@@ -1,0 +1,197 @@
+r"""Noise that is not white: what torque sensors and drives add slowly.
+
+Above the band in which machines move, a signal shows what its noise is made of: a white part, one of which a share
+:math:`\varphi` stays from one sample to the next,
+
+.. math:: S(\omega) = \frac{2 \Delta t\, s^2}{1 - 2 \varphi \cos \omega + \varphi^2},
+
+and what is left of the motion, which falls faster. How large :math:`s` is, is known from there; how much stays, from
+the quiet parts of what a model leaves in the band that is compared. So nothing of a residual is taken for noise that
+does not go on, falling, above the band of motions.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+from scipy.signal import lfilter
+from scipy.signal.windows import hann
+from scipy.stats import chi2
+
+from ffgym.identification import LowPass
+from ffgym.types import Array
+
+_BLOCK = 0.5
+"""Length of the parts that are looked at [s]: with a window, frequencies from 4 Hz on are told apart."""
+
+_LOWEST = 2
+"""Lowest frequency that a part shows, in periods of its length: the window spreads slower ones."""
+
+_FEWEST = 6
+"""Parts below which nothing is said: of fewer, none is known to be quiet."""
+
+_QUIET = 0.25
+"""Share of the parts that show noise alone."""
+
+_GROUP = 4
+"""Neighbouring frequencies whose energy is taken together; chosen: it is then known to a third in each part."""
+
+_FREEDOM = 6
+"""Degrees of freedom of a group: a window makes neighbouring frequencies alike."""
+
+_GROUPS = 6
+"""Groups of frequencies above the band that tell a part that falls from one that does not, at least."""
+
+_ABOVE, _BELOW = 1.2, 0.45
+"""Frequencies that are looked at above the band of motions: from this multiple of the low-pass on, which is not sharp,
+up to this share of the sample rate."""
+
+_FALLS = 0.5
+"""Energy of the falling part at the lowest of those over that of the white one, from which on noise is coloured."""
+
+_CORNERS = np.geomspace(0.5, 100.0, 60)
+"""Frequencies below which noise falls no more, that are tried [Hz]."""
+
+_BEYOND = 1.3
+"""Energy over that of noise that falls without end from which on what is left in the band is more than noise."""
+
+_USUAL = 0.3
+"""Corner that is assumed then, as a share of the band; chosen: filters of drives."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Colour:
+    """A part of noise that falls with the frequency, beside white noise; of N components."""
+
+    fresh: Array
+    """Standard deviation s of what is new in each sample, shape (N,); 0 where noise is white."""
+    stays: Array
+    """Share phi of a sample that stays to the next, shape (N,)."""
+    white: Array
+    """Standard deviation of the white part, shape (N,), where there is another."""
+
+    @property
+    def is_white(self) -> bool:
+        """Whether no component has anything but white noise."""
+        return not np.any(self.fresh)
+
+    def beside(self, white: Array) -> Array:
+        """Standard deviations `white` (M, N) of noise above the band, less the part of it that falls."""
+        return np.where(self.fresh > 0, self.white, white)
+
+    def drawn(self, j: int, n: int, rng: np.random.Generator) -> Array:
+        """Samples of the falling part of component `j`, (n,)."""
+        if self.fresh[j] == 0:
+            return np.zeros(n)
+        stays, new = float(self.stays[j]), self.fresh[j] * rng.normal(size=n)
+        new[0] /= np.sqrt(1 - stays**2)
+        samples: Array = lfilter([1.0], [1.0, -stays], new)
+        return samples
+
+
+def colour_of(
+    signal: Sequence[Array], left: Sequence[Array], white: Sequence[Array], cutoff: float, low_pass: LowPass, dt: float
+) -> Colour:
+    """Colour of the noise of signals, pooled over motions; (T_i, N) each, at all samples.
+
+    Args:
+        signal: what was measured.
+        left: what a model leaves of it.
+        white: what the model leaves of itself with white noise.
+        cutoff: up to which frequency that is compared [Hz].
+        low_pass: of the motion.
+        dt: sample period [s].
+    """
+    n = signal[0].shape[1]
+    none = Colour(fresh=np.zeros(n), stays=np.zeros(n), white=np.zeros(n))
+    fast = [values - low_pass(values, dt) for values in signal]
+    above, inside, known = (_energies(rows, dt) for rows in (fast, left, white))
+    if above is None or inside is None or known is None:
+        return none
+    frequency = _frequencies(above.shape[1], dt)
+    high = (frequency > _ABOVE * low_pass.cutoff) & (frequency < _BELOW / dt)
+    low = frequency < cutoff
+    if np.count_nonzero(high) < _GROUPS or not low.any():
+        return none
+    found = np.zeros((3, n))
+    for j in range(n):
+        fresh, flat = _falling(frequency[high], _quiet(above[:, high, j]), low_pass, dt)
+        stays = _staying(frequency[low], _quiet(inside[:, low, j]), _quiet(known[:, low, j]), fresh, flat, dt)
+        found[:, j] = fresh, stays, flat
+    return Colour(fresh=found[0], stays=found[1], white=found[2])
+
+
+def _falling(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> tuple[float, float]:
+    """Standard deviations of what falls, fresh in each sample, and of the white part beside it; 0 if nothing falls."""
+    taken = 1 / (1 + (frequency / low_pass.cutoff) ** (2 * low_pass.order))  # by both runs of the low-pass
+    energy = np.asarray(energy / (1 - taken) ** 2, dtype=np.float64)
+    shapes = np.stack([np.full_like(frequency, 2 * dt), _shape(1.0, frequency, dt), frequency**-6.0], axis=1)
+    largest = shapes.max(axis=0)
+    sizes = nnls(shapes / largest / energy[:, None], np.ones(len(frequency)))[0] / largest
+    if sizes[1] * shapes[0, 1] < _FALLS * sizes[0] * shapes[0, 0]:
+        return 0.0, 0.0
+    return float(np.sqrt(sizes[1])), float(np.sqrt(sizes[0]))
+
+
+def _staying(frequency: Array, left: Array, known: Array, fresh: float, flat: float, dt: float) -> float:
+    """Share of noise that stays, by what is left in the band beyond what the model leaves of itself."""
+    if fresh == 0:
+        return 0.0
+    shares = np.exp(-2 * np.pi * _CORNERS * dt)
+    beside = np.maximum(known, 2 * dt * flat**2)
+    over = np.stack([left / (beside + fresh**2 * _shape(share, frequency, dt)) for share in shares])
+    fast = frequency > 0.5 * frequency[-1]
+    if np.mean(over[0, fast]) > _BEYOND:  # than all of such noise: what is left is a fault, and says nothing of noise
+        return float(np.exp(-2 * np.pi * _USUAL * frequency[-1] * dt))
+    return float(shares[int(np.argmin(np.abs(np.log(over.mean(axis=1)))))])
+
+
+def _shape(stays: float, frequency: Array, dt: float) -> Array:
+    """One-sided energy per Hz of noise of which a share stays, per square of what is fresh."""
+    shape: Array = 2 * dt / (1 - 2 * stays * np.cos(2 * np.pi * frequency * dt) + stays**2)
+    return shape
+
+
+def _energies(rows: Sequence[Array], dt: float) -> Array | None:
+    """Energy per Hz (B, G, N) of all parts of motions, in groups of frequencies; None if there are too few parts."""
+    width = round(_BLOCK / dt)
+    parts = [part for values in rows for part in _parts(values, width)] if width > 4 * _GROUP else []
+    if len(parts) < _FEWEST:
+        return None
+    energy: Array = np.stack([_spectrum(part, dt) for part in parts])[:, _LOWEST:]
+    n = energy.shape[1] // _GROUP
+    groups: Array = energy[:, : n * _GROUP].reshape(len(parts), n, _GROUP, -1).mean(axis=2)
+    return groups
+
+
+def _frequencies(n: int, dt: float) -> Array:
+    """Middles of so many groups [Hz]."""
+    width = round(_BLOCK / dt)
+    middles: Array = (_LOWEST + (np.arange(n, dtype=np.float64) + 0.5) * _GROUP - 0.5) / (width * dt)
+    return middles
+
+
+def _parts(rows: Array, width: int) -> list[Array]:
+    """Rows (T, N) in parts of so many, about their straight lines."""
+    n = len(rows) // width
+    time: Array = np.linspace(-1.0, 1.0, width, dtype=np.float64)[:, None]
+    found = []
+    for part in rows[: n * width].reshape(n, width, -1):
+        about = part - part.mean(axis=0)
+        found.append(about - time * np.sum(about * time, axis=0) / np.sum(time**2))
+    return found
+
+
+def _spectrum(part: Array, dt: float) -> Array:
+    """One-sided energy per Hz (F, N) of a part (W, N)."""
+    window = hann(len(part), sym=False)[:, None]
+    energy: Array = 2 * dt / float(np.sum(window**2)) * np.abs(np.fft.rfft(part * window, axis=0)) ** 2
+    return energy
+
+
+def _quiet(energy: Array) -> Array:
+    """Energy of noise at each frequency, by that of the quiet parts (B, F); chance makes some quiet."""
+    by_chance = float(chi2.ppf(_QUIET, _FREEDOM)) / _FREEDOM
+    found: Array = np.maximum(np.quantile(energy, _QUIET, axis=0) / by_chance, np.finfo(np.float64).tiny)
+    return found

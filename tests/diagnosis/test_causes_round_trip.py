@@ -1,0 +1,67 @@
+"""A hypothesis becomes a cause, a document, and the effect that it was: of all effects, whatever of them is null."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.answer.sizes import causes_of
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.document import diagnosis_document, parse_diagnosis
+from ffgym.diagnosis.evidence.priors import Priors
+from ffgym.diagnosis.extended import effect_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.result import Diagnosis
+from ffgym.effects import EFFECTS
+from ffgym.robot import load_robot
+
+ROBOT = load_robot("two_link")
+
+
+def hypothesis(kind):
+    """An effect on the second joint, with all its numbers a third of the way through their plausible range."""
+    known = kind.parameters()
+    values = {}
+    for name, p in known.items():
+        value = p.low + (p.high - p.low) / 3
+        values[name] = np.full(3, value) if p.per == "vector" else np.array(value)
+    sizes = [p for p in known.values() if p.role == "size"]
+    is_whole = all(p.per in ("machine", "vector") for p in sizes)
+    source = 0 if any(p.per == "pair" for p in sizes) else None
+    return Hypothesis(kind=kind, joint="" if is_whole else ROBOT.joints[1], source=source, values=values)
+
+
+def cause_of(one):
+    """The cause that a fit of one hypothesis gives, with hardly any doubt."""
+    n = len(one.free())
+    bound = np.full(n, 1e-3)
+    evidence = SimpleNamespace(gram=np.ones((1, n, n)) * np.eye(n), moment=np.zeros((1, n, 1)))
+    priors = Priors(precision=np.ones(n), low=-bound, high=bound)
+    run = SimpleNamespace(robot=ROBOT)
+    fit = SimpleNamespace(hypotheses=(one,), evidence=evidence, priors=priors, n_calibration=0, run=run)
+    return causes_of(fit, (0.9,), Calibration(), np.random.default_rng(0))[0]
+
+
+def cases():
+    """All effects as they are, and with each of their sizes at null for good."""
+    for kind in EFFECTS.values():
+        one = hypothesis(kind)
+        sizes = [p.name for p in kind.parameters().values() if p.role == "size"]
+        yield pytest.param(one, id=kind.name)
+        for size in sizes if len(sizes) > 1 else ():
+            yield pytest.param(one.without(size), id=f"{kind.name} without {size}")
+
+
+@pytest.mark.parametrize("one", list(cases()))
+def test_a_cause_is_read_back_as_the_effect_that_was_fitted(one):
+    found = Diagnosis(verdict="named", sentence="", robot="two_link", motions=("a",), causes=(cause_of(one),))
+    document = json.loads(json.dumps(diagnosis_document(found)))
+    (cause,) = parse_diagnosis(document).causes
+    again, meant = effect_of(cause, ROBOT), one.effect(ROBOT)
+    for name, p in one.kind.parameters().items():
+        read, fitted = getattr(again, name), getattr(meant, name)
+        if p.role == "size" or p.per in ("machine", "vector"):
+            np.testing.assert_array_equal(read, fitted, err_msg=name)
+        else:  # shapes of joints without the effect mean nothing
+            np.testing.assert_array_equal(read[1], fitted[1], err_msg=name)

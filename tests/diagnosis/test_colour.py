@@ -1,0 +1,75 @@
+"""Noise that is not white is told from what a model lacks by how it goes on above the band that is compared."""
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis import diagnose
+from ffgym.diagnosis.colour import colour_of
+from ffgym.effects import EFFECTS
+from ffgym.identification import LowPass
+from ffgym.plant import Machine
+from tests.diagnosis.continuous_axis import recorded, red_noise, sines
+
+DT, CUTOFF, LOW_PASS = 0.001, 40.0, LowPass(cutoff=100.0)
+STAYS = 0.9
+
+
+def noise(stays, white=0.0, seed=1):
+    """Six parts of eight seconds of two components."""
+    rng = np.random.default_rng(seed)
+    n = 8000
+    return [
+        np.stack([red_noise(1.0, stays, n, rng) + white * rng.normal(size=n) for _ in range(2)], axis=1)
+        for _ in range(6)
+    ]
+
+
+def colour(signal, left=None):
+    """Of signals, of which a model leaves all, and of itself what white noise is."""
+    white = [np.full_like(part, 1e-3) * np.random.default_rng(3).normal(size=part.shape) for part in signal]
+    return colour_of(signal, left or signal, white, CUTOFF, LOW_PASS, DT)
+
+
+def test_white_noise_has_no_colour():
+    for seed in range(10):
+        assert colour(noise(0.0, seed=seed)).is_white
+
+
+@pytest.mark.parametrize("white", [0.0, 0.2])
+def test_how_much_noise_falls_and_from_which_frequency_on_is_found(white):
+    found, given = colour(noise(STAYS, white)), noise(STAYS, white)
+    drawn = [found.drawn(j, 80_000, np.random.default_rng(2)) for j in range(2)]
+    for j in range(2):
+        expected = np.concatenate([LOW_PASS(part[:, j], DT) for part in given])
+        assert LOW_PASS(drawn[j], DT).std() == pytest.approx(expected.std(), rel=0.2)
+        assert found.beside(np.ones((1, 2)))[0, j] == pytest.approx(white, abs=0.15)
+
+
+def test_what_lies_in_the_band_alone_is_none():
+    """A model that is wrong, with white noise."""
+    slow = [part + LowPass(cutoff=10.0)(20 * part, DT) for part in noise(0.0)]
+    assert colour(slow).is_white
+
+
+def test_noise_that_falls_is_no_more_than_what_a_model_leaves():
+    """Colour above the band, and a model that follows it within."""
+    given = noise(STAYS)
+    followed = [part - LowPass(cutoff=40.0)(part, DT) for part in given]
+    most, least = colour(given), colour(given, followed)
+    assert np.all(least.stays < most.stays)
+
+
+@pytest.mark.parametrize("columns", [(), ("reference", "feedback")])
+def test_nothing_is_found_in_coloured_noise_but_a_fault_is(columns, one_axis):
+    rng = np.random.default_rng(7)
+    references = [sines(one_axis, phase, 8.0) for phase in (0.0, 1.5)]
+    logs = [
+        recorded(one_axis, reference, noise=(2e-5, 0.02), rng=rng, coloured=STAYS, columns=columns)
+        for reference in references
+    ]
+    found = diagnose(one_axis, logs)
+    assert found.verdict == "none", found.sentence
+    less = EFFECTS["coulomb_level"].on(one_axis, change=-0.2)
+    found = diagnose(Machine(robot=one_axis, effects=(less,)), logs)
+    assert [cause.effect for cause in found.causes] == ["coulomb_level"]
+    assert 0.8 * (1 + found.causes[0].parameters[0].value) == pytest.approx(1.0, abs=0.02)
