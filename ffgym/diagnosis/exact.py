@@ -46,13 +46,13 @@ def exact_recordings(log: Log, run: Replay) -> Exact:
 
 
 def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
-    """Whether motors move in exact recordings as they did in a log."""
+    """Whether motors move in exact recordings as they did in a log, where that counts."""
     drive = log.robot.drive
     for i, recording in enumerate(exact):
         n = min(len(recording), log.lengths[i])
         angle = recording.joint_array("motor.position")[:n]
         angle = drive.motor_angle(angle) if recording.header.position_side == "link" else angle
-        missed = angle - drive.motor_angle(log.q[:n, i])
+        missed = (angle - drive.motor_angle(log.q[:n, i]))[log.recordings[i].valid[:n].any(axis=1)]
         if np.sqrt(np.mean(missed**2, axis=0)).max() > _SAME_MOTION:
             return False
     return True

@@ -182,7 +182,7 @@ def _bursts(log: Log) -> Iterator[Seen]:
 
 
 def burst_ratios(column: Column, counts: BoolArray) -> Array:
-    """Noise of windows of `BURST` rows over that usual in a column; 0 where not all rows `counts` (T,); empty if short."""
+    """Noise of each `BURST` rows over that usual in a column; 0 where not all rows `counts` (T,); empty if short."""
     x = column.values
     if len(x) < 8 * BURST:
         return np.zeros(0)

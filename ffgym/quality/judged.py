@@ -61,7 +61,7 @@ def judged(
     left_out: list[LeftOut] = []
     told: list[str] = []
     for recording in conditioned_alike(recordings):
-        segment = recording.header.segment
+        segment = recording.header.segment or "A log"
         report = check_quality(recording, robot, uses, accept=overruled)
         if report.verdict == "insufficient":
             left_out.append(LeftOut(segment=segment, reason=report.problems[0].message))

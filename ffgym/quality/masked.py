@@ -19,8 +19,8 @@ def _masked(log: Log) -> Iterator[Seen]:
 def _all_masked(log: Log) -> Iterator[Seen]:
     share = 1.0 - float(log.recording.valid.any(axis=1).mean())
     message = (
-        f"valid: {share:.0%} of the rows count for no joint, must be less than 80 %. Nearly nothing is left to conclude "
-        "from; record again."
+        f"valid: {share:.0%} of the rows count for no joint, must be less than 80 %. Nearly nothing is left to "
+        "conclude from; record again."
     )
     yield Seen(value=share, message=message, columns=tuple(f"valid.{joint}" for joint in log.joints))
 

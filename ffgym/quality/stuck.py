@@ -183,8 +183,8 @@ STUCK = (
         refuse=0.0,
         why="a stretch counts from 20 ms on, beyond 4 of the times for which the column keeps its values, if another "
         "position of the joint moves on by 1 mrad and 5 % of its range, or if it begins abruptly, by 15 steps of the "
-        "resolution and a fifth of its usual top speed in 5 ms, and ends so; a position must jump to where the joint is by then: one that sticks by "
-        "friction goes on from where it stood",
+        "resolution and a fifth of its usual top speed in 5 ms, and ends so; a position must jump to where the joint "
+        "is by then: one that sticks by friction goes on from where it stood",
         judge=_stuck,
     ),
 )

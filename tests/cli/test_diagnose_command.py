@@ -50,6 +50,7 @@ def logs(tmp_path_factory):
         (["--columns", "map.toml"], "--columns has no effect on the example logs"),
         (["--calibration", "2"], "--calibration = 2.0 is out of range"),
         (["--seed", "-1"], "--seed"),
+        (["--accept", "cores"], "Unknown check 'cores'"),
         (["--most-causes", "9"], "--most-causes = 9"),
         (["--out", "file"], "cannot be made a folder"),
         (["--json", "numbers.txt"], "must end in .json"),
@@ -71,9 +72,8 @@ def test_what_cannot_be_diagnosed_is_refused_in_one_line(arguments, says, tmp_pa
         (lambda r: r.slice(end=0.2), "too short"),
         (lambda r: r.slice(end=1.5), "too short"),
         (lambda r: Recording(r.columns, replace(r.header, hold="unspecified")), "does not say when its torque acts"),
-        (lambda r: r.with_columns({"timestamp": r.t + 1e-4 * np.sin(100 * r.t)}), "sampled unevenly"),
     ],
-    ids=["five rows", "fifty rows", "a second", "when torque acts", "an uneven clock"],
+    ids=["five rows", "fifty rows", "a second", "when torque acts"],
 )
 def test_a_log_that_cannot_be_used_is_one_line_and_leaves_no_folder(logs, tmp_path, capsys, change, says):
     write_recording(change(read_recording(next(logs.glob("*.npz")))), tmp_path / "log.npz")
@@ -162,6 +162,24 @@ def test_logs_of_another_robot_are_insufficient_and_no_error(logs, tmp_path, cap
     assert main(["diagnose", str(logs), "--robot", "two_link", "--json", str(numbers)]) == 0
     assert capsys.readouterr().out.startswith("insufficient: ")
     assert read_diagnosis(numbers).causes == ()
+
+
+def test_a_log_that_is_refused_is_left_out_and_told_and_uneven_rows_are_no_reason(logs, tmp_path):
+    """Of three logs one is in degrees; the clock of another is uneven."""
+    first, second, *_ = (read_recording(file) for file in sorted(logs.glob("*.npz")))
+    degrees = first.with_columns({"motor.velocity.j1": np.degrees(first["motor.velocity.j1"])})
+    uneven = second.with_columns({"timestamp": second.t + 2e-4 * np.sin(100 * second.t)})
+    for name, recording in (("a", first), ("b", uneven), ("c", degrees.renamed("degrees"))):
+        write_recording(recording, tmp_path / f"{name}.npz")
+    numbers = tmp_path / "numbers.json"
+    files = [str(tmp_path / f"{name}.npz") for name in "abc"]
+    assert main(["diagnose", *files, "--robot", "one_axis", "--json", str(numbers), "--most-causes", "1"]) == 0
+    found = read_diagnosis(numbers)
+    assert found.verdict != "insufficient"
+    assert "degrees" not in found.motions
+    assert len(found.motions) == 2
+    assert found.quality[0].startswith("degrees was left out: motor.velocity.j1 is 57.2")
+    assert any("even clock" in text or "even times" in text for text in found.quality)
 
 
 def test_motions_of_the_same_name_are_told_apart_by_their_folders(logs):

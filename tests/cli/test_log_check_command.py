@@ -56,6 +56,23 @@ def test_an_insufficient_log_fails_after_all_are_told_and_written(logs, tmp_path
     assert written["versions"]
 
 
+def test_what_conditioning_does_is_told_and_written(logs, tmp_path, capsys):
+    recording = clean_log("two_link", "multisine")
+    torque = recording["motor.effort.elbow"].copy()
+    torque[4000] += 2 * np.ptp(torque)
+    write_recording(recording.with_columns({"motor.effort.elbow": torque}), logs[1])
+    place, page = tmp_path / "quality.json", tmp_path / "quality.html"
+    options = ["--needs", "diagnosis", "--json", str(place), "--report", str(page)]
+    assert main(["log", "check", str(logs[1]), "--robot", "two_link", *options]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "conditioned: Single rows that stick out were replaced" in out
+    assert "flagged: [spike] Mended or left out: motor.effort.elbow: " in out
+    (written,) = json.loads(place.read_text())["logs"]
+    assert written["verdict"] == "usable"
+    assert written["conditioning"][0].startswith("Single rows that stick out")
+    assert "Conditioned: Single rows that stick out" in page.read_text()
+
+
 def test_needs_are_judged(logs, capsys):
     assert main(["log", "check", str(logs[0]), "--needs", "temperature"]) == 1
     assert "temperature is missing" in capsys.readouterr().out

@@ -13,6 +13,15 @@ from tests.quality.test_defects import applicable
 
 ROBOT, MOTION = "two_link", "multisine"
 
+MENDED = (
+    *("clock_step", "dropped_samples", "jitter", "rate_changes_midway"),
+    *("duplicate_rows", "stuck_position", "a_spike", "noise_burst"),
+)
+"""Defects that conditioning mends or leaves out."""
+
+BRIDGED = "stuck_position"
+"""Mended, but friction after a reversal that is not known may stay unexplained: `unknown` is right, a name is not."""
+
 HARMLESS = ("a_column_shifted_by_rows", "filtered_speed_called_raw", "truncated_in_motion")
 """Defects of what a diagnosis does not use: it differentiates positions itself, and takes any part of a motion."""
 
@@ -47,8 +56,8 @@ def test_what_the_quality_gate_refuses_is_insufficient_and_nothing_is_ever_named
     found = diagnose(described(ROBOT, MOTION), [recording])
     assert found.causes == ()
     if not refused:
-        assert defect.name in HARMLESS
-        assert found.verdict == "none"
+        assert defect.name in (*HARMLESS, *MENDED)
+        assert found.verdict == "none" or (defect.name == BRIDGED and found.verdict == "unknown")
         return
     assert found.verdict == "insufficient"
     assert any(message in found.sentence for message in refused)
@@ -61,5 +70,6 @@ def test_no_defect_of_a_log_is_taken_for_a_fault_of_the_machine(defect, seed):
     recording = damaged(defect, seed)
     if recording is None:
         pytest.skip("no recording of two_link can have this")
-    allowed = ("insufficient", "none") if defect.name in HARMLESS else ("insufficient",)
+    allowed = ("insufficient", "none") if defect.name in (*HARMLESS, *MENDED) else ("insufficient",)
+    allowed += ("unknown",) if defect.name == BRIDGED else ()
     assert verdict_of(recording) in allowed

@@ -151,9 +151,7 @@ def _filtered(columns: Array, low_pass: LowPass, dt: float) -> Array:
 
 
 def _counting(robot: RobotDescription, motion: Motion, valid: BoolArray, filtering: Filtering, dt: float) -> BoolArray:
-    """Rows that count, (T, N): the motor moves and is `valid` (T, N) as far as the parallel filter reaches, and the
-    ends are far.
-    """
+    """Rows that count, (T, N): motors move and are `valid` as far as the parallel filter reaches; ends are far."""
     speed = np.abs(motion.motor_dq / robot.drive.gear_ratio)
     reach = 2 * round(1 / (filtering.parallel.cutoff * dt)) + 1  # a period of the cut-off, on either side
     good = (speed > filtering.moving) & valid

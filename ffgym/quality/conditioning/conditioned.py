@@ -1,7 +1,6 @@
 """The steps of conditioning, in an order in which none sees what an earlier one repairs."""
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -49,7 +48,10 @@ def conditioned(recording: Recording, *, period: float | None = None) -> Recordi
     with np.errstate(over="ignore", invalid="ignore"):  # a bit that flipped in an exponent is repaired here
         for _ in range(_PASSES):
             before = recording
-            for step in (*_BEFORE, partial(on_even_clock, period=period), *_AFTER):
+            for step in _BEFORE:
+                recording = step(recording)
+            recording = on_even_clock(recording, period)
+            for step in _AFTER:
                 recording = step(recording)
             if recording is before:
                 break

@@ -44,9 +44,9 @@ def without_spikes(recording: Recording) -> Recording:
         texts.append(f"{column.name} ({count(len(rows), 'row')}, the first at {recording.t[rows[0]]:.5g} s)")
     if not texts:
         return recording
-    note = f"Single rows that stick out were replaced, those of positions, torques and several joints left out: {', '.join(texts)}."
+    note = "Single rows that stick out were replaced, those of positions, torques and several joints left out: "
     masked[odd.sum(axis=1) > 1] = True  # what shakes several joints at once, as the robot's own stop, shakes all
-    return amended(recording, changed, masked, note)
+    return amended(recording, changed, masked, f"{note}{', '.join(texts)}.")
 
 
 def _single(column: Column) -> IntArray:

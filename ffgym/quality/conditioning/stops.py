@@ -44,7 +44,8 @@ def without_stops(recording: Recording) -> Recording:
 
 def abrupt_stops(log: Log) -> list[slice]:
     """Rows from where an abrupt stop begins to brake to the end of the rest after it."""
-    assert log.q is not None and log.dq is not None
+    assert log.q is not None
+    assert log.dq is not None
     braking = _speed_changes(log.q[:, log.excited], log.rows(_WINDOW))
     speed = np.abs(log.dq[:, log.excited])
     resting = np.all(speed <= RESTING * speed.max(axis=0), axis=1)

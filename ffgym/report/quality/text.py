@@ -17,8 +17,7 @@ def headline(report: QualityReport) -> str:
 
 
 def format_quality(report: QualityReport, *, figures: bool = False) -> str:
-    """The verdict and how much could not be judged in a line, what conditioning did, then every problem, one of several
-    joints once.
+    """The verdict and what could not be judged in a line, what conditioning did, every problem, of several joints once.
 
     Args:
         report: what was found.

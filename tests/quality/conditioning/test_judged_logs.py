@@ -1,4 +1,4 @@
-"""A log that is refused is left out with its reason, the others are used; a check may be overruled, and that is told."""
+"""A log that is refused is left out with its reason, the others are used; a check that is overruled is told."""
 
 import gzip
 import os

@@ -1,0 +1,60 @@
+"""Rows that a recording's mask leaves out do not count, as far as the low-pass of the comparison reaches."""
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.measured import counting_rows, valid_rows
+from tests.quality.quality_logs import clean_log, described
+
+SHOULDER, ELBOW = 0, 1
+FIRST, LAST = 4000, 4010
+
+
+def log_with(shoulder: bool, elbow: bool):
+    recording = clean_log("two_link", "multisine")
+    mask = np.ones(len(recording))
+    mask[FIRST:LAST] = 0.0
+    whole = np.ones(len(recording))
+    masks = {"valid.shoulder": mask if shoulder else whole, "valid.elbow": mask if elbow else whole}
+    return log_of(described("two_link", "multisine"), [recording.with_columns(masks)])
+
+
+def within_reach(log) -> np.ndarray:
+    """Rows whose low-pass reaches the samples that are left out, shape (R, 1)."""
+    sampling = log.sampling
+    near = (sampling.at + sampling.half_length >= FIRST) & (sampling.at - sampling.half_length < LAST)
+    return near[:, None]
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return log_of(described("two_link", "multisine"), [clean_log("two_link", "multisine")])
+
+
+def test_a_mask_of_one_joint_takes_out_its_torque_alone(whole):
+    log = log_with(shoulder=False, elbow=True)
+    before, after = counting_rows(whole), counting_rows(log)
+    assert within_reach(log).sum() > 3
+    assert np.array_equal(after["torque", ELBOW], before["torque", ELBOW] & ~within_reach(log))
+    assert before["torque", ELBOW][within_reach(log)].any()
+    for key in before:
+        if key != ("torque", ELBOW):
+            assert np.array_equal(after[key], before[key])
+    assert np.array_equal(valid_rows(log), valid_rows(whole))
+
+
+def test_a_mask_of_all_joints_takes_the_rows_out_of_everything(whole):
+    log = log_with(shoulder=True, elbow=True)
+    assert np.array_equal(valid_rows(log), valid_rows(whole) & ~within_reach(log))
+    for key, rows in counting_rows(log).items():
+        assert np.array_equal(rows, counting_rows(whole)[key] & ~within_reach(log))
+
+
+def test_without_a_mask_all_rows_count(whole):
+    log = log_with(shoulder=False, elbow=False)
+    log = log_of(
+        log.robot, [log.recordings[0].with_columns({f"valid.{j}": np.ones(whole.lengths[0]) for j in log.robot.joints})]
+    )
+    for key, rows in counting_rows(whole).items():
+        assert np.array_equal(rows, counting_rows(log)[key])
