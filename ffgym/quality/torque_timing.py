@@ -17,7 +17,8 @@ all joints: of those that mostly rest, chance finds 0.1, and what ails one joint
 
 _FEW, _TELLS_ALONE = 3, 0.75
 """Joints below which there is no such median, and what tells a delay then: a periodic torque that nobody knows of makes
-0.6 in a log of one joint that moves to some poses; a delay of 110 ms makes 0.9 in its slowest triangle, 5 in others."""
+0.6 in a log of one joint that moves to some poses; a delay of 110 ms makes 0.9 in its slowest triangle, 5 in others.
+So does noise of angles, which makes 0.5 in slow sweeps; a fit of the wiring over all logs hears more."""
 
 _LATE, _ROWS_LATE = 0.02, 0.75
 """Delay that a torque may have: [s], or in rows if those are longer."""
@@ -27,12 +28,12 @@ def _lag(log: Log) -> Iterator[Seen]:
     parts = torque_parts(log)
     dt = float(np.median(np.diff(parts.t)))
     reach = min(max(3, round(LAG_SPAN / dt)), len(parts.t) // 8)
-    joints = np.flatnonzero(log.excited & (np.ptp(parts.torque, axis=0) > 0))
+    joints = np.flatnonzero(log.excited & parts.clear & (np.ptp(parts.torque, axis=0) > 0))
     if not joints.size:
-        raise NotJudgedError("no torque changes")
+        raise NotJudgedError("no torque changes, or positions are too noisy")
     cost = _leftover(parts, joints.tolist(), reach)
-    tells = cost.min() < -(_TELLS if len(joints) >= _FEW else _TELLS_ALONE)
-    lag = _smallest(cost, _TELLS) * dt if tells else 0.0
+    needed = _TELLS if len(joints) >= _FEW and parts.blur == 1 else _TELLS_ALONE
+    lag = _smallest(cost, _TELLS) * dt if cost.min() < -needed else 0.0
     limit = max(_LATE, _ROWS_LATE * log.dt)
     message = (
         f"motor.effort is {'later' if lag > 0 else 'earlier'} than the motion explains by {abs(lag):.3g} s, must be "
