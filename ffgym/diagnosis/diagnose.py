@@ -189,9 +189,7 @@ def _examined(
     )
 
 
-def _miswired(
-    wiring: Wiring, machine: Machine, motions: tuple[str, ...], provenance: dict[str, Any]
-) -> Diagnosis:
+def _miswired(wiring: Wiring, machine: Machine, motions: tuple[str, ...], provenance: dict[str, Any]) -> Diagnosis:
     """Answer where columns are not what they are called; what the gate says of them repeats that."""
     entries = tuple(
         Miswiring(kind=one.kind, families=one.families, joints=one.joints, message=one.message)

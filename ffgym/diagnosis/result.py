@@ -8,8 +8,8 @@ from ffgym.diagnosis.residual import Channel
 Verdict = Literal["none", "named", "partly", "ambiguous", "unknown", "wiring", "insufficient"]
 """`none`: these motions do not falsify the model; `named`: causes explain what it lacks; `partly`: a cause explains
 much and something is left; `ambiguous`: several causes explain it as well, see the separating motion; `unknown`:
-something is there that no effect of the library explains; `wiring`: columns are not what they are called, no physical cause
-was looked for; `insufficient`: these logs do not allow a diagnosis."""
+something is there that no effect of the library explains; `wiring`: columns are not what they are called, no
+physical cause was looked for; `insufficient`: these logs do not allow a diagnosis."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,8 +21,8 @@ _SLOW = (1 / 100, 1 / 30, 1 / 10, 1 / 3)
 """Shares of a joint's largest speed within which friction may be more, or less, than above."""
 
 _RESTS, _MOVES = 3.0, 10.0
-"""Noise of the speed below which a joint rests, whose bristles noise would shake loose; and its largest speed from which
-on a joint can be told from one that rests, both in standard deviations."""
+"""Noise of the speed below which a joint rests, whose bristles noise would shake loose; and its largest speed from
+which on a joint can be told from one that rests, both in standard deviations."""
 
 _TINY = 1e-10
 """Share of the largest energy in one direction of several columns below which it is rounding."""
@@ -84,7 +84,7 @@ class TorqueParts:
         Reference:
             Dahl (1968), A solid friction model, Aerospace Corporation TOR-0158(3107-18)-1.
         """
-        turned = (np.diff(self.q, axis=0, prepend=self.q[:1]) * np.abs(self.gear_ratio))
+        turned = np.diff(self.q, axis=0, prepend=self.q[:1]) * np.abs(self.gear_ratio)
         turned = np.where(np.abs(self.dq) > _RESTS * self.trembling, turned, 0.0)[..., None]
         ways, keeps = np.sign(turned), np.exp(-np.abs(turned) / _TRAVELS)
         bent, now = np.empty(keeps.shape), np.zeros(keeps.shape[1:])
@@ -119,8 +119,16 @@ def torque_parts(log: Log) -> TorqueParts:
     ratio = np.asarray(log.recording.header.gear_ratio)
     # an average over w rows differs by those at its ends: two samples of noise over its width
     trembling = np.sqrt(2) * log.angle_noise / max(log.smoothing, log.dt)
-    motion = (means(values) for values in (log.smooth_q, log.dq, log.ddq, torque))
-    return TorqueParts(means(log.t)[:, 0], *motion, ratio, trembling, blur)
+    return TorqueParts(
+        t=means(log.t)[:, 0],
+        q=means(log.smooth_q),
+        dq=means(log.dq),
+        ddq=means(log.ddq),
+        torque=means(torque),
+        gear_ratio=ratio,
+        trembling=trembling,
+        blur=blur,
+    )
 
 
 def orthonormal(columns: Array) -> Array:

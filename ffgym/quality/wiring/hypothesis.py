@@ -151,7 +151,9 @@ def hypotheses(samples: Samples, robot: RobotDescription) -> Iterator[Hypothesis
 def zeros(samples: Samples, robot: RobotDescription) -> Iterator[Hypothesis]:
     """Zeros of one joint that are off."""
     there = tuple(f for f in ("motor.position", "reference.position") if f in samples.present)
-    ratio = np.asarray(samples.header.gear_ratio) if samples.header.position_side == "motor" else np.ones(robot.n_joints)
+    ratio = (
+        np.asarray(samples.header.gear_ratio) if samples.header.position_side == "motor" else np.ones(robot.n_joints)
+    )
     for group in _distinct([there, *((family,) for family in there)]):
         for j, degrees, way in product(range(robot.n_joints), _ZEROS, (1.0, -1.0)):
             if not robot.kinematics.is_sliding[j]:

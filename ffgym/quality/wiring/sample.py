@@ -13,7 +13,7 @@ from ffgym.recordings import FAMILIES, Recording
 from ffgym.types import Array, BoolArray, IntArray
 
 BANDS = (5.0, 2.5, 1.2)
-"""Cut-offs [Hz] of the low-pass that are tried, the highest first: planned motion lies below, resonances of arms above."""
+"""Cut-offs [Hz] of the low-pass tried, the highest first: planned motion is below, resonances of arms above."""
 
 _OF_RATE = 0.2
 """Largest cut-off in sample rates."""
@@ -91,7 +91,9 @@ class Samples:
         each = max(_ROWS // len(recordings), 60)
         self._motions = [_motion(recording, shared, self.band, each) for recording in recordings]
         self.recording = np.concatenate([np.full(len(m.at), i) for i, m in enumerate(self._motions)])
-        blocks = [((m.t[m.at] - m.t[0]) // (_BLOCK * max(1.0, 5.0 / self.band))).astype(np.int64) for m in self._motions]
+        blocks = [
+            ((m.t[m.at] - m.t[0]) // (_BLOCK * max(1.0, 5.0 / self.band))).astype(np.int64) for m in self._motions
+        ]
         self.held_out: BoolArray = np.concatenate([(block + i) % 2 == 0 for i, block in enumerate(blocks)])
         self._column = lru_cache(maxsize=4096)(self._computed)
 

@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 
-from ffgym.exam.hidden import drawn
 from ffgym.effects import EFFECTS, Effect
+from ffgym.exam.hidden import drawn
 from ffgym.plant import Machine
 from ffgym.protocols import PROTOCOLS, plan_session, record
 from ffgym.protocols.record import usual_sensors
