@@ -1,6 +1,6 @@
 """`ffgym log check`: what logs are good for, before anything is concluded from them."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, get_args
 
@@ -15,6 +15,7 @@ from ffgym.logs import read_logs
 from ffgym.plant.machine_file import is_machine_file
 from ffgym.quality import QualityReport, check_quality
 from ffgym.quality.finding import Overall
+from ffgym.quality.wiring import Mistake, find_wiring
 from ffgym.recordings.folder import recording_files
 from ffgym.robot import RobotDescription, load_draft
 
@@ -51,33 +52,40 @@ class Check:
             need_extra("The report", "matplotlib", "jinja2")
         inputs = (*self.logs, self.robot, self.columns)
         check_outputs({"--report": self.report, "--json": self.json}, inputs=inputs)
-        reports = self._judged()
+        reports, wiring = self._judged()
         info = provenance("ffgym log check", self, self.robot or "", None, None)
-        self._write(reports, info)
+        self._write(reports, wiring, info)
+        from ffgym.report.circles.tables import filled
         from ffgym.report.quality.text import format_quality
 
         for name, report in reports:
             print(f"{name}: {format_quality(report, figures=self.figures)}")
         if len(reports) > 1:
             print(_counts([report.verdict for _, report in reports]))
+        for mistake in wiring:
+            print(filled(f"wiring of all logs: {mistake.message}"))
         for what, place in (("report", self.report), ("numbers", self.json)):
             if place is not None:
                 print(f"{what}: {place}")
         bad = [name for name, report in reports if report.verdict == "insufficient"]
+        if wiring and not bad:
+            raise FFGymError("Columns are not what they are called, see above; `ffgym diagnose --out` writes a map.")
         if bad:
             raise FFGymError(f"Insufficient: {', '.join(bad)}; see above what is refused, and the way out.")
 
-    def _judged(self) -> list[tuple[str, QualityReport]]:
-        """File names, each with the report of a motion in it."""
+    def _judged(self) -> tuple[list[tuple[str, QualityReport]], tuple[Mistake, ...]]:
+        """File names, each with the report of a motion in it; and what is wired wrongly in all logs together."""
         whose, robot = self._described()
-        reports = []
+        reports, read = [], []
         with progress_bar("checking", "logs") as progress:
             files = [file for path in self.logs for file in self._files(path)]
             for done, path in enumerate(files):
                 progress(done, len(files))
                 recordings = read_logs(path, self.columns, robot=whose if self.columns else None)
                 reports += [(path, check_quality(recording, robot, self.needs)) for recording in recordings]
-        return reports
+                read += recordings if robot is not None else []
+        wiring = find_wiring(read, robot).mistakes if robot is not None and len(read) > 1 else ()
+        return reports, wiring
 
     def _described(self) -> tuple[RobotDescription | None, RobotDescription | None]:
         """The robot that logs are of, and the one to judge them by: None if its description lacks entries."""
@@ -97,14 +105,17 @@ class Check:
             return [str(file) for file in recording_files(path)]
         return [path]
 
-    def _write(self, reports: list[tuple[str, QualityReport]], info: dict[str, Any]) -> None:
+    def _write(
+        self, reports: list[tuple[str, QualityReport]], wiring: tuple[Mistake, ...], info: dict[str, Any]
+    ) -> None:
         """Files first: nobody may read what is printed."""
         if self.report is not None:
             from ffgym.report.quality.page import render_quality_page
 
             write_text(self.report, render_quality_page(reports, info))
         if self.json is not None:
-            write_json(self.json, info | {"logs": [{"file": name} | report.numbers() for name, report in reports]})
+            logs = [{"file": name} | report.numbers() for name, report in reports]
+            write_json(self.json, info | {"logs": logs, "wiring": [asdict(mistake) for mistake in wiring]})
 
 
 def _counts(verdicts: list[Overall]) -> str:

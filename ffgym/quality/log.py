@@ -8,6 +8,7 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import uniform_filter1d
 
+from ffgym.quality.noise import white_noise
 from ffgym.recordings import FAMILIES, Recording
 from ffgym.recordings.schema import VALID
 from ffgym.robot import RigidArm, RobotDescription
@@ -16,6 +17,13 @@ from ffgym.types import Array, BoolArray
 SMOOTHING = 0.02
 """Time [s] over which positions are averaged before they are differentiated: short beside planned motion, long beside
 the quantisation of encoders at 1 kHz."""
+
+_LONGER = (1.0, 2.0, 4.0, 8.0)
+"""Multiples of `SMOOTHING` that are tried until accelerations are no noise."""
+
+_NOISY = 0.3
+"""Noise of the accelerations of a typical joint, in what is measured of them, from which on positions are averaged over
+a longer time."""
 
 EXCITED = 1e-3
 """Travel [rad or m, link side] from which on a joint counts as moved: some hundred steps of a motor encoder, and more
@@ -118,9 +126,29 @@ class Log:
         return None
 
     @cached_property
+    def angle_noise(self) -> Array:
+        """White noise of `q` [rad or m, link side], shape (N,)."""
+        return np.zeros(len(self.joints)) if self.q is None else white_noise(self.q)
+
+    @cached_property
+    def smoothing(self) -> float:
+        """Time [s] over which positions are averaged: `SMOOTHING`, or longer where noise of angles calls for it."""
+        if self.q is None:
+            return SMOOTHING
+        for times in _LONGER:
+            span = times * SMOOTHING
+            moved = np.ptp(self.q, axis=0) > EXCITED
+            size = np.std(_acceleration(self.q, self.t, self.rows(span)), axis=0)[moved]
+            # two averages make a triangle, whose second derivative is three samples of noise over its width squared
+            noise = np.sqrt(6) * self.angle_noise[moved] / max(span, self.dt) ** 2
+            if not moved.any() or np.median(noise / np.maximum(size, np.finfo(np.float64).tiny)) < _NOISY:
+                return span
+        return _LONGER[-1] * SMOOTHING
+
+    @cached_property
     def smooth_q(self) -> Array | None:
-        """`q`, averaged over `SMOOTHING`."""
-        return None if self.q is None else averaged(self.q, self.rows(SMOOTHING))
+        """`q`, averaged over `smoothing`."""
+        return None if self.q is None else averaged(self.q, self.rows(self.smoothing))
 
     @cached_property
     def dq(self) -> Array | None:
@@ -132,7 +160,7 @@ class Log:
         """Joint accelerations from `dq`, averaged again, link side, shape (T, N)."""
         if self.dq is None:
             return None
-        return np.gradient(averaged(self.dq, self.rows(SMOOTHING)), self.t, axis=0)
+        return np.gradient(averaged(self.dq, self.rows(self.smoothing)), self.t, axis=0)
 
     @cached_property
     def excited(self) -> BoolArray:
@@ -154,6 +182,11 @@ class Log:
 def _arm_of(robot: RobotDescription) -> RigidArm:
     """Its rigid arm, kept for the next log of the same robot."""
     return RigidArm(robot)
+
+
+def _acceleration(q: Array, t: Array, rows: int) -> Array:
+    """Second derivative of positions that are averaged twice, (T, N)."""
+    return np.asarray(np.gradient(averaged(np.gradient(averaged(q, rows), t, axis=0), rows), t, axis=0))
 
 
 def averaged(values: Array, rows: int) -> Array:

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from ffgym.quality.check import NotJudgedError
-from ffgym.quality.log import SMOOTHING, Log, averaged
+from ffgym.quality.log import Log, averaged
 from ffgym.robot import RobotDescription
 from ffgym.types import Array, BoolArray
 
@@ -85,7 +85,7 @@ def _measured(log: Log, robot: RobotDescription) -> Array:
     torque = log.recording.joint_array("motor.effort")
     if semantics == "link_side":
         torque = robot.drive.motor_torque(torque)
-    return averaged(averaged(torque, log.rows(SMOOTHING)), log.rows(SMOOTHING))
+    return averaged(averaged(torque, log.rows(log.smoothing)), log.rows(log.smoothing))
 
 
 def rms(values: Array) -> float:

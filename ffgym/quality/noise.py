@@ -25,7 +25,7 @@ def white_noise(values: Array) -> Array:
 
 
 def acceleration_noise(noise: Array, dt: float, cutoff: float) -> Array:
-    """Noise of the second derivative behind a low-pass with `cutoff` [Hz] of white `noise` (C,), sampled every `dt` [s].
+    """Noise of the second derivative of white `noise` (C,), sampled every `dt` [s], behind a low-pass at `cutoff` [Hz].
 
     Of the density 2 dt noise^2 up to the cut-off, times (2 pi f)^4.
     """

@@ -7,8 +7,8 @@ from typing import final
 import numpy as np
 
 from ffgym.quality.check import NotJudgedError
-from ffgym.quality.log import RESTING, Log
-from ffgym.types import Array
+from ffgym.quality.log import RESTING, SMOOTHING, Log, averaged
+from ffgym.types import Array, BoolArray
 
 _PERIOD = 0.004
 """Time [s] over which rows are averaged first; delays are judged from some of them on."""
@@ -19,6 +19,10 @@ without a gearbox."""
 
 _SLOW = (1 / 100, 1 / 30, 1 / 10, 1 / 3)
 """Shares of a joint's largest speed within which friction may be more, or less, than above."""
+
+_RESTS, _MOVES = 3.0, 10.0
+"""Noise of the speed below which a joint rests, whose bristles noise would shake loose; and its largest speed from
+which on a joint can be told from one that rests, both in standard deviations."""
 
 _TINY = 1e-10
 """Share of the largest energy in one direction of several columns below which it is rounding."""
@@ -39,6 +43,20 @@ class TorqueParts:
     """As recorded, shape (R, N)."""
     gear_ratio: Array
     """Shape (N,)."""
+    trembling: Array
+    """Noise of the speeds [rad/s or m/s, link side], shape (N,)."""
+
+    blur: int
+    """Rows over which the torque was averaged twice, 1 where it was not."""
+
+    def as_torque(self, values: Array) -> Array:
+        """Columns (R, ...), averaged as the torque is."""
+        return values if self.blur == 1 else averaged(averaged(values, self.blur), self.blur)
+
+    @property
+    def clear(self) -> BoolArray:
+        """Joints whose motion stands out of the noise of their positions, shape (N,)."""
+        return np.asarray(np.abs(self.dq).max(axis=0) > _MOVES * self.trembling)
 
     @cached_property
     def common(self) -> Array:
@@ -51,13 +69,13 @@ class TorqueParts:
 
     def sliding(self, j: int) -> Array:
         """Friction of joint `j` where it slides: the sign of its speed, smoothly, (R,)."""
-        return np.asarray(np.tanh(self.speed(j) / RESTING))
+        return self.as_torque(np.tanh(self.speed(j) / RESTING))
 
     def friction(self, j: int) -> Array:
         """Parts of the friction of joint `j`: its speed, and bristles of any length, stronger when slow (R, F)."""
         speed, bristles = self.speed(j)[:, None], self._bristles[:, j]
         slow = [bristles * np.exp(-np.abs(speed) / share) for share in _SLOW]
-        return np.column_stack([speed, bristles, *slow])
+        return self.as_torque(np.column_stack([speed, bristles, *slow]))
 
     @cached_property
     def _bristles(self) -> Array:
@@ -66,7 +84,8 @@ class TorqueParts:
         Reference:
             Dahl (1968), A solid friction model, Aerospace Corporation TOR-0158(3107-18)-1.
         """
-        turned = (np.diff(self.q, axis=0, prepend=self.q[:1]) * np.abs(self.gear_ratio))[..., None]
+        turned = np.diff(self.q, axis=0, prepend=self.q[:1]) * np.abs(self.gear_ratio)
+        turned = np.where(np.abs(self.dq) > _RESTS * self.trembling, turned, 0.0)[..., None]
         ways, keeps = np.sign(turned), np.exp(-np.abs(turned) / _TRAVELS)
         bent, now = np.empty(keeps.shape), np.zeros(keeps.shape[1:])
         for row, (way, keep) in enumerate(zip(ways, keeps, strict=True)):
@@ -93,8 +112,23 @@ def torque_parts(log: Log) -> TorqueParts:
         return np.asarray(values[: count * every].reshape(count, every, -1).mean(axis=1))
 
     torque = log.recording.joint_array("motor.effort")
+    blur = 1
+    if log.smoothing > SMOOTHING:  # as the motion is, so that it is no sharper
+        torque = averaged(averaged(torque, log.rows(log.smoothing)), log.rows(log.smoothing))
+        blur = max(1, round(log.rows(log.smoothing) / every))
     ratio = np.asarray(log.recording.header.gear_ratio)
-    return TorqueParts(means(log.t)[:, 0], means(log.smooth_q), means(log.dq), means(log.ddq), means(torque), ratio)
+    # an average over w rows differs by those at its ends: two samples of noise over its width
+    trembling = np.sqrt(2) * log.angle_noise / max(log.smoothing, log.dt)
+    return TorqueParts(
+        t=means(log.t)[:, 0],
+        q=means(log.smooth_q),
+        dq=means(log.dq),
+        ddq=means(log.ddq),
+        torque=means(torque),
+        gear_ratio=ratio,
+        trembling=trembling,
+        blur=blur,
+    )
 
 
 def orthonormal(columns: Array) -> Array:

@@ -17,7 +17,12 @@ all joints: of those that mostly rest, chance finds 0.1, and what ails one joint
 
 _FEW, _TELLS_ALONE = 3, 0.75
 """Joints below which there is no such median, and what tells a delay then: a periodic torque that nobody knows of makes
-0.6 in a log of one joint that moves to some poses; a delay of 110 ms makes 0.9 in its slowest triangle, 5 in others."""
+0.6 in a log of one joint that moves to some poses; a delay of 110 ms makes 0.9 in its slowest triangle, 5 in others.
+So does noise of angles, which makes 0.5 in slow sweeps."""
+
+_REFUSED = 2.0
+"""Delay over its limit from which on a log is refused. With noisy angles none is: friction that turns round slowly
+looks late in one log, and a fit of the wiring over all of them tells more."""
 
 _LATE, _ROWS_LATE = 0.02, 0.75
 """Delay that a torque may have: [s], or in rows if those are longer."""
@@ -27,19 +32,20 @@ def _lag(log: Log) -> Iterator[Seen]:
     parts = torque_parts(log)
     dt = float(np.median(np.diff(parts.t)))
     reach = min(max(3, round(LAG_SPAN / dt)), len(parts.t) // 8)
-    joints = np.flatnonzero(log.excited & (np.ptp(parts.torque, axis=0) > 0))
+    joints = np.flatnonzero(log.excited & parts.clear & (np.ptp(parts.torque, axis=0) > 0))
     if not joints.size:
-        raise NotJudgedError("no torque changes")
+        raise NotJudgedError("no torque changes, or positions are too noisy")
     cost = _leftover(parts, joints.tolist(), reach)
-    tells = cost.min() < -(_TELLS if len(joints) >= _FEW else _TELLS_ALONE)
-    lag = _smallest(cost, _TELLS) * dt if tells else 0.0
+    needed = _TELLS if len(joints) >= _FEW and parts.blur == 1 else _TELLS_ALONE
+    lag = _smallest(cost, _TELLS) * dt if cost.min() < -needed else 0.0
     limit = max(_LATE, _ROWS_LATE * log.dt)
     message = (
         f"motor.effort is {'later' if lag > 0 else 'earlier'} than the motion explains by {abs(lag):.3g} s, must be "
         f"within {limit:.2g} s. Shift it by that time; or look for columns of two clocks, or of two runs."
     )
     columns = tuple(f"motor.effort.{log.joints[j]}" for j in joints)
-    yield Seen(value=abs(lag) / limit, message=message, columns=columns)
+    value = abs(lag) / limit
+    yield Seen(value=value if parts.blur == 1 else min(value, _REFUSED), message=message, columns=columns)
 
 
 def _smallest(cost: Array, least: float) -> int:
@@ -92,7 +98,7 @@ TORQUE_TIMING = (
         figure="Delay of the torque against the motion, over 20 ms, or 0.75 rows where those are longer",
         unit="1",
         flag=1.0,
-        refuse=2.0,
+        refuse=_REFUSED,
         why="a torque out of step with the motion reads as inertia and friction of the wrong size; 12 ms are found in "
         "clean logs; recorders put a column off by a row, and no servo is stable with 40 ms between torque and motion",
         judge=_lag,

@@ -11,10 +11,10 @@ from ffgym.errors import FFGymError
 from ffgym.recordings.phase import Phase, clipped
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import FAMILIES
-from ffgym.types import Array
+from ffgym.types import Array, BoolArray
 
 _WHOLE = 1e-3
-"""Difference from a whole number of rows that a delay of whole rows may have: samples are then moved, not interpolated."""
+"""Difference from a whole number of rows that a delay of whole rows may have: samples then move."""
 
 
 @final
@@ -151,7 +151,7 @@ class Rewiring:
         return clipped(phases, float(t[0]), float(t[-1] + np.median(np.diff(t)))) if len(t) > 1 else phases
 
 
-def earlier(samples: Array, t: Array, delay: float) -> tuple[Array, Array]:
+def earlier(samples: Array, t: Array, delay: float) -> tuple[Array, BoolArray]:
     """Samples (T, ...) of times `t` (T,) as they are `delay` [s] later, and the rows that have one, (T,).
 
     A delay of whole rows of an even clock moves samples; any other interpolates between them.

@@ -1,4 +1,4 @@
-"""The table [rewire] of a column map: corrections of columns after they are read, as a fit of their wiring finds them."""
+"""The table [rewire] of a column map: corrections of columns after they are read, as a fit of wiring finds them."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -17,7 +17,8 @@ REWIRE_KEYS: Mapping[str, str] = MappingProxyType(
         "dropped",
     }
 )
-"""What a table [rewire."..."] of a family may say; absent keys change nothing. `clock` in [rewire] multiplies all times."""
+"""What a table [rewire."..."] of a family may say; absent keys change nothing. `clock` in [rewire] multiplies all
+times."""
 
 _NEUTRAL = {"factor": 1.0, "offset": 0.0, "delay": 0.0}
 

@@ -1,4 +1,4 @@
-"""Torques that are some multiple of what they should be: currents, or shares of a rated torque, whose constant is unknown."""
+"""Torques that are some multiple of what they should be: currents, whose torque constant is unknown."""
 
 from collections.abc import Sequence
 
@@ -11,14 +11,18 @@ from ffgym.quality.wiring.score import TORQUE, Lefts, Scorer
 from ffgym.recordings.rewiring import Rewiring
 
 _FACTOR = 1.8
-"""Factor of all parts of a torque from which on it is no torque: masses are known better, and a payload that nobody told
-of acts on gravity more than on rotors and friction."""
+"""Factor of all parts of a torque from which on it is no torque: masses are known better, and a payload that nobody
+told of acts on gravity more than on rotors and friction."""
 
 _UNCLEAN = 1.3
 """Factor of the torque of a joint that is no torque constant next to 1, where most joints show that there are some."""
 
 _SHARE, _EXPLAINED = 0.05, 0.02
 """Share of a torque that is left as given at least, and with its factor at most, where masses are known to 60 %."""
+
+
+_ALONE = 0.004
+"""The same of few joints, on which a heavy payload acts more than on others."""
 
 
 def with_currents(scorer: Scorer, wiring: Rewiring, found: Sequence[Found]) -> tuple[Rewiring, list[Found]]:
@@ -37,7 +41,9 @@ def with_currents(scorer: Scorer, wiring: Rewiring, found: Sequence[Found]) -> t
     if not telling:
         return wiring, [*found]
     if len(telling) <= len(strengths) / 2:
-        factors = {j: factors[j] for j in telling}
+        factors = {j: factors[j] for j in telling if after[TORQUE, j] < _ALONE}
+        if not factors:
+            return wiring, [*found]
     else:  # all of them, also where friction of an unknown size explains the factor as well
         factors = {j: s for j, s in strengths.items() if s > 0 and abs(np.log(s)) > np.log(_UNCLEAN)}
     current = _scaled(best.families, factors)

@@ -36,7 +36,7 @@ def find_wiring(recordings: Sequence[Recording], robot: RobotDescription) -> Wir
 
     Friction, payloads, masses, springs and gears that differ from the description are no mistakes in wiring: they are
     free within what machines have. A mistake is one that is discrete, and without which far more is explained on rows
-    that were left out. Without motor positions, or where recordings do not fit the robot or each other, nothing is said.
+    that were left out. Without motor positions, or where recordings do not fit the robot or each other, there are none.
 
     Args:
         recordings: of one robot, with columns that mean the same.

@@ -1,4 +1,4 @@
-"""Torque that a description allows for a motion: a regressor per joint, each coefficient within what machines may have."""
+"""Torque that a description allows for a motion: a regressor per joint, each coefficient in what machines may have."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -29,9 +29,9 @@ _BOUNDS = {
     "load": (0.0, 0.3),
     "constant": (-1.0, 1.0),
 }
-"""Smallest and largest coefficient: masses that are typical, an unknown payload of two fifths of the arm, a counterbalance
-that is not described (in the largest gravity torque of the joint), friction by a factor, losses of a gearbox, offsets
-and friction that differs by direction (in Coulomb torques)."""
+"""Smallest and largest coefficient: masses that are typical, an unknown payload of two fifths of the arm, a
+counterbalance that is not described (in the largest gravity torque of the joint), friction by a factor, losses of a
+gearbox, offsets and friction that differs by direction (in Coulomb torques)."""
 
 
 KNOWN_MASSES = {

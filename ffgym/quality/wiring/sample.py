@@ -13,7 +13,7 @@ from ffgym.recordings import FAMILIES, Recording
 from ffgym.types import Array, BoolArray, IntArray
 
 BANDS = (5.0, 2.5, 1.2)
-"""Cut-offs [Hz] of the low-pass that are tried, the highest first: planned motion lies below, resonances of arms above."""
+"""Cut-offs [Hz] of the low-pass tried, the highest first: planned motion is below, resonances of arms above."""
 
 _OF_RATE = 0.2
 """Largest cut-off in sample rates."""

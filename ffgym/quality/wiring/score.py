@@ -14,8 +14,8 @@ from ffgym.recordings.rewiring import Rewiring
 from ffgym.types import Array, BoolArray
 
 FLOOR, TOOL_FLOOR = 0.005, 0.004
-"""Shares of the energy of a signal, and of the path of the tool, below which what is left is not told apart: elasticity,
-ripple and friction laws make them."""
+"""Shares of the energy of a signal, and of the path of the tool, below which what is left is not told apart:
+elasticity, ripple and friction laws make them."""
 
 _ROUNDING = 1e-5
 """Share that resolution and filters leave."""
@@ -154,7 +154,7 @@ class Scorer:
         return columns
 
     def _ways(self, wiring: Rewiring) -> Array | None:
-        """Sign of the speed of each motor, filtered as torques are, (R, N); None where motors turn with other joints."""
+        """Sign of each motor's speed, filtered as torques are, (R, N); None where motors turn with other joints."""
         if self.robot.drive.coupling is not None:
             return None
         rewire, ratio = wiring.of(POSITION, self.n), self.robot.drive.gear_ratio
