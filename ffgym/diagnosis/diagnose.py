@@ -1,7 +1,7 @@
 """What does the simulation get wrong, why, and how sure is that: recordings and a nominal model in, a diagnosis out."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,8 +17,10 @@ from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log.order import by_content
 from ffgym.diagnosis.log.reference import beyond_limits
 from ffgym.diagnosis.measured import check_length
+from ffgym.diagnosis.one_thread import on_one_thread
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
 from ffgym.diagnosis.residual import Residual
@@ -77,6 +79,7 @@ def diagnose(
     ).diagnosis
 
 
+@on_one_thread
 def examine(
     nominal: Machine | RobotDescription,
     recordings: Sequence[Recording],
@@ -100,12 +103,13 @@ def examine(
         memory: see `diagnose`.
         most: see there.
     """
+    given, recordings = tuple(recordings), by_content(recordings)
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=MOST)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     flagged, refused = _quality(recordings, machine.physical)
     provenance = {"seed": seed, "versions": versions()}
-    names = tuple(recording.header.segment for recording in recordings)
+    names = tuple(recording.header.segment for recording in given)
     if refused:
         insufficient = Diagnosis(
             verdict="insufficient",
@@ -124,7 +128,8 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    return _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
+    found = _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
+    return replace(found, diagnosis=replace(found.diagnosis, motions=names))
 
 
 def _examined(
