@@ -23,8 +23,10 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import written
 from ffgym.diagnosis.fitted_numbers import fitted_numbers
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log.order import by_content
 from ffgym.diagnosis.log.reference import beyond_limits
 from ffgym.diagnosis.measured import check_length
+from ffgym.diagnosis.one_thread import on_one_thread
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
 from ffgym.diagnosis.residual import Channel, Residual
@@ -98,6 +100,7 @@ def diagnose(
     ).diagnosis
 
 
+@on_one_thread
 def examine(
     nominal: Machine | RobotDescription,
     recordings: Sequence[Recording],
@@ -123,13 +126,14 @@ def examine(
         most: see there.
         accept: see there.
     """
+    given, recordings = tuple(recordings), by_content(recordings)
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=MOST)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     recordings = conditioned_alike(recordings)
     quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
     provenance = {"seed": seed, "versions": versions()}
-    names = tuple(recording.header.segment for recording in recordings)
+    names = tuple(recording.header.segment for recording in given)
     wiring = find_wiring(recordings, machine.physical)
     if wiring.mistakes:
         miswired = _miswired(wiring, machine, names, provenance)
@@ -157,7 +161,8 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    return _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
+    found = _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
+    return replace(found, diagnosis=replace(found.diagnosis, motions=names))
 
 
 def _examined(

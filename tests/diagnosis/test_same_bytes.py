@@ -1,6 +1,10 @@
 """The same logs give the same diagnosis, to the byte; what is remembered of logs before changes hardly anything."""
 
 import json
+import os
+import subprocess
+import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +15,8 @@ from ffgym.diagnosis.document import diagnosis_document
 from ffgym.effects import EFFECTS
 from ffgym.paths import multisine
 from ffgym.plant import Machine
+from ffgym.recordings.io import write_recording
+from ffgym.robot import load_robot
 from ffgym.simulation import Resolver, Run, TorqueSensor, simulate
 
 
@@ -56,3 +62,44 @@ def test_what_is_remembered_of_another_log_changes_no_cause_and_its_size_by_less
     (one,), (other,) = helped.causes[0].parameters, alone.causes[0].parameters
     assert one.value == pytest.approx(other.value, abs=0.05 * (other.interval[1] - other.interval[0]))
     assert other.interval[0] < 0.25 < other.interval[1]
+
+
+def test_the_order_in_which_logs_are_given_changes_no_byte_but_that_of_their_names(one_axis, faulty, alone):
+    turned = diagnose(one_axis, faulty[::-1])
+    assert turned.motions == alone.motions[::-1]
+    assert as_text(replace(turned, motions=alone.motions)) == as_text(alone)
+
+
+PROCESS = """
+import json, sys
+from ffgym.diagnosis import diagnose
+from ffgym.recordings.folder import read_folder
+from ffgym.robot import load_robot
+from tests.diagnosis.test_same_bytes import as_text
+print(as_text(diagnose(load_robot("two_link"), read_folder(sys.argv[1]))))
+"""
+
+
+def test_threads_and_processes_change_no_byte(tmp_path):
+    """Two joints with an elastic arm: sums over so many columns that libraries would split them among threads."""
+    robot = load_robot("two_link")
+    machine = Machine(robot=robot, effects=(EFFECTS["coulomb_level"].on(robot, change=0.25),))
+    amplitude = np.array([[0.3, 0.3], [0.1, 0.1]])
+    references = [
+        joint_reference(
+            robot, multisine([0.3, 0.5], amplitude, [0.3, 1.1], np.full((2, 2), phase), 4.0, name=f"{phase}")
+        )
+        for phase in (0.0, 1.5)
+    ]
+    sensors = (Resolver(bits=16), TorqueSensor(noise=np.full(2, 0.02)))
+    runs = [Run(reference=reference) for reference in references]
+    for one in simulate(runs, machine=machine, sensors=sensors, seed=1, record_dt=0.004, n_threads=1):
+        write_recording(one, tmp_path / f"{one.header.segment}.npz")
+    found = set()
+    for threads in ("1", "2", "4"):
+        environment = os.environ | {"OMP_NUM_THREADS": threads, "OPENBLAS_NUM_THREADS": threads}
+        command = [sys.executable, "-c", PROCESS, str(tmp_path)]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        found.add(done.stdout)
+    assert len(found) == 1

@@ -70,6 +70,7 @@ def candidates(n_joints: int) -> list[Fixed | Periodic]:
     joints = range(n_joints)
     return [
         Line(),
+        *(Line(joint=joint, own_only=True) for joint in joints),
         *functions_of_time(),
         *(function for joint in joints for function in functions_of(joint)),
         *(function for joint, other in permutations(joints, 2) for function in friction_of(joint, other)),

@@ -11,7 +11,18 @@ from ffgym.diagnosis.result import PatternKind
 from ffgym.types import Array
 
 Variable = Literal[
-    "angle", "speed", "size of speed", "acceleration", "load", "temperature", "travel", "rest", "time", "none"
+    "angle",
+    "speed",
+    "size of speed",
+    "acceleration",
+    "load",
+    "temperature",
+    "travel",
+    "rest",
+    "time",
+    "way",
+    "power",
+    "none",
 ]
 """What a function depends on; `none` is a constant, which only makes sense times a sign."""
 
@@ -64,6 +75,8 @@ class Function(Fixed):
                 return np.zeros(len(did.t))
             case "size of speed":
                 return np.abs(did.speed[:, j])
+            case "power":
+                return did.speed[:, j] * did.torque[:, j]
             case "load" if self.signed is not None:  # friction grows with the size of a load
                 return np.abs(did.load[:, j])
             case other:
@@ -101,7 +114,9 @@ def functions_of(joint: int) -> list[Function]:
         *(Function(variable="angle", joint=joint, knots=knots, evenly=knots == FINE) for knots in (2, COARSE, FINE)),
         Function(variable="angle", joint=joint, signed=joint, evenly=False),
         Function(variable="angle", joint=joint, signed=joint, knots=FINE, evenly=True, own_only=True),
-        *(Function(variable=v, joint=joint, signed=joint, own_only=True) for v in ("size of speed", "load")),
+        *(Function(variable=v, joint=joint, signed=joint, own_only=True) for v in ("size of speed", "load", "power")),
+        *(Function(variable=v, joint=joint, own_only=True) for v in ("way", "power")),
+        Function(variable="way", joint=joint, signed=joint, own_only=True),
         *(Function(variable=v, joint=joint, signed=joint, knots=_knots(v), own_only=True) for v in own),
         *(Function(variable=v, joint=joint, knots=_knots(v), own_only=True) for v in ("temperature", "travel", "rest")),
     ]

@@ -100,10 +100,17 @@ class PerTurn(Periodic):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Line(Periodic):
-    """A vibration of one frequency in time, with a phase and an amplitude of its own in each motion."""
+    """A vibration of one frequency in time, with a phase and an amplitude of its own in each motion.
+
+    Of a joint, it turns over with the direction of its motor: friction that comes and goes, as of a brake that drags.
+    """
 
     joint: int | None = None
     own_only: bool = False
+
+    def may_act_on(self, rows: Rows, component: int) -> bool:
+        """Whether a component of a channel may depend on it; what drags at a motor takes torque."""
+        return super().may_act_on(rows, component) and (self.joint is None or rows.channel != "tool")
 
     @property
     def kind(self) -> PatternKind:
@@ -114,7 +121,8 @@ class Line(Periodic):
         """See base class."""
         if rows.highest <= LOWEST_LINE:
             return None
-        return [time_spectrum(rows, column, train, low=LOWEST_LINE, high=rows.highest).best for column in values.T]
+        signed = values * self._sign(rows)[:, None]
+        return [time_spectrum(rows, column, train, low=LOWEST_LINE, high=rows.highest).best for column in signed.T]
 
     def refine(self, rows: Rows, values: Array, frequency: float) -> float:
         """See base class."""
@@ -125,8 +133,13 @@ class Line(Periodic):
         """See base class."""
         phase = 2 * np.pi * frequency * rows.did.t
         in_motion = rows.motion[:, None] == np.arange(len(rows.motion_starts))
-        return np.concatenate([in_motion * np.cos(phase)[:, None], in_motion * np.sin(phase)[:, None]], axis=1)
+        waves = np.stack([np.cos(phase), np.sin(phase)]) * self._sign(rows)
+        return np.concatenate([in_motion * wave[:, None] for wave in waves], axis=1)
 
     def complexity(self, rows: Rows) -> int:
         """See base class."""
         return 2 * len(rows.motion_starts) + 1
+
+    def _sign(self, rows: Rows) -> Array:
+        """What turns it over, (R,)."""
+        return np.ones(len(rows.did.t)) if self.joint is None else rows.did.sign[:, self.joint]

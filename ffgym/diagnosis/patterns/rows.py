@@ -51,6 +51,8 @@ class Motions:
     """Since the last reversal [rad]."""
     rest: Array
     """Before the present move [s]."""
+    way: Array
+    """Since the motion began, there and back [rad]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -181,7 +183,15 @@ def _did(pairs: list[tuple[MotionResidual, BoolArray]], t: Array) -> Motions:
         temperature=state("temperature"),
         travel=own("since_reversal"),
         rest=own("at_rest_for"),
+        way=np.concatenate([_way(m)[k] for m, k in pairs]),
     )
+
+
+def _way(motion: MotionResidual) -> Array:
+    """How far motors have gone since a motion began, there and back [rad], (R, N)."""
+    angle = np.broadcast_to(motion.state.motor_angle, motion.motor_acceleration.shape)
+    way: Array = np.cumsum(np.abs(np.diff(angle, axis=0, prepend=angle[:1])), axis=0)
+    return way
 
 
 def _starts(motion: IntArray, number: Array) -> IntArray:

@@ -17,6 +17,8 @@ _VARIABLES: dict[Variable, str] = {
     "travel": "travel since the last reversal",
     "rest": "time at rest before the move",
     "time": "time",
+    "way": "way since the motion began",
+    "power": "speed times torque",
     "none": "motor speed",
 }
 
@@ -47,7 +49,8 @@ def message(pattern: Pattern, form: Candidate | Dependence, joints: tuple[str, .
 
 def _depends(pattern: Pattern, form: Candidate | Dependence, joints: tuple[str, ...]) -> str:
     if pattern.kind == "line":
-        return f"vibration at {pattern.frequency:.2f} Hz, whatever moves"
+        how = "whatever moves" if form.joint is None else f"turned over with the direction of {joints[form.joint]}"
+        return f"vibration at {pattern.frequency:.2f} Hz, {how}"
     joint = "" if form.joint is None else joints[form.joint]
     if isinstance(form, PerTurn):
         cycles = f"{pattern.frequency:.1f} cycles per turn"

@@ -16,7 +16,6 @@ from ffgym.robot.reading.rules import RULES
 from ffgym.robot.shapes import Geom
 from ffgym.types import Array
 
-
 NO_LIMIT = 1e6
 """Stand-in for peak torques [N m]: more than any drive gives, so that none is taken for saturated."""
 

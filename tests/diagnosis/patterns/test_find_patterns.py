@@ -82,11 +82,49 @@ def test_it_is_so_in_four_of_five_logs_when_it_is_weaker_than_the_noise(case):
     assert sum([name(p) for p in patterns] == [expected] for patterns in strongest) >= 16
 
 
+def strongest_of(torque):
+    """The strongest pattern of a residual with something in it."""
+    return find_patterns(residual_with(torque), np.random.default_rng(1))[0]
+
+
 def test_a_vibration_has_its_frequency_and_its_amplitude():
     (pattern,) = found(PUT_IN["a vibration in time"][0], 0)
     assert pattern.frequency == pytest.approx(LINE, abs=0.01)
     assert pattern.amplitude == pytest.approx(2 * NOISY, rel=0.1)
     assert pattern.message.startswith(f"torque of {SHOULDER}: vibration at 17.00 Hz, whatever moves")
+
+
+def test_a_brake_that_drags_in_time_turns_over_with_the_direction():
+    def drags(state, travel):
+        time = np.broadcast_to(state.time, state.motor_speed.shape)[:, 0]
+        return only(0, 3 * np.sign(state.motor_speed[:, 0]) * np.sin(2 * np.pi * 7.3 * time))
+
+    found = strongest_of(drags)
+    assert found.kind == "line"
+    assert found.frequency == pytest.approx(7.3, abs=0.05)
+    assert f"turned over with the direction of {SHOULDER}" in found.message
+
+
+def test_what_goes_with_power_is_a_function_of_it():
+    """Of a torque that has a rhythm of its own."""
+    residual = residual_with()
+    motions = []
+    for motion in residual.motions:
+        torque = np.sin(3.1 * motion.t)[:, None] * np.ones(2)
+        power = (motion.state.motor_speed * torque)[:, 1]
+        measured = motion.measured["torque"] + only(1, 3 * NOISY * power / power.std())
+        state = replace(motion.state, motor_torque=torque)
+        motions.append(replace(motion, state=state, measured={"torque": measured}))
+    found = find_patterns(replace(residual, motions=tuple(motions)), np.random.default_rng(1))[0]
+    assert (found.component, found.variable, found.kind) == (ELBOW, "speed times torque", "function")
+
+
+def test_what_grows_with_the_way_is_a_function_of_it():
+    def way(state, travel):
+        gone = np.cumsum(np.abs(np.diff(state.motor_angle[:, 1], prepend=state.motor_angle[0, 1])))
+        return only(1, 4 * np.sin(gone / gone[-1] * 2 * np.pi))
+
+    assert strongest_of(way).variable in ("way since the motion began", "time")
 
 
 @pytest.mark.parametrize("cycles", [0.9, 2.0, 6.5, 21.0])
