@@ -15,7 +15,6 @@ import numpy as np
 from ffgym.robot.description import RobotDescription
 from ffgym.types import Array, BoolArray
 
-
 _ONE = np.eye(3)
 
 _LEVI_CIVITA = np.zeros((3, 9))

@@ -10,7 +10,6 @@ from ffgym.exam.independent.arm import Bodies, bodies_of
 from ffgym.robot.description import RobotDescription
 from ffgym.types import Array, BoolArray
 
-
 _USUAL = 0.3
 """Usual speed over the largest; chosen: what a motion that fills the range in a second comes to."""
 
@@ -31,6 +30,8 @@ class Faults:
     """Share of the Coulomb torque that is more forwards and less backwards."""
     load_share: Array = field(default_factory=_none)
     """Share of the torque that the gearbox passes on, which adds to the strength of the contact."""
+    blocks: Array = field(default_factory=_none)
+    """1 where blocks on springs rub in place of bristles."""
     bend: Array = field(default_factory=_none)
     """By how much the exponent of viscous friction is below 1."""
     warm: Array = field(default_factory=_none)

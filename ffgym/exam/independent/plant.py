@@ -77,7 +77,6 @@ class Plant:
         faults = numbers.faults
         self._is_faulty = {name: bool(np.any(values)) for name, values in vars(faults).items()}
         self._load = np.zeros(numbers.shape)
-        self._memory = contact.at_rest(numbers.shape)
         self._start = np.zeros(numbers.shape)
         rotors = np.where(numbers.rigid, numbers.gear_ratio**2 * numbers.rotor, 0.0)
         self._rotors = rotors[..., None] * np.eye(numbers.shape[1])
@@ -114,6 +113,9 @@ class Plant:
             _, holding = mass_and_bias(n.bodies, link, still)
             link = np.where(n.rigid, q, q - holding / np.where(n.rigid, 1.0, n.stiffness))
         beside = holding / n.gear_ratio - orders.ahead[0]
+        away = np.sign(orders.position - orders.position[0])
+        first = np.take_along_axis(away, np.argmax(away != 0, axis=0)[None], axis=0)[0]
+        self._memory = self.contact.at_rest(np.where(first == 0, 1.0, first), n.breakaway)
         self.servo.begin(self._seen(angle), beside, self.dt)
         self._load = holding
         return np.stack([link, still, angle, still, beside, holding / n.gear_ratio])

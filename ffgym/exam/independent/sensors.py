@@ -27,8 +27,8 @@ TORQUE_NOISE = 0.02
 TOOL_NOISE = 2e-5
 """Of a tracker, each axis [m]; chosen: laser trackers over some metres."""
 
-_QUIET = 0.1
-"""Quiet sensors beside others."""
+QUIET = 0.1
+"""Noise of quiet sensors over that of others."""
 
 _QUIET_STEPS = 2.0**24
 """Steps of a turn of quiet encoders."""
@@ -136,7 +136,7 @@ def _recording(
     rng: np.random.Generator,
 ) -> Recording:
     """One motion, of which `length` rows are kept."""
-    n, dt, size = robot.n_joints, exact.dt, _QUIET if noise == "quiet" else 1.0
+    n, dt, size = robot.n_joints, exact.dt, QUIET if noise == "quiet" else 1.0
 
     def noisy(values: Array, sigma: float | Array) -> Array:
         return np.asarray(values + size * sigma * _drawn(values.shape, noise, dt, rng))

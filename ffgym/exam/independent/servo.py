@@ -65,7 +65,8 @@ class Continuous(Servo):
 class Cascade(Servo):
     """Position loop around a speed loop, sampled; speed by difference of a quantised angle, and filtered.
 
-    Currents follow orders in `rise`; the state is the current as torque. Measured angles are a sample old.
+    Orders are reached in a straight line by the next sample, and currents follow in `rise`; the state is the current as
+    torque. Measured angles are a sample old.
     """
 
     rate: Array
@@ -92,12 +93,14 @@ class Cascade(Servo):
     _integral: Array = field(default_factory=lambda: np.zeros(0))
     _waiting: deque[Array] = field(default_factory=deque)
     _order: Array = field(default_factory=lambda: np.zeros(0))
+    _previous: Array = field(default_factory=lambda: np.zeros(0))
+    _half: int = 0
 
     def begin(self, angle: Array, torque: Array, dt: float) -> None:
         """See base class."""
         self._every = round(self.period / dt)
         self._angle, self._speed, self._integral = self._quantised(angle), np.zeros_like(angle), torque.copy()
-        self._waiting, self._order = deque([torque] * self.delay), torque
+        self._waiting, self._order, self._previous = deque([torque] * self.delay), torque, torque
 
     def _quantised(self, angle: Array) -> Array:
         step = 2 * np.pi / self.steps_of_turn
@@ -115,8 +118,10 @@ class Cascade(Servo):
         off = wanted - self._speed
         self._integral = self._integral + self.speed * off * self.period / self.reset
         self._waiting.append(self.speed * off + self._integral)
-        self._order = self._waiting.popleft()
+        self._previous, self._order, self._half = self._order, self._waiting.popleft(), 2 * k
 
     def torque(self, state: Array, half: int, orders: Orders, angle: Array, speed: Array) -> tuple[Array, Array]:
         """See base class."""
-        return state, (self._order - state) / self.rise
+        share = (half - self._half) / (2 * self._every)
+        wanted = self._previous + share * (self._order - self._previous)
+        return state, (wanted - state) / self.rise

@@ -6,7 +6,7 @@ from typing import Literal, final, get_args
 import numpy as np
 
 from ffgym.exam.independent.arm import bodies_of, inverse_dynamics
-from ffgym.exam.independent.friction import Blocks, Bristles, Contact
+from ffgym.exam.independent.friction import Bristles, Contact, Either
 from ffgym.exam.independent.machine import Numbers, numbers_of, side_by_side, unsure
 from ffgym.exam.independent.motions import KINDS, motion
 from ffgym.exam.independent.plant import Plant
@@ -19,8 +19,6 @@ from ffgym.types import Array
 Control = Literal["documented", "cascade", "early"]
 CONTROLS: tuple[Control, ...] = get_args(Control)
 """Controllers: that of the description; a cascade; that of the description along set-points that are logged early."""
-
-Contacts = Literal["bristles", "blocks"]
 
 STEP = 0.0005
 """Of the integrator [s]; chosen: at half of it torques change by less than a hundredth of their noise."""
@@ -44,7 +42,7 @@ _OFFSET = 2.0
 """Standard deviation of the offsets of currents, as a share of Coulomb torque and of that of the numbers: as a
 diagnosis believes."""
 
-_REFLECTOR = 20e-6
+REFLECTOR = 20e-6
 """Standard deviation of the reflector's place, each axis [m]: as a diagnosis believes."""
 
 _ROW_DT = (0.001, 0.002, 0.004, 0.005, 0.008, 0.01)
@@ -65,7 +63,6 @@ class Setup:
     """How sure its numbers are said to be, as a share of them."""
     numbers: Numbers
     """What it is."""
-    contact: Contacts
     control: Control
     columns: Columns
     noise: Noise
@@ -87,7 +84,7 @@ class Setup:
         columns = [name for name in ("tracker", "set_points", "feedback") if getattr(self.columns, name)]
         kind = "rigid" if self.robot.drive.is_rigid.all() else "elastic"
         return ", ".join(
-            [f"{self.robot.n_joints} axes {kind}", self.control, self.contact, f"{self.row_dt * 1e3:g} ms", self.noise]
+            [f"{self.robot.n_joints} axes {kind}", self.control, f"{self.row_dt * 1e3:g} ms", self.noise]
             + [f"{self.share:g}", *columns]
         )
 
@@ -102,7 +99,6 @@ def drawn_setup(
     row_dt: float | None = None,
     noise: Noise | None = None,
     share: float | None = None,
-    contact: Contacts | None = None,
     count: int = 6,
     duration: float = 4.0,
 ) -> Setup:
@@ -117,7 +113,6 @@ def drawn_setup(
         row_dt: sample period [s].
         noise: of the sensors.
         share: how sure the numbers are.
-        contact: friction before breakaway.
         count: motions.
         duration: of each [s].
     """
@@ -128,14 +123,15 @@ def drawn_setup(
     reach = rng.uniform(0.25, 0.7, n) * (1.0 if n < 3 else 0.8)
     kinds = [*KINDS, *rng.choice(KINDS, size=max(0, count - len(KINDS)))][:count]
     where = np.zeros(n) if robot.work_area is None else robot.work_area.home
-    motions = tuple(motion(kind, where, reach, 0.9 * robot.kinematics.max_speed, duration, STEP / 2, rng) for kind in kinds)
+    motions = tuple(
+        motion(kind, where, reach, 0.9 * robot.kinematics.max_speed, duration, STEP / 2, rng) for kind in kinds
+    )
     started = np.cumsum(rng.uniform(*_PAUSE, size=count) + duration)
     rise = rng.uniform(3.0, 15.0, n)
     return Setup(
         robot=robot,
         share=share,
         numbers=unsure(numbers_of(robot), share, rng),
-        contact=contact or ("bristles" if rng.random() < 0.5 else "blocks"),
         control=control or CONTROLS[int(rng.integers(len(CONTROLS)))],
         columns=columns or _columns(rng),
         noise=noise or NOISES[int(rng.integers(len(NOISES)))],
@@ -144,7 +140,7 @@ def drawn_setup(
         started=started,
         warming=rise * (1 - np.exp(-started[:, None] / 600.0)),
         current_offset=_OFFSET * share * robot.friction.coulomb * rng.standard_normal(n),
-        view=View(offset=_REFLECTOR * rng.standard_normal(3)),
+        view=View(offset=REFLECTOR * rng.standard_normal(3)),
     )
 
 
@@ -172,7 +168,7 @@ def simulated(setup: Setup, machines: list[tuple[Numbers, View]]) -> list[Exact]
     orders = _orders(setup, q, dq, ddq, before)
     plant = Plant(
         numbers,
-        _contact(setup, numbers),
+        _contact(numbers),
         _servo(setup, numbers.shape),
         dt=STEP,
         clock=np.tile(setup.started, copies) - SETTLING,
@@ -223,7 +219,9 @@ def _orders(setup: Setup, q: Array, dq: Array, ddq: Array, before: int) -> Order
     rigid = inverse_dynamics(bodies, *flat).reshape(q[rows].shape)
     ahead = rigid / drive.gear_ratio + drive.gear_ratio * drive.rotor_inertia * ddq[rows]
     at = np.arange(len(q)) / coarse
-    fine = np.stack([np.interp(at, np.arange(len(ahead)), column) for column in ahead.reshape(len(ahead), -1).T], axis=1)
+    fine = np.stack(
+        [np.interp(at, np.arange(len(ahead)), column) for column in ahead.reshape(len(ahead), -1).T], axis=1
+    )
     ahead = fine.reshape(q.shape)
     if setup.control == "cascade":
         ahead = np.broadcast_to(ahead[:1], ahead.shape) * 0.0
@@ -231,14 +229,14 @@ def _orders(setup: Setup, q: Array, dq: Array, ddq: Array, before: int) -> Order
     def rest(values: Array) -> Array:
         return np.concatenate([np.repeat(values[:1], before, axis=0), values])
 
-    return Orders(
-        position=rest(q * drive.gear_ratio), speed=rest(dq * drive.gear_ratio), ahead=rest(np.asarray(ahead))
-    )
+    return Orders(position=rest(q * drive.gear_ratio), speed=rest(dq * drive.gear_ratio), ahead=rest(np.asarray(ahead)))
 
 
-def _contact(setup: Setup, numbers: Numbers) -> Contact:
-    kind = Bristles if setup.contact == "bristles" else Blocks
-    return kind(stiffness=numbers.presliding)
+def _contact(numbers: Numbers) -> Contact:
+    has_blocks = numbers.faults.blocks > 0
+    if has_blocks.any():
+        return Either(stiffness=numbers.presliding, has_blocks=has_blocks)
+    return Bristles(stiffness=numbers.presliding)
 
 
 def _servo(setup: Setup, shape: tuple[int, int]) -> Servo:
