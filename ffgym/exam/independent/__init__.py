@@ -1,1 +1,1 @@
-"""A plant that shares no equation of motion, integrator, friction law or servo with the simulation, and an exam on it."""
+"""A plant that shares no equation, integrator or servo with the simulation, and an exam of the diagnosis on it."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -149,7 +149,8 @@ def unsure(numbers: Numbers, share: float, rng: np.random.Generator) -> Numbers:
     bodies = numbers.bodies
     heavier = 1 + share * rng.standard_normal(bodies.inertia.shape[:2])
     bodies = replace(bodies, mass=off(bodies.mass), inertia=bodies.inertia * heavier[..., None, None])
-    found = replace(numbers, bodies=bodies, **{name: off(getattr(numbers, name)) for name in _UNSURE})
+    values: dict[str, Any] = {name: off(getattr(numbers, name)) for name in _UNSURE}
+    found = replace(numbers, bodies=bodies, **values)
     return replace(found, breakaway=np.maximum(found.breakaway, found.coulomb))
 
 
@@ -165,8 +166,8 @@ def with_fault(numbers: Numbers, joint: int | None, **values: float) -> Numbers:
 def side_by_side(machines: Sequence[Numbers]) -> Numbers:
     """Machines of the same joints as one batch."""
 
-    def all_of(of: Sequence[object], skip: tuple[str, ...]) -> dict[str, Array]:
-        names = [f.name for f in fields(of[0]) if f.name not in skip]  # type: ignore[arg-type]
+    def all_of(of: Sequence[Any], skip: tuple[str, ...]) -> dict[str, Any]:
+        names = [f.name for f in fields(of[0]) if f.name not in skip]
         return {name: np.concatenate([getattr(one, name) for one in of]) for name in names}
 
     bodies = [one.bodies for one in machines]

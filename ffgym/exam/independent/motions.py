@@ -1,7 +1,7 @@
 """Motions that no protocol of the project has: sines, points by trapezoids, splines through points, slow triangles."""
 
 from collections.abc import Callable
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -38,11 +38,12 @@ def motion(
     length = duration - 2 * REST
     profile = _PROFILES[kind](t, length, reach, speed, rng)
     width = max(3, round(_SMOOTH / dt))
-    window = np.hanning(width + 2)[1:-1]
+    window: Array = np.hanning(width + 2)[1:-1]
     padded = np.pad(profile, ((width, width), (0, 0)), mode="edge")
     position = np.stack([np.convolve(p, window / window.sum(), "same")[width:-width] for p in padded.T], axis=1)
-    rate = np.gradient(position, dt, axis=0)
-    return home + position, rate, np.gradient(rate, dt, axis=0)
+    rate: Array = np.gradient(position, dt, axis=0)
+    acceleration: Array = np.gradient(rate, dt, axis=0)
+    return home + position, rate, acceleration
 
 
 def _sines(t: Array, length: float, reach: Array, speed: Array, rng: np.random.Generator) -> Array:
@@ -80,8 +81,8 @@ def _spline(t: Array, length: float, reach: Array, speed: Array, rng: np.random.
     points[0] = points[-1] = 0.0
     points = _reachable(points, 0.4 * length / count * speed)
     knots = np.linspace(0, length, count + 1)
-    zero = np.zeros((1, len(reach)))
-    ends = ([(1, zero[0]), (2, zero[0])], [(1, zero[0]), (2, zero[0])])
+    still = [(order, np.zeros(len(reach))) for order in (1, 2)]  # speed and acceleration at the ends
+    ends: Any = (still, still)
     spline = make_interp_spline(knots, points, k=5, bc_type=ends)
     return np.asarray(spline(np.clip(t, 0, length)))
 

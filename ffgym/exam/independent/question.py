@@ -10,8 +10,8 @@ import numpy as np
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.errors import check_choice, check_whole
 from ffgym.exam.case import Row
+from ffgym.exam.independent.hidden import KINDS, Concealed, concealed, possible
 from ffgym.exam.independent.loudness import loudness
-from ffgym.exam.independent.secrets import KINDS, Concealed, concealed, possible
 from ffgym.exam.independent.sensors import Columns, Exact, logged
 from ffgym.exam.independent.setup import Setup, drawn_setup, simulated
 from ffgym.recordings import Recording

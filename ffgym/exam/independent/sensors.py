@@ -68,14 +68,9 @@ def tracked(bodies: Bodies, q: Array, view: View, dt: float) -> Array:
     """Positions (T, B, 3) of the tool along joint positions (T, B, N), as a tracker sees them without noise."""
     if view.latency:
         t = np.arange(len(q)) * dt
-        late = np.clip(t - view.latency, 0.0, None)
         flat = q.reshape(len(q), -1)
-        q = np.stack([_between(late, t, column) for column in flat.T], axis=1).reshape(q.shape)
+        q = np.stack([np.interp(t - view.latency, t, column) for column in flat.T], axis=1).reshape(q.shape)
     return np.stack([_seen(bodies, pose_of(bodies, row), view) for row in q])
-
-
-def _between(at: Array, t: Array, values: Array) -> Array:
-    return np.asarray(np.interp(at, t, values))
 
 
 def _seen(bodies: Bodies, pose: Pose, view: View) -> Array:
@@ -146,7 +141,8 @@ def _recording(
     angle = np.round(noisy(exact.angle[:length, m], ANGLE_NOISE) / step) * step
     torque = noisy(exact.torque[:length, m], TORQUE_NOISE * robot.friction.coulomb) + current_offset
     tool = noisy(exact.tool[:length, m], TOOL_NOISE)
-    found = {"timestamp": np.arange(length) * dt} | _family("motor.position", robot.joints, angle)
+    found: dict[str, Array] = {"timestamp": np.arange(length, dtype=np.float64) * dt}
+    found |= _family("motor.position", robot.joints, angle)
     found |= _family("motor.effort", robot.joints, torque)
     if columns.speed:
         found |= _family("motor.velocity", robot.joints, np.gradient(angle, dt, axis=0))

@@ -84,8 +84,14 @@ class Setup:
         columns = [name for name in ("tracker", "set_points", "feedback") if getattr(self.columns, name)]
         kind = "rigid" if self.robot.drive.is_rigid.all() else "elastic"
         return ", ".join(
-            [f"{self.robot.n_joints} axes {kind}", self.control, f"{self.row_dt * 1e3:g} ms", self.noise]
-            + [f"{self.share:g}", *columns]
+            [
+                f"{self.robot.n_joints} axes {kind}",
+                self.control,
+                f"{self.row_dt * 1e3:g} ms",
+                self.noise,
+                f"numbers to {self.share:.1%}",
+                *columns,
+            ]
         )
 
 

@@ -237,18 +237,3 @@ def test_an_uncertain_machine_is_off_by_the_share_that_is_told(rng):
     nominal = numbers_of(robot)
     off = np.concatenate([unsure(nominal, 0.02, rng).viscous / nominal.viscous - 1 for _ in range(200)])
     assert np.std(off) == pytest.approx(0.02, rel=0.1)
-
-
-def test_the_plant_shares_no_code_with_the_simulation():
-    import ast
-    from pathlib import Path
-
-    import ffgym.exam.independent as room
-
-    forbidden = ("ffgym.plant", "ffgym.simulation", "ffgym.effects", "mujoco", "ffgym.robot.dynamics")
-    plant = ("arm", "friction", "machine", "motions", "plant", "robots", "sensors", "servo", "setup", "loudness")
-    for name in plant:
-        tree = ast.parse((Path(room.__file__).parent / f"{name}.py").read_text(encoding="utf-8"))
-        named = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
-        named |= {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
-        assert not [one for one in named if one.startswith(forbidden) or one == "ffgym.robot"], name

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import final
+from typing import Any, final
 
 import numpy as np
 
@@ -107,7 +107,7 @@ def concealed(name: str, robot: RobotDescription, rng: np.random.Generator, shar
     Raises:
         FFGymError: if there is no such kind.
     """
-    kind = KINDS[check_choice("kind of effect", name, KINDS)]
+    kind = KINDS[check_choice("kind of effect", name, list(KINDS))]
     index = int(rng.integers(robot.n_joints))
     way = rng.standard_normal(3)
     cycles = np.exp(rng.uniform(np.log(2), np.log(15))) if name == "waves" else float(rng.choice([2, 4, 6, 8, 12, 24]))
@@ -224,7 +224,7 @@ def _heavier(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
 def _viewed(name: str) -> Callable[[Changed, int, float, Shape], Changed]:
     def change(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
         numbers, view = machine
-        value = size if name == "latency" else getattr(view, name) + size * shape.way
+        value: Any = size if name == "latency" else getattr(view, name) + size * shape.way
         return numbers, replace(view, **{name: value})
 
     return change
