@@ -140,17 +140,17 @@ def numbers_of(robot: RobotDescription) -> Numbers:
 _UNSURE = ("rotor", "stiffness", "damping", "coulomb", "breakaway", "viscous", "stribeck", "presliding", "rubbing")
 
 
-def unsure(numbers: Numbers, share: float, rng: np.random.Generator) -> Numbers:
-    """The same machine with every number of bodies and drives off by a share, normally distributed."""
+def unsure(robot: RobotDescription, share: float, rng: np.random.Generator) -> Numbers:
+    """A machine whose links and drives are off their description by a share, normally distributed; its tool is not."""
 
-    def off(values: Array) -> Array:
-        return values * (1 + share * rng.standard_normal(values.shape))
+    def off(values: Array, *shape: int) -> Array:
+        return values * (1 + share * rng.standard_normal(shape or values.shape))
 
-    bodies = numbers.bodies
-    heavier = 1 + share * rng.standard_normal(bodies.inertia.shape[:2])
-    bodies = replace(bodies, mass=off(bodies.mass), inertia=bodies.inertia * heavier[..., None, None])
+    links = robot.bodies
+    links = replace(links, mass=off(links.mass), inertia=off(links.inertia, robot.n_joints, 1))
+    numbers = numbers_of(replace(robot, bodies=links, quantities={}))
     values: dict[str, Any] = {name: off(getattr(numbers, name)) for name in _UNSURE}
-    found = replace(numbers, bodies=bodies, **values)
+    found = replace(numbers, **values)
     return replace(found, breakaway=np.maximum(found.breakaway, found.coulomb))
 
 

@@ -34,7 +34,7 @@ def motion(
         rng: chance.
     """
     count = 2 * round(duration / dt / 2) + 1
-    t = np.arange(count) * dt - REST
+    t: Array = np.arange(count, dtype=np.float64) * dt - REST
     length = duration - 2 * REST
     profile = _PROFILES[kind](t, length, reach, speed, rng)
     width = max(3, round(_SMOOTH / dt))

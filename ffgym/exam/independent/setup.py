@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.exam.independent.arm import bodies_of, inverse_dynamics
 from ffgym.exam.independent.friction import Bristles, Contact, Either
-from ffgym.exam.independent.machine import Numbers, numbers_of, side_by_side, unsure
+from ffgym.exam.independent.machine import Numbers, side_by_side, unsure
 from ffgym.exam.independent.motions import KINDS, motion
 from ffgym.exam.independent.plant import Plant
 from ffgym.exam.independent.robots import drawn_robot
@@ -137,7 +137,7 @@ def drawn_setup(
     return Setup(
         robot=robot,
         share=share,
-        numbers=unsure(numbers_of(robot), share, rng),
+        numbers=unsure(robot, share, rng),
         control=control or CONTROLS[int(rng.integers(len(CONTROLS)))],
         columns=columns or _columns(rng),
         noise=noise or NOISES[int(rng.integers(len(NOISES)))],

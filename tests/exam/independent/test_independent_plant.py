@@ -235,5 +235,5 @@ def test_a_cascade_brings_motors_to_their_set_points(rng):
 def test_an_uncertain_machine_is_off_by_the_share_that_is_told(rng):
     robot = drawn_robot(6, elastic=True, rng=rng)
     nominal = numbers_of(robot)
-    off = np.concatenate([unsure(nominal, 0.02, rng).viscous / nominal.viscous - 1 for _ in range(200)])
+    off = np.concatenate([unsure(robot, 0.02, rng).viscous / nominal.viscous - 1 for _ in range(200)])
     assert np.std(off) == pytest.approx(0.02, rel=0.1)

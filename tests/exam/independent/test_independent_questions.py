@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.effects import EFFECTS
+from ffgym.exam.independent import setup
 from ffgym.exam.independent.hidden import KINDS, concealed, possible
 from ffgym.exam.independent.machine import numbers_of
 from ffgym.exam.independent.motions import KINDS as MOTIONS
@@ -16,7 +17,13 @@ from ffgym.exam.independent.sensors import Columns, View, _drawn
 from ffgym.exam.independent.setup import CONTROLS, EARLY, drawn_setup, simulated
 
 ALL = Columns(tracker=True, set_points=True, feedback=True, speed=True, temperature=True)
-SHORT = {"count": 2, "duration": 1.0}
+SHORT = {"count": 1, "duration": 1.0}
+
+
+@pytest.fixture(autouse=True)
+def coarse_steps(monkeypatch):
+    """Twice the step of the exam, which is fine enough for these questions."""
+    monkeypatch.setattr(setup, "STEP", 0.001)
 
 
 @pytest.fixture
@@ -39,16 +46,16 @@ def test_a_question_depends_on_nothing_but_its_number_and_the_seed():
 
 
 def test_machines_and_logs_are_of_all_kinds(rng):
-    drawn = [drawn_setup(rng, count=1, duration=0.7) for _ in range(120)]
-    assert {setup.robot.n_joints for setup in drawn} == {1, 2, 3, 4, 6, 7}
-    assert {setup.robot.drive.is_rigid.all() for setup in drawn} == {True, False}
-    assert {setup.control for setup in drawn} == set(CONTROLS)
-    assert {setup.row_dt for setup in drawn} == {0.001, 0.002, 0.004, 0.005, 0.008, 0.01}
-    assert any((setup.robot.drive.gear_ratio < 0).any() for setup in drawn)
+    drawn = [drawn_setup(rng, count=1, duration=0.7) for _ in range(80)]
+    assert {machine.robot.n_joints for machine in drawn} == {1, 2, 3, 4, 6, 7}
+    assert {machine.robot.drive.is_rigid.all() for machine in drawn} == {True, False}
+    assert {machine.control for machine in drawn} == set(CONTROLS)
+    assert {machine.row_dt for machine in drawn} == {0.001, 0.002, 0.004, 0.005, 0.008, 0.01}
+    assert any((machine.robot.drive.gear_ratio < 0).any() for machine in drawn)
     for name in ("tracker", "set_points", "feedback", "speed", "temperature"):
-        assert {getattr(setup.columns, name) for setup in drawn} == {True, False}
-    assert {setup.share for setup in drawn} == {0.005, 0.05}
-    assert {setup.robot.work_area is None for setup in drawn} == {True, False}
+        assert {getattr(machine.columns, name) for machine in drawn} == {True, False}
+    assert {machine.share for machine in drawn} == {0.005, 0.05}
+    assert {machine.robot.work_area is None for machine in drawn} == {True, False}
 
 
 @pytest.mark.parametrize("kind", MOTIONS)
@@ -65,38 +72,37 @@ def test_motions_stay_within_reach_and_speed_and_begin_and_end_at_rest(kind, rng
 
 
 def test_set_points_of_an_early_log_lead_by_what_it_says(rng):
-    setup = setup_of(rng, control="early", elastic=False)
-    (exact,) = simulated(setup, [(setup.numbers, setup.view)])
-    rows = round(EARLY / setup.row_dt)
+    machine = setup_of(rng, control="early", elastic=False)
+    (exact,) = simulated(machine, [(machine.numbers, machine.view)])
+    rows = round(EARLY / machine.row_dt)
     late = np.abs(exact.set_point[:-rows] - exact.angle[rows:]).max()
     assert late < 0.1 * np.abs(exact.set_point - exact.angle).max()
 
 
 def test_machines_side_by_side_do_as_alone(rng):
-    setup = setup_of(rng)
-    other = numbers_of(setup.robot)
-    both = simulated(setup, [(setup.numbers, setup.view), (other, View())])
-    for alone, (numbers, view) in zip(both, [(setup.numbers, setup.view), (other, View())], strict=True):
-        (expected,) = simulated(setup, [(numbers, view)])
-        np.testing.assert_allclose(alone.torque, expected.torque, rtol=1e-9, atol=1e-12)
-        np.testing.assert_allclose(alone.tool, expected.tool, atol=1e-12)
+    machine = setup_of(rng)
+    other = numbers_of(machine.robot)
+    _, beside = simulated(machine, [(machine.numbers, machine.view), (other, View())])
+    (alone,) = simulated(machine, [(other, View())])
+    np.testing.assert_allclose(beside.torque, alone.torque, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(beside.tool, alone.tool, atol=1e-12)
 
 
 def test_each_effect_changes_the_log_and_has_a_name_in_the_library_or_a_clue(rng):
-    setup = setup_of(rng, n=2, count=1)
-    all_hidden = [concealed(name, setup.robot, rng) for name in KINDS]
-    plain = (setup.numbers, setup.view)
-    without, *others = simulated(setup, [plain, *(hidden.on(plain) for hidden in all_hidden)])
-    scale = setup.robot.friction.coulomb
+    machine = setup_of(rng, n=2, count=1)
+    all_hidden = [concealed(name, machine.robot, rng) for name in KINDS]
+    plain = (machine.numbers, machine.view)
+    without, *others = simulated(machine, [plain, *(hidden.on(plain) for hidden in all_hidden)])
+    scale = machine.robot.friction.coulomb
     for hidden, exact in zip(all_hidden, others, strict=True):
         torque = np.abs((exact.torque - without.torque) / scale).max()
         assert torque > 1e-3 or np.abs(exact.tool - without.tool).max() > 1e-5, hidden.name
         if hidden.answer:
             known = EFFECTS[hidden.answer].parameters()
-            assert {number.partition(".")[0] for number in hidden.numbers(setup.robot)} <= set(known)
-            assert hidden.clue(setup.robot) is None
+            assert {number.partition(".")[0] for number in hidden.numbers(machine.robot)} <= set(known)
+            assert hidden.clue(machine.robot) is None
         else:
-            assert hidden.clue(setup.robot) is not None
+            assert hidden.clue(machine.robot) is not None
 
 
 def test_effects_that_a_machine_cannot_have_are_not_hidden(rng):
