@@ -3,7 +3,7 @@
 # make check   format, lint, types, import rules
 # make bench   speed and memory of simulation and environments, against the bare engine; BENCH="--json FILE" passes options;
 #               then a short exam of the diagnosis
-# make exam    the whole exam, about two hours on 2 cores, onto its page docs/bench_diagnosis.md; goes on where it was
+# make exam    both whole exams, some hours on 2 cores, onto their page docs/bench_diagnosis.md; goes on where it was
 #               interrupted; SEED=12 is another exam
 # PYTHON=python3.12 chooses the interpreter of a new environment; CONSTRAINTS= installs the newest versions.
 
@@ -40,6 +40,8 @@ bench: .venv/.dev
 exam: .venv/.dev
 	$(BIN)/ffgym bench-diagnosis --seed $(SEED) --jobs 2 --out out/exam
 	$(BIN)/python -m scripts.exam_page --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
+	$(BIN)/ffgym bench-diagnosis --exam independent --seed $(SEED) --jobs 2 --out out/exam
+	$(BIN)/python -m scripts.exam_page --exam independent --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
 
 format: .venv/.dev
 	$(BIN)/ruff format .

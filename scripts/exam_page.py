@@ -1,26 +1,29 @@
 """Results of an exam of the diagnosis on its page: tables, picture and misses of docs/bench_diagnosis.md.
 
-`python -m scripts.exam_page --seed 2035` reads what `ffgym bench-diagnosis --seed 2035 --out exam` has kept;
-`make exam` runs both.
+`python -m scripts.exam_page --seed 2035` reads what `ffgym bench-diagnosis --seed 2035 --out exam` has kept, and with
+`--exam independent` the same of the second exam; `make exam` runs all of them.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 from ffgym.errors import FFGymError
-from ffgym.exam.draw import COUNTS
+from ffgym.exam.case import Row
+from ffgym.exam.exams import EXAMS, ExamName
 from ffgym.exam.marks import Mark
 from ffgym.exam.results import read_marks
-from ffgym.exam.table import table
 from ffgym.exam.text import figures_text, misses_text, outcomes_text
 from ffgym.report import save_figure
 from ffgym.report.exam import outcomes_figure
 from scripts.convergence_table import renewed
 
 PAGE = Path(__file__).parents[1] / "docs" / "bench_diagnosis.md"
+_PARTS: Mapping[ExamName, str] = {"own": "exam", "independent": "independent"}
+"""Mark of each exam on the page, and name of its picture."""
+
 DPI = 100
 """Pixels per inch of the picture."""
 
@@ -31,44 +34,50 @@ class Config:
 
     seed: int = 7
     """Of the exam."""
+    exam: ExamName = "own"
+    """Which, see `ffgym bench-diagnosis`; the part of the page is marked `exam`, or `independent`."""
     out: Path = Path("exam")
     """Folder in which `ffgym bench-diagnosis` has kept its marks."""
     commit: str = "not told"
     """Commit of the diagnosis that was examined."""
     page: Path = PAGE
-    """Markdown file whose marked part is replaced; the picture goes to pictures/exam.png beside it."""
+    """Markdown file whose marked part is replaced; the picture goes to pictures/ beside it."""
 
 
 def main(config: Config) -> str:
     """Write the results; returns them as Markdown."""
-    place = config.out / f"seed_{config.seed}.jsonl"
-    marks = read_marks(place, config.seed)
+    exam, part = EXAMS[config.exam], _PARTS[config.exam]
+    place = config.out / exam.file_of(config.seed)
+    marks = read_marks(place, config.seed, config.exam)
+    which = "" if config.exam == "own" else f"--exam {config.exam} "
     if not marks:
-        raise FFGymError(f"{place}: holds no marks; run ffgym bench-diagnosis --seed {config.seed} --out {config.out}.")
+        raise FFGymError(
+            f"{place}: holds no marks; run ffgym bench-diagnosis {which}--seed {config.seed} --out {config.out}."
+        )
     day = datetime.fromtimestamp(place.stat().st_mtime, UTC).date().isoformat()
-    save_figure(outcomes_figure(marks), config.page.parent / "pictures" / "exam.png", DPI)
+    save_figure(outcomes_figure(marks), config.page.parent / "pictures" / f"{part}.png", DPI)
     text = "\n\n".join(
         [
-            f"`ffgym bench-diagnosis --seed {config.seed} --jobs 2 --out exam`, {day}, diagnosis at commit "
-            f"{config.commit}: {_asked(marks)}.",
-            figures_text(table(marks)),
-            "![Each answer over loudness](pictures/exam.png)",
+            f"`ffgym bench-diagnosis {which}--seed {config.seed} --jobs 2 --out exam`, {day}, diagnosis at commit "
+            f"{config.commit}: {_asked(marks, exam.counts)}.",
+            figures_text(exam.table(marks)),
+            f"![Each answer over loudness](pictures/{part}.png)",
             outcomes_text(marks),
             "Answers that were not right, with what was hidden and how loud it was:",
             f"```text\n{misses_text(marks)}\n```",
         ]
     )
-    config.page.write_text(renewed(config.page.read_text(encoding="utf-8"), {"exam": text}), encoding="utf-8")
+    config.page.write_text(renewed(config.page.read_text(encoding="utf-8"), {part: text}), encoding="utf-8")
     return text
 
 
-def _asked(marks: Sequence[Mark]) -> str:
+def _asked(marks: Sequence[Mark], whole_exam: Mapping[Row, int]) -> str:
     """How much of a whole exam was asked."""
-    counts, whole = Counter(mark.row for mark in marks), sum(COUNTS.values())
-    if all(counts[row] >= count for row, count in COUNTS.items()):
+    counts, whole = Counter(mark.row for mark in marks), sum(whole_exam.values())
+    if all(counts[row] >= count for row, count in whole_exam.items()):
         more = len(marks) - whole
         return f"all {whole} questions" + (f", and {more} more of some rows" if more else "")
-    parts = ", ".join(f"{counts[row]} of {count} `{row}`" for row, count in COUNTS.items())
+    parts = ", ".join(f"{counts[row]} of {count} `{row}`" for row, count in whole_exam.items())
     return f"{len(marks)} of {whole} questions ({parts})"
 
 

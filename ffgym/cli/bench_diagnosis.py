@@ -8,11 +8,10 @@ from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.errors import FFGymError, check_choice, check_whole
 from ffgym.exam.case import ROWS
-from ffgym.exam.draw import COUNTS, ROBOT
+from ffgym.exam.exams import EXAMS, Exam, ExamName
 from ffgym.exam.marks import Mark
 from ffgym.exam.results import read_marks, write_marks
 from ffgym.exam.sitting import Question, hold
-from ffgym.exam.table import table
 from ffgym.exam.text import figures_text, misses_text, outcomes_text
 from ffgym.files import write_json
 from ffgym.report import check_figure, save_figure
@@ -30,9 +29,12 @@ class BenchDiagnosis:
 
     seed: int = 7
     """Of the exam: what is hidden, where, how large, with which errors of calibration and noise."""
+    exam: ExamName = "own"
+    """own: logs of the built-in robot, simulated; independent: logs of drawn machines by a plant that shares no
+    equation, integrator, controller or motion with the simulation."""
     rows: tuple[str, ...] = ()
     """Kinds of questions; none given is all: clean, single, foreign, outside, periodic, pair, poor, poor_clean,
-    no_tracker, no_temperature."""
+    no_tracker, no_temperature; of the independent exam clean, single, outside."""
     cases: int | None = None
     """Questions of each kind; none given is a whole exam, some hundred."""
     out: Path | None = None
@@ -53,26 +55,32 @@ class BenchDiagnosis:
             check_figure(self.figure)
         place = self._place()
         questions = self._questions()
-        kept = [] if place is None else read_marks(place, self.seed)
+        kept = [] if place is None else read_marks(place, self.seed, self.exam)
         known = {(mark.row, mark.number) for mark in kept}
         asked = set(questions)
         marks = [mark for mark in kept if (mark.row, mark.number) in asked]
         todo = [question for question in questions if question not in known]
         with progress_bar("diagnosing", "logs") as progress:
-            for mark in hold(todo, seed=self.seed, jobs=self.jobs, progress=progress):
+            for mark in hold(todo, seed=self.seed, jobs=self.jobs, progress=progress, exam=self.exam):
                 marks.append(mark)
                 if place is not None:
                     kept.append(mark)
-                    write_marks(place, self.seed, kept)
+                    write_marks(place, self.seed, kept, self.exam)
         order = {question: k for k, question in enumerate(questions)}
         self._tell(sorted(marks, key=lambda mark: order[mark.row, mark.number]))
 
     def _questions(self) -> list[Question]:
         """What is asked."""
-        rows = [check_choice("row of the exam", row, ROWS) for row in self.rows] or list(ROWS)
+        counts = self._exam.counts
+        rows = [check_choice("row of the exam", row, [one for one in ROWS if one in counts]) for row in self.rows]
         if self.cases is not None:
             check_whole("--cases", self.cases, low=1, high=_MOST)
-        return [(row, k) for row in ROWS if row in rows for k in range(self.cases or COUNTS[row])]
+        asked = [row for row in counts if row in rows or not rows]
+        return [(row, k) for row in asked for k in range(self.cases or counts[row])]
+
+    @property
+    def _exam(self) -> Exam:
+        return EXAMS[self.exam]
 
     def _place(self) -> Path | None:
         """Where the marks are kept."""
@@ -82,18 +90,23 @@ class BenchDiagnosis:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FFGymError(f"{self.out}: cannot be made a folder: {error.strerror}; choose another place.") from error
-        place = self.out / f"seed_{self.seed}.jsonl"
+        place = self.out / self._exam.file_of(self.seed)
         check_outputs({"--out": place})
         return place
 
+    def _physics(self) -> str | None:
+        """Fingerprint of the simulation that made the logs; None where none of the project's did."""
+        if self.exam == "independent":
+            return None
+        return SimulatedRig(arm=RigidArm(load_robot(self._exam.robot))).fingerprint
+
     def _tell(self, marks: Sequence[Mark]) -> None:
-        lines = table(marks)
+        lines = self._exam.table(marks)
         print("\n\n".join(part for part in (figures_text(lines), outcomes_text(marks), misses_text(marks)) if part))
         if self.figure is not None:
             print(f"\npicture: {save_figure(outcomes_figure(marks), self.figure)}")
         if self.json is not None:
-            physics = SimulatedRig(arm=RigidArm(load_robot(ROBOT))).fingerprint
-            origin = provenance("ffgym bench-diagnosis", self, ROBOT, physics, self.seed)
+            origin = provenance("ffgym bench-diagnosis", self, self._exam.robot, self._physics(), self.seed)
             figures = [asdict(line) for line in lines]
             write_json(self.json, origin | {"figures": figures, "marks": [asdict(mark) for mark in marks]})
             print(f"\nnumbers: {self.json}")

@@ -32,6 +32,11 @@ class Hidden:
     """Empty for the machine as a whole."""
 
     @property
+    def name(self) -> str:
+        """As the exam calls it."""
+        return self.effect.name
+
+    @property
     def is_foreign(self) -> bool:
         """Whether its equation is another than that of the library."""
         return isinstance(self.effect, Variant)

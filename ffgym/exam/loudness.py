@@ -27,12 +27,12 @@ from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.effects import Effect
-from ffgym.exam.case import Case, protocol_of
+from ffgym.exam.case import Case, Row, protocol_of
 from ffgym.exam.hidden import Hidden
 from ffgym.exam.recording import log_of_case, recorded
 from ffgym.plant import Climate, Machine
 from ffgym.recordings import Recording
-from ffgym.robot import RigidArm
+from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array, BoolArray
 
 _NOISE_SEED = 0
@@ -148,6 +148,26 @@ class Paper:
     log: tuple[Recording, ...]
     loudness: tuple[float, ...]
     """Of each hidden effect."""
+
+    @property
+    def row(self) -> Row:
+        """Kind of question."""
+        return self.case.row
+
+    @property
+    def number(self) -> int:
+        """Within its row."""
+        return self.case.number
+
+    @property
+    def robot(self) -> RobotDescription:
+        """What is told of the machine."""
+        return self.case.arm.robot
+
+    @property
+    def hidden(self) -> tuple[Hidden, ...]:
+        """What only the examiner knows."""
+        return self.case.hidden
 
 
 def handed_out(case: Case) -> Paper:

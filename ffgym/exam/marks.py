@@ -9,8 +9,7 @@ from ffgym.effects import EFFECTS
 from ffgym.exam.case import Row
 from ffgym.exam.equations import Clue
 from ffgym.exam.gain import Gain
-from ffgym.exam.hidden import Hidden
-from ffgym.exam.loudness import Paper
+from ffgym.exam.secret import Asked, Secret
 from ffgym.exam.sizes import SizeMark, marked_cycles, marked_sizes
 
 Outcome = Literal[
@@ -76,6 +75,8 @@ class Mark:
     patterns: tuple[str, ...] = ()
     gain: Gain | None = None
     """What the extended model gains on motions that were not diagnosed; None if nothing is named."""
+    conditions: str = ""
+    """Of a log whose machine, controller and columns are drawn, too."""
     seconds: float = 0.0
     same_bytes: bool | None = None
     """Whether a second diagnosis of the same log gave the same bytes; None if none was made."""
@@ -100,20 +101,20 @@ class Mark:
         return f"{self.row}-{self.number}"
 
 
-def marked(paper: Paper, answer: Diagnosis, **more: Any) -> Mark:
+def marked(paper: Asked, answer: Diagnosis, **more: Any) -> Mark:
     """The mark of an answer; `more` are fields of it that others know."""
-    robot, hidden = paper.case.arm.robot, paper.case.hidden
+    robot, hidden = paper.robot, paper.hidden
     named = [(_family(cause.effect), cause.joint) for cause in answer.causes]
     truths = [(_family(one.answer), one.joint) for one in hidden]
     tells = answer.verdict in ("named", "partly", "ambiguous")
     clue = hidden[0].clue(robot) if hidden else None
     sizes = [size for one in hidden for size in marked_sizes(one, answer, robot)] if answer.verdict == "named" else []
     return Mark(
-        row=paper.case.row,
-        number=paper.case.number,
+        row=paper.row,
+        number=paper.number,
         truth=tuple(
             Truth(
-                effect=one.effect.name,
+                effect=one.name,
                 answer=one.answer,
                 joint=one.joint,
                 is_foreign=one.is_foreign,
@@ -139,11 +140,11 @@ def marked(paper: Paper, answer: Diagnosis, **more: Any) -> Mark:
     )
 
 
-def _with_loudness(paper: Paper) -> list[tuple[Hidden, float]]:
-    return list(zip(paper.case.hidden, paper.loudness, strict=True))
+def _with_loudness(paper: Asked) -> list[tuple[Secret, float]]:
+    return list(zip(paper.hidden, paper.loudness, strict=True))
 
 
-def outcome(answer: Diagnosis, hidden: Sequence[Hidden]) -> Outcome:
+def outcome(answer: Diagnosis, hidden: Sequence[Secret]) -> Outcome:
     """What an answer comes to."""
     if answer.verdict in ("none", "unknown", "insufficient"):
         return answer.verdict

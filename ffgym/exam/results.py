@@ -7,6 +7,7 @@ from typing import Any
 
 from ffgym.errors import FFGymError
 from ffgym.exam.case import ROWS
+from ffgym.exam.exams import ExamName
 from ffgym.exam.marks import Mark
 from ffgym.files import read_text, write_text
 from ffgym.provenance import versions
@@ -16,19 +17,20 @@ FORMAT = "ffgym-exam"
 """What the first line says."""
 
 
-def head(seed: int) -> dict[str, Any]:
+def head(seed: int, exam: ExamName = "own") -> dict[str, Any]:
     """First line: what all marks depend on beside the question."""
-    return {"format": FORMAT, "seed": seed, "versions": versions()}
+    which = {} if exam == "own" else {"exam": exam}
+    return {"format": FORMAT, **which, "seed": seed, "versions": versions()}
 
 
-def write_marks(path: Path, seed: int, marks: Sequence[Mark]) -> None:
+def write_marks(path: Path, seed: int, marks: Sequence[Mark], exam: ExamName = "own") -> None:
     """Write all marks, whole or not at all, in the order of the exam."""
     ordered = sorted(marks, key=lambda mark: (ROWS.index(mark.row), mark.number))
-    lines = [head(seed), *(to_json(mark) for mark in ordered)]
+    lines = [head(seed, exam), *(to_json(mark) for mark in ordered)]
     write_text(path, "".join(json.dumps(line) + "\n" for line in lines))
 
 
-def read_marks(path: Path, seed: int) -> list[Mark]:
+def read_marks(path: Path, seed: int, exam: ExamName = "own") -> list[Mark]:
     """Marks of an exam that was begun; none if there is no file.
 
     Raises:
@@ -41,8 +43,9 @@ def read_marks(path: Path, seed: int) -> list[Mark]:
         found = [from_json(Mark, line, "mark") for line in lines]
     except (ValueError, RecursionError) as error:
         raise FFGymError(f"{path}: is damaged: {error}. Remove it to begin again.") from error
-    if first != head(seed):
+    if first != head(seed, exam):
         raise FFGymError(
-            f"{path}: holds marks of another seed or of other versions ({first}). Choose another folder, or remove it."
+            f"{path}: holds marks of another seed or exam, or of other versions ({first}). Choose another folder, or "
+            "remove it."
         )
     return found

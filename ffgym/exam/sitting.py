@@ -5,7 +5,7 @@ import multiprocessing
 import signal
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from pathlib import Path
 
@@ -15,7 +15,9 @@ from ffgym.diagnosis.result import Diagnosis
 from ffgym.errors import FFGymError
 from ffgym.exam.case import Row
 from ffgym.exam.draw import ROBOT, draw_case
+from ffgym.exam.exams import ExamName
 from ffgym.exam.gain import gain_of
+from ffgym.exam.independent import sitting as independent
 from ffgym.exam.loudness import Paper, handed_out
 from ffgym.exam.marks import Mark, Outcome, marked, outcome
 from ffgym.exam.recording import recorded
@@ -111,7 +113,12 @@ def _resolved(paper: Paper, answer: Diagnosis) -> Outcome | None:
 
 
 def hold(
-    questions: Sequence[Question], *, seed: int, jobs: int = 1, progress: Progress | None = None
+    questions: Sequence[Question],
+    *,
+    seed: int,
+    jobs: int = 1,
+    progress: Progress | None = None,
+    exam: ExamName = "own",
 ) -> Iterator[Mark]:
     """Marks of questions as they come; their order depends on how long each takes.
 
@@ -120,17 +127,22 @@ def hold(
         seed: of the exam.
         jobs: processes.
         progress: called after each, with how many are done and how many there are.
+        exam: which.
 
     Raises:
         FFGymError: if one cannot be recorded or diagnosed.
     """
-    examine = partial(examined, seed=seed)
+    examine: Callable[[Question], Mark] = partial(_examiner(exam), seed=seed)
     if jobs == 1:
         yield from _counted(map(examine, questions), len(questions), progress)
         return
     context = multiprocessing.get_context("spawn")  # what the engine's threads hold is not copied
     with context.Pool(jobs, initializer=_deaf) as pool:
         yield from _counted(pool.imap_unordered(examine, questions), len(questions), progress)
+
+
+def _examiner(exam: ExamName) -> Callable[..., Mark]:
+    return independent.examined if exam == "independent" else examined
 
 
 def _deaf() -> None:

@@ -6,7 +6,8 @@ from typing import final
 import numpy as np
 
 from ffgym.diagnosis.result import Cause, Diagnosis
-from ffgym.exam.hidden import Hidden
+from ffgym.effects import EFFECTS
+from ffgym.exam.secret import Secret
 from ffgym.robot import RobotDescription
 
 _SHAPE = 0.1
@@ -36,31 +37,31 @@ class SizeMark:
         return self.interval[0] <= self.true <= self.interval[1]
 
 
-def _causes(hidden: Hidden, answer: Diagnosis) -> list[Cause]:
+def _causes(hidden: Secret, answer: Diagnosis) -> list[Cause]:
     """Causes that name what is hidden: one, or one for each wave."""
     return [c for c in answer.causes if (c.effect, c.joint) == (hidden.answer, hidden.joint)]
 
 
-def marked_sizes(hidden: Hidden, answer: Diagnosis, robot: RobotDescription) -> list[SizeMark]:
+def marked_sizes(hidden: Secret, answer: Diagnosis, robot: RobotDescription) -> list[SizeMark]:
     """Sizes of an effect of the library that is named; none where another shape was chosen, or the equation differs."""
     cause = next(iter(_causes(hidden, answer)), None)
     if cause is None or hidden.is_foreign or not _same_shape(hidden, cause, robot):
         return []
     numbers, found = hidden.numbers(robot), []
     for said in cause.parameters:
-        known = hidden.effect.parameters().get(said.name.partition(".")[0])
+        known = EFFECTS[hidden.answer].parameters().get(said.name.partition(".")[0])
         if known is None or known.null is None or said.name not in numbers:
             continue
         true = numbers[said.name]
-        off = getattr(hidden.effect, known.name) - known.null
-        scale = float(np.linalg.norm(off)) if known.per == "vector" else abs(true - known.null)
+        parts = [f"{known.name}.{axis}" for axis in "xyz"] if known.per == "vector" else [said.name]
+        scale = float(np.linalg.norm([numbers[part] - known.null for part in parts]))
         if scale > 0:
             found.append(SizeMark(name=said.name, said=said.value, true=true, interval=said.interval, scale=scale))
     return found
 
 
-def _same_shape(hidden: Hidden, cause: Cause, robot: RobotDescription) -> bool:
-    known, numbers = hidden.effect.parameters(), hidden.numbers(robot)
+def _same_shape(hidden: Secret, cause: Cause, robot: RobotDescription) -> bool:
+    known, numbers = EFFECTS[hidden.answer].parameters(), hidden.numbers(robot)
     for name, value in cause.fixed.items():
         parameter = known.get(name.partition(".")[0])
         if parameter is None or parameter.null is not None or parameter.role in ("phase", "cycles"):
@@ -70,15 +71,15 @@ def _same_shape(hidden: Hidden, cause: Cause, robot: RobotDescription) -> bool:
     return True
 
 
-def marked_cycles(hidden: Hidden, answer: Diagnosis, robot: RobotDescription) -> float | None:
+def marked_cycles(hidden: Secret, answer: Diagnosis, robot: RobotDescription) -> float | None:
     """Cycles per motor turn in an answer less the true ones, of the wave of the cause that is nearest to the main one.
 
     None where nothing is periodic, or it is not named.
     """
-    known = hidden.effect.parameters()
+    known = EFFECTS[hidden.answer].parameters() if hidden.answer else {}
     name = next((p.name for p in known.values() if p.role == "cycles" and p.unit == "1"), None)
-    if name is None:
+    if name is None or name not in (true := hidden.numbers(robot)):
         return None
     said = [{p.name: p.value for p in cause.parameters} | cause.fixed for cause in _causes(hidden, answer)]
-    off = [float(numbers[name] - hidden.numbers(robot)[name]) for numbers in said if name in numbers]
+    off = [float(numbers[name] - true[name]) for numbers in said if name in numbers]
     return min(off, key=abs, default=None)

@@ -40,7 +40,8 @@ def misses_text(marks: Sequence[Mark]) -> str:
         if mark.outcome != good and not (mark.row == "outside" and mark.clue_found):
             hidden = ", ".join(f"{t.effect} on {t.joint or 'machine'} ({t.loudness:.3g})" for t in mark.truth)
             said = ", ".join(f"{c.effect} on {c.joint or 'machine'}" for c in mark.causes)
-            lines.append(f"{mark.name}: {hidden or 'nothing'}; {mark.verdict}: {said or '-'}")
+            about = f" [{mark.conditions}]" if mark.conditions else ""
+            lines.append(f"{mark.name}: {hidden or 'nothing'}; {mark.verdict}: {said or '-'}{about}")
     return "\n".join(lines)
 
 

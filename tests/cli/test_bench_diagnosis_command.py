@@ -6,6 +6,7 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.exam import sitting
+from ffgym.exam.independent import sitting as independent
 from ffgym.exam.marks import Mark
 
 
@@ -35,6 +36,7 @@ def asked(monkeypatch):
     answer.most = 10**6
     questions_of = type("Asked", (), {"questions": questions, "answer": answer})
     monkeypatch.setattr(sitting, "examined", answer)
+    monkeypatch.setattr(independent, "examined", answer)
     return questions_of
 
 
@@ -113,3 +115,27 @@ def test_a_folder_of_another_kind_is_refused(asked, tmp_path, capsys):
     (tmp_path / "seed_7.jsonl").write_text('{"format": "other"}\n')
     assert main(["bench-diagnosis", "--cases", "1", "--out", str(tmp_path)]) == 1
     assert "another seed" in capsys.readouterr().err
+
+
+def test_the_second_exam_has_rows_marks_and_demands_of_its_own(asked, tmp_path, capsys):
+    place = tmp_path / "exam.json"
+    arguments = ["bench-diagnosis", "--exam", "independent"]
+    assert main([*arguments, "--json", str(place)]) == 0
+    rows = [row for row, _ in asked.questions]
+    assert {row: rows.count(row) for row in rows} == {"clean": 200, "single": 180, "outside": 30}
+    assert "clean logs: none" in capsys.readouterr().out
+    assert json.loads(place.read_text())["physics_fingerprint"] is None
+    for _ in range(2):
+        asked.questions.clear()
+        assert main([*arguments, "--cases", "3", "--out", str(tmp_path)]) == 0
+    assert asked.questions == []
+    assert len((tmp_path / "independent_seed_7.jsonl").read_text().splitlines()) == 10
+    assert main([*arguments, "--rows", "poor"]) == 1
+    assert "Unknown row of the exam" in capsys.readouterr().err
+
+
+def test_marks_of_one_exam_are_none_of_the_other(asked, tmp_path, capsys):
+    assert main(["bench-diagnosis", "--rows", "clean", "--cases", "1", "--out", str(tmp_path)]) == 0
+    (tmp_path / "seed_7.jsonl").rename(tmp_path / "independent_seed_7.jsonl")
+    assert main(["bench-diagnosis", "--exam", "independent", "--cases", "1", "--out", str(tmp_path)]) == 1
+    assert "another seed or exam" in capsys.readouterr().err

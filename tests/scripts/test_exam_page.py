@@ -51,5 +51,18 @@ def test_without_marks_nothing_is_written(config):
     assert "old" in config.page.read_text(encoding="utf-8")
 
 
-def test_the_page_of_the_project_has_the_place():
-    assert len(re.findall(r"<!-- exam -->\n.*?\n<!-- end -->", PAGE.read_text(encoding="utf-8"), flags=re.S)) == 1
+def test_the_second_exam_has_a_part_of_its_own(config):
+    config = replace(config, exam="independent")
+    config.page.write_text("<!-- exam -->\nold\n<!-- end -->\n<!-- independent -->\n<!-- end -->\n", encoding="utf-8")
+    write_marks(config.out / "independent_seed_12.jsonl", 12, MARKS[:1], "independent")
+    text = main(config)
+    assert "--exam independent --seed 12" in text
+    assert "1 of 410 questions (1 of 200 `clean`" in text
+    assert "clean logs: none" in text
+    assert "old" in config.page.read_text(encoding="utf-8")
+    assert (config.page.parent / "pictures" / "independent.png").exists()
+
+
+@pytest.mark.parametrize("part", ["exam", "independent"])
+def test_the_page_of_the_project_has_the_place(part):
+    assert len(re.findall(rf"<!-- {part} -->\n.*?\n<!-- end -->", PAGE.read_text(encoding="utf-8"), flags=re.S)) == 1

@@ -1,0 +1,75 @@
+"""Logs of the independent plant through the diagnosis: clean ones are clean, and effects are named."""
+
+from dataclasses import replace
+
+import pytest
+
+from ffgym.exam.independent import question, robots
+from ffgym.exam.independent.question import handed_out
+from ffgym.exam.independent.sensors import Columns
+from ffgym.exam.independent.sitting import answered, examined
+from ffgym.exam.marks import marked
+
+PLAIN = Columns(tracker=False, set_points=True, feedback=False, speed=False, temperature=False)
+SHORT = {"count": 4, "duration": 2.4}
+TIDY = {"control": "documented", "columns": PLAIN, "noise": "white", "row_dt": 0.004, "share": 0.005}
+
+
+@pytest.fixture
+def gears_that_keep_the_sign(monkeypatch):
+    """Gearboxes whose motors turn as the joints do."""
+    drawn = robots._motors
+
+    def motors(*arguments):
+        drive, friction = drawn(*arguments)
+        return replace(drive, gear_ratio=abs(drive.gear_ratio)), friction
+
+    monkeypatch.setattr(robots, "_motors", motors)
+
+
+@pytest.fixture
+def hiding(monkeypatch):
+    """A function that has one kind of effect hidden at full size, on whichever joint."""
+
+    def hide(name):
+        monkeypatch.setattr(question, "KINDS", {name: question.KINDS[name]})
+        monkeypatch.setattr(question, "_SMALLEST", 0.999)
+
+    return hide
+
+
+@pytest.mark.parametrize(("n", "elastic"), [(1, False), pytest.param(2, True, marks=pytest.mark.slow)])
+def test_a_clean_log_is_clean(n, elastic, gears_that_keep_the_sign):
+    paper = handed_out("clean", 0, seed=3, n=n, elastic=elastic, **TIDY, **SHORT)
+    assert answered(paper).verdict == "none"
+
+
+@pytest.mark.parametrize(
+    ("name", "n"),
+    [
+        ("load_share", 2),
+        pytest.param("coulomb", 1, marks=pytest.mark.slow),
+        pytest.param("rotor", 1, marks=pytest.mark.slow),
+        pytest.param("waves", 1, marks=pytest.mark.slow),
+        pytest.param("cogging", 1, marks=pytest.mark.slow),
+    ],
+)
+def test_a_loud_effect_is_named(name, n, gears_that_keep_the_sign, hiding):
+    hiding(name)
+    paper = handed_out("single", 0, seed=3, n=n, elastic=True, **TIDY, **SHORT)
+    assert paper.loudness[0] > 10
+    mark = marked(paper, answered(paper))
+    assert mark.outcome in ("right", "tie"), (mark.outcome, mark.sentence)
+    assert not mark.names_wrongly
+
+
+def test_a_diagnosis_that_ends_in_an_error_is_an_answer(monkeypatch):
+    from ffgym.exam.independent import sitting
+
+    small = handed_out("clean", 1, seed=3, n=1, count=1, duration=0.8)
+    monkeypatch.setattr(sitting, "handed_out", lambda row, number, seed: small)
+    monkeypatch.setattr(sitting, "diagnose", lambda *log, **more: (1,).index(2))
+    mark = examined(("clean", 1), seed=3)
+    assert mark.outcome == "insufficient"
+    assert mark.sentence.startswith("ValueError")
+    assert mark.conditions == small.setup.label
