@@ -42,20 +42,21 @@ class Ranking:
     threshold: float
     """Largest score by chance."""
     most: Array
-    """Score that each would have at the largest size that is plausible, shape (C,)."""
+    """Score that each would have at the largest size that is plausible, shape (C,); none if nobody asks."""
 
     def is_significant(self, i: int) -> bool:
         """Whether a candidate explains more than chance would."""
         return bool(self.score[i] > self.threshold)
 
 
-def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray) -> Ranking:
+def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray, *, with_most: bool = True) -> Ranking:
     """Rank candidates by what they remove from halves and motions that were left out.
 
     Args:
         evidence: of the log's residual first, then of those of faultless logs.
         candidates: with the columns of the evidence.
         calibration: places of columns that are fitted beside each candidate.
+        with_most: whether scores at the largest plausible sizes are wanted, too.
     """
     halves = screen(evidence, half_folds(evidence.blocks), calibration, candidates.groups, candidates.priors)
     folds = motion_folds(evidence.blocks)
@@ -70,7 +71,7 @@ def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray) ->
         by_motions=by_motions[:, 0],
         order=np.argsort(-score[:, 0], kind="stable"),
         threshold=_extreme(chance),
-        most=_largest(evidence, candidates, calibration) / per,
+        most=_largest(evidence, candidates, calibration) / per if with_most else np.zeros(0),
     )
 
 
@@ -82,11 +83,12 @@ def _largest(evidence: Evidence, candidates: Candidates, calibration: IntArray) 
     gram, priors = evidence.gram.sum(axis=0), candidates.priors
     inner, precision = gram[np.ix_(calibration, calibration)], priors.precision[calibration]
     low, high = priors.low[calibration], priors.high[calibration]
-    own = np.zeros(len(gram))
+    own, cross = np.zeros(len(gram)), gram[calibration] / STEP
+    free = np.linalg.solve(inner + np.diag(precision), cross)
+    beyond = np.any((free < low[:, None]) | (free > high[:, None]), axis=0)
     for p in range(len(calibration), len(gram)):
-        cross = gram[calibration, p] / STEP
-        x = bounded(inner, cross, precision, low, high)
-        own[p] = gram[p, p] / STEP**2 - 2 * x @ cross + x @ inner @ x + precision @ x**2
+        x = bounded(inner, cross[:, p], precision, low, high) if beyond[p] else free[:, p]
+        own[p] = gram[p, p] / STEP**2 - 2 * x @ cross[:, p] + x @ inner @ x + precision @ x**2
     return np.array([own[group.columns].max() for group in candidates.groups])
 
 

@@ -130,7 +130,7 @@ def _round(
     residual = values_of(now.fit.residual)
     together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
     evidence = candidates.stack.evidence(together)
-    ranking = ranked(evidence, candidates, candidates.calibration)
+    ranking = ranked(evidence, candidates, candidates.calibration, with_most=now is nominal)
     done, beaten = Round(before=now, ranking=ranking, tried=(), adopted=False), set[str]()
     for _ in range(1 + ELSEWHERE):
         tried = _tried(setting, candidates, ranking, evidence, now, needless, beaten, report)
