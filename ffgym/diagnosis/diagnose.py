@@ -15,6 +15,7 @@ from ffgym.diagnosis.answer.sentence import sentence_of
 from ffgym.diagnosis.answer.sizes import causes_of
 from ffgym.diagnosis.answer.verdict import judged
 from ffgym.diagnosis.band import comparison_cutoff
+from ffgym.diagnosis.by_recording import drifts
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
@@ -209,6 +210,7 @@ def _examined(
         motions=log.names,
         causes=causes,
         numbers=() if model is None else fitted_numbers(machine, model.numbers),
+        drifts=drifts(log, found.final.fit.run, rest, setting.blocks),
         rivals=rivals,
         patterns=patterns,
         not_excited=not_excited(found),

@@ -115,6 +115,34 @@ class Pattern:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Drift:
+    """A friction level that changes from day to day."""
+
+    effect: str
+    """`coulomb_level` or `viscous_level`."""
+    joint: str
+    motions: tuple[str, ...]
+    days: tuple[float, ...]
+    """Of each motion, since the first one."""
+    changes: tuple[float, ...]
+    """Against the model of all recordings, as a share of its level."""
+    errors: tuple[float, ...]
+    """Standard errors of these, by blocks of rows."""
+    per_day: float
+    """Change of the level per day, as a share of it."""
+    per_day_error: float
+    """Its standard error; scatter between recordings is in it."""
+
+    @property
+    def message(self) -> str:
+        """One sentence."""
+        what = "viscous" if self.effect == "viscous_level" else "Coulomb"
+        way, span = "falls" if self.per_day < 0 else "rises", max(self.days) - min(self.days)
+        total, error = abs(self.per_day) * span, self.per_day_error * span
+        return f"{what} friction of {self.joint} {way} over {span:.0f} days by {total:.0%} (standard error {error:.0%})"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Unjudged:
     """An effect on which no statement is made."""
 
@@ -185,6 +213,8 @@ class Diagnosis:
     causes: tuple[Cause, ...] = ()
     numbers: tuple[Number, ...] = ()
     """What was fitted beside the causes, and is in the extended model."""
+    drifts: tuple[Drift, ...] = ()
+    """What differs from one recording to the next beside the model of all of them."""
     rivals: tuple[Rival, ...] = ()
     patterns: tuple[Pattern, ...] = ()
     not_excited: tuple[Unjudged, ...] = ()

@@ -22,6 +22,7 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
     parts = [format_findings(diagnosis)]
     ties = [rival for rival in diagnosis.rivals if rival.tied]
     parts += [filled(f"cannot be excluded: {place_of(tie.effect, tie.joint)}: {tie.reason}") for tie in ties]
+    parts += [filled(f"between recordings: {drift.message}") for drift in diagnosis.drifts]
     parts += [filled(f"pattern: {pattern.message}") for pattern in diagnosis.patterns]
     if diagnosis.levels:
         parts += ["", _levels(diagnosis), ""]

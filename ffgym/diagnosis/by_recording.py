@@ -1,0 +1,159 @@
+"""Friction levels recording by recording: what changed from one day to the next, beside a model of all of them.
+
+Causes are of the machine, and act in every recording. Oil that runs in, a winter morning and wear change friction
+between days, and no motion of one recording shows it. So the levels of each joint are fitted to each recording alone, to
+what the model leaves there. Motions that differ make levels differ where the form of friction is not quite that of the
+model; what changes steadily with the days, by more than that, is a change of the machine. Of both levels of a joint the
+one counts that explains more.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+
+import numpy as np
+from scipy.stats import t as student
+
+from ffgym.diagnosis.evidence.stack import Blocks
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.measured import counting_rows
+from ffgym.diagnosis.replay import Replay
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.result import Drift
+from ffgym.diagnosis.signatures.column import columns_of
+from ffgym.effects.friction import CoulombLevel, ViscousLevel
+from ffgym.recordings import Recording
+from ffgym.types import Array, BoolArray
+
+FEWEST = 4
+"""Recordings below which a change with the days is not told from chance."""
+
+_SURE = 0.01
+"""Probability by chance below which a level changes with the days; a joint has two, and robots have few joints."""
+
+_LARGE = 0.05
+"""Least change of a level from the first to the last day, relative; chosen: friction of robots that nobody touched
+repeats to some per cent."""
+
+_FEWEST_BLOCKS = 8
+"""Blocks of a recording below which errors are not known."""
+
+_DATE = re.compile(r"(?<!\d)(\d{4}|\d{2})[-_.]?(0[1-9]|1[0-2])[-_.]?(0[1-9]|[12]\d|3[01])(?!\d)")
+"""A date in the name of a recording: year, month and day in that order."""
+
+_LEVELS = (CoulombLevel, ViscousLevel)
+
+
+def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks) -> tuple[Drift, ...]:
+    """Friction levels that change from day to day.
+
+    Args:
+        log: recordings of which each is judged by itself.
+        run: replay of the model that they are compared with.
+        rest: what it leaves, (R, M, C) by channel.
+        blocks: of rows, whose sums are what errors are known from.
+    """
+    days = days_of(log.recordings)
+    if len(log.recordings) < FEWEST or days is None or not days.any():
+        return ()
+    counting = counting_rows(log)
+    columns = {(c.effect.name, c.joint): c.parts for c in columns_of(run, _LEVELS, {})}
+    found: list[Drift] = []
+    for j, joint in enumerate(log.robot.joints):
+        torque, rows = rest["torque"][..., j], counting["torque", j]
+        levels = {
+            kind.name: _levels(own, torque, rows, blocks)
+            for kind in _LEVELS
+            if (own := columns[kind.name, joint].get(("torque", j))) is not None
+        }
+        if levels:
+            name = min(levels, key=lambda kind: levels[kind].left)
+            drift = _drift(name, joint, log.names, levels[name], days)
+            found += [] if drift is None else [drift]
+    return tuple(found)
+
+
+def days_of(recordings: Sequence[Recording]) -> Array | None:
+    """Days since the first recording, by `recorded` in their meta data or a date in their names; None if one has none."""
+    found = []
+    for recording in recordings:
+        text = str(recording.header.meta.get("recorded", recording.header.segment))
+        match = _DATE.search(text)
+        if match is None:
+            return None
+        year, month, day = (int(part) for part in match.groups())
+        try:
+            found.append(date(year + (2000 if year < 100 else 0), month, day).toordinal())
+        except ValueError:
+            return None
+    return np.array(found, dtype=np.float64) - min(found)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Levels:
+    """One level of a joint in each motion."""
+
+    values: Array
+    """Change of the level, relative, shape (M,); NaN where it is not known."""
+    errors: Array
+    """Standard error of that, shape (M,)."""
+    left: float
+    """Energy that is left of the torque [(N m)^2]."""
+
+
+def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> _Levels:
+    """One level beside a constant in each motion; the other level stays: along one motion both look much alike.
+
+    Rows of a block say the same: errors are those of sums over blocks (White's estimate, clustered).
+    """
+    values, errors, left = np.full(rest.shape[1], np.nan), np.full(rest.shape[1], np.nan), 0.0
+    for m in range(rest.shape[1]):
+        rows = counting[:, m] & (blocks.of_row[:, m] >= 0)
+        x = np.stack([column[rows, m], np.ones(np.count_nonzero(rows))], axis=1)
+        y, block = rest[rows, m], blocks.of_row[rows, m]
+        if len(np.unique(block)) < _FEWEST_BLOCKS or np.linalg.matrix_rank(x) < x.shape[1]:
+            continue
+        inverse = np.linalg.inv(x.T @ x)
+        size = inverse @ x.T @ y
+        scores = np.stack([x[block == b].T @ (y - x @ size)[block == b] for b in np.unique(block)])
+        n = len(scores)
+        covariance = inverse @ (scores.T @ scores) @ inverse * n / (n - x.shape[1])
+        values[m], errors[m] = size[0], np.sqrt(covariance[0, 0])
+        left += float(np.sum((y - x @ size) ** 2))
+    return _Levels(values=values, errors=errors, left=left)
+
+
+def _drift(effect: str, joint: str, names: Sequence[str], levels: _Levels, days: Array) -> Drift | None:
+    """A level that changes steadily with the days, by more than chance and by more than little."""
+    values, errors = levels.values, levels.errors
+    known = np.isfinite(values) & (errors > 0)
+    v, day, n = values[known], days[known], int(known.sum())
+    if n < FEWEST or len(np.unique(day)) < 2:
+        return None
+    scatter = _scatter(v, errors[known])
+    x = np.stack([np.ones(n), day], axis=1) / np.hypot(errors[known], scatter)[:, None]
+    inverse = np.linalg.inv(x.T @ x)
+    rate = float((inverse @ x.T @ (v * x[:, 0]))[1])
+    error = float(np.sqrt(inverse[1, 1]))
+    is_sure = 2 * student.sf(abs(rate) / error, n - 2) < _SURE
+    if not is_sure or abs(rate) * np.ptp(day) < _LARGE:
+        return None
+    return Drift(
+        effect=effect,
+        joint=joint,
+        motions=tuple(name for name, there in zip(names, known, strict=True) if there),
+        days=tuple(day.tolist()),
+        changes=tuple(v.tolist()),
+        errors=tuple(errors[known].tolist()),
+        per_day=rate,
+        per_day_error=error,
+    )
+
+
+def _scatter(values: Array, errors: Array) -> float:
+    """Standard deviation of levels between recordings beyond that of their errors (DerSimonian, Laird 1986)."""
+    weight = errors**-2.0
+    mean = weight @ values / weight.sum()
+    excess = float(weight @ (values - mean) ** 2) - (len(values) - 1)
+    return float(np.sqrt(max(excess, 0.0) / (weight.sum() - (weight**2).sum() / weight.sum())))
