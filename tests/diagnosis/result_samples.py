@@ -4,6 +4,7 @@ from ffgym.diagnosis.result import (
     Cause,
     Diagnosis,
     Level,
+    Miswiring,
     Pattern,
     Rival,
     SeparatingMotion,
@@ -77,6 +78,7 @@ def full_diagnosis() -> Diagnosis:
         patterns=(pattern, line),
         not_excited=(Unjudged(effect="temperature_friction", joint="", reason="the log spans 2 K"),),
         not_judgeable=(Unjudged(effect="tool_frame", joint="", reason="no tracker"),),
+        wiring=(Miswiring(kind="sign", families=("motor.effort",), joints=("j2",), message="j2 has the wrong sign"),),
         separating_motion=SeparatingMotion(
             between=("load_friction on j2", "payload"),
             protocol="holds",

@@ -41,8 +41,11 @@ KNOWN_MASSES = {
     "mass": (-0.5, 1.0),
     "moment": (-0.5, 0.5),
     "balance": (-0.1, 0.1),
+    "coulomb": (0.25, 4.0),
+    "viscous": (0.0, 4.0),
 }
-"""Bounds in place of these where masses are known to 60 %, and a payload to a twentieth of the arm."""
+"""Bounds in place of these where masses are known to 60 %, a payload to a twentieth of the arm, friction to a factor of
+four."""
 
 _BODIES = ("inertia", "rotors", "gravity", "mass", "moment", "moment", "moment", "balance", "balance")
 _NAMES = (*_BODIES, "coulomb", "viscous", "load", "constant")
