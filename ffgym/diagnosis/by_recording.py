@@ -1,8 +1,8 @@
 """Friction levels recording by recording: what changed from one day to the next, beside a model of all of them.
 
 Causes are of the machine, and act in every recording. Oil that runs in, a winter morning and wear change friction
-between days, and no motion of one recording shows it. So the levels of each joint are fitted to each recording alone, to
-what the model leaves there. Motions that differ make levels differ where the form of friction is not quite that of the
+between days, and no motion of one recording shows it. So the levels of each joint are fitted to each recording alone,
+to what the model leaves there. Motions that differ make levels differ where the form of friction is not quite that of the
 model; what changes steadily with the days, by more than that, is a change of the machine. Of both levels of a joint the
 one counts that explains more.
 """
@@ -75,7 +75,7 @@ def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks)
 
 
 def days_of(recordings: Sequence[Recording]) -> Array | None:
-    """Days since the first recording, by `recorded` in their meta data or a date in their names; None if one has none."""
+    """Days since the first recording, by `recorded` in its meta data or a date in its name; None if one has neither."""
     found = []
     for recording in recordings:
         text = str(recording.header.meta.get("recorded", recording.header.segment))

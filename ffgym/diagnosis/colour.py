@@ -5,7 +5,7 @@ Above the band in which machines move, a signal shows what its noise is made of:
 
 .. math:: S(\omega) = \frac{2 \Delta t\, s^2}{1 - 2 \varphi \cos \omega + \varphi^2},
 
-and what is left of the motion, which falls faster. How large :math:`s` is, is known from there; how much stays, from
+and nothing else where it is quiet. How large :math:`s` is, is known from there; how much stays, from
 the quiet parts of what a model leaves in the band that is compared. So nothing of a residual is taken for noise that
 does not go on, falling, above the band of motions.
 """
@@ -47,8 +47,11 @@ _ABOVE, _BELOW = 1.2, 0.45
 """Frequencies that are looked at above the band of motions: from this multiple of the low-pass on, which is not sharp,
 up to this share of the sample rate."""
 
-_FALLS = 0.5
+_FALLS = 1.0
 """Energy of the falling part at the lowest of those over that of the white one, from which on noise is coloured."""
+
+_LEAST = 1e-5
+"""Share of a signal below which nothing of it is noise, but rounding; chosen: no sensor has so many steps."""
 
 _CORNERS = np.geomspace(0.5, 100.0, 60)
 """Frequencies below which noise falls no more, that are tried [Hz]."""
@@ -117,6 +120,8 @@ def colour_of(
     found = np.zeros((3, n))
     for j in range(n):
         fresh, flat = _falling(frequency[high], _quiet(above[:, high, j]), low_pass, dt)
+        if fresh < _LEAST * max(float(values[:, j].std()) for values in signal):
+            continue
         stays = _staying(frequency[low], _quiet(inside[:, low, j]), _quiet(known[:, low, j]), fresh, flat, dt)
         found[:, j] = fresh, stays, flat
     return Colour(fresh=found[0], stays=found[1], white=found[2])
@@ -124,9 +129,10 @@ def colour_of(
 
 def _falling(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> tuple[float, float]:
     """Standard deviations of what falls, fresh in each sample, and of the white part beside it; 0 if nothing falls."""
-    taken = 1 / (1 + (frequency / low_pass.cutoff) ** (2 * low_pass.order))  # by both runs of the low-pass
+    ratio = np.tan(np.pi * dt * frequency) / np.tan(np.pi * dt * low_pass.cutoff)
+    taken = 1 / (1 + ratio ** (2 * low_pass.order))  # by both runs of the sampled low-pass
     energy = np.asarray(energy / (1 - taken) ** 2, dtype=np.float64)
-    shapes = np.stack([np.full_like(frequency, 2 * dt), _shape(1.0, frequency, dt), frequency**-6.0], axis=1)
+    shapes = np.stack([np.full_like(frequency, 2 * dt), _shape(1.0, frequency, dt)], axis=1)
     largest = shapes.max(axis=0)
     sizes = nnls(shapes / largest / energy[:, None], np.ones(len(frequency)))[0] / largest
     if sizes[1] * shapes[0, 1] < _FALLS * sizes[0] * shapes[0, 0]:

@@ -8,10 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits  # type: ignore[import-untyped]
 
 from ffgym.control import joint_reference
-from ffgym.diagnosis import Memory, diagnose
+from ffgym.diagnosis import Memory, diagnose, examine
 from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.one_thread import on_one_thread
 from ffgym.effects import EFFECTS
 from ffgym.paths import multisine
 from ffgym.plant import Machine
@@ -68,6 +70,16 @@ def test_the_order_in_which_logs_are_given_changes_no_byte_but_that_of_their_nam
     turned = diagnose(one_axis, faulty[::-1])
     assert turned.motions == alone.motions[::-1]
     assert as_text(replace(turned, motions=alone.motions)) == as_text(alone)
+
+
+def test_linear_algebra_of_a_diagnosis_is_on_one_thread():
+    def threads():
+        return {one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"}
+
+    with threadpool_limits(limits=2):
+        assert on_one_thread(threads)() == {1}
+        assert threads() == {2}
+    assert hasattr(examine, "__wrapped__")
 
 
 PROCESS = """

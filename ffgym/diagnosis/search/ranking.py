@@ -83,12 +83,11 @@ def _largest(evidence: Evidence, candidates: Candidates, calibration: IntArray) 
     gram, priors = evidence.gram.sum(axis=0), candidates.priors
     inner, precision = gram[np.ix_(calibration, calibration)], priors.precision[calibration]
     low, high = priors.low[calibration], priors.high[calibration]
-    own, cross = np.zeros(len(gram)), gram[calibration] / STEP
-    free = np.linalg.solve(inner + np.diag(precision), cross)
-    beyond = np.any((free < low[:, None]) | (free > high[:, None]), axis=0)
-    for p in range(len(calibration), len(gram)):
-        x = bounded(inner, cross[:, p], precision, low, high) if beyond[p] else free[:, p]
-        own[p] = gram[p, p] / STEP**2 - 2 * x @ cross[:, p] + x @ inner @ x + precision @ x**2
+    cross = gram[calibration] / STEP
+    x = np.linalg.solve(inner + np.diag(precision), cross)
+    for p in np.flatnonzero(np.any((x < low[:, None]) | (x > high[:, None]), axis=0)):
+        x[:, p] = bounded(inner, cross[:, p], precision, low, high)
+    own = np.diagonal(gram) / STEP**2 - np.sum(x * (2 * cross - inner @ x - precision[:, None] * x), axis=0)
     return np.array([own[group.columns].max() for group in candidates.groups])
 
 
