@@ -2,9 +2,9 @@
 
 Causes are of the machine, and act in every recording. Oil that runs in, a winter morning and wear change friction
 between days, and no motion of one recording shows it. So the levels of each joint are fitted to each recording alone,
-between days, and no motion of one recording shows it. So the levels of each joint are fitted to each recording
-model; what changes steadily with the days, by more than that, is a change of the machine. Of both levels of a joint the
-one counts that explains more.
+to what the model leaves there. Motions that differ make levels differ where the form of friction is not quite that of
+the model; what changes steadily with the days, by more than that, is a change of the machine. Of both levels of a joint
+the one counts that explains more.
 """
 
 import re
