@@ -124,6 +124,13 @@ def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> 
     return _Levels(values=values, errors=errors, left=left)
 
 
+_HOLDS = 0.05
+"""The same without any one of the days: what one odd day makes is no change with the days."""
+
+_ROUNDS = 5
+"""Times that a line is fitted, and what levels scatter about it beyond their errors (method of moments)."""
+
+
 def _drift(effect: str, joint: str, names: Sequence[str], levels: _Levels, days: Array) -> Drift | None:
     """A level that changes steadily with the days, by more than chance and by more than little."""
     values, errors = levels.values, levels.errors
@@ -131,13 +138,8 @@ def _drift(effect: str, joint: str, names: Sequence[str], levels: _Levels, days:
     v, day, n = values[known], days[known], int(known.sum())
     if n < FEWEST or len(np.unique(day)) < 2:
         return None
-    scatter = _scatter(v, errors[known])
-    x = np.stack([np.ones(n), day], axis=1) / np.hypot(errors[known], scatter)[:, None]
-    inverse = np.linalg.inv(x.T @ x)
-    rate = float((inverse @ x.T @ (v * x[:, 0]))[1])
-    error = float(np.sqrt(inverse[1, 1]))
-    is_sure = 2 * student.sf(abs(rate) / error, n - 2) < _SURE
-    if not is_sure or abs(rate) * np.ptp(day) < _LARGE:
+    rate, error, chance = _line(v, errors[known], day)
+    if chance > _SURE or abs(rate) * np.ptp(day) < _LARGE or not _holds(v, errors[known], day):
         return None
     return Drift(
         effect=effect,
@@ -151,9 +153,31 @@ def _drift(effect: str, joint: str, names: Sequence[str], levels: _Levels, days:
     )
 
 
-def _scatter(values: Array, errors: Array) -> float:
-    """Standard deviation of levels between recordings beyond that of their errors (DerSimonian, Laird 1986)."""
-    weight = errors**-2.0
-    mean = weight @ values / weight.sum()
-    excess = float(weight @ (values - mean) ** 2) - (len(values) - 1)
-    return float(np.sqrt(max(excess, 0.0) / (weight.sum() - (weight**2).sum() / weight.sum())))
+def _line(values: Array, errors: Array, day: Array) -> tuple[float, float, float]:
+    """Slope of levels over days, its standard error, and the probability of as steep a one by chance.
+
+    Levels scatter about a line by more than their errors; how much is found by iteration (method of moments).
+    """
+    n, scatter = len(values), 0.0
+    for _ in range(_ROUNDS):
+        sigma = np.hypot(errors, scatter)
+        x = np.stack([np.ones(n), day], axis=1) / sigma[:, None]
+        inverse = np.linalg.inv(x.T @ x)
+        line = inverse @ x.T @ (values / sigma)
+        excess = float(np.sum((values / sigma - x @ line) ** 2)) - (n - 2)
+        scatter = float(np.sqrt(max(scatter**2 + excess / np.sum(sigma**-2.0), 0.0)))
+    rate, error = float(line[1]), float(np.sqrt(inverse[1, 1]))
+    return rate, error, float(2 * student.sf(abs(rate) / error, n - 2))
+
+
+def _holds(values: Array, errors: Array, day: Array) -> bool:
+    """Whether a change goes the same way without any one of three or more days; else that day is an odd one."""
+    rate = _line(values, errors, day)[0]
+    for one in np.unique(day):
+        rest = day != one
+        if len(np.unique(day[rest])) < 2 or rest.sum() < FEWEST:
+            continue
+        other, _, chance = _line(values[rest], errors[rest], day[rest])
+        if other * rate < 0 or chance > _HOLDS:
+            return False
+    return True

@@ -60,6 +60,7 @@ class Forces:
         for effect, _ in self._torque:
             kind = type(effect)
             self._keys.append((kind, sum(known is kind for known, _ in self._keys)))
+        self._motor = np.zeros((self._n_robots, n))  # what effects added to motors last, link side
         everyone = self.choose(slice(None))
         state = self.state(everyone)
         self._memory = [effect.initial_memory(state) for effect in everyone.torque]
@@ -98,20 +99,22 @@ class Forces:
 
     def begin(self, chosen: Chosen, state: State) -> None:
         """Forget what was: simulations are at rest in `state`."""
+        self._motor[chosen.rows] = 0.0
         for effect, memory in zip(chosen.torque, self._memory, strict=True):
             memory[chosen.rows] = effect.initial_memory(state)
 
     def remembered(self) -> list[Array]:
-        """What effects remember, copies."""
-        return [memory.copy() for memory in self._memory]
+        """What effects remember, and what they added to motors last; copies."""
+        return [memory.copy() for memory in (*self._memory, self._motor)]
 
     def remember(self, memories: list[Array]) -> None:
         """Go on with what was `remembered`."""
-        for memory, kept in zip(self._memory, memories, strict=True):
+        for memory, kept in zip((*self._memory, self._motor), memories, strict=True):
             memory[:] = kept
 
     def go_on_from(self, before: "Forces", rows: IntArray) -> None:
         """Remember what `before` does of simulations `rows`, whose machines are still the same."""
+        self._motor[rows] = before._motor[rows]
         known = dict(zip(before._keys, before._memory, strict=True))
         for key, memory in zip(self._keys, self._memory, strict=True):
             if key in known:
@@ -127,7 +130,7 @@ class Forces:
 
     def state(self, chosen: Chosen) -> State:
         """State of simulations now, (B', N) each."""
-        return self._engine_state.read(chosen.rows, chosen.numbers)
+        return self._engine_state.read(chosen.rows, chosen.numbers, self._motor[chosen.rows])
 
     def apply(self, chosen: Chosen, dt: float) -> None:
         """Set the engine's applied torques and resolver readings for the physics step of `dt` [s] that comes next."""
@@ -164,7 +167,10 @@ class Forces:
     def _write(self, chosen: Chosen, total: Torques) -> None:
         """Generalised forces: motor hinges turn rotor and link, deflection hinges the link alone."""
         at = self._at
-        turning = _added(None if total.motor is None else self._drive.joint_torque(total.motor), total.link, None)
+        motor = None if total.motor is None else self._drive.joint_torque(total.motor)
+        if motor is not None:
+            self._motor[chosen.rows] = motor
+        turning = _added(motor, total.link, None)
         behind = _added(total.spring, total.link, None)
         if turning is not None:
             self._applied[chosen.everyone, at.motor_qpos] = turning

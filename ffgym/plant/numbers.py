@@ -18,6 +18,8 @@ class Numbers:
 
     stiffness: Array
     damping: Array
+    reflected_inertia: Array
+    """Of the rotors behind the gearbox [kg m^2]."""
     position_gain: Array
     velocity_gain: Array
     integral_gain: Array
@@ -52,6 +54,7 @@ class Numbers:
         return cls(
             stiffness=np.where(np.isinf(stiffness), 0.0, stiffness),  # a rigid joint has no deflection either
             damping=np.where(np.isinf(stiffness), 0.0, per_joint("drive", "joint_damping")),
+            reflected_inertia=per_joint("drive", "gear_ratio") ** 2 * per_joint("drive", "rotor_inertia"),
             position_gain=per_joint("servo", "position_gain"),
             velocity_gain=per_joint("servo", "velocity_gain"),
             integral_gain=per_joint("servo", "integral_gain"),

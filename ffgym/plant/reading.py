@@ -12,7 +12,7 @@ from ffgym.types import Array, BoolArray, IntArray
 class Reading(State):
     """What the engine had at one instant, (B, N) each: effects need few fields, at every physics step."""
 
-    __slots__ = ("_act", "_at", "_controls", "_drive", "_own", "_qpos", "_qvel")
+    __slots__ = ("_act", "_at", "_controls", "_drive", "_own", "_passed", "_qpos", "_qvel")
 
     def __init__(
         self,
@@ -25,9 +25,11 @@ class Reading(State):
         act: Array,
         controls: Array,
         time: Array,
+        passed: Array | None = None,
     ) -> None:
         self._at, self._drive, self._own = at, drive, own
         self._qpos, self._qvel, self._act, self._controls = qpos, qvel, act, controls
+        self._passed = passed
         self.time = time
 
     def __getattr__(self, name: str) -> Array:
@@ -73,7 +75,8 @@ class Reading(State):
         return self._own.damping
 
     def _load_now(self) -> Array:
-        return -(self._own.stiffness * self.deflection + self._own.damping * self.deflection_rate)
+        load: Array = -(self._own.stiffness * self.deflection + self._own.damping * self.deflection_rate)
+        return load if self._passed is None else np.where(self._at.is_elastic, load, self._passed)
 
     def _load_at_motor_now(self) -> Array:
         return self._drive.motor_torque(self.load)

@@ -69,7 +69,7 @@ NEEDS: Mapping[str, Need] = MappingProxyType(
             columns=("motor.position", "motor.effort"),
             torque=True,
             sound=(
-                *("coarse", "encoder_steps", "torque_lag_apart"),
+                *("clock_drift", "coarse", "encoder_steps", "torque_lag_apart"),
                 *("tracker_scale", "tracker_motion", "tracker_frame", "tracker_lag"),
             ),
             why="what is coarser than its noise, or of another frame or time would be taken for a fault of the machine",

@@ -14,7 +14,7 @@ from tests.quality.test_defects import applicable
 ROBOT, MOTION = "two_link", "multisine"
 
 MENDED = (
-    *("clock_step", "dropped_samples", "jitter", "rate_changes_midway"),
+    *("clock_step", "dropped_samples", "jitter"),
     *("duplicate_rows", "stuck_position", "a_spike", "noise_burst"),
 )
 """Defects that conditioning mends or leaves out."""

@@ -7,7 +7,7 @@ import numpy as np
 from ffgym.quality.conditioning.bridge import between, bridged, is_smooth
 from ffgym.quality.conditioning.notes import count, mask_columns, noted
 from ffgym.quality.conditioning.times import Times, in_gaps, times_of
-from ffgym.quality.intervals import is_even, longest_interval
+from ffgym.quality.intervals import has_two_rates, is_even, longest_interval
 from ffgym.quality.log import Log
 from ffgym.recordings import FAMILIES, Header, Recording, clipped
 from ffgym.recordings.schema import VALID
@@ -26,7 +26,7 @@ _FAR = 5.0
 
 def on_even_clock(recording: Recording, period: float | None = None) -> Recording:
     """The log at an even clock of a period [s], or its own; the log itself if its clock is even."""
-    if is_even(recording.t):
+    if is_even(recording.t) or has_two_rates(recording.t):  # of two clocks nobody knows which one is right
         return recording
     recording = _longest_part(recording)
     if len(recording) < 8 or is_even(recording.t):
