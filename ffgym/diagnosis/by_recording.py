@@ -36,6 +36,10 @@ _LARGE = 0.05
 """Least change of a level from the first to the last day, relative; chosen: friction of robots that nobody touched
 repeats to some per cent."""
 
+_SPAN = 14.0
+"""Days that recordings must span; chosen: what differs within some days is temperature and motion, not running in or
+wear."""
+
 _FEWEST_BLOCKS = 8
 """Blocks of a recording below which errors are not known."""
 
@@ -55,7 +59,7 @@ def drifts(log: Log, run: Replay, rest: Mapping[Channel, Array], blocks: Blocks)
         blocks: of rows, whose sums are what errors are known from.
     """
     days = days_of(log.recordings)
-    if len(log.recordings) < FEWEST or days is None or not days.any():
+    if len(log.recordings) < FEWEST or days is None or np.ptp(days) < _SPAN:
         return ()
     counting = counting_rows(log)
     columns = {(c.effect.name, c.joint): c.parts for c in columns_of(run, _LEVELS, {})}
@@ -124,7 +128,7 @@ def _levels(column: Array, rest: Array, counting: BoolArray, blocks: Blocks) -> 
     return _Levels(values=values, errors=errors, left=left)
 
 
-_HOLDS = 0.05
+_HOLDS = 0.2
 """The same without any one of the days: what one odd day makes is no change with the days."""
 
 _ROUNDS = 5
