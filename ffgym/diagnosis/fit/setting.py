@@ -16,7 +16,7 @@ from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.plant import Machine
 from ffgym.types import Array
 
-_HELD = 1e-6
+HELD = 1e-6
 """Standard deviations within which a calibration error is held; bounds must lie apart."""
 
 
@@ -49,7 +49,7 @@ class Setting:
             return -bound, bound
         is_cause = np.array([any(_is_number_of(doubt, one) for one in hypotheses) for doubt in self.doubts])
         low, high = (np.array([getattr(doubt, end) for doubt in self.doubts]) for end in ("low", "high"))
-        return np.where(is_cause, -_HELD, low), np.where(is_cause, _HELD, high)
+        return np.where(is_cause, -HELD, low), np.where(is_cause, HELD, high)
 
     @cached_property
     def stack(self) -> Stack:

@@ -16,7 +16,7 @@ from ffgym.diagnosis.evidence.stack import Evidence
 from ffgym.diagnosis.fit.fit import Fit, trial_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.numbers import are_of_the_machine, with_numbers
-from ffgym.diagnosis.fit.setting import Setting, values_of
+from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
@@ -73,6 +73,7 @@ def _by_priors(setting: Setting, fit: Fit, chosen: BoolArray) -> Written | None:
     for _ in range(_ROUNDS):
         x = _solved(evidence, fit, sizes, low, high, chosen)
         sizes, hypotheses = sizes + x[:n] * of_machine, moved(hypotheses, x[n:])
+        sizes[np.abs(sizes) <= HELD] = 0.0
         numbers = _possible_numbers(setting, sizes)
         tried = None if numbers is None else _replayed(setting, numbers, hypotheses)
         if tried is None:
