@@ -3,8 +3,10 @@
 from ffgym.diagnosis.result import (
     Cause,
     Diagnosis,
+    Drift,
     Level,
     Miswiring,
+    Number,
     Pattern,
     Rival,
     SeparatingMotion,
@@ -68,12 +70,24 @@ def full_diagnosis() -> Diagnosis:
         share=0.3,
         message="17 Hz on j3",
     )
+    drift = Drift(
+        effect="viscous_level",
+        joint="j1",
+        motions=("a", "b", "c", "d"),
+        days=(0.0, 10.0, 20.0, 30.0),
+        changes=(0.1, 0.07, 0.03, 0.0),
+        errors=(0.01, 0.01, 0.01, 0.01),
+        per_day=-0.0034,
+        per_day_error=0.0005,
+    )
     return Diagnosis(
         verdict="ambiguous",
         sentence="Joint 2 loses torque with load, or carries more than the model says.",
         robot="irb4600_60_205",
         motions=("diagnosis.slow_triangle", "diagnosis.sine"),
         causes=(cause,),
+        numbers=(Number(entry="friction.viscous", unit="N m s/rad", before=(0.02, 0.01), after=(0.021, 0.01)),),
+        drifts=(drift,),
         rivals=rivals,
         patterns=(pattern, line),
         not_excited=(Unjudged(effect="temperature_friction", joint="", reason="the log spans 2 K"),),

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.document import diagnosis_document, parse_diagnosis, read_diagnosis, write_diagnosis
+from ffgym.diagnosis.document import LEVELS, diagnosis_document, parse_diagnosis, read_diagnosis, write_diagnosis
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.errors import FFGymError
 from tests.diagnosis.result_samples import full_diagnosis
@@ -58,10 +58,10 @@ def test_an_interval_that_nobody_knows_is_null_and_comes_back_as_such():
         (lambda d: d.update(separating_motion=3), "separating_motion = 3 must be an object"),
         (lambda d: d.update(format="ffgym-friction"), "no diagnosis"),
         (lambda d: d.update(version=2), "has version 2, this ffgym reads 1"),
-        (lambda d: d.pop("after"), "must have noise_floor, before, after"),
+        (lambda d: d.pop("after"), "must have measured, noise_floor, before, after"),
         (lambda d: d["after"]["torque"].pop("j2"), "the same channels and components"),
         (lambda d: d["after"]["torque"]["j2"].update(unit="mm"), "after.torque.j2 must have value and unit"),
-        (lambda d: [d[level].update(heat={"x": {}}) for level in ("noise_floor", "before", "after")], "channel 'heat'"),
+        (lambda d: [d[level].update(heat={"x": {}}) for level in LEVELS], "channel 'heat'"),
     ],
 )
 def test_a_damaged_file_is_refused_with_the_place_of_the_damage(tmp_path, damage, message):
@@ -103,9 +103,11 @@ def entries(value, path=""):
 
 def test_the_page_of_the_file_names_every_entry_and_no_other():
     document = diagnosis_document(full_diagnosis())
-    for level in ("noise_floor", "before", "after"):
+    for level in LEVELS:
         document[level] = {"<channel>": {"<component>": document[level]["torque"]["j2"]}}
     document["causes"][0]["fixed"], document["provenance"] = {}, {}
     rows = re.findall(r"^\| `([^`]+)` \|", PAGE.read_text(encoding="utf-8"), flags=re.M)
     wanted = list(dict.fromkeys(entries(document)))
-    assert rows == [name for name in wanted if not re.fullmatch(r"(before|after)\..*|noise_floor\.<channel>", name)]
+    assert rows == [
+        name for name in wanted if not re.fullmatch(r"(noise_floor|before|after)\..*|measured\.<channel>", name)
+    ]

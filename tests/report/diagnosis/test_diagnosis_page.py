@@ -120,7 +120,7 @@ def test_the_text_fits_a_terminal_and_names_ties_sizes_and_what_to_record():
     for words in ("ambiguous: ", "share = 0.021 (0.019 to 0.024)", "cannot be excluded: payload", "record next: holds"):
         assert words in text
     assert "torque constant" not in text
-    assert re.search(r"torque  j2 \| N m +0\.012 +0\.09 +0\.013", text)
+    assert re.search(r"torque  j2 \| N m +0\.6 +0\.012 +0\.09 +0\.013 +small", text)
 
 
 def test_rivals_stand_with_the_cause_whose_joint_they_name():
@@ -144,14 +144,23 @@ def test_a_sliding_joint_is_told_in_newtons_metres_and_kilograms():
     full = full_diagnosis()
     cause = replace(full.causes[0], effect="cogging", joint="x", parameters=sizes)
     level = replace(
-        full.levels[0], channel="torque", component="x", unit="N m", before=1e-3, after=4e-4, noise_floor=3e-4
+        full.levels[0],
+        channel="torque",
+        component="x",
+        unit="N m",
+        before=1e-3,
+        after=4e-4,
+        noise_floor=3e-4,
+        measured=2e-3,
     )
     diagnosis = replace(full, causes=(cause,), levels=(level,), rivals=())
     text = format_diagnosis(diagnosis, robot)
     assert f"amplitude = {2e-3 * ratio:.3g} N ({1.8e-3 * ratio:.3g} to {2.2e-3 * ratio:.3g})" in " ".join(text.split())
     assert f"inertia = {1e-5 * ratio**2:.3g} kg (" in " ".join(text.split())
     assert f"gap = {0.5 / ratio:.3g} m (" in " ".join(text.split())
-    assert re.search(rf"torque +x +\| N +{3e-4 * ratio:.3g} +{1e-3 * ratio:.3g} +{4e-4 * ratio:.3g}", text)
+    assert re.search(
+        rf"torque +x +\| N +{2e-3 * ratio:.3g} +{3e-4 * ratio:.3g} +{1e-3 * ratio:.3g} +{4e-4 * ratio:.3g}", text
+    )
     before = made_up(robot, {"torque": lambda state, travel: 1e-4 * np.sign(state.motor_speed)})
     page = render_diagnosis_page(DiagnosisReport(diagnosis=diagnosis, before=before, after=before))
     told = text_of(page)
