@@ -9,6 +9,7 @@ import numpy as np
 from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals, told
 from ffgym.diagnosis.answer.excitation import judgeable_kinds, not_excited
 from ffgym.diagnosis.answer.gain import Gain, held_out_gain
+from ffgym.diagnosis.answer.leads import with_leads
 from ffgym.diagnosis.answer.levels import levels
 from ffgym.diagnosis.answer.next_motion import next_motion
 from ffgym.diagnosis.answer.sentence import sentence_of
@@ -203,6 +204,7 @@ def _examined(
     rivals = (*found.rivals, *told(verdict, blind)) if causes else ()
     if ties:
         report("looking for a motion that tells rivals apart", 0.97)
+    quiet = not_excited(found)
     diagnosis = Diagnosis(
         verdict=verdict.verdict,
         sentence=sentence_of(verdict, causes, rivals, patterns, log.robot),
@@ -212,8 +214,8 @@ def _examined(
         numbers=() if model is None else fitted_numbers(machine, model.numbers),
         drifts=drifts(log, found.final.fit.run, rest, setting.blocks),
         rivals=rivals,
-        patterns=patterns,
-        not_excited=not_excited(found),
+        patterns=with_leads(patterns, causes, rivals, quiet, not_judgeable),
+        not_excited=quiet,
         not_judgeable=not_judgeable,
         separating_motion=next_motion(found, machine, ready.floor, calibration) if ties else None,
         levels=_levels(setting, found, gain, ready.floor),

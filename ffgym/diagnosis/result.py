@@ -112,6 +112,8 @@ class Pattern:
     which foretells nothing."""
     message: str
     """One sentence."""
+    leads: tuple[str, ...] = ()
+    """Effects whose equation has this form, each with the reason why it is no cause."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""The load of a joint that is described as rigid is what its links ask for: effects that grow with it act there, too."""
+"""The load of a joint that is described as rigid is what its links ask for; effects that grow with it act there."""
 
 from dataclasses import replace
 

@@ -23,7 +23,8 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
     ties = [rival for rival in diagnosis.rivals if rival.tied]
     parts += [filled(f"cannot be excluded: {place_of(tie.effect, tie.joint)}: {tie.reason}") for tie in ties]
     parts += [filled(f"between recordings: {drift.message}") for drift in diagnosis.drifts]
-    parts += [filled(f"pattern: {pattern.message}") for pattern in diagnosis.patterns]
+    for pattern in diagnosis.patterns:
+        parts += [filled(f"pattern: {pattern.message}"), *(filled(f"  no cause: {lead}") for lead in pattern.leads)]
     if diagnosis.levels:
         parts += ["", _levels(diagnosis), ""]
     for word, unjudged in (("not excited", diagnosis.not_excited), ("not judgeable", diagnosis.not_judgeable)):

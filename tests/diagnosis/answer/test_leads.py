@@ -1,0 +1,48 @@
+"""Patterns lead to the effects that have their form, with the reason why each is no cause."""
+
+from dataclasses import replace
+
+from ffgym.diagnosis.answer.leads import FORMS, with_leads
+from ffgym.diagnosis.result import Pattern, Unjudged
+from ffgym.effects import EFFECTS
+from tests.diagnosis.result_samples import full_diagnosis
+
+PATTERN = Pattern(
+    channel="torque",
+    component="j2",
+    variable="load",
+    kind="sign-locked function",
+    frequency=None,
+    amplitude=0.1,
+    share=0.4,
+    message="torque of j2: a function of the load, times the sign of the motor speed",
+)
+
+
+def leads(pattern, causes=(), rivals=(), not_excited=(), not_judgeable=()):
+    (found,) = with_leads([pattern], causes, rivals, not_excited, not_judgeable)
+    return " ".join(found.leads)
+
+
+def test_every_form_names_effects_that_there_are():
+    assert {effect for effects in FORMS.values() for effect in effects} <= set(EFFECTS)
+
+
+def test_a_pattern_with_the_form_of_an_effect_says_why_that_was_not_judged():
+    reason = "the joints are described as rigid"
+    said = leads(PATTERN, not_judgeable=[Unjudged(effect="load_friction", joint="", reason=reason)])
+    assert said == f"load-dependent friction: {reason}"
+    elsewhere = leads(PATTERN, not_excited=[Unjudged(effect="load_friction", joint="j5", reason="quiet")])
+    assert "chance" in elsewhere
+
+
+def test_a_cause_and_a_rival_of_that_form_say_so():
+    full = full_diagnosis()
+    cause = replace(full.causes[0], effect="load_friction", joint="j2")
+    assert "it is a cause" in leads(PATTERN, causes=[cause])
+    rival = replace(full.rivals[0], effect="load_friction", joint="j2", reason="leaves 3 times the energy")
+    assert "leaves 3 times the energy" in leads(PATTERN, rivals=[rival])
+
+
+def test_what_depends_on_another_joint_leads_to_no_effect_of_its_own():
+    assert leads(replace(PATTERN, variable="load of j3")) == ""
