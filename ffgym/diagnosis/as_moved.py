@@ -11,8 +11,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.log.sampling import CUTOFF
 from ffgym.diagnosis.log.white import without_trembling
 from ffgym.diagnosis.replay import Replay, replay, servo_feedback
+from ffgym.identification import LowPass
 from ffgym.recordings import Recording
 from ffgym.types import Array
 
@@ -33,8 +35,12 @@ def as_moved(log: Log, run: Replay) -> list[Recording]:
 
 
 def _finer(log: Log, every: int) -> Log:
-    """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way."""
-    low_pass, dt = log.sampling.motion_filter, log.dt
+    """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way.
+
+    Its band is the usual one also where a short log is compared in a wider: what is left of the noise at the edge of that
+    would be bias.
+    """
+    low_pass, dt = LowPass(cutoff=min(log.sampling.motion_filter.cutoff, CUTOFF)), log.dt
     still = without_trembling(log.q, log.trembling)
     q = np.stack([_held(low_pass(still[:n, i], dt), len(log.q)) for i, n in enumerate(log.lengths)], axis=1)
     t: Array = dt / every * np.arange((len(q) - 1) * every + 1, dtype=np.float64)

@@ -14,7 +14,7 @@ from ffgym.diagnosis.answer.levels import levels
 from ffgym.diagnosis.answer.next_motion import next_motion
 from ffgym.diagnosis.answer.sentence import sentence_of
 from ffgym.diagnosis.answer.sizes import causes_of
-from ffgym.diagnosis.answer.verdict import judged
+from ffgym.diagnosis.answer.verdict import LOUD, judged
 from ffgym.diagnosis.band import comparison_cutoff
 from ffgym.diagnosis.by_recording import drifts
 from ffgym.diagnosis.calibration import Calibration
@@ -164,7 +164,9 @@ def examine(
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
     found = _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
-    return replace(found, diagnosis=replace(found.diagnosis, motions=names))
+    used = {recording.header.segment for recording in recordings}
+    motions = tuple(name for name in names if name in used)
+    return replace(found, diagnosis=replace(found.diagnosis, motions=motions))
 
 
 def _examined(
@@ -193,7 +195,8 @@ def _examined(
     left = after
     if found.unsure:
         left = residual_of(log, found.whole.fit.run, without_calibration(setting, found.whole.fit), ready.floor)
-    patterns = find_patterns(left, rng) if verdict.verdict in ("unknown", "partly") else ()
+    is_left = verdict.verdict in ("unknown", "partly") or max(loud.values()) > LOUD
+    patterns = find_patterns(left, rng) if is_left else ()
     final = found.final.fit
     model = written(setting, final, calibration) if final.hypotheses else None
     gain = held_out_gain(setting, found.nominal.fit, final, calibration) if model is not None else None

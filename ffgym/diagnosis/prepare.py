@@ -8,7 +8,8 @@ import numpy as np
 
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
-from ffgym.diagnosis.exact import exact_recordings, is_same_motion
+from ffgym.diagnosis.as_moved import as_moved
+from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
@@ -120,16 +121,35 @@ def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | No
         return replace(
             known, run=replace(known.run, state=replace(known.run.state, temperature=like.state.temperature))
         )
-    exact = exact_recordings(log, like)
+    known = _along(exact_recordings(log, like), log, like, calibration)
+    if known.simulated and log.reference is not None:
+        plain, left = _torque_left(log, like, 0.0), _torque_left(log, like, known.bias["torque"])
+        if left > plain:  # its motion is not the measured one where that matters, as at reversals
+            moved = _along(Exact(recordings=tuple(as_moved(log, like)), simulated=False), log, like, calibration)
+            known = moved if _torque_left(log, like, moved.bias["torque"]) < plain else known
+    if memory is not None and known.simulated:
+        memory.key, memory.known, memory.columns = key, known, {}
+    return known
+
+
+def _along(exact: Exact, log: Log, like: Replay, calibration: Calibration) -> NominalRun:
+    """The nominal machine over a motion that it is known to make."""
     clean = log_of(log.robot, exact.recordings, like=log)
     run = replay(clean, like.machine)
     bias = residual_rows(clean, predicted(run))
     bias["torque"] = bias["torque"] - misread_friction(exact.recordings, clean, run, encoder_steps(log))
     doubts = tuple(doubts_of(run, calibration))
-    known = NominalRun(exact=exact.recordings, run=run, bias=bias, doubts=doubts, simulated=exact.simulated)
-    if memory is not None and exact.simulated:
-        memory.key, memory.known, memory.columns = key, known, {}
-    return known
+    return NominalRun(exact=exact.recordings, run=run, bias=bias, doubts=doubts, simulated=exact.simulated)
+
+
+def _torque_left(log: Log, like: Replay, bias: Array | float) -> float:
+    """Energy of torque that the nominal model leaves where that counts, less a bias; each joint as a share of it."""
+    missed, left = residual_rows(log, predicted(like))["torque"], 0.0
+    for (channel, j), rows in counting_rows(log).items():
+        if channel == "torque" and rows.any():
+            rest = (missed - bias)[..., j][rows]
+            left += float(np.sum(rest**2) / np.sum(missed[..., j][rows] ** 2))
+    return left
 
 
 def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:

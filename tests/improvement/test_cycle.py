@@ -19,6 +19,10 @@ from ffgym.robot import RigidArm
 from ffgym.simulation import Run, SimulatedRig, sensors_of
 
 
+NUMBERS = {"torque_offset"}
+"""Effects that stand for numbers which are fitted beside causes: the zero point of the torque signal."""
+
+
 @contextmanager
 def quiet(title, unit):
     yield lambda done, total: None
@@ -44,7 +48,8 @@ def rounds(rig, tmp_path_factory):
 
 def test_the_cycle_ends_when_recordings_do_not_falsify_the_model_any_more(rounds, rig):
     assert rounds[-1].diagnosis.verdict == "none"
-    assert {effect.name for effect in rounds[-1].machine.effects} == {effect.name for effect in rig.machine.effects}
+    named = {effect.name for effect in rounds[-1].machine.effects} - NUMBERS
+    assert named == {effect.name for effect in rig.machine.effects}
 
 
 def test_the_extended_model_compensates_on_a_motion_that_no_round_recorded(rounds, rig):
