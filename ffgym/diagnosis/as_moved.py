@@ -37,7 +37,7 @@ def as_moved(log: Log, run: Replay) -> list[Recording]:
 def _finer(log: Log, every: int) -> Log:
     """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way.
 
-    Its band is the usual one also where a short log is compared in a wider: what is left of the noise at the edge of that
+    Its band is the usual one also where a short log is compared in a wider one: what is left of the noise at its edge
     would be bias.
     """
     low_pass, dt = LowPass(cutoff=min(log.sampling.motion_filter.cutoff, CUTOFF)), log.dt

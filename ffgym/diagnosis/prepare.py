@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
+from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
-from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of

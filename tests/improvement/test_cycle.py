@@ -18,7 +18,6 @@ from ffgym.plant import Machine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, SimulatedRig, sensors_of
 
-
 NUMBERS = {"torque_offset"}
 """Effects that stand for numbers which are fitted beside causes: the zero point of the torque signal."""
 
