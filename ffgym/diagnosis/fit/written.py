@@ -18,7 +18,8 @@ from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.numbers import are_of_the_machine, with_numbers
 from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
-from ffgym.diagnosis.replay import Replay
+from ffgym.diagnosis.measured import residual_rows
+from ffgym.diagnosis.replay import Replay, predicted
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects.friction import StribeckPeak
 from ffgym.errors import FFGymError
@@ -59,9 +60,16 @@ def written(setting: Setting, fit: Fit, calibration: Calibration, train: BoolArr
         train: blocks that are fitted to, shape (B,); None is all of them.
     """
     chosen = np.ones(len(setting.blocks), dtype=np.bool_) if train is None else train
+    setting = replace(setting, bias=_bias_of(setting, fit))
     if calibration.refit is not None:
         return _refitted(setting, fit, calibration, chosen)
     return _by_priors(setting, fit, chosen)
+
+
+def _bias_of(setting: Setting, fit: Fit) -> Mapping[Channel, Array]:
+    """What a fit took off its residual: a fit with causes knows what the replay of their machine misses."""
+    missed = residual_rows(setting.log, predicted(fit.run))
+    return {channel: missed[channel] - rows for channel, rows in fit.residual.items()}
 
 
 def _by_priors(setting: Setting, fit: Fit, chosen: BoolArray) -> Written | None:
