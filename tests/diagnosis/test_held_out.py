@@ -1,0 +1,53 @@
+"""Models beside recordings that were not diagnosed, along measured motion: set-points are not needed."""
+
+import numpy as np
+import pytest
+
+from ffgym.control import joint_reference
+from ffgym.diagnosis.held_out import held_out_levels
+from ffgym.effects import EFFECTS
+from ffgym.errors import FFGymError
+from ffgym.paths import multisine
+from ffgym.plant import Machine
+from ffgym.recordings import Recording
+from ffgym.simulation import Resolver, Run, TorqueSensor, simulate
+
+
+@pytest.fixture(scope="module")
+def machine(one_axis):
+    return Machine(robot=one_axis, effects=(EFFECTS["viscous_level"].on(one_axis, "j1", change=0.3),))
+
+
+@pytest.fixture(scope="module")
+def moved(machine, one_axis):
+    """A recording of the machine with motor angle and torque alone."""
+    path = multisine([0.0], np.full((2, 1), 8.0), [0.4, 1.1], np.zeros((2, 1)), 4.0, name="sines")
+    sensors = (Resolver(bits=16), TorqueSensor(noise=np.array([0.01])))
+    runs = [Run(reference=joint_reference(one_axis, path))]
+    (whole,) = simulate(runs, machine=machine, sensors=sensors, seed=4, record_dt=0.004, n_threads=1)
+    columns = {name: values for name, values in whole.columns.items() if name.startswith(("timestamp", "motor."))}
+    return Recording(columns, whole.header)
+
+
+def test_the_machine_itself_leaves_less_than_the_nominal_model_and_not_the_other_way_round(machine, moved, one_axis):
+    nominal = Machine(robot=one_axis)
+    found = held_out_levels(nominal, machine, [moved])
+    (level,) = found.levels
+    assert (level.quantity, level.component, level.unit) == ("torque", "j1", "N m")
+    assert level.after < 0.3 * level.before < 0.3 * level.measured
+    assert found.is_better
+    assert not held_out_levels(machine, nominal, [moved]).is_better
+    assert not held_out_levels(nominal, nominal, [moved]).is_better
+
+
+def test_a_narrower_band_holds_less_noise(machine, moved, one_axis):
+    wide, narrow = (
+        held_out_levels(Machine(robot=one_axis), machine, [moved], cutoff=cutoff).levels[0] for cutoff in (40.0, 5.0)
+    )
+    assert narrow.after < 0.8 * wide.after
+    assert narrow.before == pytest.approx(wide.before, rel=0.1)
+
+
+def test_without_recordings_there_is_nothing_to_compare(machine, one_axis):
+    with pytest.raises(FFGymError, match="nothing to compare"):
+        held_out_levels(Machine(robot=one_axis), machine, [])
