@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log.sampling import CUTOFF
-from ffgym.diagnosis.log.white import without_trembling
+from ffgym.diagnosis.log.white import white_noise, without_trembling
 from ffgym.diagnosis.replay import Replay, replay, servo_feedback
 from ffgym.identification import LowPass
 from ffgym.recordings import Recording
@@ -20,6 +20,9 @@ from ffgym.types import Array
 
 _STEP = 2.5e-4
 """Longest step of the fine replay [s]; chosen: that of the engine for the fastest friction of the built-in robots."""
+
+_HEARD = 3e-4
+"""Share of a motor's torque from which on the noise of its angle, differentiated twice, shows; chosen."""
 
 
 def as_moved(log: Log, run: Replay) -> list[Recording]:
@@ -35,12 +38,8 @@ def as_moved(log: Log, run: Replay) -> list[Recording]:
 
 
 def _finer(log: Log, every: int) -> Log:
-    """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way.
-
-    Its band is the usual one also where a short log is compared in a wider one: what is left of the noise at its edge
-    would be bias.
-    """
-    low_pass, dt = LowPass(cutoff=min(log.sampling.motion_filter.cutoff, CUTOFF)), log.dt
+    """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way."""
+    low_pass, dt = _low_pass(log), log.dt
     still = without_trembling(log.q, log.trembling)
     q = np.stack([_held(low_pass(still[:n, i], dt), len(log.q)) for i, n in enumerate(log.lengths)], axis=1)
     t: Array = dt / every * np.arange((len(q) - 1) * every + 1, dtype=np.float64)
@@ -63,6 +62,20 @@ def _finer(log: Log, every: int) -> Log:
         reference=None if log.reference is None else _reference(log.reference, log, t),
         temperature=None if log.temperature is None else _between(log.temperature, log, t),
     )
+
+
+def _low_pass(log: Log) -> LowPass:
+    """That of the motion; the usual one of what is compared, where angles are noisy.
+
+    What is left of their noise at the edge of a wide band would be bias.
+    """
+    usual = log.sampling.motion_filter
+    noise = np.stack([white_noise(log.q[:n, i], usual, log.dt) for i, n in enumerate(log.lengths)])
+    acceleration = (2 * np.pi) ** 2 * noise * np.sqrt(2 * usual.cutoff**5 * log.dt / 5)
+    drive = log.robot.drive
+    of_rotor = drive.rotor_inertia * np.abs(drive.gear_ratio) * acceleration
+    is_noisy = (of_rotor > _HEARD * np.sqrt(np.mean(log.torque**2, axis=0))).any()
+    return LowPass(cutoff=min(usual.cutoff, CUTOFF)) if is_noisy else usual
 
 
 def _along(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
