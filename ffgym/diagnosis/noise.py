@@ -31,8 +31,8 @@ shows none, until it stands at the edge of a step; and the servo, which acts on 
 the time."""
 
 _FORETOLD = 2e-3
-"""What is added to the noise of torques, as a share of their RMS: no model foretells torque better than to some per
-mille, however quiet the sensors; chosen."""
+"""What is added to the noise of torques, as a share of the RMS of their changes: no model foretells torque better than
+to some per mille, however quiet the sensors; chosen."""
 
 _TORQUES: tuple[Channel, ...] = ("torque", "servo")
 
@@ -243,8 +243,10 @@ def faultless_residuals(
 
 
 def _rms(rows: Array, valid: BoolArray) -> Array:
-    """Of each component (C,) of rows (R, M, C) that are valid (R, M)."""
-    rms: Array = np.sqrt(np.einsum("rmc,rm->c", rows**2, valid.astype(np.float64)) / max(np.count_nonzero(valid), 1))
+    """Of each component (C,) of rows (R, M, C) that are valid (R, M), about its mean in a motion: weights stay."""
+    weight = valid.astype(np.float64)
+    about = rows - np.einsum("rmc,rm->mc", rows, weight) / np.maximum(weight.sum(axis=0), 1.0)[:, None]
+    rms: Array = np.sqrt(np.einsum("rmc,rm->c", about**2, weight) / max(weight.sum(), 1.0))
     return rms
 
 

@@ -115,17 +115,7 @@ def outsiders(robot):
     }
 
 
-_TAKEN = pytest.mark.xfail(strict=True, reason="friction that depends on direction is called a cause, with a rival")
-
-
-@pytest.mark.parametrize(
-    "what",
-    [
-        "vibration",
-        pytest.param("oil", marks=(pytest.mark.slow, _TAKEN)),
-        pytest.param("other joint", marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("what", ["vibration", "oil", pytest.param("other joint", marks=pytest.mark.slow)])
 def test_what_no_effect_explains_is_unknown_and_described(what, question, answer, irb4600):
     one = outsiders(irb4600)[what]
     found = answer(question(21, one))

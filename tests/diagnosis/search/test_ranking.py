@@ -8,7 +8,7 @@ import pytest
 from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.screen import Candidate
 from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
-from ffgym.diagnosis.search.ranking import _linear_fit, acts_on, overlap
+from ffgym.diagnosis.search.ranking import _largest, _linear_fit, acts_on, overlap
 
 FIRST, SECOND = ("torque", 0), ("tool", 1)
 ROWS = (300, 2)
@@ -64,3 +64,14 @@ def test_columns_that_differ_begin_with_what_they_are():
     a, b = rng.normal(size=(2, *ROWS))
     evidence, candidates = problem([{FIRST: 50 * a}, {FIRST: 50 * b}], {FIRST: 100 * a - 150 * b}, [[0, 1]])
     np.testing.assert_allclose(_linear_fit(evidence, candidates, 0, NONE), [2.0, -3.0], rtol=1e-3)
+
+
+@pytest.mark.parametrize(("bound", "most"), [(4.0, (1 / 0.3 - 0.4) ** 2), (np.inf, 0.0)])
+def test_calibration_hides_no_more_of_an_effect_than_its_bounds_allow(bound, most):
+    """A backlash that gravity preloads is a shift of the tool, of which calibration makes a tenth of a step at most."""
+    shift = np.ones(ROWS)
+    evidence, candidates = problem([{FIRST: 0.1 * shift}, {FIRST: shift}], {FIRST: shift}, [[1]])
+    ends = np.array([bound, np.inf])
+    candidates.priors = Priors(precision=np.array([1e-9, 1e-2]), low=-ends, high=ends)
+    (found,) = _largest(evidence, candidates, np.array([0]))
+    assert found == pytest.approx(most * shift.size, rel=1e-3, abs=1e-3)
