@@ -54,11 +54,11 @@ def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
     )
     flown = springs.bent_by(load)
     drive, state = run.robot.drive, run.state
-    carried = -(state.joint_stiffness[:, None] * flown.angle + state.joint_damping[:, None] * flown.rate)
+    angle = sampling(flown.angle)
+    carried = -(state.joint_stiffness[:, None] * angle + state.joint_damping[:, None] * sampling(flown.rate))
     if drive.is_rigid.any():
-        asked = np.einsum("tmij,tmjv->tmiv", springs.mass, flown.acceleration)
+        asked = sampling(np.einsum("tmij,tmjv->tmiv", springs.mass, flown.acceleration))
         carried = np.where(drive.is_rigid[:, None], asked, carried)
-    angle, carried = sampling(flown.angle), sampling(carried)
     return {id(push): (angle[..., i], carried[..., i]) for i, push in enumerate(pushes)}
 
 

@@ -73,9 +73,24 @@ class DwellStiction(TorqueEffect):
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
+        end, left = self._ageing(state, dt)
         aged = memory[..., 0]
+        later = end + (aged - end) * left
+        return self._felt(state, aged), later[..., None]
+
+    def torques_over(self, states: State, dt: float) -> Torques:
+        """See base class."""
+        end, left = self._ageing(states, dt)
+        aged = np.ones((len(left) + 1, *left.shape[1:]))
+        for k in range(len(left)):
+            aged[k + 1] = end[k] + (aged[k] - end[k]) * left[k]
+        return self._felt(states, aged[:-1])
+
+    def _felt(self, state: State, aged: Array) -> Torques:
+        return Torques(motor=-self.share * state.static * aged * state.friction_sign)
+
+    def _ageing(self, state: State, dt: float) -> tuple[Array, Array]:
+        """The age that contacts approach in a step, and the share of the way that is left after it."""
         slipping = np.maximum(state.friction_sign * state.motor_speed, 0.0)
         rate = 1 / self.time + slipping / self.slip
-        end = 1 / (self.time * rate)
-        later = end + (aged - end) * np.exp(-rate * dt)
-        return Torques(motor=-self.share * state.static * aged * state.friction_sign), later[..., None]
+        return 1 / (self.time * rate), np.exp(-rate * dt)

@@ -1,6 +1,7 @@
 """The steps of conditioning, in an order in which none sees what an earlier one repairs."""
 
 from collections.abc import Callable
+from weakref import WeakSet
 
 import numpy as np
 
@@ -28,6 +29,10 @@ SHORTEST = 30
 """Rows from which on a log is conditioned: fewer do not tell what is usual in it."""
 
 
+_IN_ORDER: "WeakSet[Recording]" = WeakSet()
+"""Logs that need nothing; a recording does not change."""
+
+
 def conditioned(recording: Recording, *, period: float | None = None) -> Recording:
     """The log at an even clock, without copies and single bad rows, and with a mask over what does not count.
 
@@ -43,7 +48,7 @@ def conditioned(recording: Recording, *, period: float | None = None) -> Recordi
     """
     if not isinstance(recording, Recording):
         raise FFGymError(f"recording must be a Recording, got {type(recording).__name__}; read_recording makes one.")
-    if len(recording) < SHORTEST:
+    if len(recording) < SHORTEST or recording in _IN_ORDER:
         return recording
     with np.errstate(over="ignore", invalid="ignore"):  # a bit that flipped in an exponent is repaired here
         for _ in range(_PASSES):
@@ -54,5 +59,6 @@ def conditioned(recording: Recording, *, period: float | None = None) -> Recordi
             for step in _AFTER:
                 recording = step(recording)
             if recording is before:
+                _IN_ORDER.add(recording)
                 break
     return recording
