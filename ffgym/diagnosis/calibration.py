@@ -68,6 +68,27 @@ class LinkMass(NativeEffect):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
+class LinkInertia(NativeEffect):
+    """Inertias of links about their centres of mass other than described; a doubt, no effect to be named."""
+
+    name: ClassVar[str] = "link_inertia"
+    title: ClassVar[str] = "inertia of a link about its centre of mass"
+    equation: ClassVar[str] = r"I_i \to (1 + a)\, I_i"
+    side: ClassVar[Side] = "link"
+    signature: ClassVar[str] = "torque with the acceleration, and the frequencies at which joints swing"
+    way_in: ClassVar[str] = "native: inertias"
+
+    change: Array = parameter("a", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="only a doubt")
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        bodies = robot.bodies
+        scaled = replace(bodies, inertia=bodies.inertia * (1 + self.change)[:, None])
+        return replace(robot, bodies=scaled)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
 class JointDamping(NativeEffect):
     """Damping of the joints other than described; a doubt of the calibration, no effect to be named."""
 
@@ -86,6 +107,8 @@ class JointDamping(NativeEffect):
         drive = robot.drive
         return replace(robot, drive=replace(drive, joint_damping=drive.joint_damping * (1 + self.change)))
 
+
+_OF_LINKS: tuple[type[LinkMass] | type[LinkInertia], ...] = (LinkMass, LinkInertia)
 
 Refit = Callable[[Sequence[Recording]], RobotDescription]
 """From recordings, whose torque is without that of causes, to the robot that they are of."""
@@ -183,7 +206,7 @@ def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
         found += [Doubt(column=column, sigma=calibration.base) for column in _base(run)]
     else:
         found += [Doubt(column=column, sigma=share) for column in columns_of(run, [RotorInertia], {})]
-        found += [Doubt(column=column, sigma=share) for column in _masses(run)]
+        found += [Doubt(column=column, sigma=share) for kind in _OF_LINKS for column in _per_link(run, kind)]
     for column in columns_of(run, [TorqueOffset], {}):
         coulomb = float(robot.friction.coulomb[list(robot.joints).index(column.joint)])
         found.append(Doubt(column=column, sigma=calibration.offset * coulomb))
@@ -209,8 +232,8 @@ def _base(run: Replay) -> list[Column]:
     ]
 
 
-def _masses(run: Replay) -> Sequence[Column]:
+def _per_link(run: Replay, kind: type[LinkMass] | type[LinkInertia]) -> Sequence[Column]:
     """One column for each link."""
     rows = zip(np.eye(run.robot.n_joints), run.robot.joints, strict=True)
-    effects = [(joint, LinkMass(change=_MASS_STEP * one)) for one, joint in rows]
+    effects = [(joint, kind(change=_MASS_STEP * one)) for one, joint in rows]
     return machine_columns(run, effects, "change", _MASS_STEP)

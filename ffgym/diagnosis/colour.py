@@ -7,7 +7,8 @@ Above the band in which machines move, a signal shows what its noise is made of:
 
 and nothing else where it is quiet. How large :math:`s` is, is known from there; how much stays, from
 the quiet parts of what a model leaves in the band that is compared. So nothing of a residual is taken for noise that
-does not go on, falling, above the band of motions.
+does not go on, falling, above the band of motions. Samples may be so rare that no band is left above it in which
+anything could be seen to fall: there, noise goes on into the band as far as its quiet parts show it.
 """
 
 from collections.abc import Sequence
@@ -43,7 +44,7 @@ _FREEDOM = 6
 _GROUPS = 6
 """Groups of frequencies above the band that tell a part that falls from one that does not, at least."""
 
-_ABOVE, _BELOW = 1.2, 0.45
+_ABOVE, _BELOW = 1.2, 0.48
 """Frequencies that are looked at above the band of motions: from this multiple of the low-pass on, which is not sharp,
 up to this share of the sample rate."""
 
@@ -58,6 +59,10 @@ _CORNERS = np.geomspace(0.5, 100.0, 60)
 
 _BEYOND = 1.3
 """Energy over that of noise that falls without end from which on what is left in the band is more than noise."""
+
+_MORE = 1.1
+"""The same over that of white noise from which on rare samples are tried for noise that goes on, falling, from above
+the band; chosen: what chance gives a dozen groups."""
 
 _USUAL = 0.3
 """Corner that is assumed then, as a share of the band; chosen: filters of drives."""
@@ -115,23 +120,54 @@ def colour_of(
     frequency = _frequencies(above.shape[1], dt)
     high = (frequency > _ABOVE * low_pass.cutoff) & (frequency < _BELOW / dt)
     low = frequency < cutoff
-    if np.count_nonzero(high) < _GROUPS or not low.any():
+    if not high.any() or not low.any():
         return none
     found = np.zeros((3, n))
     for j in range(n):
-        fresh, flat = _falling(frequency[high], _quiet(above[:, high, j]), low_pass, dt)
-        if fresh < _LEAST * max(float(values[:, j].std()) for values in signal):
-            continue
-        stays = _staying(frequency[low], _quiet(inside[:, low, j]), _quiet(known[:, low, j]), fresh, flat, dt)
-        found[:, j] = fresh, stays, flat
+        heard = _untaken(frequency[high], _quiet(above[:, high, j]), low_pass, dt)
+        of_band = frequency[low], _quiet(inside[:, low, j]), _quiet(known[:, low, j])
+        if len(heard) < _GROUPS:
+            fresh, stays, flat = _going_on(frequency[high], heard, *of_band, dt)
+        else:
+            fresh, flat = _falling(frequency[high], heard, dt)
+            stays = _staying(*of_band, fresh, flat, dt)
+        if fresh >= _LEAST * max(float(values[:, j].std()) for values in signal):
+            found[:, j] = fresh, stays, flat
     return Colour(fresh=found[0], stays=found[1], white=found[2])
 
 
-def _falling(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> tuple[float, float]:
-    """Standard deviations of what falls, fresh in each sample, and of the white part beside it; 0 if nothing falls."""
+def _untaken(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> Array:
+    """Energy of a signal by that of what a low-pass took from it, above its cut-off."""
     ratio = np.tan(np.pi * dt * frequency) / np.tan(np.pi * dt * low_pass.cutoff)
     taken = 1 / (1 + ratio ** (2 * low_pass.order))  # by both runs of the sampled low-pass
-    energy = np.asarray(energy / (1 - taken) ** 2, dtype=np.float64)
+    return np.asarray(energy / (1 - taken) ** 2, dtype=np.float64)
+
+
+def _going_on(
+    frequency: Array, energy: Array, inside: Array, left: Array, known: Array, dt: float
+) -> tuple[float, float, float]:
+    """What is fresh, the share that stays, and the white part, where samples are too rare to see how noise falls.
+
+    It is then what goes on from above the band into it, in the parts of the band that are quiet; noise is white if
+    nothing of the kind explains these.
+    """
+    fast = inside > 0.5 * inside[-1]
+    if np.median(left / known) < _MORE:
+        return 0.0, 0.0, 0.0
+    shares = np.exp(-2 * np.pi * _CORNERS * dt)
+    fresh = np.array([float(np.sqrt(np.mean(energy / _shape(share, frequency, dt)))) for share in shares])
+    angles = np.maximum(known - energy.mean(), 0.0)  # what the model leaves of itself beside white noise of torque
+    over = np.stack(
+        [left / (angles + s**2 * _shape(share, inside, dt)) for s, share in zip(fresh, shares, strict=True)]
+    )
+    best = int(np.argmin(np.abs(np.median(np.log(over), axis=1))))
+    if over[best, fast].mean() > _BEYOND:  # more than noise of that kind can be: what is left is a fault
+        return 0.0, 0.0, 0.0
+    return float(fresh[best]), float(shares[best]), 0.0
+
+
+def _falling(frequency: Array, energy: Array, dt: float) -> tuple[float, float]:
+    """Standard deviations of what falls, fresh in each sample, and of the white part beside it; 0 if nothing falls."""
     shapes = np.stack([np.full_like(frequency, 2 * dt), _shape(1.0, frequency, dt)], axis=1)
     largest = shapes.max(axis=0)
     sizes = nnls(shapes / largest / energy[:, None], np.ones(len(frequency)))[0] / largest

@@ -20,6 +20,7 @@ from ffgym.diagnosis.by_recording import drifts
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
+from ffgym.diagnosis.fit.calibrated import calibrated
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import written
@@ -163,6 +164,8 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
+    if (numbers := calibrated(ready.setting)) is not None:
+        ready = prepared(log, numbers, known, rng)
     found = _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)

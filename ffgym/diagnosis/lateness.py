@@ -109,7 +109,7 @@ def late_columns(run: Replay) -> list[tuple[Column, float]]:
         (_column(RowOffset, {("torque", j): rates[..., j] for j in joints}), row),
         (_column(FrictionLag, {("torque", j): lag[..., j] for j in joints}), OF_FRICTION),
     ]
-    if log.feedback is None or log.reference is None:
+    if not log.shows_servo:
         return found
     computed = log.sampling(-np.gradient(servo_feedback(run.read, run.robot), log.dt, axis=0))
     known = log.sampling(run.robot.servo.velocity_gain * run.robot.drive.motor_angle(run.read.ddq))

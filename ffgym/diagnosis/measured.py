@@ -20,7 +20,7 @@ def measured_rows(log: Log) -> dict[Channel, Array]:
         found["tool"] = sampling(np.nan_to_num(log.tool))
     if log.link is not None:
         found["link"] = sampling(np.nan_to_num(log.link))
-    if log.feedback is not None and log.reference is not None:
+    if log.feedback is not None and log.shows_servo:
         found["servo"] = sampling(log.feedback)
     return found
 

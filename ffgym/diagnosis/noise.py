@@ -6,6 +6,7 @@ and what replay and simulation differ by is seen where both are of the same mode
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from ffgym.diagnosis.colour import Colour, colour_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.white import white_noise
 from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
-from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback
+from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tool_path
 from ffgym.diagnosis.residual import Channel
 from ffgym.errors import FFGymError
 from ffgym.recordings import Recording
@@ -86,7 +87,7 @@ def noise_of(log: Log) -> Noise:
 
 
 def _coloured(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
-    """Noise with what torques have beside white noise.
+    """Noise with what torques and trackers have beside white noise.
 
     Args:
         noise: white.
@@ -95,31 +96,40 @@ def _coloured(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
         own: replay of that machine over its own motion, with white noise.
     """
     left, white = _left(like), _left(own)
-    measured = {"motor.effort": log.torque} | ({} if log.feedback is None else {"feedback.effort": log.feedback})
+    measured = {"motor.effort": log.torque, "feedback.effort": log.feedback, "tcp.position": log.tool}
     cutoff, low_pass, n = log.sampling.cutoff, log.sampling.motion_filter, range(len(log.recordings))
 
-    def of(values: Array) -> list[Array]:
-        return [values[log.known[:, i], i] for i in n]
+    def of(values: Array | None) -> list[Array]:
+        return [] if values is None else [values[log.known[:, i], i] for i in n]
 
-    colours = {
-        family: colour_of(of(measured[family]), of(rest), of(white[family]), cutoff, low_pass, log.dt)
-        for family, rest in left.items()
-    }
+    colours = {}
+    for family, rest in left.items():
+        rows = of(measured[family]), of(rest), of(white[family])
+        if all(np.isfinite(values).all() for values in rows[0]):
+            colours[family] = colour_of(*rows, cutoff, low_pass, log.dt)
     colours = {family: colour for family, colour in colours.items() if not colour.is_white}
-    torque, feedback = noise.torque, noise.feedback
-    if "motor.effort" in colours:
-        torque = colours["motor.effort"].beside(torque)
-    if feedback is not None and "feedback.effort" in colours:
-        feedback = colours["feedback.effort"].beside(feedback)
-    return replace(noise, torque=torque, feedback=feedback, colours=colours)
+
+    white_part: list[tuple[str, str, Array | None]] = [
+        ("torque", "motor.effort", noise.torque),
+        ("feedback", "feedback.effort", noise.feedback),
+        ("tool", "tcp.position", noise.tool),
+    ]
+    less: dict[str, Any] = {
+        name: colours[family].beside(sigma)
+        for name, family, sigma in white_part
+        if sigma is not None and family in colours
+    }
+    return replace(noise, colours=colours, **less)
 
 
 def _left(run: Replay) -> dict[str, Array]:
-    """What a replay leaves of torques at all samples, by family of columns."""
+    """What a replay leaves of torques and of the tracker's positions at all samples, by family of columns."""
     read = run.read
     left = {"motor.effort": read.torque - run.torque}
-    if read.feedback is not None and read.reference is not None:
+    if read.feedback is not None and read.shows_servo:
         left["feedback.effort"] = read.feedback - servo_feedback(read, run.robot)
+    if read.tool is not None:
+        left["tcp.position"] = read.tool - tool_path(run)
     return left
 
 
@@ -173,6 +183,8 @@ def noisy(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> R
         for k, axis in enumerate("xyz"):
             name = f"tcp.position.{axis}"
             columns[name] = exact[name] + rng.normal(scale=noise.tool[i, k], size=len(exact))
+            if "tcp.position" in noise.colours:
+                columns[name] = columns[name] + noise.colours["tcp.position"].drawn(k, len(exact), rng)
     return Recording(columns=dict(exact.columns) | columns, header=header)
 
 

@@ -14,7 +14,7 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, encoder_steps, faultless_residuals
-from ffgym.diagnosis.outliers import bounded_weights
+from ffgym.diagnosis.outliers import bounded_weights, doubted_weights
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
@@ -89,7 +89,7 @@ def prepared(
         log=log,
         nominal=nominal,
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
-        weights=bounded_weights(weights, missed),
+        weights=bounded_weights(doubted_weights(weights, known.bias, log.dt), missed),
         calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in known.doubts],
         doubts=known.doubts,
         like=like,
@@ -101,7 +101,7 @@ def prepared(
 
 def _without_servo(log: Log, known: NominalRun) -> str:
     """Why the log's feedback torque is not to be compared; empty if it is, or there is none."""
-    if log.feedback is None or log.reference is None:
+    if not log.shows_servo:
         return ""
     if not has_servo(log.robot):
         return UNKNOWN
@@ -156,7 +156,7 @@ def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:
     """What the nominal machine's own motion depends on; motions without set-points are never the same."""
     digest = hashlib.sha256(repr((calibration, log.names, log.dt, log.robot.name)).encode())
     digest.update(like.machine.physics(ModelOptions(looks=False)).encode())
-    digest.update(repr([log.tool is None, log.link is None, log.feedback is None]).encode())
+    digest.update(repr([log.tool is None, log.link is None, log.shows_servo]).encode())
     hot = log.temperature if any(reads_temperature(effect, like) for effect in like.machine.torque_effects) else None
     for values in (*(log.reference or ()), log.started, log.trembling, encoder_steps(log), hot):
         digest.update(b"-" if values is None else np.ascontiguousarray(values).tobytes())

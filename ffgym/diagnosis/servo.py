@@ -27,7 +27,7 @@ def has_servo(robot: RobotDescription) -> bool:
 
 def is_foreign(log: Log) -> bool:
     """Whether another controller than the documented one made the feedback torque of most joints."""
-    if log.feedback is None or log.reference is None:
+    if log.feedback is None or not log.shows_servo:
         return False
     rows, valid = log.sampling, valid_rows(log)
     measured, foretold = (_about_mean(rows(x), valid) for x in (log.feedback, servo_feedback(log, log.robot)))

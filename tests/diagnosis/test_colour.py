@@ -51,6 +51,36 @@ def test_what_lies_in_the_band_alone_is_none():
     assert colour(slow).is_white
 
 
+RARE = 0.008
+"""Sample period of which no band is left in which noise could be seen to fall [s]."""
+
+
+def rare(stays, seed=1):
+    """Twelve parts of four seconds of three components, what of them is found, and the low-pass that is theirs."""
+    rng, low_pass = np.random.default_rng(seed), LowPass(cutoff=41.0)
+    given = [np.stack([red_noise(1.0, stays, 500, rng) for _ in range(3)], axis=1) for _ in range(12)]
+    above = np.mean([np.var(part - low_pass(part, RARE)) for part in given]) / (1 - 2 * 41.0 * RARE)
+    white = [np.sqrt(above) * rng.normal(size=part.shape) for part in given]
+    return given, colour_of(given, given, white, 41.0, low_pass, RARE), low_pass
+
+
+def test_noise_of_rare_samples_goes_on_into_the_band():
+    given, found, low_pass = rare(0.5)
+    for j in range(3):
+        drawn = low_pass(found.drawn(j, 40_000, np.random.default_rng(2)), RARE)
+        expected = np.concatenate([low_pass(part[:, j], RARE) for part in given])
+        assert drawn.std() == pytest.approx(expected.std(), rel=0.2)
+
+
+def test_white_noise_of_rare_samples_stays_as_loud_as_it_is():
+    for seed in range(5):
+        given, found, low_pass = rare(0.0, seed)
+        for j in np.flatnonzero(found.fresh):
+            drawn = low_pass(found.drawn(j, 40_000, np.random.default_rng(2)), RARE)
+            expected = np.concatenate([low_pass(part[:, j], RARE) for part in given])
+            assert drawn.std() == pytest.approx(expected.std(), rel=0.2)
+
+
 def test_noise_that_falls_is_no_more_than_what_a_model_leaves():
     """Colour above the band, and a model that follows it within."""
     given = noise(STAYS)
@@ -59,7 +89,7 @@ def test_noise_that_falls_is_no_more_than_what_a_model_leaves():
     assert np.all(least.stays < most.stays)
 
 
-@pytest.mark.parametrize("columns", [(), ("reference", "feedback")])
+@pytest.mark.parametrize("columns", [(), pytest.param(("reference", "feedback"), marks=pytest.mark.slow)])
 def test_nothing_is_found_in_coloured_noise_but_a_fault_is(columns, one_axis):
     rng = np.random.default_rng(7)
     references = [sines(one_axis, phase, 8.0) for phase in (0.0, 1.5)]

@@ -69,7 +69,7 @@ NAMED = {
     "slip elements, another equation": ("maxwell_slip", "j6", {"share": 0.8, "travel": 0.03}),
     "efficiency, another equation": ("directional_efficiency", "j2", {"share": 0.05, "ratio": 1.4, "slow": 0.3}),
 }
-QUICK = ("load friction", "cogging", "slip elements, another equation")
+QUICK = ("cogging",)
 
 
 @pytest.mark.parametrize(
@@ -115,7 +115,9 @@ def outsiders(robot):
     }
 
 
-@pytest.mark.parametrize("what", ["vibration", "oil", pytest.param("other joint", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "what", ["oil", *(pytest.param(what, marks=pytest.mark.slow) for what in ("vibration", "other joint"))]
+)
 def test_what_no_effect_explains_is_unknown_and_described(what, question, answer, irb4600):
     one = outsiders(irb4600)[what]
     found = answer(question(21, one))
@@ -125,6 +127,7 @@ def test_what_no_effect_explains_is_unknown_and_described(what, question, answer
     ]
 
 
+@pytest.mark.slow
 def test_small_circles_alone_name_nothing_that_is_not_there(question, answer, irb4600):
     one = hidden(irb4600, "backlash", "j2", half_gap=5e-5)
     found = answer(question(22, one, row="poor"))

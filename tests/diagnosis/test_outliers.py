@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.outliers import EVERYWHERE, USUAL, bounded_weights
+from ffgym.diagnosis.outliers import EVERYWHERE, USUAL, bounded_weights, doubted_weights
 
 KEY = ("torque", 0)
 NOISE = 0.02
@@ -46,3 +46,19 @@ def test_rows_that_do_not_count_neither_count_nor_say_what_is_usual():
 def test_a_component_without_rows_stays_without():
     nothing = np.zeros((10, 1))
     np.testing.assert_array_equal(bounded_weights({KEY: nothing}, {"torque": np.ones((10, 1, 1))})[KEY], nothing)
+
+
+@pytest.mark.parametrize(("dt", "share"), [(0.0007, 0.1), (0.007, 1.0), (0.01, 1.0)])
+def test_what_a_replay_does_wrong_counts_as_noise_where_samples_are_rare(dt, share):
+    bias = np.zeros((100, 1, 1))
+    bias[50] = 10 * NOISE
+    found = doubted_weights({KEY: np.full(1, 1 / NOISE)}, {"torque": bias}, dt)[KEY]
+    about = 1 / (NOISE * np.hypot(1, 10 * share))
+    np.testing.assert_allclose(found[49:52], about)
+    np.testing.assert_allclose(np.delete(found, [49, 50, 51], axis=0), 1 / NOISE)
+
+
+def test_what_is_no_torque_is_known_as_it_was():
+    weight = np.full(1, 1 / NOISE)
+    found = doubted_weights({("tool", 0): weight}, {"tool": np.ones((100, 1, 1))}, 0.01)
+    np.testing.assert_array_equal(found["tool", 0], weight)

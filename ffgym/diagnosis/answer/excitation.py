@@ -44,11 +44,7 @@ def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
         return "the log has no tracked tool position (tcp.position)"
     if issubclass(kind, ClockEffect) and "link.position" in kind.families and log.link is None:
         return "the log has no encoders behind the gearbox (link.position)"
-    if (
-        kind.side == "controller"
-        and not issubclass(kind, ClockEffect)
-        and (log.feedback is None or log.reference is None)
-    ):
+    if kind.side == "controller" and not issubclass(kind, ClockEffect) and not log.shows_servo:
         return _NO_FEEDBACK
     if kind.needs_elasticity and bool(machine.physical.drive.is_rigid.all()):
         return "the joints are described as rigid"

@@ -6,7 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.diagnosis.calibration import Doubt
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.effects import ClockEffect, Effect, NativeEffect
+from ffgym.effects.friction import StribeckPeak
+from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.types import Array, BoolArray
 
@@ -33,6 +36,19 @@ def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Mac
         else:
             beside.append(effect)
     return replace(nominal, robot=robot, effects=(*nominal.effects, *beside))
+
+
+def possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
+    """The machine with its numbers corrected, without its breakaway torque where that would come below Coulomb's."""
+    peaks = np.array([doubt.column.effect is StribeckPeak for doubt in setting.doubts], dtype=np.bool_)
+    for chosen in (sizes, np.where(peaks, 0.0, sizes)):
+        try:
+            machine = with_numbers(setting.nominal, setting.doubts, chosen)
+            _ = machine.physical
+        except FFGymError:
+            continue
+        return machine
+    return None
 
 
 def _effects(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> list[Effect]:

@@ -15,14 +15,12 @@ from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
 from ffgym.diagnosis.fit.fit import Fit, trial_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
-from ffgym.diagnosis.fit.numbers import are_of_the_machine, with_numbers
+from ffgym.diagnosis.fit.numbers import are_of_the_machine, possible_numbers
 from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import Replay, predicted
 from ffgym.diagnosis.residual import Channel
-from ffgym.effects.friction import StribeckPeak
-from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.types import Array, BoolArray
@@ -82,7 +80,7 @@ def _by_priors(setting: Setting, fit: Fit, chosen: BoolArray) -> Written | None:
         x = _solved(evidence, fit, sizes, low, high, chosen)
         sizes, hypotheses = sizes + x[:n] * of_machine, moved(hypotheses, x[n:])
         sizes[np.abs(sizes) <= HELD] = 0.0
-        numbers = _possible_numbers(setting, sizes)
+        numbers = possible_numbers(setting, sizes)
         tried = None if numbers is None else _replayed(setting, numbers, hypotheses)
         if tried is None:
             break
@@ -135,19 +133,6 @@ def _without_torque(setting: Setting, motion: int, torque: Array) -> Recording:
     own = setting.log.robot.drive.joint_torque(torque) if link else torque
     names = [f"motor.effort.{joint}" for joint in recording.header.joints]
     return recording.with_columns({name: recording[name] - own[:, j] for j, name in enumerate(names)})
-
-
-def _possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
-    """The machine with its numbers corrected, without its breakaway torque where that would come below Coulomb's."""
-    peaks = np.array([doubt.column.effect is StribeckPeak for doubt in setting.doubts], dtype=np.bool_)
-    for chosen in (sizes, np.where(peaks, 0.0, sizes)):
-        try:
-            machine = with_numbers(setting.nominal, setting.doubts, chosen)
-            _ = machine.physical
-        except FFGymError:
-            continue
-        return machine
-    return None
 
 
 def _replayed(setting: Setting, numbers: Machine, hypotheses: Sequence[Hypothesis]) -> Written | None:

@@ -89,6 +89,11 @@ class Log:
         return tuple(recording.header.segment for recording in self.recordings)
 
     @property
+    def shows_servo(self) -> bool:
+        """Whether the servo's torque can be compared: it and what it follows were recorded."""
+        return self.feedback is not None and self.reference is not None
+
+    @property
     def torque_alone(self) -> "Log":
         """The log without the channels that show more than torque."""
         return replace(self, tool=None, link=None, feedback=None, reference=None)

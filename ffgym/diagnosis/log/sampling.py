@@ -28,7 +28,7 @@ _ROWS = 3000
 """Rows that all motions together shall have; chosen: 40 s at 25 Hz. A shorter log has them from a wider band, where
 what repeats with the motor's turns is seen best."""
 
-_WIDEST = 0.4
+_WIDEST = 0.38
 """Largest cut-off of a short log, as a share of the sample rate: below half of it, where filters still have room."""
 
 _LENGTH = 2.0

@@ -25,7 +25,7 @@ def predicted(run: Replay) -> dict[Channel, Array]:
         found["tool"] = sampling(tool_path(run))
     if log.link is not None:
         found["link"] = sampling(late(run.link_q, "link", effects, log))
-    if log.feedback is not None and log.reference is not None:
+    if log.shows_servo:
         found["servo"] = sampling(servo_feedback(run.read, run.robot))
     return found
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.diagnosis.replay.springs import Deflection, Springs, resting
+from ffgym.diagnosis.replay.springs import Deflection, Springs, between, resting
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.along import samples, torques_along
 from ffgym.effects.leads import Leads
@@ -64,7 +64,7 @@ def flown(
     springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
 ) -> Deflection:
     """Deflections with effects that depend on them, from the rest in which they balance the load."""
-    each = list(samples(state))
+    each, every = list(samples(state)), springs.substeps
     memories: list[Array] = []
 
     def at(k: int, angle: Array, rate: Array) -> State:
@@ -76,17 +76,19 @@ def flown(
     def pull(angle: Array) -> Array:
         """What is left of the balance at rest; grows with the deflection."""
         now = at(0, angle, np.zeros_like(angle))
-        return springs.finite_stiffness * angle - torque[0] - _behind(effects, now, dt)[0]
+        return springs.restoring(angle) - torque[0] - _behind(effects, now, dt)[0]
 
     rest = resting(pull, start)
     first = at(0, rest, np.zeros_like(rest))
     memories.extend(effect.initial_memory(first) for effect in effects)
 
     def push(k: int, angle: Array, rate: Array) -> Array:
-        total, memories[:] = _behind(effects, at(k, angle, rate), dt, memories)
+        total, memories[:] = _behind(effects, at(-(-k // every), angle, rate), dt / every, memories)
         return total
 
-    return springs.pushed_by(torque, push, rest)
+    if every == 1:
+        return springs.pushed_by(torque, push, rest)
+    return springs.finer(every).pushed_by(between(torque, every), push, rest).at_every(every)
 
 
 def _behind(

@@ -18,7 +18,7 @@ from ffgym.diagnosis.log.derivatives import derivatives_of_motions
 from ffgym.diagnosis.replay.base import BaseTerms, Tilt, base_of, base_terms, tilt_of
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
 from ffgym.diagnosis.replay.flight import arm_effects, deflected, plus, summed
-from ffgym.diagnosis.replay.link_terms import LinkTerms, link_terms
+from ffgym.diagnosis.replay.link_terms import LinkTerms, bending_of, link_terms
 from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.diagnosis.replay.springs import Deflection, Springs
 from ffgym.diagnosis.replay.states import bent_state, loaded_state, state_of
@@ -27,9 +27,6 @@ from ffgym.effects.along import torques_along
 from ffgym.plant import Machine
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.types import Array
-
-_PASSES = 2
-"""Times that the links are evaluated, the second time where they hang in their springs; see `identification`."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,6 +67,16 @@ class Replay:
         """Where the links are [rad], link side."""
         return self.log.q + self.deflection.angle
 
+    def link_torque(self, robot: RobotDescription) -> Array:
+        """What the links of a robot ask for where they are [N m], link side, (T, M, N)."""
+        terms = link_terms(RigidArm(robot), self.link_q, self.log.dq + self.deflection.rate, self.log.dt)
+        return terms.torque(self.log.ddq + self.deflection.acceleration)
+
+    @cached_property
+    def own_link_torque(self) -> Array:
+        """The same of its own links."""
+        return self.link_torque(self.robot)
+
     @cached_property
     def base_terms(self) -> BaseTerms:
         """What the links would ask for on a base that gives way."""
@@ -103,7 +110,11 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
         like = None
     links, rough = (like.links, like.deflection.angle[0]) if like is not None else _links(log, robot)
     springs = Springs(
-        mass=links.mass, stiffness=robot.drive.joint_stiffness, damping=robot.drive.joint_damping, dt=log.dt
+        mass=links.mass,
+        stiffness=robot.drive.joint_stiffness,
+        damping=robot.drive.joint_damping,
+        dt=log.dt,
+        bending=links.bending,
     )
     same_drive = like is not None and alike(like.robot.drive, robot.drive)
     if like is not None and same_drive:
@@ -121,7 +132,7 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
     else:
         deflection = deflected(springs, state, on_arm, -rigid_torque, rough, log.dt)
     state = bent_state(state, deflection, robot)
-    needed = rigid_torque + np.matmul(links.mass, deflection.acceleration[..., None])[..., 0]
+    needed = rigid_torque + springs.asked(deflection)
     added = summed(on_arm, state, log.dt)
     if added.link is not None:
         needed = needed - added.link
@@ -181,7 +192,10 @@ def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:
     bent = np.zeros_like(log.q)
     arm = RigidArm(robot)
     links = link_terms(arm, log.q, log.dq, log.dt)
-    for _ in range(_PASSES - 1 if elastic.any() else 0):
-        bent[..., elastic] = -links.torque(log.ddq)[..., elastic] / robot.drive.joint_stiffness[elastic]
-        links = link_terms(arm, log.q + bent, log.dq, log.dt)
-    return links, bent[0]
+    if not elastic.any():
+        return links, bent[0]
+    bent[..., elastic] = -links.torque(log.ddq)[..., elastic] / robot.drive.joint_stiffness[elastic]
+    links = link_terms(arm, log.q + bent, log.dq, log.dt)
+    bending = bending_of(arm, log.q + bent, log.dq, log.ddq, log.dt, np.flatnonzero(elastic))
+    unbent = links.bias - np.matmul(bending.place, bent[..., None])[..., 0]
+    return replace(links, bias=unbent, bending=bending), bent[0]

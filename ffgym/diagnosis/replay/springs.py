@@ -1,19 +1,25 @@
 r"""Deflections of elastic joints whose motors move as measured: the arm as a system of springs that is driven.
 
-.. math:: M(q) \ddot\delta + d \dot\delta + K \delta = p
+.. math:: M(q) \ddot\delta + (d + H) \dot\delta + (K + G) \delta = p
 
-with the mass matrix along the measured motion. Newmark's method of constant average acceleration, stable at any step: a
-resonance above the sample rate follows its load, as it should.
+with the mass matrix along the measured motion, and with what links ask for beside it where joints bend (`Bending`).
+Newmark's method of constant average acceleration, stable at any step: a resonance above the sample rate follows its
+load, as it should.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
+from ffgym.diagnosis.replay.link_terms import Bending
 from ffgym.errors import FFGymError
 from ffgym.types import Array, IntArray
+
+COARSE = 0.002
+"""Longest step of the springs [s]; chosen: 60 steps in a swing of 8 Hz, 12 at the cut-off of what is compared."""
 
 _FIRST_REACH = 1e-4
 """Deflection [rad] beyond that of linear springs in which a rest is looked for first; chosen: a third of an
@@ -21,6 +27,9 @@ arc minute."""
 
 _DOUBLINGS, _HALVINGS = 12, 50
 """Of that reach, to 0.4 rad, and of the bracket, to less than rounding."""
+
+_STEPS = 512
+"""Steps that are prepared at once; chosen: more of them take memory and no less time."""
 
 _MOST = 1.0
 """Deflection [rad] from which on an arm is no longer where it was measured: a thousand times what gearboxes bend."""
@@ -45,6 +54,10 @@ class Deflection:
     acceleration: Array
     """[rad/s^2]."""
 
+    def at_every(self, n: int) -> "Deflection":
+        """At every n-th sample."""
+        return Deflection(angle=self.angle[::n], rate=self.rate[::n], acceleration=self.acceleration[::n])
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Springs:
@@ -57,6 +70,8 @@ class Springs:
     damping: Array
     """d [N m s/rad], shape (N,)."""
     dt: float
+    bending: Bending | None = None
+    """What links that bend ask for beside their inertia; None is nothing."""
 
     @cached_property
     def elastic(self) -> IntArray:
@@ -68,39 +83,85 @@ class Springs:
         """K [N m/rad], shape (N,); 1 for rigid joints, which do not bend whatever it is."""
         return np.where(np.isfinite(self.stiffness), self.stiffness, 1.0)
 
-    @cached_property
-    def _inverse(self) -> Array:
-        """Of M + dt/2 d + dt^2/4 K, shape (T, M, E, E)."""
+    def _of(self, rows: slice) -> tuple[Array, Array, Array]:
+        """Inverse of M + dt/2 D + dt^2/4 K, and D and K with what bending adds to them; (R, M, E, E) each."""
         e = self.elastic
-        inner = self.mass[:, :, e[:, None], e]
-        diagonal = self.dt / 2 * self.damping[e] + self.dt**2 / 4 * self.stiffness[e]
-        return np.linalg.inv(inner + np.diag(diagonal)).astype(np.float64, copy=False)
+        here = slice(None), slice(None), e[:, None], e
+        mass = self.mass[rows][here]
+        rate, place = (
+            np.zeros((2, *mass.shape))
+            if self.bending is None
+            else (self.bending.rate[rows][here], self.bending.place[rows][here])
+        )
+        rate, place = rate + np.diag(self.damping[e]), place + np.diag(self.stiffness[e])
+        inverse: Array = np.linalg.inv(mass + self.dt / 2 * rate + self.dt**2 / 4 * place)
+        return inverse, rate, place
 
     def coarser(self, every: int) -> "Springs":
         """The same springs at every n-th sample."""
-        return Springs(mass=self.mass[::every], stiffness=self.stiffness, damping=self.damping, dt=every * self.dt)
+        bending = self.bending
+        if bending is not None:
+            bending = Bending(rate=bending.rate[::every], place=bending.place[::every])
+        return replace(self, mass=self.mass[::every], bending=bending, dt=every * self.dt)
+
+    @property
+    def substeps(self) -> int:
+        """Steps in a sample that are short enough to swing as springs do."""
+        return int(np.ceil(self.dt / COARSE - 1e-9))
+
+    def finer(self, every: int) -> "Springs":
+        """The same springs with so many steps in each sample."""
+        bending = self.bending
+        if bending is not None:
+            bending = Bending(rate=_straight(bending.rate, every), place=_straight(bending.place, every))
+        return replace(self, mass=_straight(self.mass, every), bending=bending, dt=self.dt / every)
+
+    def asked(self, bent: Deflection) -> Array:
+        """What links ask for where joints bend, beside their motion without springs, link side [N m]."""
+        parts = [(self.mass, bent.acceleration)]
+        if self.bending is not None:
+            parts += [(self.bending.rate, bent.rate), (self.bending.place, bent.angle)]
+        found: Array = sum(np.einsum("tmij,tmj...->tmi...", per, of) for per, of in parts)
+        return found
+
+    def restoring(self, angle: Array) -> Array:
+        """What deflections (M, N) [rad] take at rest at the first sample, link side [N m]."""
+        stiff: Array = self.finite_stiffness * angle
+        return stiff if self.bending is None else stiff + np.matmul(self.bending.place[0], angle[..., None])[..., 0]
 
     def bent_by(self, torque: Array) -> Deflection:
         """Deflections under `torque` [N m], shape (T, M, N, V), for V loads at once, settled at the first sample."""
         e, dt, shape = self.elastic, self.dt, torque.shape
+        if len(e) and self.substeps > 1:
+            return self.finer(self.substeps).bent_by(between(torque, self.substeps)).at_every(self.substeps)
         angle, rate, acceleration = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         found = Deflection(angle=angle, rate=rate, acceleration=acceleration)
         if not len(e):
             return found
-        every = slice(None) if len(e) == shape[2] else e
-        load, inverse = torque[:, :, every], self._inverse
-        stiffness, damping = self.stiffness[e, None], self.damping[e, None]
-        x = load[0] / stiffness
-        speed, change = np.zeros_like(x), np.zeros_like(x)
+        n, every = len(e), slice(None) if len(e) == shape[2] else e
+        moved = np.zeros(
+            (shape[1], 4 * n, shape[3])
+        )  # load, deflection, rate and its change, all that a step is made of
+        load, x, speed, change = (moved[:, k * n : (k + 1) * n] for k in range(4))
+        x[:] = np.linalg.solve(self._of(slice(0, 1))[2][0], torque[0][:, every])
         angle[0][:, every] = x
-        for k in range(1, shape[0]):
-            x = x + dt * speed + dt**2 / 4 * change
-            speed = speed + dt / 2 * change
-            change = inverse[k] @ (load[k] - damping * speed - stiffness * x)
-            x = x + dt**2 / 4 * change
-            speed = speed + dt / 2 * change
-            angle[k][:, every], rate[k][:, every], acceleration[k][:, every] = x, speed, change
+        for first in range(1, shape[0], _STEPS):
+            steps = self._steps(slice(first, first + _STEPS))
+            for k, step in enumerate(steps, start=first):
+                load[:] = torque[k][:, every]
+                after = step @ moved
+                x += dt * speed + dt**2 / 4 * (change + after)
+                speed += dt / 2 * (change + after)
+                change[:] = after
+                angle[k][:, every], rate[k][:, every], acceleration[k][:, every] = x, speed, after
         return found
+
+    def _steps(self, rows: slice) -> Array:
+        """Accelerations after steps, per load after it, and deflection, rate and acceleration before, (R, M, E, 4E)."""
+        dt, (inverse, rate, place) = self.dt, self._of(rows)
+        one = np.broadcast_to(np.eye(rate.shape[-1]), rate.shape)
+        parts = one, -place, -(rate + dt * place), -(dt / 2 * rate + dt**2 / 4 * place)
+        return np.matmul(inverse, np.concatenate(parts, axis=-1))
 
     def pushed_by(self, torque: Array, push: Push, start: Array) -> Deflection:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
@@ -112,7 +173,7 @@ class Springs:
         """
         e, dt, shape = self.elastic, self.dt, torque.shape
         found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
-        inverse, stiffness, damping = self._inverse, self.stiffness[e], self.damping[e]
+        inverse, damping, stiffness = self._of(slice(None))
         found.angle[0] = start
         push(0, start, np.zeros_like(start))
         x, rate, change = start[:, e], np.zeros((shape[1], len(e))), np.zeros((shape[1], len(e)))
@@ -122,12 +183,30 @@ class Springs:
             load = (torque[k] + push(k, expected, expected_rate))[:, e]
             x = x + dt * rate + dt**2 / 4 * change
             rate = rate + dt / 2 * change
-            change = (inverse[k] @ (load - damping * rate - stiffness * x)[..., None])[..., 0]
+            held = np.matmul(damping[k], rate[..., None]) + np.matmul(stiffness[k], x[..., None])
+            change = np.matmul(inverse[k], load[..., None] - held)[..., 0]
             x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
             if not (bent := float(np.max(np.abs(x), initial=0.0))) < _MOST:
                 raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
             found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
         return found
+
+
+def between(values: Array, every: int) -> Array:
+    """Samples (T, ...) and those between them, `every` times as many, on a smooth curve."""
+    fine: Array = CubicSpline(np.arange(len(values)), values)(np.arange((len(values) - 1) * every + 1) / every)
+    return fine
+
+
+def _straight(values: Array, every: int) -> Array:
+    """The same on straight lines: of what changes slowly."""
+    n = (len(values) - 1) * every + 1
+    found = np.empty((n, *values.shape[1:]))
+    for part in range(every):
+        share = part / every
+        found[part : n - 1 : every] = (1 - share) * values[:-1] + share * values[1:]
+    found[-1] = values[-1]
+    return found
 
 
 def resting(pull: Callable[[Array], Array], near: Array) -> Array:

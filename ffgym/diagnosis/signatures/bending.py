@@ -12,11 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.diagnosis.replay import Replay
+from ffgym.diagnosis.replay.springs import COARSE
 from ffgym.diagnosis.signatures.push import Push
 from ffgym.types import Array
-
-COARSE = 0.002
-"""Longest step of the springs [s]; chosen: 60 steps in a swing of 8 Hz, 12 at the cut-off of what is compared."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -57,7 +55,7 @@ def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
     angle = sampling(flown.angle)
     carried = -(state.joint_stiffness[:, None] * angle + state.joint_damping[:, None] * sampling(flown.rate))
     if drive.is_rigid.any():
-        asked = sampling(np.einsum("tmij,tmjv->tmiv", springs.mass, flown.acceleration))
+        asked = sampling(springs.asked(flown))
         carried = np.where(drive.is_rigid[:, None], asked, carried)
     return {id(push): (angle[..., i], carried[..., i]) for i, push in enumerate(pushes)}
 

@@ -136,7 +136,7 @@ def _motor_columns(run: Replay, variant: Variant) -> list[Column]:
 def _servo_columns(run: Replay, variant: Variant) -> list[Column]:
     """Of an effect in the servo."""
     effect, log = variant.effect, run.log
-    if log.feedback is None or log.reference is None or not isinstance(effect, NativeEffect):
+    if not log.shows_servo or not isinstance(effect, NativeEffect):
         return []
     more = servo_feedback(log, effect.in_description(run.robot)) - servo_feedback(log, run.robot)
     rows = log.sampling(more)

@@ -33,7 +33,7 @@ def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
         if any(isinstance(effect, ClockEffect) for effect in both):
             for key, rows in clock_parts(run, gone, come).items():
                 parts[key] = parts.get(key, 0.0) + rows
-        if any(effect.side == "controller" for effect in both) and run.log.feedback is not None:
+        if any(effect.side == "controller" for effect in both) and run.log.shows_servo:
             servo = run.log.sampling(servo_feedback(run.read, machine.physical) - servo_feedback(run.read, run.robot))
             parts |= {("servo", j): servo[..., j] for j in range(run.robot.n_joints)}
         found.append(parts)

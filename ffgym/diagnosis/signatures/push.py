@@ -11,13 +11,12 @@ import numpy as np
 from ffgym.diagnosis.log.derivatives import derivatives_of_motions
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.bristles import along_speed
-from ffgym.diagnosis.replay.link_terms import link_terms
 from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.effects import NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect
 from ffgym.friction import LuGreParameters
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
 
@@ -67,9 +66,7 @@ def of_numbers(run: Replay, other: RobotDescription) -> Push:
         if np.any(stiffer) or np.any(damped):
             spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
     if not same_links(other, robot):
-        terms = link_terms(RigidArm(other), run.link_q, log.dq, log.dt)
-        acceleration = log.ddq + run.deflection.acceleration
-        links = terms.torque(acceleration) - run.links.torque(acceleration)
+        links = run.link_torque(other) - run.own_link_torque
     return Push(motor=motor, links=links, spring=spring)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.replay.link_terms import link_terms
+from ffgym.diagnosis.replay.link_terms import bending_of, link_terms
 from ffgym.robot import RigidArm, load_robot
 
 
@@ -28,3 +28,27 @@ def test_interpolated_terms_are_those_of_the_arm_at_every_sample(samples, dt):
     np.testing.assert_allclose(terms.torque(ddq).reshape(rows), true, rtol=0, atol=1e-6 * np.abs(true).max())
     mass = arm.mass_matrix(q.reshape(rows)).reshape(terms.mass.shape)
     np.testing.assert_allclose(terms.mass, mass, rtol=0, atol=1e-6 * np.abs(mass).max())
+
+
+def test_what_bending_adds_is_what_links_ask_for_that_move_otherwise_than_motors():
+    """To first order: of deflections a hundred times as small, next to nothing else is left."""
+    robot = load_robot("irb4600_60_205")
+    arm, rng, n = RigidArm(robot), np.random.default_rng(4), robot.n_joints
+    q, dq, ddq = rng.uniform(-1, 1, (3, 1, 8, n)) * np.array([0.5, 2.0, 10.0])[:, None, None, None]
+    angle, rate = rng.uniform(-1, 1, (2, 1, 8, n)) * np.array([1e-4, 1e-2])[:, None, None, None]
+    bending = bending_of(arm, q, dq, ddq, 0.001, np.arange(n))
+    found = (bending.place @ angle[..., None] + bending.rate @ rate[..., None])[0, ..., 0]
+    true = arm.inverse_dynamics((q + angle)[0], (dq + rate)[0], ddq[0], gravity=True)
+    true = true - arm.inverse_dynamics(q[0], dq[0], ddq[0], gravity=True)
+    true = true + arm.spring_torque((q + angle)[0]) - arm.spring_torque(q[0])
+    np.testing.assert_allclose(found, true, rtol=0, atol=1e-2 * np.abs(true).max())
+
+
+def test_joints_that_do_not_bend_add_nothing():
+    robot = load_robot("irb4600_60_205")
+    q = np.full((20, 1, robot.n_joints), 0.3)
+    bending = bending_of(RigidArm(robot), q, q, q, 0.001, np.array([1]))
+    others = np.arange(robot.n_joints) != 1
+    assert not bending.rate[..., others].any()
+    assert not bending.place[..., others].any()
+    assert bending.place[..., 1].any()

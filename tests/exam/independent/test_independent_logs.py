@@ -45,6 +45,29 @@ def test_a_clean_log_is_clean(n, elastic, gears_that_keep_the_sign):
 
 
 @pytest.mark.parametrize(
+    "conditions",
+    [
+        {"n": 1, "elastic": True, "row_dt": 0.008, "control": "cascade"},
+        {"n": 1, "elastic": False, "row_dt": 0.005, "noise": "coloured"},
+        {"n": 2, "elastic": False, "row_dt": 0.008, "control": "cascade", "columns": "feedback"},
+        pytest.param({"n": 4, "elastic": True, "row_dt": 0.002, "share": 0.05}, marks=pytest.mark.slow),
+    ],
+    ids=["rare samples", "noise with memory", "feedback without set-points", "loose numbers"],
+)
+def test_what_sensors_and_numbers_leave_open_is_no_fault(conditions):
+    if conditions.get("columns") == "feedback":
+        conditions = conditions | {"columns": replace(PLAIN, set_points=False, feedback=True)}
+    paper = handed_out("clean", 0, seed=5, **(TIDY | conditions))
+    assert answered(paper).verdict == "none"
+
+
+@pytest.mark.slow
+def test_coriolis_torques_of_links_that_swing_are_no_fault():
+    """Three fast elastic axes, whose quiet sensors hear a tenth of what their swinging takes."""
+    assert answered(handed_out("clean", 7, seed=101)).verdict == "none"
+
+
+@pytest.mark.parametrize(
     ("name", "n"),
     [
         ("load_share", 2),
