@@ -44,6 +44,9 @@ _FREEDOM = 6
 _GROUPS = 6
 """Groups of frequencies above the band that tell a part that falls from one that does not, at least."""
 
+_RARE = 0.2
+"""Lowest frequency above the band, as a share of the sample rate, from which on noise of any colour is flat there."""
+
 _ABOVE, _BELOW = 1.2, 0.48
 """Frequencies that are looked at above the band of motions: from this multiple of the low-pass on, which is not sharp,
 up to this share of the sample rate."""
@@ -126,7 +129,7 @@ def colour_of(
     for j in range(n):
         heard = _untaken(frequency[high], _quiet(above[:, high, j]), low_pass, dt)
         of_band = frequency[low], _quiet(inside[:, low, j]), _quiet(known[:, low, j])
-        if len(heard) < _GROUPS:
+        if len(heard) < _GROUPS or frequency[high][0] * dt > _RARE:
             fresh, stays, flat = _going_on(frequency[high], heard, *of_band, dt)
         else:
             fresh, flat = _falling(frequency[high], heard, dt)

@@ -164,9 +164,11 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    if (numbers := calibrated(ready.setting)) is not None:
-        ready = prepared(log, numbers, known, rng)
     found = _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
+    if found.diagnosis.verdict != "none" and (numbers := calibrated(ready.setting)) is not None:
+        report("diagnosing with numbers within their calibration", 0.0)
+        ready = prepared(log, numbers, known, rng)
+        found = _examined(machine, known, ready, rng, report, flagged, provenance, None, most)
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)
     return replace(found, diagnosis=replace(found.diagnosis, motions=motions))
@@ -184,7 +186,7 @@ def _examined(
     most: int,
 ) -> Examined:
     setting, log = ready.setting, ready.setting.log
-    kinds, not_judgeable = judgeable_kinds(log, machine, calibration, ready.no_servo)
+    kinds, not_judgeable = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
     first = without_calibration(setting, found.nominal.fit)
@@ -223,7 +225,7 @@ def _examined(
         patterns=with_leads(patterns, causes, rivals, quiet, not_judgeable),
         not_excited=quiet,
         not_judgeable=not_judgeable,
-        separating_motion=next_motion(found, machine, ready.floor, calibration) if ties else None,
+        separating_motion=next_motion(found, setting.nominal, ready.floor, calibration) if ties else None,
         levels=_levels(setting, found, gain, ready.floor),
         gains=gain is not None and gain.is_better,
         threshold=found.rounds[0].ranking.threshold,

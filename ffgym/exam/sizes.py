@@ -64,7 +64,8 @@ def _same_shape(hidden: Secret, cause: Cause, robot: RobotDescription) -> bool:
     known, numbers = EFFECTS[hidden.answer].parameters(), hidden.numbers(robot)
     for name, value in cause.fixed.items():
         parameter = known.get(name.partition(".")[0])
-        if parameter is None or parameter.null is not None or parameter.role in ("phase", "cycles"):
+        told = name in numbers  # an equation of its own may have no such number
+        if parameter is None or not told or parameter.null is not None or parameter.role in ("phase", "cycles"):
             continue
         if not np.allclose(value, numbers[name], rtol=_SHAPE, atol=0):
             return False

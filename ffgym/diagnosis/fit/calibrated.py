@@ -9,12 +9,15 @@ are put into the machine, which is replayed, and so on (Newton's method with slo
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.fit.fit import Fit, evaluated, trial_of
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
-from ffgym.diagnosis.fit.numbers import are_of_the_machine, possible_numbers
+from ffgym.diagnosis.fit.numbers import possible_numbers
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.residual import Channel
+from ffgym.effects import NativeEffect
 from ffgym.plant import Machine
 from ffgym.types import Array
 
@@ -41,10 +44,11 @@ def calibrated(setting: Setting) -> Machine | None:
     fit = evaluated(setting, ())
     first = excess = _excess(setting, fit)
     numbers, plain = None, fit.residual
+    numbers_of_robot = np.array([issubclass(doubt.column.effect, NativeEffect) for doubt in setting.doubts])
     for i in range(_ROUNDS if first > _HEARD and setting.doubts else 0):
         if excess < _HEARD or (i == _SOON and excess > _LESS * first):
             break
-        sizes = fitted(fit.evidence, fit.calibration_only, fit.priors) * are_of_the_machine(setting.doubts)
+        sizes = fitted(fit.evidence, fit.calibration_only, fit.priors) * numbers_of_robot
         numbers = possible_numbers(setting, sizes)
         moved = None if numbers is None else trial_of(setting, (), numbers)
         if moved is None:
