@@ -175,18 +175,20 @@ class Doubt:
     column: Column
     sigma: float
     """Standard deviation of its parameter, in the parameter's unit."""
+    at: float = 0.0
+    """Where the nominal machine stands already, in standard deviations from what is described."""
 
     @property
     def low(self) -> float:
         """Lowest value, in standard deviations: as far as calibration errors go, and as a machine can be so."""
         known = self.column.effect.parameters()[self.column.parameter]
-        return max(-BOUND, (known.minimum - known.neutral) / self.sigma)
+        return max(-BOUND - self.at, (known.minimum - known.neutral) / self.sigma)
 
     @property
     def high(self) -> float:
         """Highest value, in standard deviations."""
         known = self.column.effect.parameters()[self.column.parameter]
-        return min(BOUND, (known.maximum - known.neutral) / self.sigma)
+        return min(BOUND - self.at, (known.maximum - known.neutral) / self.sigma)
 
 
 def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:

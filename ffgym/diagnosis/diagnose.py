@@ -20,7 +20,6 @@ from ffgym.diagnosis.by_recording import drifts
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
-from ffgym.diagnosis.fit.calibrated import calibrated
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import written
@@ -31,7 +30,7 @@ from ffgym.diagnosis.log.reference import beyond_limits
 from ffgym.diagnosis.measured import check_length
 from ffgym.diagnosis.one_thread import on_one_thread
 from ffgym.diagnosis.patterns import find_patterns
-from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared
+from ffgym.diagnosis.prepare import Memory, Prepared, noise_for, prepared, within_calibration
 from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.result import Diagnosis, Level, Miswiring
@@ -165,10 +164,9 @@ def examine(
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
     found = _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
-    if found.diagnosis.verdict != "none" and (numbers := calibrated(ready.setting)) is not None:
-        report("diagnosing with numbers within their calibration", 0.0)
-        ready = prepared(log, numbers, known, rng)
-        found = _examined(machine, known, ready, rng, report, flagged, provenance, None, most)
+    if found.diagnosis.verdict != "none" and (other := within_calibration(ready, known, rng)) is not None:
+        report("diagnosing about numbers within their calibration", 0.0)
+        found = _examined(machine, known, other, rng, report, flagged, provenance, None, most)
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)
     return replace(found, diagnosis=replace(found.diagnosis, motions=motions))

@@ -13,7 +13,7 @@ import numpy as np
 from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.effects import ClockEffect, Effect
+from ffgym.effects import ClockEffect
 from ffgym.effects.effect import Side
 from ffgym.effects.parameter import parameter
 from ffgym.types import Array
@@ -31,9 +31,16 @@ OF_FRICTION = 2e-4
 that were measured are of some milliseconds in thick films, and of none in thin ones."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lateness(ClockEffect):
+    """Something of an earlier instant than the row that it stands in; a doubt, no effect to be named."""
+
+    latency: Array = parameter("d", unit="s", low=-1e-3, high=1e-3, per="machine", source="only a doubt")
+
+
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class RowOffset(ClockEffect):
+class RowOffset(Lateness):
     """Torque written for another instant of a row than position; a doubt, no effect to be named."""
 
     name: ClassVar[str] = "row_offset"
@@ -44,12 +51,10 @@ class RowOffset(ClockEffect):
     way_in: ClassVar[str] = "recorded motor torques"
     families: ClassVar[tuple[str, ...]] = ("motor.effort",)
 
-    latency: Array = parameter("d", unit="s", low=-1e-3, high=1e-3, per="machine", source="only a doubt")
-
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class FrictionLag(ClockEffect):
+class FrictionLag(Lateness):
     """Friction of the speed of an earlier instant; a doubt, no effect to be named.
 
     Reference:
@@ -64,12 +69,10 @@ class FrictionLag(ClockEffect):
     way_in: ClassVar[str] = "friction of the joints"
     families: ClassVar[tuple[str, ...]] = ("motor.effort",)
 
-    latency: Array = parameter("d", unit="s", low=-1e-3, high=1e-3, per="machine", source="only a doubt")
-
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ServoCycle(ClockEffect):
+class ServoCycle(Lateness):
     """Feedback torque that its servo computed from an earlier instant; a doubt, no effect to be named."""
 
     name: ClassVar[str] = "servo_cycle"
@@ -80,12 +83,10 @@ class ServoCycle(ClockEffect):
     way_in: ClassVar[str] = "recorded feedback torques"
     families: ClassVar[tuple[str, ...]] = ("feedback.effort",)
 
-    latency: Array = parameter("d", unit="s", low=-1e-3, high=1e-3, per="machine", source="only a doubt")
-
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ServoSpeed(ClockEffect):
+class ServoSpeed(Lateness):
     """Feedback torque of a servo that knows speeds late, as differences or filtered; a doubt, no effect to be named."""
 
     name: ClassVar[str] = "servo_speed"
@@ -95,8 +96,6 @@ class ServoSpeed(ClockEffect):
     signature: ClassVar[str] = "servo: proportional to the acceleration of the motor"
     way_in: ClassVar[str] = "recorded feedback torques"
     families: ClassVar[tuple[str, ...]] = ("feedback.effort",)
-
-    latency: Array = parameter("d", unit="s", low=-1e-3, high=1e-3, per="machine", source="only a doubt")
 
 
 def late_columns(run: Replay) -> list[tuple[Column, float]]:
@@ -118,6 +117,6 @@ def late_columns(run: Replay) -> list[tuple[Column, float]]:
     return found
 
 
-def _column(effect: type[Effect], parts: Parts) -> Column:
+def _column(effect: type[Lateness], parts: Parts) -> Column:
     """Of one number for the machine."""
     return Column(effect=effect, joint="", parameter="latency", part=None, choice=0, span=0, shape={}, parts=parts)

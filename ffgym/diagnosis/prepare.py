@@ -10,6 +10,8 @@ from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
 from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
+from ffgym.diagnosis.fit.calibrated import calibrated, excess_of
+from ffgym.diagnosis.fit.fit import evaluated
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
@@ -31,6 +33,13 @@ from ffgym.types import Array
 
 _WARMER = 10.0
 """Change of temperature with which it is tried whether an effect depends on it [K]."""
+
+
+_CENTRES = 3
+"""Times that slopes are taken anew about other numbers; chosen."""
+
+_QUIET, _GONE = 0.25, 0.15
+"""Energy above that of noise, as a share of it and of what stood out, that is left where numbers are why; chosen."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,14 +82,28 @@ class NominalRun:
 
 
 def prepared(
-    log: Log, nominal: Machine, calibration: Calibration, rng: np.random.Generator, memory: Memory | None = None
+    log: Log,
+    nominal: Machine,
+    calibration: Calibration,
+    rng: np.random.Generator,
+    memory: Memory | None = None,
+    at: Array | None = None,
 ) -> Prepared:
-    """Replay the nominal model, and find out what noise alone would leave."""
+    """Replay the nominal model, and find out what noise alone would leave.
+
+    Args:
+        log: of a machine.
+        nominal: what the simulation believes.
+        calibration: how well its numbers are known.
+        rng: draws noise.
+        memory: what logs of the same motions share.
+        at: where those numbers stand already, in standard deviations of all doubts; None is as described.
+    """
     like = replay(log, nominal)
     known = _known(log, like, calibration, memory)
     if reason := _without_servo(log, known):
         bare = replace(log, feedback=None)
-        return replace(prepared(bare, nominal, calibration, rng, memory), no_servo=reason)
+        return replace(prepared(bare, nominal, calibration, rng, memory, at), no_servo=reason)
     faultless = faultless_residuals(log, known.exact, known.bias, like, rng)
     floor = faultless.floor(log)
     weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in counting_rows(log).items()}
@@ -91,12 +114,36 @@ def prepared(
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
         weights=bounded_weights(doubted_weights(weights, known.bias, log.dt), missed),
         calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in known.doubts],
-        doubts=known.doubts,
+        doubts=known.doubts if at is None else _standing(known.doubts, at),
         like=like,
         bias=known.bias,
         bound=BOUND,
     )
     return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor, simulated=known.simulated)
+
+
+def within_calibration(ready: Prepared, calibration: Calibration, rng: np.random.Generator) -> Prepared | None:
+    """All of it about numbers within their calibration that explain the log to the noise; None if there are none."""
+    setting, at = ready.setting, np.zeros(len(ready.setting.doubts))
+    first = excess = excess_of(setting, evaluated(setting, ()))
+    for _ in range(_CENTRES):
+        if (found := calibrated(ready.setting)) is None:
+            break
+        at = at + found.sizes
+        ready = prepared(setting.log, found.machine, calibration, rng, at=at)
+        if len(ready.setting.doubts) != len(at):
+            return None
+        excess = excess_of(ready.setting, evaluated(ready.setting, ()))
+        if excess < _QUIET:
+            break
+    return ready if excess < first and excess < max(_QUIET, _GONE * first) else None
+
+
+def _standing(doubts: Sequence[Doubt], at: Array) -> tuple[Doubt, ...]:
+    """Doubts of numbers that stand elsewhere than described; the slopes of another machine are others."""
+    if len(doubts) != len(at):
+        return tuple(doubts)
+    return tuple(replace(doubt, at=place) for doubt, place in zip(doubts, at.tolist(), strict=True))
 
 
 def _without_servo(log: Log, known: NominalRun) -> str:

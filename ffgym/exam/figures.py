@@ -51,3 +51,26 @@ def none_of(number: int, figure: str, marks: Sequence[Mark], test: Test, most: f
         of=len(marks),
         is_met=count <= most * len(marks) if marks else None,
     )
+
+
+def run_of(number: int, marks: Sequence[Mark], timed: Sequence[Mark], limit: float) -> list[Line]:
+    """Whether answers are the same twice, and how long they take.
+
+    Args:
+        number: of the demand.
+        marks: all of them.
+        timed: those whose time counts.
+        limit: longest time of a diagnosis [s].
+    """
+    repeated, seconds = [mark for mark in marks if mark.same_bytes is not None], [mark.seconds for mark in timed]
+    return [
+        share(number, "the same bytes twice", repeated, lambda m: m.same_bytes is True, 1.0),
+        Line(
+            number=number,
+            figure="time of a diagnosis",
+            demand=f"<= {limit:.0f} s",
+            got=f"median {np.median(seconds):.0f} s, longest {max(seconds):.0f} s" if seconds else "-",
+            of=len(seconds),
+            is_met=max(seconds) <= limit if seconds else None,
+        ),
+    ]

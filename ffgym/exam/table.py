@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ffgym.exam.figures import Line, none_of, share
+from ffgym.exam.figures import Line, none_of, run_of, share
 from ffgym.exam.marks import Mark
 
 BANDS: tuple[tuple[str, float, float], ...] = (
@@ -182,16 +182,4 @@ def _gain(marks: Sequence[Mark]) -> list[Line]:
 
 
 def _running(marks: Sequence[Mark]) -> list[Line]:
-    repeated = [mark for mark in marks if mark.same_bytes is not None]
-    seconds = [mark.seconds for mark in marks if mark.row not in ("poor", "poor_clean")]
-    return [
-        share(12, "the same bytes twice", repeated, lambda m: m.same_bytes is True, 1.0),
-        Line(
-            number=12,
-            figure="time of a diagnosis",
-            demand=f"<= {_SECONDS:.0f} s",
-            got=f"median {np.median(seconds):.0f} s, longest {max(seconds):.0f} s" if seconds else "-",
-            of=len(seconds),
-            is_met=max(seconds) <= _SECONDS if seconds else None,
-        ),
-    ]
+    return run_of(12, marks, [mark for mark in marks if mark.row not in ("poor", "poor_clean")], _SECONDS)

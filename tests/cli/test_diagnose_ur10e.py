@@ -3,9 +3,7 @@
 What must be named, and what must not, and the figures are those of its provenance. They need FFGYM_DATA.
 """
 
-import os
 import shutil
-from pathlib import Path
 
 import pytest
 
@@ -16,10 +14,7 @@ from ffgym.logs import read_log
 from ffgym.plant import load_machine
 from ffgym.quality import conditioned
 from ffgym.robot import load_draft
-
-needs_data = pytest.mark.skipif(
-    not os.environ.get("FFGYM_DATA"), reason="set FFGYM_DATA to the folder with the published recordings"
-)
+from tests.ur10e_samples import COLUMNS, DRIVES, FOLDER, needs_data
 
 JOINTS = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint")
 
@@ -29,53 +24,16 @@ FITTED = (
 )
 HELD_OUT = ("20_02_12-40sec_12harm", "20_02_19_14harm50sec")
 
-DRIVES = """
-[drive.gear_ratio]
-value = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
-unit = "1"
-origin = "chosen"
-source = "not known; torque per current is given behind the gearbox"
-
-[drive.torque_per_current]
-value = [14.87, 13.26, 11.13, 10.62, 11.03, 11.47]
-unit = "N m/A"
-side = "link"
-origin = "sourced"
-source = "provenance of the recordings"
-"""
-
-COLUMNS = """
-[log]
-position_side = "link"
-torque_semantics = "current"
-
-[file]
-names_row = 0
-
-[columns.timestamp]
-source = "1"
-unit = "s"
-
-[columns."motor.position"]
-source = "{number+1}"
-unit = "rad"
-
-[columns."motor.effort"]
-source = "{number+13}"
-unit = "A"
-"""
-
 
 def files(*names):
-    folder = Path(os.environ["FFGYM_DATA"]) / "ur10e"
-    return [str(next(folder.glob(f"ur-{name}.csv*"))) for name in names]
+    return [str(next(FOLDER.glob(f"ur-{name}.csv*"))) for name in names]
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
     """The folder that the commands wrote."""
     folder = tmp_path_factory.mktemp("ur10e")
-    shutil.copy(Path(os.environ["FFGYM_DATA"]) / "ur10e" / "ur10e.urdf", folder)
+    shutil.copy(FOLDER / "ur10e.urdf", folder)
     robot, columns, out = folder / "ur10e.toml", folder / "columns.toml", folder / "found"
     assert main(["robot", "new", str(folder / "ur10e.urdf"), "--no-looks", "--out", str(robot)]) == 0
     robot.write_text(robot.read_text(encoding="utf-8") + DRIVES, encoding="utf-8")

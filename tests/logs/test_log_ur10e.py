@@ -1,8 +1,6 @@
 """The UR10e as a user brings it: files without titles, packed, currents, its URDF, and two tables about its drives."""
 
 import gzip
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,50 +8,9 @@ import pytest
 from ffgym.cli.main import main
 from ffgym.logs import load_columns, read_log
 from ffgym.robot import load_draft
+from tests.ur10e_samples import COLUMNS, DRIVES, FOLDER, PER_CURRENT, SPEEDS, needs_data
 
-pytestmark = pytest.mark.skipif(
-    not os.environ.get("FFGYM_DATA"), reason="set FFGYM_DATA to the folder with the published recordings"
-)
-DATA = Path(os.environ.get("FFGYM_DATA", "")) / "ur10e"
-PER_CURRENT = [14.87, 13.26, 11.13, 10.62, 11.03, 11.47]
-DRIVES = f"""
-[drive.gear_ratio]
-value = [1, 1, 1, 1, 1, 1]
-unit = "1"
-origin = "chosen"
-source = "not known; the motor's side is the joint's"
-
-[drive.torque_per_current]
-value = {PER_CURRENT}
-unit = "N m/A"
-side = "link"
-origin = "sourced"
-source = "with the data"
-"""
-COLUMNS = """
-[log]
-position_side = "link"
-torque_semantics = "current"
-
-[file]
-names_row = 0
-
-[columns.timestamp]
-source = "1"
-unit = "s"
-
-[columns."motor.position"]
-source = "{number+1}"
-unit = "rad"
-
-[columns."motor.velocity"]
-source = "{number+7}"
-unit = "rad/s"
-
-[columns."motor.effort"]
-source = "{number+13}"
-unit = "A"
-"""
+pytestmark = needs_data
 
 
 @pytest.fixture(scope="module")
@@ -61,9 +18,9 @@ def user(tmp_path_factory):
     """Folder with what a user writes: a description begun by `ffgym robot new`, and a column map."""
     folder = tmp_path_factory.mktemp("ur10e")
     robot = folder / "arm.toml"
-    assert main(["robot", "new", str(DATA / "ur10e.urdf"), "--no-looks", "--out", str(robot)]) == 0
+    assert main(["robot", "new", str(FOLDER / "ur10e.urdf"), "--no-looks", "--out", str(robot)]) == 0
     robot.write_text(robot.read_text(encoding="utf-8") + DRIVES, encoding="utf-8")
-    (folder / "map.toml").write_text(COLUMNS, encoding="utf-8")
+    (folder / "map.toml").write_text(COLUMNS + SPEEDS, encoding="utf-8")
     return folder
 
 
@@ -74,7 +31,7 @@ def test_its_urdf_and_two_tables_are_enough_for_a_fit(user):
 
 
 def test_its_files_are_read_as_they_were_recorded(user):
-    path = DATA / "ur-20_02_05-20sec_8harm.csv.gz"
+    path = FOLDER / "ur-20_02_05-20sec_8harm.csv.gz"
     recording = read_log(path, load_columns(user / "map.toml"), robot=str(user / "arm.toml"))
     with gzip.open(path) as file:
         table = np.loadtxt(file, delimiter=",")
@@ -88,7 +45,7 @@ def test_its_files_are_read_as_they_were_recorded(user):
 
 @pytest.mark.parametrize("needs", ["position", "torque"])
 def test_it_is_judged_although_its_description_lacks_most(user, needs, capsys):
-    path = DATA / "ur-20_02_05-20sec_8harm.csv.gz"
+    path = FOLDER / "ur-20_02_05-20sec_8harm.csv.gz"
     command = ["log", "check", str(path), "--robot", str(user / "arm.toml"), "--columns", str(user / "map.toml")]
     main([*command, "--needs", needs])
     printed = capsys.readouterr()

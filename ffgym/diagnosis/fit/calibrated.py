@@ -7,7 +7,7 @@ are put into the machine, which is replayed, and so on (Newton's method with slo
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,48 +21,51 @@ from ffgym.effects import NativeEffect
 from ffgym.plant import Machine
 from ffgym.types import Array
 
-_ROUNDS = 10
-"""Times that numbers are fitted and replayed; chosen: phases that are off by a radian need eight."""
+_ROUNDS = 6
+"""Times that numbers are fitted and replayed with the same slopes; chosen."""
 
-_SOON, _LESS = 4, 0.7
-"""Rounds after which no more than this share of what stood out is left, if something is to come of it."""
+_LESS = 0.7
+"""Share of what stood out that is left after that, at most, if numbers are to be the reason; chosen."""
 
-_HEARD, _QUIET = 0.1, 0.25
-"""Energy above that of noise, as a share of it, from which on numbers are looked for, and to which they must bring it;
-chosen: chance comes to a twentieth."""
-
-_GONE = 0.15
-"""Share of what stood out that is left where numbers are the reason, too: steps of the replay do something else to
-another machine, which is known once it is the nominal one."""
+_HEARD = 0.1
+"""Energy above that of noise, as a share of it, from which on numbers are looked for; chosen: chance comes to half."""
 
 _STAYS = 0.02
 """Relative change of what stands out below which more rounds bring nothing."""
 
 
-def calibrated(setting: Setting) -> Machine | None:
-    """The nominal machine with numbers within their calibration that explain the log; None if slopes tell all of it."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Calibrated:
+    """A nominal machine with other numbers."""
+
+    machine: Machine
+    sizes: Array
+    """By which they differ, in standard deviations of the doubts; 0 for those that are no numbers of the robot."""
+
+
+def calibrated(setting: Setting) -> Calibrated | None:
+    """The nominal machine with numbers within their calibration that explain more than slopes tell; None if none do."""
     fit = evaluated(setting, ())
-    first = excess = _excess(setting, fit)
-    numbers, plain = None, fit.residual
-    numbers_of_robot = np.array([issubclass(doubt.column.effect, NativeEffect) for doubt in setting.doubts])
-    for i in range(_ROUNDS if first > _HEARD and setting.doubts else 0):
-        if excess < _HEARD or (i == _SOON and excess > _LESS * first):
-            break
-        sizes = fitted(fit.evidence, fit.calibration_only, fit.priors) * numbers_of_robot
+    first = least = excess_of(setting, fit)
+    best, plain = None, fit.residual
+    of_robot = np.array([issubclass(doubt.column.effect, NativeEffect) for doubt in setting.doubts])
+    for _ in range(_ROUNDS if first > _HEARD and setting.doubts else 0):
+        sizes = fitted(fit.evidence, fit.calibration_only, fit.priors) * of_robot
         numbers = possible_numbers(setting, sizes)
         moved = None if numbers is None else trial_of(setting, (), numbers)
-        if moved is None:
-            return None
+        if numbers is None or moved is None:
+            break
         beyond = _beyond(setting, sizes, plain, moved.residual)
         found = replace(setting, bias={channel: rows + beyond[channel] for channel, rows in setting.bias.items()})
-        fit, before = evaluated(found, ()), excess
-        excess = _excess(found, fit)
-        if abs(excess - before) < _STAYS * before:
+        fit = evaluated(found, ())
+        excess = excess_of(found, fit)
+        if excess >= least * (1 - _STAYS):
             break
-    return numbers if excess < max(_QUIET, _GONE * first) else None
+        best, least = Calibrated(machine=numbers, sizes=sizes), excess
+    return best if least < _LESS * first else None
 
 
-def _excess(setting: Setting, fit: Fit) -> float:
+def excess_of(setting: Setting, fit: Fit) -> float:
     """Largest energy above that of noise of any component, as a share of that."""
     return max(loudness(setting, without_calibration(setting, fit)).values()) - 1.0
 

@@ -230,6 +230,12 @@ def _viewed(name: str) -> Callable[[Changed, int, float, Shape], Changed]:
     return change
 
 
+def _by_tracker(answer: str, full: float, name: str, told: Callable[[float, Shape], dict[str, float]]) -> Kind:
+    """Of how the tracker sees the tool."""
+    change = _viewed(name)
+    return Kind(answer=answer, full=_up(full), change=change, told=told, needs=("tracker",), at_machine=True)
+
+
 def _vector(name: str) -> Callable[[float, Shape], dict[str, float]]:
     return lambda size, shape: {f"{name}.{axis}": float(size * x) for axis, x in zip("xyz", shape.way, strict=True)}
 
@@ -329,38 +335,10 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             change=_fault("balance"),
             told=lambda size, shape: {"sine": 0.0, "cosine": size, "stiffness": 0.0},
         ),
-        "reflector": Kind(
-            answer="tool_frame",
-            full=_up(1.5e-3),
-            change=_viewed("offset"),
-            told=_vector("offset"),
-            needs=("tracker",),
-            at_machine=True,
-        ),
-        "frame_shift": Kind(
-            answer="tracker_frame",
-            full=_up(1.5e-3),
-            change=_viewed("shift"),
-            told=_vector("shift"),
-            needs=("tracker",),
-            at_machine=True,
-        ),
-        "frame_turn": Kind(
-            answer="tracker_frame",
-            full=_up(1e-3),
-            change=_viewed("turn"),
-            told=_vector("turn"),
-            needs=("tracker",),
-            at_machine=True,
-        ),
-        "latency": Kind(
-            answer="tracker_clock",
-            full=_up(0.005),
-            change=_viewed("latency"),
-            told=lambda size, shape: {"latency": size, "drift": 0.0},
-            needs=("tracker",),
-            at_machine=True,
-        ),
+        "reflector": _by_tracker("tool_frame", 1.5e-3, "offset", _vector("offset")),
+        "frame_shift": _by_tracker("tracker_frame", 1.5e-3, "shift", _vector("shift")),
+        "frame_turn": _by_tracker("tracker_frame", 1e-3, "turn", _vector("turn")),
+        "latency": _by_tracker("tracker_clock", 0.005, "latency", lambda size, shape: {"latency": size, "drift": 0.0}),
         "brake": Kind(answer="", full=_of_coulomb(0.5), change=_fault("brake", frequency="frequency")),
         "clock": Kind(answer="", full=_of_coulomb(0.3), change=_fault("clock", frequency="frequency")),
         "neighbour": Kind(answer="", full=_of_coulomb(0.4), change=_fault("neighbour"), needs=("neighbour",)),

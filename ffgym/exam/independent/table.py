@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ffgym.exam.figures import Line, none_of, share
+from ffgym.exam.figures import Line, none_of, run_of, share
 from ffgym.exam.marks import Mark
 from ffgym.exam.sizes import SizeMark
 
@@ -31,8 +31,6 @@ def independent_table(marks: Sequence[Mark]) -> list[Line]:
     single = [mark for mark in marks if mark.row == "single"]
     outside = [mark for mark in marks if mark.row == "outside"]
     loud = [mark for mark in single if mark.loudness >= _LOUD]
-    seconds = [mark.seconds for mark in marks]
-    repeated = [mark for mark in marks if mark.same_bytes is not None]
     return [
         none_of(1, "clean logs named", clean, lambda m: m.verdict in ("named", "partly", "ambiguous")),
         share(1, "clean logs: none", clean, lambda m: m.verdict == "none", 0.95),
@@ -47,15 +45,7 @@ def independent_table(marks: Sequence[Mark]) -> list[Line]:
             0.8,
         ),
         *_covered(single),
-        share(6, "the same bytes twice", repeated, lambda m: m.same_bytes is True, 1.0),
-        Line(
-            number=6,
-            figure="time of a diagnosis",
-            demand=f"<= {_SECONDS:.0f} s",
-            got=f"median {np.median(seconds):.0f} s, longest {max(seconds):.0f} s" if seconds else "-",
-            of=len(seconds),
-            is_met=max(seconds) <= _SECONDS if seconds else None,
-        ),
+        *run_of(6, marks, marks, _SECONDS),
     ]
 
 

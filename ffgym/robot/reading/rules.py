@@ -20,6 +20,21 @@ def _motor(meaning: str, unit: str, slide_unit: str, *, power: int, open_low: bo
     )
 
 
+def _unit_of_logs(meaning: str, unit: str, slide_unit: str) -> Rule:
+    """Torque of each motor per unit of what its controller logs; it may turn the other way round."""
+    return Rule(
+        meaning=meaning,
+        shape=("N",),
+        unit=unit,
+        slide_unit=slide_unit,
+        side=MOTOR,
+        gear_power=-1,
+        signed=True,
+        nonzero=True,
+        optional=True,
+    )
+
+
 def _link(
     meaning: str, unit: str, slide_unit: str, *, power: int, open_low: bool = True, infinite: bool = False
 ) -> Rule:
@@ -104,28 +119,10 @@ RULES: Mapping[str, Rule] = MappingProxyType(
             "damping of the elasticity between gearbox and arm", "N m s/rad", "N s/m", power=-2, open_low=False
         ),
         "drive.peak_torque": _motor("largest torque the drive gives", "N m", "N", power=-1),
-        "drive.torque_per_current": Rule(
-            meaning="torque per ampere of motor current, for logs of currents",
-            shape=("N",),
-            unit="N m/A",
-            slide_unit="N/A",
-            side=MOTOR,
-            gear_power=-1,
-            signed=True,
-            nonzero=True,
-            optional=True,
+        "drive.torque_per_current": _unit_of_logs(
+            "torque per ampere of motor current, for logs of currents", "N m/A", "N/A"
         ),
-        "drive.rated_torque": Rule(
-            meaning="torque at 100 %, for logs in percent of a rated torque",
-            shape=("N",),
-            unit="N m",
-            slide_unit="N",
-            side=MOTOR,
-            gear_power=-1,
-            signed=True,
-            nonzero=True,
-            optional=True,
-        ),
+        "drive.rated_torque": _unit_of_logs("torque at 100 %, for logs in percent of a rated torque", "N m", "N"),
         "friction.coulomb": _motor("Coulomb torque f_c", "N m", "N", power=-1),
         "friction.static": _motor("breakaway torque f_s, >= f_c", "N m", "N", power=-1),
         "friction.viscous": _motor("viscous coefficient f_v", "N m s/rad", "N s/m", power=-2, open_low=False),
