@@ -70,7 +70,7 @@ class BenchDiagnosis:
         self._tell(sorted(marks, key=lambda mark: order[mark.row, mark.number]))
 
     def _questions(self) -> list[Question]:
-        """What is asked."""
+        """Questions that are asked."""
         counts = self._exam.counts
         rows = [check_choice("row of the exam", row, [one for one in ROWS if one in counts]) for row in self.rows]
         if self.cases is not None:
@@ -83,7 +83,7 @@ class BenchDiagnosis:
         return EXAMS[self.exam]
 
     def _place(self) -> Path | None:
-        """Where the marks are kept."""
+        """File in which the marks are kept."""
         if self.out is None:
             return None
         try:

@@ -147,7 +147,7 @@ class Diagnose:
         return fitted(draft, self.robot, sound or recordings), recordings
 
     def _calibration(self, nominal: Nominal) -> Calibration:
-        """How well the numbers are known: as told, as fitted, or as usual."""
+        """Standard deviations of the numbers: as told, as fitted, or as usual."""
         if self.calibration is not None:
             return Calibration.of_share(self.calibration)
         return nominal.calibration or Calibration()
@@ -264,7 +264,7 @@ class Diagnose:
             print(f"numbers: {self.json}")
 
     def _next(self, diagnosis: Diagnosis) -> str:
-        """What to do now, as a command where there is one."""
+        """Say what to do now, as a command where there is one."""
         logs, robot = " ".join(map(str, self.logs)) or "LOGS", self.robot or diagnosis.robot
         folder = "FOLDER" if self.out is None else str(self.out)
         first = "" if self.out is not None else "diagnose again with --out FOLDER, then "
@@ -288,7 +288,7 @@ class Diagnose:
 
 
 def _runs_again(nominal: Nominal, held_out: Sequence[Recording]) -> bool:
-    """Whether closed loops can be simulated along recordings: they have set-points, and the servo is known."""
+    """Tell whether closed loops can be simulated along recordings: they have set-points, and the servo is known."""
     return bool(held_out) and nominal.knows_servo and all(one.has("reference.position") for one in held_out)
 
 
@@ -298,7 +298,7 @@ def _say(look: FirstLook) -> None:
 
 
 def _lasting(info: dict[str, Any]) -> dict[str, Any]:
-    """What a diagnosis depends on, without options that only say where it goes and how it is made."""
+    """Collect what a diagnosis depends on, without options that only say where it goes and how it is made."""
     passing = ("out", "json", "threads")
     config = {name: value for name, value in info["config"].items() if name not in passing}
     return info | {"config": config}

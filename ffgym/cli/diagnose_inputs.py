@@ -1,4 +1,4 @@
-"""What a diagnosis begins with: logs from files, folders or the package, and the nominal model by its name."""
+"""Inputs of a diagnosis: logs from files, folders or the package, and the nominal model by its name."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -41,12 +41,12 @@ class Nominal:
 
     @property
     def knows_servo(self) -> bool:
-        """Whether its servo is documented, so that its closed loop can be simulated."""
+        """Tell whether its servo is documented, so that its closed loop can be simulated."""
         missing = () if self.draft is None else self.draft.missing
         return not any(path.startswith("servo.") for path in missing)
 
     def described_in(self, folder: Path) -> str | Path:
-        """What a machine file in a folder calls the robot; a description that lacks entries is made whole there."""
+        """Name for machine files in a folder of the robot; a description that lacks entries is made whole there."""
         if self.draft is None or not self.draft.missing:
             return self.reference
         path = Path(self.reference)
@@ -92,7 +92,7 @@ def nominal_named(name: str | None) -> Nominal:
 
 
 def draft_named(name: str | None) -> RobotDraft:
-    """What is known of a robot that may lack masses and friction, as they are fitted to its logs.
+    """Description of a robot that may lack masses and friction, as they are fitted to its logs.
 
     Raises:
         FFGymError: if there is none of that name, or it cannot be read.

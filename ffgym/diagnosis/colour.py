@@ -84,7 +84,7 @@ class Colour:
 
     @property
     def is_white(self) -> bool:
-        """Whether no component has anything but white noise."""
+        """Tell whether no component has anything but white noise."""
         return not np.any(self.fresh)
 
     def beside(self, white: Array) -> Array:
@@ -149,7 +149,7 @@ def _untaken(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> A
 def _going_on(
     frequency: Array, energy: Array, inside: Array, left: Array, known: Array, dt: float
 ) -> tuple[float, float, float]:
-    """What is fresh, the share that stays, and the white part, where samples are too rare to see how noise falls.
+    """Find what is fresh, the share that stays, and the white part, where samples are too rare to see how noise falls.
 
     It is then what goes on from above the band into it, in the parts of the band that are quiet; noise is white if
     nothing of the kind explains these.

@@ -1,4 +1,4 @@
-"""How large residuals are without any fault: the nominal model, replayed over its own simulation with the log's noise.
+"""Noise floor of residuals without any fault: the nominal model, replayed over its own simulation with the log's noise.
 
 Nothing of the residual that is diagnosed enters: noise is what the sensors show above the band in which machines move,
 and what replay and simulation differ by is seen where both are of the same model.
@@ -86,7 +86,7 @@ def noise_of(log: Log) -> Noise:
     )
 
 
-def _coloured(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
+def _with_colours(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
     """Noise with what torques and trackers have beside white noise.
 
     Args:
@@ -123,7 +123,7 @@ def _coloured(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
 
 
 def _left(run: Replay) -> dict[str, Array]:
-    """What a replay leaves of torques and of the tracker's positions at all samples, by family of columns."""
+    """Residual of torques and of the tracker's positions at all samples, by family of columns."""
     read = run.read
     left = {"motor.effort": read.torque - run.torque}
     if read.feedback is not None and read.shows_servo:
@@ -236,7 +236,7 @@ def faultless_residuals(
         return replay(log_of(log.robot, seen, like=log), like.machine)
 
     runs = [drawn()]
-    noise = _coloured(noise, log, like, runs[0])
+    noise = _with_colours(noise, log, like, runs[0])
     if noise.colours:
         runs.clear()
     runs += [drawn() for _ in range(DRAWS - len(runs))]
@@ -255,7 +255,7 @@ def faultless_residuals(
 
 
 def _rms(rows: Array, valid: BoolArray) -> Array:
-    """Of each component (C,) of rows (R, M, C) that are valid (R, M), about its mean in a motion: weights stay."""
+    """RMS of each component (C,) of rows (R, M, C) that are valid (R, M), about its mean in a motion: weights stay."""
     weight = valid.astype(np.float64)
     about = rows - np.einsum("rmc,rm->mc", rows, weight) / np.maximum(weight.sum(axis=0), 1.0)[:, None]
     rms: Array = np.sqrt(np.einsum("rmc,rm->c", about**2, weight) / max(weight.sum(), 1.0))

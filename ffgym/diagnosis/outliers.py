@@ -33,7 +33,7 @@ _NEAR = 1
 """Rows on either side of one in which a motion between samples may show."""
 
 
-def doubted_weights(weights: Values, bias: Mapping[Channel, Array], dt: float) -> Values:
+def doubt_bias(weights: Values, bias: Mapping[Channel, Array], dt: float) -> Values:
     """Weights (R, M) by component under which what replays do wrong is not taken for known where samples are rare.
 
     What replay and machine differ by is computed along a motion that is made up between the samples, and is known no
@@ -59,17 +59,17 @@ def _about(values: Array) -> Array:
     return found
 
 
-def bounded_weights(weights: Values, residual: Mapping[Channel, Array]) -> Values:
+def bound_outliers(weights: Values, residual: Mapping[Channel, Array]) -> Values:
     """Weights (R, M) by component under which no row stands out from a misfit that is everywhere.
 
     Args:
         weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
         residual: of the nominal model, (R, M, C) by channel.
     """
-    return {key: _bounded(rows, residual[key[0]][:, :, key[1]]) for key, rows in weights.items()}
+    return {key: _bound(rows, residual[key[0]][:, :, key[1]]) for key, rows in weights.items()}
 
 
-def _bounded(weight: Array, residual: Array) -> Array:
+def _bound(weight: Array, residual: Array) -> Array:
     size = np.abs(weight * residual)
     counting = size[np.broadcast_to(weight, size.shape) > 0]
     usual = _NORMAL * float(np.median(counting)) if counting.size else 0.0

@@ -10,13 +10,13 @@ from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
 from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
-from ffgym.diagnosis.fit.calibrated import calibrated, excess_of
+from ffgym.diagnosis.fit.calibrate import calibrate, excess_of
 from ffgym.diagnosis.fit.fit import evaluated
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, encoder_steps, faultless_residuals
-from ffgym.diagnosis.outliers import bounded_weights, doubted_weights
+from ffgym.diagnosis.outliers import bound_outliers, doubt_bias
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
@@ -44,7 +44,7 @@ _QUIET, _GONE = 0.25, 0.15
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Prepared:
-    """What a search begins with."""
+    """Beginning of a search."""
 
     setting: Setting
     run: Replay
@@ -61,7 +61,7 @@ class Prepared:
 
 @dataclass(eq=False)
 class Memory:
-    """What logs of the same motions on the same nominal machine share, kept from one diagnosis to the next."""
+    """Things that logs of the same motions on the same nominal machine share, kept from one diagnosis to the next."""
 
     key: bytes = b""
     known: "NominalRun | None" = None
@@ -112,7 +112,7 @@ def prepared(
         log=log,
         nominal=nominal,
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
-        weights=bounded_weights(doubted_weights(weights, known.bias, log.dt), missed),
+        weights=bound_outliers(doubt_bias(weights, known.bias, log.dt), missed),
         calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in known.doubts],
         doubts=known.doubts if at is None else _standing(known.doubts, at),
         like=like,
@@ -127,7 +127,7 @@ def within_calibration(ready: Prepared, calibration: Calibration, rng: np.random
     setting, at = ready.setting, np.zeros(len(ready.setting.doubts))
     first = excess = excess_of(setting, evaluated(setting, ()))
     for _ in range(_CENTRES):
-        if (found := calibrated(ready.setting)) is None:
+        if (found := calibrate(ready.setting)) is None:
             break
         at = at + found.sizes
         ready = prepared(setting.log, found.machine, calibration, rng, at=at)
@@ -200,7 +200,7 @@ def _torque_left(log: Log, like: Replay, bias: Array | float) -> float:
 
 
 def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:
-    """What the nominal machine's own motion depends on; motions without set-points are never the same."""
+    """Hash what the nominal machine's own motion depends on; motions without set-points are never the same."""
     digest = hashlib.sha256(repr((calibration, log.names, log.dt, log.robot.name)).encode())
     digest.update(like.machine.physics(ModelOptions(looks=False)).encode())
     digest.update(repr([log.tool is None, log.link is None, log.shows_servo]).encode())
@@ -227,12 +227,12 @@ def candidates_for(ready: Prepared, kinds: Sequence[type[Effect]], memory: Memor
 
 
 def repeats(kind: type[Effect]) -> bool:
-    """Whether an effect repeats with the motor angle, at a frequency that must be looked for."""
+    """Tell whether an effect repeats with the motor angle, at a frequency that must be looked for."""
     return any(p.is_looked_for for p in kind.parameters().values())
 
 
 def _is_shared(kind: type[Effect], ready: Prepared) -> bool:
-    """Whether columns of an effect are the same for all logs of the same motions: they depend on no temperature."""
+    """Tell whether columns of an effect are the same for all logs of the same motions, at any temperature."""
     if not ready.simulated:
         return False
     some = next(variants(kind, ready.run.robot, {}), None)
@@ -240,7 +240,7 @@ def _is_shared(kind: type[Effect], ready: Prepared) -> bool:
 
 
 def reads_temperature(effect: Effect, run: Replay) -> bool:
-    """Whether an effect depends on temperature, tried in the middle of a replay."""
+    """Tell whether an effect depends on temperature, tried in the middle of a replay."""
     if not isinstance(effect, TorqueEffect):
         return False
     shape = run.state.motor_angle.shape

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.outliers import EVERYWHERE, USUAL, bounded_weights, doubted_weights
+from ffgym.diagnosis.outliers import EVERYWHERE, USUAL, bound_outliers, doubt_bias
 
 KEY = ("torque", 0)
 NOISE = 0.02
@@ -14,7 +14,7 @@ def bounded(misfit, outlier, weight=None):
     rows = misfit * NOISE * np.random.default_rng(0).normal(size=(1000, 2))
     rows[::100] = outlier * NOISE
     weight = np.full(rows.shape, 1 / NOISE) if weight is None else weight
-    return rows, weight, bounded_weights({KEY: weight}, {"torque": rows[..., None]})[KEY]
+    return rows, weight, bound_outliers({KEY: weight}, {"torque": rows[..., None]})[KEY]
 
 
 @pytest.mark.parametrize("misfit", [1.0, 0.8 * EVERYWHERE])
@@ -39,20 +39,20 @@ def test_rows_that_do_not_count_neither_count_nor_say_what_is_usual():
     np.testing.assert_array_equal(found[1::2], 0.0)
     louder = rows.copy()
     louder[1::2] *= 1e6
-    again = bounded_weights({KEY: weight}, {"torque": louder[..., None]})[KEY]
+    again = bound_outliers({KEY: weight}, {"torque": louder[..., None]})[KEY]
     np.testing.assert_array_equal(again, found)
 
 
 def test_a_component_without_rows_stays_without():
     nothing = np.zeros((10, 1))
-    np.testing.assert_array_equal(bounded_weights({KEY: nothing}, {"torque": np.ones((10, 1, 1))})[KEY], nothing)
+    np.testing.assert_array_equal(bound_outliers({KEY: nothing}, {"torque": np.ones((10, 1, 1))})[KEY], nothing)
 
 
 @pytest.mark.parametrize(("dt", "share"), [(0.0007, 0.1), (0.007, 1.0), (0.01, 1.0)])
 def test_what_a_replay_does_wrong_counts_as_noise_where_samples_are_rare(dt, share):
     bias = np.zeros((100, 1, 1))
     bias[50] = 10 * NOISE
-    found = doubted_weights({KEY: np.full(1, 1 / NOISE)}, {"torque": bias}, dt)[KEY]
+    found = doubt_bias({KEY: np.full(1, 1 / NOISE)}, {"torque": bias}, dt)[KEY]
     about = 1 / (NOISE * np.hypot(1, 10 * share))
     np.testing.assert_allclose(found[49:52], about)
     np.testing.assert_allclose(np.delete(found, [49, 50, 51], axis=0), 1 / NOISE)
@@ -60,5 +60,5 @@ def test_what_a_replay_does_wrong_counts_as_noise_where_samples_are_rare(dt, sha
 
 def test_what_is_no_torque_is_known_as_it_was():
     weight = np.full(1, 1 / NOISE)
-    found = doubted_weights({("tool", 0): weight}, {"tool": np.ones((100, 1, 1))}, 0.01)
+    found = doubt_bias({("tool", 0): weight}, {"tool": np.ones((100, 1, 1))}, 0.01)
     np.testing.assert_array_equal(found["tool", 0], weight)

@@ -1,4 +1,4 @@
-r"""What the links ask for along measured motions: inertia matrices, and the torque that a motion without springs takes.
+r"""Equations of motion of the links along measured motions: inertia matrices, and torque of a motion without springs.
 
 Where joints bend, the links move a little otherwise than the motors. To first order they then ask for
 
@@ -34,7 +34,7 @@ _POINTS = 4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinkTerms:
-    r"""Of :math:`M(q) \ddot q + h(q, \dot q)` along M motions of T samples, link side."""
+    r"""Terms of :math:`M(q) \ddot q + h(q, \dot q)` along M motions of T samples, link side."""
 
     mass: Array
     """M(q) [kg m^2], shape (T, M, N, N), without rotors."""
@@ -45,13 +45,13 @@ class LinkTerms:
     """What is added where joints bend, beside inertia; None is nothing."""
 
     def torque(self, ddq: Array) -> Array:
-        """What accelerations `ddq` (T, M, N) take, link side [N m]."""
+        """Torque that accelerations `ddq` (T, M, N) take, link side [N m]."""
         return np.matmul(self.mass, ddq[..., None])[..., 0] + self.bias
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bending:
-    """What links ask for beside inertia where joints bend, per bending of the last axis; (T, M, N, N)."""
+    """Torque of links beside inertia where joints bend, per bending of the last axis; (T, M, N, N)."""
 
     rate: Array
     """Per rate of the deflection [N m s/rad]."""
@@ -60,17 +60,17 @@ class Bending:
 
 
 def bending_of(arm: RigidArm, q: Array, dq: Array, ddq: Array, dt: float, joints: IntArray) -> Bending:
-    """What bending of `joints` adds about positions `q`, speeds `dq` and accelerations `ddq`, (T, M, N), link side."""
+    """Linearise what bending of `joints` adds about `q`, speeds `dq` and accelerations `ddq`, (T, M, N), link side."""
     shape, n = q.shape, q.shape[-1]
     places = _places(shape[0], max(1, round(_SLOW / dt)))
     at = [x[places].reshape(-1, n) for x in (q, dq, ddq)]
     rate, place = np.zeros((2, len(at[0]), n, n))
-    plain = _asked(arm, *at)
+    plain = _torque(arm, *at)
     for j in joints.tolist():
         step = np.zeros(n)
         step[j] = _STEP
-        place[..., j] = (_asked(arm, at[0] + step, at[1], at[2]) - plain) / _STEP
-        faster, slower = (_asked(arm, at[0], at[1] + sign * step, at[2]) for sign in (1.0, -1.0))
+        place[..., j] = (_torque(arm, at[0] + step, at[1], at[2]) - plain) / _STEP
+        faster, slower = (_torque(arm, at[0], at[1] + sign * step, at[2]) for sign in (1.0, -1.0))
         rate[..., j] = (faster - slower) / (2 * _STEP)  # exact: h is a quadratic function of speeds
     rate, place = (x.reshape(len(places), -1) for x in (rate, place))
     if len(places) < shape[0]:
@@ -79,7 +79,7 @@ def bending_of(arm: RigidArm, q: Array, dq: Array, ddq: Array, dt: float, joints
     return Bending(rate=rate.reshape(*shape, n), place=place.reshape(*shape, n))
 
 
-def _asked(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> Array:
+def _torque(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> Array:
     """Torque of links at poses (P, N), link side [N m]."""
     return arm.inverse_dynamics(q, dq, ddq, gravity=True) + arm.spring_torque(q)
 

@@ -132,7 +132,7 @@ def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
     else:
         deflection = deflected(springs, state, on_arm, -rigid_torque, rough, log.dt)
     state = bent_state(state, deflection, robot)
-    needed = rigid_torque + springs.asked(deflection)
+    needed = rigid_torque + springs.bending_torque(deflection)
     added = summed(on_arm, state, log.dt)
     if added.link is not None:
         needed = needed - added.link

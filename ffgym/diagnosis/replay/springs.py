@@ -45,7 +45,7 @@ Push = Callable[[int, Array, Array], Array]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Deflection:
-    """Of links behind their gearboxes, link side, (T, M, N) or (T, M, N, V) each; 0 for rigid joints."""
+    """Motion of links behind their gearboxes, link side, (T, M, N) or (T, M, N, V) each; 0 for rigid joints."""
 
     angle: Array
     """[rad]."""
@@ -116,8 +116,8 @@ class Springs:
             bending = Bending(rate=_straight(bending.rate, every), place=_straight(bending.place, every))
         return replace(self, mass=_straight(self.mass, every), bending=bending, dt=self.dt / every)
 
-    def asked(self, bent: Deflection) -> Array:
-        """What links ask for where joints bend, beside their motion without springs, link side [N m]."""
+    def bending_torque(self, bent: Deflection) -> Array:
+        """Torque that links ask for where joints bend, beside their motion without springs, link side [N m]."""
         parts = [(self.mass, bent.acceleration)]
         if self.bending is not None:
             parts += [(self.bending.rate, bent.rate), (self.bending.place, bent.angle)]
@@ -125,7 +125,7 @@ class Springs:
         return found
 
     def restoring(self, angle: Array) -> Array:
-        """What deflections (M, N) [rad] take at rest at the first sample, link side [N m]."""
+        """Torque that deflections (M, N) [rad] take at rest at the first sample, link side [N m]."""
         stiff: Array = self.finite_stiffness * angle
         return stiff if self.bending is None else stiff + np.matmul(self.bending.place[0], angle[..., None])[..., 0]
 

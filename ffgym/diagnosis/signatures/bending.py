@@ -55,7 +55,7 @@ def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
     angle = sampling(flown.angle)
     carried = -(state.joint_stiffness[:, None] * angle + state.joint_damping[:, None] * sampling(flown.rate))
     if drive.is_rigid.any():
-        asked = sampling(springs.asked(flown))
+        asked = sampling(springs.bending_torque(flown))
         carried = np.where(drive.is_rigid[:, None], asked, carried)
     return {id(push): (angle[..., i], carried[..., i]) for i, push in enumerate(pushes)}
 

@@ -43,7 +43,7 @@ class Calibrated:
     """By which they differ, in standard deviations of the doubts; 0 for those that are no numbers of the robot."""
 
 
-def calibrated(setting: Setting) -> Calibrated | None:
+def calibrate(setting: Setting) -> Calibrated | None:
     """The nominal machine with numbers within their calibration that explain more than slopes tell; None if none do."""
     fit = evaluated(setting, ())
     first = least = excess_of(setting, fit)
@@ -73,7 +73,7 @@ def excess_of(setting: Setting, fit: Fit) -> float:
 def _beyond(
     setting: Setting, sizes: Array, plain: Mapping[Channel, Array], moved: Mapping[Channel, Array]
 ) -> dict[Channel, Array]:
-    """What a machine with other numbers does otherwise than their slopes say, by what both leave, (R, M, C)."""
+    """Change by other numbers beyond what their slopes say, by what both machines leave, (R, M, C)."""
     found = {channel: plain[channel] - rows for channel, rows in moved.items()}
     for column, size in zip(setting.calibration, sizes.tolist(), strict=True):
         for (channel, c), rows in column.items():
