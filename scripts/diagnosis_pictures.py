@@ -40,6 +40,7 @@ def drawn(out: Path, before: Residual, after: Residual | None) -> list[Path]:
     regimes = map_figure([[(name, regime_map(one, "torque"))] for name, one in models.items()])
     rows = {name: log_rows(one, "torque") for name, one in models.items()}
     depends = profiles_figure(rows, "torque", JOINT, JOINT)
+    assert depends is not None
     return [
         save_figure(figure, out / f"diagnosis_{name}.png", DPI)
         for name, figure in (("regimes", regimes), ("depends", depends))

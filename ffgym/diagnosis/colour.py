@@ -51,6 +51,9 @@ _ABOVE, _BELOW = 1.2, 0.48
 """Frequencies that are looked at above the band of motions: from this multiple of the low-pass on, which is not sharp,
 up to this share of the sample rate."""
 
+_STEADY = 2.0
+"""Energy above the band over that of the quietest stretch up to which it is noise that is always there; chosen."""
+
 _FALLS = 1.0
 """Energy of the falling part at the lowest of those over that of the white one, from which on noise is coloured."""
 
@@ -129,8 +132,9 @@ def colour_of(
     for j in range(n):
         heard = _untaken(frequency[high], _quiet(above[:, high, j]), low_pass, dt)
         of_band = frequency[low], _quiet(inside[:, low, j]), _quiet(known[:, low, j])
+        is_steady = heard.mean() < _STEADY * _quiet(known[:, high, j]).mean()
         if len(heard) < _GROUPS or frequency[high][0] * dt > _RARE:
-            fresh, stays, flat = _going_on(frequency[high], heard, *of_band, dt)
+            fresh, stays, flat = _going_on(frequency[high], heard, *of_band, dt) if is_steady else (0.0, 0.0, 0.0)
         else:
             fresh, flat = _falling(frequency[high], heard, dt)
             stays = _staying(*of_band, fresh, flat, dt)

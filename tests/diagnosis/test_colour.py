@@ -72,6 +72,15 @@ def test_noise_of_rare_samples_goes_on_into_the_band():
         assert drawn.std() == pytest.approx(expected.std(), rel=0.2)
 
 
+def test_what_comes_and_goes_above_the_band_of_rare_samples_is_no_noise():
+    """Pulses that a model lacks are heard above the band, too, but not where the log is quiet."""
+    rng, low_pass = np.random.default_rng(5), LowPass(cutoff=41.0)
+    pulses = [rng.normal(size=(500, 1)) for _ in range(12)]
+    quiet = [1e-2 * rng.normal(size=part.shape) for part in pulses]
+    left = [a + b for a, b in zip(pulses, quiet, strict=True)]
+    assert colour_of(left, left, quiet, 41.0, low_pass, RARE).is_white
+
+
 def test_white_noise_of_rare_samples_stays_as_loud_as_it_is():
     for seed in range(5):
         given, found, low_pass = rare(0.0, seed)

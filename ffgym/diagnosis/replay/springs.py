@@ -21,6 +21,9 @@ from ffgym.types import Array, IntArray
 COARSE = 0.002
 """Longest step of the springs [s]; chosen: 60 steps in a swing of 8 Hz, 12 at the cut-off of what is compared."""
 
+_RAREST = 0.0125
+"""Longest sample period [s] that shows how joints swing; chosen: what is compared ends at 16 Hz there."""
+
 _FIRST_REACH = 1e-4
 """Deflection [rad] beyond that of linear springs in which a rest is looked for first; chosen: a third of an
 arc minute."""
@@ -106,8 +109,8 @@ class Springs:
 
     @property
     def substeps(self) -> int:
-        """Steps in a sample that are short enough to swing as springs do."""
-        return int(np.ceil(self.dt / COARSE - 1e-9))
+        """Steps in a sample that are short enough to swing as springs do; 1 where samples are too rare to show it."""
+        return int(np.ceil(self.dt / COARSE - 1e-9)) if self.dt <= _RAREST else 1
 
     def finer(self, every: int) -> "Springs":
         """The same springs with so many steps in each sample."""

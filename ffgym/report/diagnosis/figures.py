@@ -53,15 +53,11 @@ def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
             f"Motion {name}. What is measured and predicted has gone through the same low-pass without delay.",
             time_figure(models, channel, j, j, worst[0]),
         ),
-        _figure(
-            f"depends-{channel}-{j + 1}",
-            f"{place.component}, {channel}: what the residual depends on",
-            profiles_caption(),
-            profiles_figure(
-                rows, channel, j, j, report.before.robot.kinematics.units[j], scale_of(report.before.robot, channel, j)
-            ),
-        ),
     ]
+    unit, scale = report.before.robot.kinematics.units[j], scale_of(report.before.robot, channel, j)
+    if (depends := profiles_figure(rows, channel, j, j, unit, scale)) is not None:
+        title = f"{place.component}, {channel}: what the residual depends on"
+        figures.append(_figure(f"depends-{channel}-{j + 1}", title, profiles_caption(), depends))
     figures += _spectrum(report, place)
     if channel == "torque":
         loops = loops_figure(models, j, worst)

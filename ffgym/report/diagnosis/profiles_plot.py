@@ -29,8 +29,8 @@ def profiles_figure(
     joint: int,
     unit: str = "rad",
     scale: tuple[float, str] | None = None,
-) -> "Figure":
-    """One panel for each variable that changes.
+) -> "Figure | None":
+    """One panel for each variable that changes; None where too few rows count to show any.
 
     Args:
         logs: rows of the log with the residual, the one that is drawn strongly first, others pale.
@@ -46,6 +46,8 @@ def profiles_figure(
         for name, variable in VARIABLES.items()
     }
     shown = {name: of for name, of in found.items() if any(p.mean.size for one in of.values() for p in one.values())}
+    if not shown:
+        return None
     with house_style():
         rows = -(-len(shown) // _WIDEST)
         figure = new_figure(3.3 * _WIDEST + 0.3, 2.5 * rows + 0.5)
