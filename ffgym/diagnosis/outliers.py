@@ -33,24 +33,25 @@ _NEAR = 1
 """Rows on either side of one in which a motion between samples may show."""
 
 
-def doubt_bias(weights: Values, bias: Mapping[Channel, Array], dt: float) -> Values:
+def doubt_bias(weights: Values, bias: Mapping[Channel, Array], residual: Mapping[Channel, Array], dt: float) -> Values:
     """Weights (R, M) by component under which what replays do wrong is not taken for known where samples are rare.
 
     What replay and machine differ by is computed along a motion that is made up between the samples, and is known no
-    better than that is: it counts as noise in proportion to the time that passes from one sample to the next.
+    better than that is: it counts as noise in proportion to the time that passes from one sample to the next. A model
+    that misses everywhere has no rows to lose to that.
 
     Args:
         weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
         bias: of torques, motor side, and of all else, (R, M, C) by channel.
+        residual: of the nominal model, (R, M, C) by channel.
         dt: sample period [s].
     """
     share = min(1.0, dt / _REVERSAL)
-    return {
-        (channel, c): rows / np.hypot(1.0, rows * share * _about(bias[channel][:, :, c]))
-        if channel == "torque"
-        else rows
-        for (channel, c), rows in weights.items()
-    }
+    found = dict(weights)
+    for (channel, c), rows in weights.items():
+        if channel == "torque" and _usual(rows, residual[channel][:, :, c]) < EVERYWHERE:
+            found[channel, c] = rows / np.hypot(1.0, rows * share * _about(bias[channel][:, :, c]))
+    return found
 
 
 def _about(values: Array) -> Array:
@@ -70,9 +71,14 @@ def bound_outliers(weights: Values, residual: Mapping[Channel, Array]) -> Values
 
 
 def _bound(weight: Array, residual: Array) -> Array:
-    size = np.abs(weight * residual)
-    counting = size[np.broadcast_to(weight, size.shape) > 0]
-    usual = _NORMAL * float(np.median(counting)) if counting.size else 0.0
+    usual = _usual(weight, residual)
     if usual < EVERYWHERE:
         return weight
-    return weight * np.minimum(1.0, USUAL * usual / np.maximum(size, 1e-300))
+    return weight * np.minimum(1.0, USUAL * usual / np.maximum(np.abs(weight * residual), 1e-300))
+
+
+def _usual(weight: Array, residual: Array) -> float:
+    """Usual misfit of rows that count, in standard deviations of the noise."""
+    size = np.abs(weight * residual)
+    counting = size[np.broadcast_to(weight, size.shape) > 0]
+    return _NORMAL * float(np.median(counting)) if counting.size else 0.0

@@ -59,6 +59,7 @@ def test_every_circle_improves_in_every_trial(tool, motors):
         assert (np.diff(learned.history.motion_error, axis=0) < 0).all()
 
 
+@pytest.mark.slow
 def test_each_member_is_the_best_at_what_it_learns_from(irb4600, references):
     setting = Setting.of(irb4600, references)
     others = ["none", *(name for name, entry in CATALOGUE.items() if "nominal" in entry.track)]

@@ -115,9 +115,8 @@ def outsiders(robot):
     }
 
 
-@pytest.mark.parametrize(
-    "what", ["oil", *(pytest.param(what, marks=pytest.mark.slow) for what in ("vibration", "other joint"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("what", ["vibration", "oil", "other joint"])
 def test_what_no_effect_explains_is_unknown_and_described(what, question, answer, irb4600):
     one = outsiders(irb4600)[what]
     found = answer(question(21, one))

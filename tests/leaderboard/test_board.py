@@ -175,6 +175,7 @@ def timeless(path):
     return encode_row(replace(row, outcomes=tuple(replace(o, inference_us=None) for o in row.outcomes)))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not installed("ray"), reason="Ray is not installed")
 @pytest.mark.filterwarnings("ignore")
 def test_a_ray_cluster_gives_the_same_rows(tmp_path):
@@ -294,6 +295,7 @@ def test_what_another_process_wrote_meanwhile_is_not_run_again(tmp_path, counted
     assert [dict(job.agents).keys() for job in counted] == [{"none"}, {"lugre_static"}]
 
 
+@pytest.mark.slow
 def test_killed_in_the_middle_it_goes_on_to_the_same_files(tmp_path):
     plants = [f"draw:{k}" for k in range(20)]
     command = [sys.executable, "-m", "ffgym", "leaderboard", "--agents", "lugre_static", "--plants", *plants]
