@@ -123,7 +123,13 @@ def prepared(
 
 
 def within_calibration(ready: Prepared, calibration: Calibration, rng: np.random.Generator) -> Prepared | None:
-    """All of it about numbers within their calibration that explain the log to the noise; None if there are none."""
+    """All of it about numbers within their calibration that explain the log to the noise; None if there are none.
+
+    Masses and inertias that were fitted to the torque of the logs are the best that there are already.
+    """
+    if calibration.base > 0:
+        return None
+    no_servo = ready.no_servo
     setting, at = ready.setting, np.zeros(len(ready.setting.doubts))
     first = excess = excess_of(setting, evaluated(setting, ()))
     for _ in range(_CENTRES):
@@ -136,7 +142,9 @@ def within_calibration(ready: Prepared, calibration: Calibration, rng: np.random
         excess = excess_of(ready.setting, evaluated(ready.setting, ()))
         if excess < _QUIET:
             break
-    return ready if excess < first and excess < max(_QUIET, _GONE * first) else None
+    if excess >= first or excess >= max(_QUIET, _GONE * first):
+        return None
+    return replace(ready, no_servo=no_servo)
 
 
 def _standing(doubts: Sequence[Doubt], at: Array) -> tuple[Doubt, ...]:

@@ -98,7 +98,8 @@ def test_noise_that_falls_is_no_more_than_what_a_model_leaves():
     assert np.all(least.stays < most.stays)
 
 
-@pytest.mark.parametrize("columns", [(), pytest.param(("reference", "feedback"), marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("columns", [(), ("reference", "feedback")])
 def test_nothing_is_found_in_coloured_noise_but_a_fault_is(columns, one_axis):
     rng = np.random.default_rng(7)
     references = [sines(one_axis, phase, 8.0) for phase in (0.0, 1.5)]

@@ -28,6 +28,7 @@ def recordings(one_axis, tmp_path_factory):
     return read_folder(folder / "logs")
 
 
+@pytest.mark.slow
 def test_what_one_diagnosis_leaves_the_next_finds(recordings, one_axis):
     machine, found = Machine(robot=one_axis), []
     for verdict in ("partly", "named"):

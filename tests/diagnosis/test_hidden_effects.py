@@ -69,12 +69,10 @@ NAMED = {
     "slip elements, another equation": ("maxwell_slip", "j6", {"share": 0.8, "travel": 0.03}),
     "efficiency, another equation": ("directional_efficiency", "j2", {"share": 0.05, "ratio": 1.4, "slow": 0.3}),
 }
-QUICK = ("cogging",)
 
 
-@pytest.mark.parametrize(
-    "what", [name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in NAMED]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("what", NAMED)
 def test_what_is_hidden_is_named_with_its_joint(what, question, answer, irb4600):
     name, joint, values = NAMED[what]
     one = hidden(irb4600, name, joint, **values)
@@ -133,6 +131,7 @@ def test_small_circles_alone_name_nothing_that_is_not_there(question, answer, ir
     assert outcome(found, [one]) not in ("wrong", "surplus"), found.sentence
 
 
+@pytest.mark.slow
 def test_small_circles_of_a_faultless_machine_name_nothing(question, answer):
     assert answer(question(24, row="poor")).verdict == "none"
 

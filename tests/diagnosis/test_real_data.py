@@ -81,7 +81,8 @@ def test_the_ball_screw_is_diagnosed_as_it_was_recorded_on_its_own_clock_under_i
 
 
 @needs_data
-@pytest.mark.parametrize("run", ["A", pytest.param("C", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("run", ["A", "C"])
 def test_link_encoders_of_the_kr300_are_three_milliseconds_late_and_it_has_no_backlash(run):
     recording = published("kuka_kr300_2020", f"{run}.npz", "kuka_kr300_2020")
     machine, _ = fitted_nominal(load_robot("kuka_kr300_r2500"), [recording])

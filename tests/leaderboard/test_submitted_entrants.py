@@ -48,6 +48,7 @@ def test_a_submission_gets_a_row_like_that_of_the_law_in_it(law, tmp_path, capsy
     assert "not shown: mine is no agent of this leaderboard" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_other_processes_find_it_too(law):
     board = Board(registry=Registry(REGISTRY.known, REGISTRY.maker, (str(law),)))
     every = entrants_in(board.registry)

@@ -60,6 +60,7 @@ def test_nothing_is_said_against_logs_of_any_protocol(name, noise):
         assert objections(recording) == [], recording.header.segment
 
 
+@pytest.mark.slow
 def test_nothing_is_said_against_slow_and_fast_sines_of_a_workcell():
     """Friction that turns round over more than the description's distance is not late, nor a swinging arm wrong."""
     rig = rig_of("workcell:thesis")

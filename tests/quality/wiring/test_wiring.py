@@ -109,7 +109,8 @@ def test_a_counterbalance_that_is_not_described_is_no_mistake_in_wiring():
     assert find_wiring(bare(logs), replace(robot, springs=())).mistakes == ()
 
 
-@pytest.mark.parametrize("mass", [*(pytest.param(mass, marks=pytest.mark.slow) for mass in (20.0, 60.0)), 100.0])
+@pytest.mark.slow
+@pytest.mark.parametrize("mass", [20.0, 60.0, 100.0])
 def test_a_payload_that_nobody_told_of_is_no_mistake_in_wiring(mass):
     robot = load_robot(SIX)
     logs = recorded(robot, EFFECTS["payload"].on(robot, mass=mass))
