@@ -29,27 +29,28 @@ _NORMAL = 1.4826
 _REVERSAL = 7e-3
 """Time that a reversal takes in a motion without parts above 100 Hz [s]: samples so far apart tell nothing of it."""
 
+_PASSED = 4.0
+"""Sample periods, in reversals, from which on these lie between samples, and the low-pass leaves nothing of them."""
+
 _NEAR = 1
 """Rows on either side of one in which a motion between samples may show."""
 
 
-def doubt_bias(weights: Values, bias: Mapping[Channel, Array], residual: Mapping[Channel, Array], dt: float) -> Values:
+def doubt_bias(weights: Values, bias: Mapping[Channel, Array], dt: float) -> Values:
     """Weights (R, M) by component under which what replays do wrong is not taken for known where samples are rare.
 
     What replay and machine differ by is computed along a motion that is made up between the samples, and is known no
-    better than that is: it counts as noise in proportion to the time that passes from one sample to the next. A model
-    that misses everywhere has no rows to lose to that.
+    better than that is: it counts as noise in proportion to the time that passes from one sample to the next.
 
     Args:
         weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
         bias: of torques, motor side, and of all else, (R, M, C) by channel.
-        residual: of the nominal model, (R, M, C) by channel.
         dt: sample period [s].
     """
-    share = min(1.0, dt / _REVERSAL)
+    share = min(1.0, dt / _REVERSAL) if dt < _PASSED * _REVERSAL else 0.0
     found = dict(weights)
     for (channel, c), rows in weights.items():
-        if channel == "torque" and _usual(rows, residual[channel][:, :, c]) < EVERYWHERE:
+        if channel == "torque" and share > 0:
             found[channel, c] = rows / np.hypot(1.0, rows * share * _about(bias[channel][:, :, c]))
     return found
 

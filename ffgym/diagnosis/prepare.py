@@ -112,7 +112,7 @@ def prepared(
         log=log,
         nominal=nominal,
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
-        weights=bound_outliers(doubt_bias(weights, known.bias, missed, log.dt), missed),
+        weights=bound_outliers(doubt_bias(weights, known.bias, log.dt), missed),
         calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in known.doubts],
         doubts=known.doubts if at is None else _standing(known.doubts, at),
         like=like,

@@ -52,7 +52,7 @@ def test_a_component_without_rows_stays_without():
 def test_what_a_replay_does_wrong_counts_as_noise_where_samples_are_rare(dt, share):
     bias = np.zeros((100, 1, 1))
     bias[50] = 10 * NOISE
-    found = doubt_bias({KEY: np.full(1, 1 / NOISE)}, {"torque": bias}, {"torque": bias}, dt)[KEY]
+    found = doubt_bias({KEY: np.full(1, 1 / NOISE)}, {"torque": bias}, dt)[KEY]
     about = 1 / (NOISE * np.hypot(1, 10 * share))
     np.testing.assert_allclose(found[49:52], about)
     np.testing.assert_allclose(np.delete(found, [49, 50, 51], axis=0), 1 / NOISE)
@@ -60,12 +60,10 @@ def test_what_a_replay_does_wrong_counts_as_noise_where_samples_are_rare(dt, sha
 
 def test_what_is_no_torque_is_known_as_it_was():
     weight = np.full(1, 1 / NOISE)
-    ones = {"tool": np.ones((100, 1, 1))}
-    found = doubt_bias({("tool", 0): weight}, ones, ones, 0.01)
+    found = doubt_bias({("tool", 0): weight}, {"tool": np.ones((100, 1, 1))}, 0.01)
     np.testing.assert_array_equal(found["tool", 0], weight)
 
 
-def test_a_model_that_misses_everywhere_loses_no_rows_to_what_its_replay_does_wrong():
+def test_reversals_between_samples_are_in_no_row():
     weight, bias = np.full(1, 1 / NOISE), np.full((100, 1, 1), 10 * NOISE)
-    missed = 2 * EVERYWHERE * NOISE * np.random.default_rng(1).normal(size=bias.shape)
-    np.testing.assert_array_equal(doubt_bias({KEY: weight}, {"torque": bias}, {"torque": missed}, 0.01)[KEY], weight)
+    np.testing.assert_array_equal(doubt_bias({KEY: weight}, {"torque": bias}, 0.1)[KEY], weight)
