@@ -25,15 +25,15 @@ USUAL = 3.0
 _NORMAL = 1.4826
 """Standard deviation of a normal distribution over its median absolute value."""
 
-
 _REVERSAL = 7e-3
 """Time that a reversal takes in a motion without parts above 100 Hz [s]: samples so far apart tell nothing of it."""
 
 _PASSED = 4.0
-"""Sample periods, in reversals, from which on these lie between samples, and the low-pass leaves nothing of them."""
+"""Sample periods, in reversals, from which on these lie between samples; chosen between two recordings: friction of
+the ball screw is named at 4 ms with the doubt alone, the late row of the KR300 at 100 ms without it alone."""
 
 _NEAR = 1
-"""Rows on either side of one in which a motion between samples may show."""
+"""Rows on either side of one in which a motion between samples may show; chosen."""
 
 
 def doubt_bias(weights: Values, bias: Mapping[Channel, Array], dt: float) -> Values:
