@@ -4,7 +4,7 @@ Nothing of the residual that is diagnosed enters: noise is what the sensors show
 and what replay and simulation differ by is seen where both are of the same model.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -218,13 +218,13 @@ class Faultless:
 
 
 def faultless_residuals(
-    log: Log, exact: Sequence[Recording], bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator
+    log: Log, own: Replay, bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator
 ) -> Faultless:
     """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off.
 
     Args:
         log: whose noise it is.
-        exact: of the nominal machine.
+        own: replay of the nominal machine over its own motion, without noise.
         bias: what replay and machine differ by.
         like: replay of the log on the nominal machine.
         rng: draws the noise.
@@ -232,8 +232,8 @@ def faultless_residuals(
     noise = noise_of(log)
 
     def drawn() -> Replay:
-        seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(exact)]
-        return replay(log_of(log.robot, seen, like=log), like.machine)
+        seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(own.read.recordings)]
+        return replay(log_of(log.robot, seen, like=log), like.machine, nearby=own)
 
     runs = [drawn()]
     noise = _with_colours(noise, log, like, runs[0])

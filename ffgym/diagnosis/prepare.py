@@ -104,7 +104,7 @@ def prepared(
     if reason := _without_servo(log, known):
         bare = replace(log, feedback=None)
         return replace(prepared(bare, nominal, calibration, rng, memory, at), no_servo=reason)
-    faultless = faultless_residuals(log, known.exact, known.bias, like, rng)
+    faultless = faultless_residuals(log, known.run, known.bias, like, rng)
     floor = faultless.floor(log)
     weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in counting_rows(log).items()}
     missed = {channel: rows - known.bias[channel] for channel, rows in residual_rows(log, predicted(like)).items()}

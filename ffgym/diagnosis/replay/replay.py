@@ -95,20 +95,23 @@ class Replay:
         return jacobian.reshape(*q.shape[:2], 3, q.shape[-1])
 
 
-def replay(log: Log, machine: Machine, like: Replay | None = None) -> Replay:
+def replay(log: Log, machine: Machine, like: Replay | None = None, nearby: Replay | None = None) -> Replay:
     """Replay a log on a machine.
 
     Args:
         log: motions.
         machine: whose motors move so.
         like: replay of the same log on another machine, of which is taken what is the same.
+        nearby: replay on the same machine of motions that differ by noise alone, of which the terms of the links are
+            taken: poses differ by too little to show in them.
     """
     robot = machine.physical
     read, log = log, _truly(log, machine)
     flexible_base = base_of(machine)
     if like is not None and (like.log is not log or not same_links(like.robot, robot)):
         like = None
-    links, rough = (like.links, like.deflection.angle[0]) if like is not None else _links(log, robot)
+    known = like if like is not None else nearby
+    links, rough = (known.links, known.deflection.angle[0]) if known is not None else _links(log, robot)
     springs = Springs(
         mass=links.mass,
         stiffness=robot.drive.joint_stiffness,

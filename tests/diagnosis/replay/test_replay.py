@@ -53,6 +53,16 @@ def test_other_springs_are_replayed_with_shared_poses_of_the_links_to_second_ord
     assert 0 < np.abs(alone.torque - helped.torque).max() < 0.05 * change
 
 
+def test_noise_of_the_motion_shows_alike_where_links_are_taken_from_the_motion_without_noise(log):
+    near = replay(log, nominal())
+    trembling = 1e-5 * np.random.default_rng(2).normal(size=log.q.shape)
+    noisy = replace(log, q=log.q + trembling, ddq=log.ddq + 3e5 * trembling)
+    alone, helped = replay(noisy, nominal()), replay(noisy, nominal(), nearby=near)
+    assert helped.links is near.links
+    change = np.abs(alone.torque - near.torque).max()
+    assert 0 < np.abs(alone.torque - helped.torque).max() < 0.01 * change
+
+
 def test_an_effect_without_size_changes_nothing(log):
     exact = predicted(replay(log, nominal()))
     for name in ("load_friction", "backlash", "torque_ripple", "tracker_clock", "payload"):
