@@ -27,8 +27,8 @@ _SAME_TIME = 1e-4
 _THREADS = 1
 """Of the engine: a few simulations, one physics step at a time, take twice the CPU on two for a seventh less time."""
 
-_SMOOTH = ("motor.position", "link.position", "reference.position")
-"""Families that are curves between samples, not straight lines: they are differentiated twice."""
+_SMOOTH = ("motor.position", "link.position", "reference.position", "tcp.position")
+"""Families that are curves between samples, not straight lines: places, which masses move along."""
 
 _LONGER, _SHORTER = (2, 1), (1, 2)
 """Longest step that is simulated in physics steps, as a ratio: the cheaper pair first, then one for machines that are
@@ -78,10 +78,19 @@ def _extrapolated(coarse: Recording, fine: Recording) -> Recording:
 
 
 def _record_dt(robot: RobotDescription, step: float, dt: float) -> float:
-    """The longest sample period of a simulation that is no longer than that of a log, whose clock is never exact."""
+    """The longest sample period of a simulation that has all samples of a log, whose clock is never exact.
+
+    The shortest one if none has them: what lies between its samples is interpolated then.
+    """
     n_steps = round(robot.servo.control_dt / step)
     periods = [n * step for n in range(1, n_steps + 1) if n_steps % n == 0]
-    return max((period for period in periods if period <= (1 + _SAME_TIME) * dt), default=periods[0])
+    return max((period for period in periods if _divides(period, dt)), default=periods[0])
+
+
+def _divides(period: float, dt: float) -> bool:
+    """Whether every sample of a log, `dt` apart, is one of a simulation's."""
+    times = round(dt / period)
+    return times >= 1 and abs(times * period - dt) <= _SAME_TIME * dt
 
 
 def _like(exact: Recording, like: Recording) -> Recording:
@@ -97,11 +106,11 @@ def _like(exact: Recording, like: Recording) -> Recording:
 
 
 def _at(recording: Recording, name: str, t: Array) -> Array:
-    """A column at other times; what is not known at some rows is straight between those at which it is."""
+    """A column at other times, from the rows at which it is known."""
     values = recording[name]
-    if name.startswith(_SMOOTH):
-        smooth: Array = CubicSpline(recording.t, values)(t)
-        return smooth
     seen = ~np.isnan(values)
+    if name.startswith(_SMOOTH):
+        smooth: Array = CubicSpline(recording.t[seen], values[seen])(t)
+        return smooth
     straight: Array = np.interp(t, recording.t[seen], values[seen])
     return straight

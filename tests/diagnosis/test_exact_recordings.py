@@ -12,7 +12,7 @@ from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import replay
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions
+from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation import Run, simulate
 from tests.diagnosis.replay.replay_samples import nominal, recorded, reference
 
@@ -62,6 +62,17 @@ def test_clocks_of_real_machines_are_no_multiple_of_a_step(recording, period):
     assert log.t[-1] - again.t[-1] <= nominal().robot.servo.control_dt + period
     measured = log.joint_array("motor.position")[: len(again)]
     np.testing.assert_allclose(again.joint_array("motor.position")[inner], measured[inner], atol=2e-3)
+
+
+@pytest.mark.parametrize("period", [0.005, 0.0075])
+def test_between_samples_of_the_simulation_the_tool_is_where_the_links_hold_it(period):
+    """At periods that no simulation has; a straight line between places would miss a bend of the path by 20 um."""
+    whole = recorded({"swing": nominal()})["swing"]
+    families = ("timestamp", "motor.position", "motor.effort", "reference.position", "tcp.position", "link.position")
+    kept = replace(whole, columns={name: x for name, x in whole.columns.items() if name.startswith(families)})
+    again = exact(at_times(kept, np.arange(0.0, whole.t[-1], period))).recordings[0]
+    held = RigidArm(nominal().robot).tcp_position(again.joint_array("link.position"))
+    np.testing.assert_allclose(again.vector("tcp.position")[1:-1], held[1:-1], atol=1e-7)
 
 
 def test_a_machine_under_another_controller_moves_as_measured(recording):
