@@ -105,7 +105,14 @@ class Colour:
 
 
 def colour_of(
-    signal: Sequence[Array], left: Sequence[Array], white: Sequence[Array], cutoff: float, low_pass: LowPass, dt: float
+    signal: Sequence[Array],
+    left: Sequence[Array],
+    white: Sequence[Array],
+    cutoff: float,
+    low_pass: LowPass,
+    dt: float,
+    *,
+    alike: bool = False,
 ) -> Colour:
     """Colour of the noise of signals, pooled over motions; (T_i, N) each, at all samples.
 
@@ -116,6 +123,7 @@ def colour_of(
         cutoff: up to which frequency that is compared [Hz].
         low_pass: of the motion.
         dt: sample period [s].
+        alike: whether components are axes of one sensor, whose noise has one memory.
     """
     n = signal[0].shape[1]
     none = Colour(fresh=np.zeros(n), stays=np.zeros(n), white=np.zeros(n))
@@ -128,23 +136,26 @@ def colour_of(
     low = frequency < cutoff
     if not high.any() or not low.any():
         return none
+    heard = _untaken(frequency[high], _quiet(above[:, high]), low_pass, dt)
+    of_band = frequency[low], _quiet(inside[:, low]), _quiet(known[:, low])
     found = np.zeros((3, n))
-    for j in range(n):
-        heard = _untaken(frequency[high], _quiet(above[:, high, j]), low_pass, dt)
-        of_band = frequency[low], _quiet(inside[:, low, j]), _quiet(known[:, low, j])
-        is_steady = heard.mean() < _STEADY * _quiet(known[:, high, j]).mean()
-        if len(heard) < _GROUPS or frequency[high][0] * dt > _RARE:
-            fresh, stays, flat = _going_on(frequency[high], heard, *of_band, dt) if is_steady else (0.0, 0.0, 0.0)
-        else:
-            fresh, flat = _falling(frequency[high], heard, dt)
-            stays = _staying(*of_band, fresh, flat, dt)
-        if fresh >= _LEAST * max(float(values[:, j].std()) for values in signal):
-            found[:, j] = fresh, stays, flat
+    if high.sum() < _GROUPS or frequency[high][0] * dt > _RARE:
+        is_steady = heard.mean(axis=1) < _STEADY * _quiet(known[:, high]).mean(axis=1)
+        for one in [np.arange(n)] if alike else list(np.arange(n)[:, None]):
+            if is_steady[one].all():
+                fresh, stays = _going_on(frequency[high], heard[one], of_band[0], of_band[1][one], of_band[2][one], dt)
+                found[0, one], found[1, one] = fresh, stays
+    else:
+        for j in range(n):
+            fresh_j, flat = _falling(frequency[high], heard[j], dt)
+            found[:, j] = fresh_j, _staying(of_band[0], of_band[1][j], of_band[2][j], fresh_j, flat, dt), flat
+    rounding = _LEAST * np.max([values.std(axis=0) for values in signal], axis=0)
+    found[:, found[0] < rounding] = 0.0
     return Colour(fresh=found[0], stays=found[1], white=found[2])
 
 
 def _untaken(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> Array:
-    """Energy of a signal by that of what a low-pass took from it, above its cut-off."""
+    """Energy (N, H) of a signal by that of what a low-pass took from it, above its cut-off."""
     ratio = np.tan(np.pi * dt * frequency) / np.tan(np.pi * dt * low_pass.cutoff)
     taken = 1 / (1 + ratio ** (2 * low_pass.order))  # by both runs of the sampled low-pass
     return np.asarray(energy / (1 - taken) ** 2, dtype=np.float64)
@@ -152,25 +163,25 @@ def _untaken(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> A
 
 def _going_on(
     frequency: Array, energy: Array, inside: Array, left: Array, known: Array, dt: float
-) -> tuple[float, float, float]:
-    """Find what is fresh, the share that stays, and the white part, where samples are too rare to see how noise falls.
+) -> tuple[Array, float]:
+    """Find what is fresh (J,) and the share that stays, where samples are too rare to see how noise falls.
 
-    It is then what goes on from above the band into it, in the parts of the band that are quiet; noise is white if
-    nothing of the kind explains these.
+    It is then what goes on from above the band, energies (J, H), into it, (J, L), in the parts of the band that are
+    quiet; noise is white if nothing of the kind explains these.
     """
-    fast = inside > 0.5 * inside[-1]
+    fast, white = inside > 0.5 * inside[-1], np.zeros(len(energy))
     if np.median(left / known) < _MORE:
-        return 0.0, 0.0, 0.0
+        return white, 0.0
     shares = np.exp(-2 * np.pi * _CORNERS * dt)
-    fresh = np.array([float(np.sqrt(np.mean(energy / _shape(share, frequency, dt)))) for share in shares])
-    angles = np.maximum(known - energy.mean(), 0.0)  # what the model leaves of itself beside white noise of torque
+    fresh = np.array([np.sqrt(np.mean(energy / _shape(share, frequency, dt), axis=1)) for share in shares])
+    angles = np.maximum(known - energy.mean(axis=1)[:, None], 0.0)  # what the model leaves of itself beside white noise
     over = np.stack(
-        [left / (angles + s**2 * _shape(share, inside, dt)) for s, share in zip(fresh, shares, strict=True)]
+        [left / (angles + s[:, None] ** 2 * _shape(share, inside, dt)) for s, share in zip(fresh, shares, strict=True)]
     )
-    best = int(np.argmin(np.abs(np.median(np.log(over), axis=1))))
-    if over[best, fast].mean() > _BEYOND:  # more than noise of that kind can be: what is left is a fault
-        return 0.0, 0.0, 0.0
-    return float(fresh[best]), float(shares[best]), 0.0
+    best = int(np.argmin(np.abs(np.median(np.log(over), axis=(1, 2)))))
+    if over[best][:, fast].mean() > _BEYOND:  # more than noise of that kind can be: what is left is a fault
+        return white, 0.0
+    return fresh[best], float(shares[best])
 
 
 def _falling(frequency: Array, energy: Array, dt: float) -> tuple[float, float]:
@@ -240,7 +251,7 @@ def _spectrum(part: Array, dt: float) -> Array:
 
 
 def _quiet(energy: Array) -> Array:
-    """Energy of noise at each frequency, by that of the quiet parts (B, F); chance makes some quiet."""
+    """Energy of noise (N, F) at each frequency, by that of the quiet parts (B, F, N); chance makes some quiet."""
     by_chance = float(chi2.ppf(_QUIET, _FREEDOM)) / _FREEDOM
     found: Array = np.maximum(np.quantile(energy, _QUIET, axis=0) / by_chance, np.finfo(np.float64).tiny)
-    return found
+    return found.T

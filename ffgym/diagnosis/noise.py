@@ -106,7 +106,7 @@ def _with_colours(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
     for family, rest in left.items():
         rows = of(measured[family]), of(rest), of(white[family])
         if all(np.isfinite(values).all() for values in rows[0]):
-            colours[family] = colour_of(*rows, cutoff, low_pass, log.dt)
+            colours[family] = colour_of(*rows, cutoff, low_pass, log.dt, alike=family == "tcp.position")
     colours = {family: colour for family, colour in colours.items() if not colour.is_white}
 
     white_part: list[tuple[str, str, Array | None]] = [

@@ -10,7 +10,6 @@ and stays.
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
 
 from ffgym.diagnosis.evidence.stack import Values
 from ffgym.diagnosis.residual import Channel
@@ -24,41 +23,6 @@ USUAL = 3.0
 
 _NORMAL = 1.4826
 """Standard deviation of a normal distribution over its median absolute value."""
-
-_REVERSAL = 7e-3
-"""Time that a reversal takes in a motion without parts above 100 Hz [s]: samples so far apart tell nothing of it."""
-
-_PASSED = 4.0
-"""Sample periods, in reversals, from which on these lie between samples; chosen between two recordings: friction of
-the ball screw is named at 4 ms with the doubt alone, the late row of the KR300 at 100 ms without it alone."""
-
-_NEAR = 1
-"""Rows on either side of one in which a motion between samples may show; chosen."""
-
-
-def doubt_bias(weights: Values, bias: Mapping[Channel, Array], dt: float) -> Values:
-    """Weights (R, M) by component under which what replays do wrong is not taken for known where samples are rare.
-
-    What replay and machine differ by is computed along a motion that is made up between the samples, and is known no
-    better than that is: it counts as noise in proportion to the time that passes from one sample to the next.
-
-    Args:
-        weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
-        bias: of torques, motor side, and of all else, (R, M, C) by channel.
-        dt: sample period [s].
-    """
-    share = min(1.0, dt / _REVERSAL) if dt < _PASSED * _REVERSAL else 0.0
-    found = dict(weights)
-    for (channel, c), rows in weights.items():
-        if channel == "torque" and share > 0:
-            found[channel, c] = rows / np.hypot(1.0, rows * share * _about(bias[channel][:, :, c]))
-    return found
-
-
-def _about(values: Array) -> Array:
-    """Largest sizes of rows (R, M) and of those near them."""
-    found: Array = maximum_filter1d(np.abs(values), 2 * _NEAR + 1, axis=0)
-    return found
 
 
 def bound_outliers(weights: Values, residual: Mapping[Channel, Array]) -> Values:

@@ -16,7 +16,7 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, encoder_steps, faultless_residuals
-from ffgym.diagnosis.outliers import bound_outliers, doubt_bias
+from ffgym.diagnosis.outliers import bound_outliers
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
@@ -25,6 +25,7 @@ from ffgym.diagnosis.servo import FOREIGN, UNKNOWN, has_servo, is_foreign
 from ffgym.diagnosis.signatures.column import Column, columns_of
 from ffgym.diagnosis.signatures.variant import variants
 from ffgym.diagnosis.standing import misread_friction
+from ffgym.diagnosis.unknown_torque import doubt_torque, unknown_torque
 from ffgym.effects import Effect, State, TorqueEffect, Torques
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
@@ -108,11 +109,12 @@ def prepared(
     floor = faultless.floor(log)
     weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in counting_rows(log).items()}
     missed = {channel: rows - known.bias[channel] for channel, rows in residual_rows(log, predicted(like)).items()}
+    doubtful = doubt_torque(weights, unknown_torque(like, known.bias))
     setting = Setting(
         log=log,
         nominal=nominal,
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
-        weights=bound_outliers(doubt_bias(weights, known.bias, log.dt), missed),
+        weights=bound_outliers(doubtful, missed),
         calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in known.doubts],
         doubts=known.doubts if at is None else _standing(known.doubts, at),
         like=like,

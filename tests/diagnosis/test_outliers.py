@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.outliers import EVERYWHERE, USUAL, bound_outliers, doubt_bias
+from ffgym.diagnosis.outliers import EVERYWHERE, USUAL, bound_outliers
 
 KEY = ("torque", 0)
 NOISE = 0.02
@@ -46,24 +46,3 @@ def test_rows_that_do_not_count_neither_count_nor_say_what_is_usual():
 def test_a_component_without_rows_stays_without():
     nothing = np.zeros((10, 1))
     np.testing.assert_array_equal(bound_outliers({KEY: nothing}, {"torque": np.ones((10, 1, 1))})[KEY], nothing)
-
-
-@pytest.mark.parametrize(("dt", "share"), [(0.0007, 0.1), (0.007, 1.0), (0.01, 1.0)])
-def test_what_a_replay_does_wrong_counts_as_noise_where_samples_are_rare(dt, share):
-    bias = np.zeros((100, 1, 1))
-    bias[50] = 10 * NOISE
-    found = doubt_bias({KEY: np.full(1, 1 / NOISE)}, {"torque": bias}, dt)[KEY]
-    about = 1 / (NOISE * np.hypot(1, 10 * share))
-    np.testing.assert_allclose(found[49:52], about)
-    np.testing.assert_allclose(np.delete(found, [49, 50, 51], axis=0), 1 / NOISE)
-
-
-def test_what_is_no_torque_is_known_as_it_was():
-    weight = np.full(1, 1 / NOISE)
-    found = doubt_bias({("tool", 0): weight}, {"tool": np.ones((100, 1, 1))}, 0.01)
-    np.testing.assert_array_equal(found["tool", 0], weight)
-
-
-def test_reversals_between_samples_are_in_no_row():
-    weight, bias = np.full(1, 1 / NOISE), np.full((100, 1, 1), 10 * NOISE)
-    np.testing.assert_array_equal(doubt_bias({KEY: weight}, {"torque": bias}, 0.1)[KEY], weight)
