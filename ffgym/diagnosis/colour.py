@@ -20,6 +20,7 @@ from scipy.signal import lfilter
 from scipy.signal.windows import hann
 from scipy.stats import chi2
 
+from ffgym.diagnosis.log.white import taken
 from ffgym.identification import LowPass
 from ffgym.types import Array
 
@@ -156,9 +157,7 @@ def colour_of(
 
 def _untaken(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> Array:
     """Energy (N, H) of a signal by that of what a low-pass took from it, above its cut-off."""
-    ratio = np.tan(np.pi * dt * frequency) / np.tan(np.pi * dt * low_pass.cutoff)
-    taken = 1 / (1 + ratio ** (2 * low_pass.order))  # by both runs of the sampled low-pass
-    return np.asarray(energy / (1 - taken) ** 2, dtype=np.float64)
+    return np.asarray(energy / (1 - taken(low_pass, frequency, dt)) ** 2, dtype=np.float64)
 
 
 def _going_on(

@@ -16,7 +16,6 @@ from ffgym.diagnosis.log.white import white_noise
 from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tool_path
 from ffgym.diagnosis.residual import Channel
-from ffgym.errors import FFGymError
 from ffgym.recordings import Recording
 from ffgym.types import Array, BoolArray
 
@@ -62,27 +61,32 @@ class Noise:
     """By family of columns; the noise of others is white."""
 
 
-def noise_of(log: Log) -> Noise:
-    """White noise of a log's signals, from what is above the band of motions."""
+def noise_of(run: Replay) -> Noise:
+    """White noise of a log's signals, from what is above the band of motions.
+
+    Of samples some milliseconds apart, reversals and stops are in that band, too. They are in the signal and not in
+    what a model leaves of it, which has them only where the model is wrong; noise is no louder than either.
+
+    Args:
+        run: replay of the log on the nominal machine.
+    """
+    log, left = run.read, _left(run)
     low_pass = log.sampling.motion_filter
     raw = [_angles(log, recording) for recording in log.recordings]
 
-    def each(values: Array | None) -> Array | None:
-        if values is None:
-            return None
-        lengths = [len(recording) for recording in log.recordings]
-        return np.stack([white_noise(values[:n, i], low_pass, log.dt) for i, n in enumerate(lengths)])
+    def each(values: Array) -> Array:
+        return np.stack([white_noise(values[:n, i], low_pass, log.dt) for i, n in enumerate(log.lengths)])
 
-    torque = each(log.torque)
-    if torque is None:
-        raise FFGymError("The log has no torque.")
+    def least(values: Array, family: str) -> Array:
+        return np.minimum(each(values), each(left[family])) if family in left else each(values)
+
     return Noise(
         angle=np.stack([white_noise(angle, low_pass, log.dt) for angle in raw]),
         step=encoder_steps(log),
-        torque=torque,
-        tool=each(log.tool),
-        link=each(log.link),
-        feedback=each(log.feedback),
+        torque=least(log.torque, "motor.effort"),
+        tool=None if log.tool is None else least(log.tool, "tcp.position"),
+        link=None if log.link is None else each(log.link),
+        feedback=None if log.feedback is None else least(log.feedback, "feedback.effort"),
     )
 
 
@@ -229,7 +233,7 @@ def faultless_residuals(
         like: replay of the log on the nominal machine.
         rng: draws the noise.
     """
-    noise = noise_of(log)
+    noise = noise_of(like)
 
     def drawn() -> Replay:
         seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(own.read.recordings)]
@@ -268,7 +272,7 @@ def torque_noise(run: Replay) -> Array:
     Through a low-pass of cut-off :math:`f_c`, white noise :math:`\sigma` of samples :math:`\Delta t` apart keeps
     :math:`\sigma \sqrt{2 f_c \Delta t}`, and its second derivative :math:`(2\pi)^2 \sigma \sqrt{2 f_c^5 \Delta t / 5}`.
     """
-    noise, fc, dt = noise_of(run.log), run.log.sampling.cutoff, run.log.dt
+    noise, fc, dt = noise_of(run), run.log.sampling.cutoff, run.log.dt
     torque = noise.torque * np.sqrt(2 * fc * dt)
     acceleration = (2 * np.pi) ** 2 * noise.angle * np.sqrt(2 * fc**5 * dt / 5)
     floor = _LEAST_TORQUE * np.sqrt(np.mean(run.torque**2, axis=0))

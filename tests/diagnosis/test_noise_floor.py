@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis import noise as module
-from ffgym.diagnosis.noise import Faultless
+from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.noise import Faultless, noise_of
+from ffgym.diagnosis.replay import replay
+from ffgym.exam.independent.question import handed_out
+from ffgym.exam.independent.sensors import QUIET, TORQUE_NOISE, Columns
+from ffgym.plant import Machine
 
 
 @pytest.mark.parametrize(("channel", "least"), [("torque", 0.3), ("servo", 1.0)])
@@ -22,3 +27,15 @@ def test_no_motion_has_much_less_noise_than_all_though_an_encoder_shows_none_whi
     overall = np.sqrt(2.0)
     assert floor[0, 0] == pytest.approx(2.0)
     assert floor[1, 0] == pytest.approx(least * overall)
+
+
+@pytest.mark.parametrize("row_dt", [0.002, 0.01])
+def test_what_a_model_foretells_above_the_band_of_motions_is_no_noise(row_dt):
+    """Quiet sensors of a rigid arm that reverses: its torque has more above 38 Hz than their noise."""
+    plain = Columns(tracker=False, set_points=False, feedback=False, speed=False, temperature=False)
+    paper = handed_out(
+        "clean", 0, seed=4, n=2, elastic=False, noise="quiet", row_dt=row_dt, control="documented", columns=plain
+    )
+    run = replay(log_of(paper.robot, paper.log), Machine.of(paper.robot))
+    true = QUIET * TORQUE_NOISE * paper.robot.friction.coulomb
+    assert np.median(noise_of(run).torque / true) < 2.0

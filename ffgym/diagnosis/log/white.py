@@ -9,8 +9,17 @@ from ffgym.types import Array
 _LEAST = 0.05
 """Share of the band that is taken to be seen at least, however high the low-pass."""
 
+_FREQUENCIES = 500
+"""Frequencies that a share of the band is summed over; chosen: a low-pass is smooth."""
+
 _KNOWN = 20
-"""Independent values in a block, from which its noise is known to a sixth."""
+"""Independent values in a block, from which its noise is known to a sixth; fewer in one that would last too long."""
+
+_FEWEST = 6
+"""Independent values in a block at least."""
+
+_LONGEST = 0.1
+"""Time [s] that a block should last at most; chosen: most of those between two reversals show none of them."""
 
 _QUIET = 0.25
 """Share of the blocks that show noise alone; what a machine does above its band, as resolvers that err in fast motion,
@@ -27,16 +36,30 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
     """
     known = np.nan_to_num(values)
     slow = low_pass(known, dt)
-    share = max(_LEAST, 1.0 - 2.0 * low_pass.cutoff * dt)
+    share = max(_LEAST, passed_over(low_pass, dt))
     ends = low_pass.end_rows(dt)
     inner = slice(ends, len(known) - ends) if len(known) > 4 * ends else slice(None)
-    width = round(_KNOWN / share)
+    values_in_block = np.clip(share * _LONGEST / dt, _FEWEST, _KNOWN)
+    width = round(values_in_block / share)
     local = np.mean(_in_blocks((known - slow)[inner], width) ** 2, axis=1)
     moves = np.ptp(_in_blocks(slow[inner], width), axis=1) > np.sqrt(local)
     moves = moves | (moves.sum(axis=0) < _FEW)
-    energy = [_quiet(local[rows, c]) for c, rows in enumerate(moves.T)]
+    energy = [_quiet(local[rows, c], share * width) for c, rows in enumerate(moves.T)]
     noise: Array = np.sqrt(np.array(energy) / share)
     return noise
+
+
+def passed_over(low_pass: LowPass, dt: float) -> float:
+    """Share of the energy of white noise, samples `dt` [s] apart, that is in what a low-pass takes from it."""
+    frequency: Array = (np.arange(_FREQUENCIES, dtype=np.float64) + 0.5) / (2 * _FREQUENCIES * dt)
+    return float(np.mean((1 - taken(low_pass, frequency, dt)) ** 2))
+
+
+def taken(low_pass: LowPass, frequency: Array, dt: float) -> Array:
+    """Share of signals of some frequencies [Hz], samples `dt` [s] apart, that passes both runs of a low-pass."""
+    ratio = np.tan(np.pi * dt * frequency) / np.tan(np.pi * dt * low_pass.cutoff)
+    passed: Array = 1 / (1 + ratio ** (2 * low_pass.order))
+    return passed
 
 
 def _in_blocks(values: Array, width: int) -> Array:
@@ -46,11 +69,14 @@ def _in_blocks(values: Array, width: int) -> Array:
     return values[: n * width].reshape(n, width, -1)
 
 
-def _quiet(energy: Array) -> float:
-    """Energy of noise by that of blocks, of which some are loud; chance makes some quiet, which is reckoned with."""
+def _quiet(energy: Array, known: float) -> float:
+    """Energy of noise by that of blocks of so many independent values, of which some are loud.
+
+    Chance makes some quiet, which is reckoned with.
+    """
     if len(energy) < _FEW:
         return float(np.mean(energy))
-    by_chance = float(chi2.ppf(_QUIET, _KNOWN)) / _KNOWN
+    by_chance = float(chi2.ppf(_QUIET, known)) / known
     return float(np.quantile(energy, _QUIET)) / by_chance
 
 

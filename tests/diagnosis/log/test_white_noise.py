@@ -19,6 +19,21 @@ def test_the_noise_of_a_signal_is_found_beneath_its_motion(deviation):
     np.testing.assert_allclose(white_noise(values, LOW_PASS, DT), deviation, rtol=0.05)
 
 
+@pytest.mark.parametrize(("dt", "cutoff"), [(0.001, 100.0), (0.002, 100.0), (0.005, 50.0), (0.01, 38.0)])
+def test_white_noise_is_found_whatever_part_of_the_band_shows_it(dt, cutoff):
+    values = np.random.default_rng(2).normal(size=(round(4.0 / dt), 200))
+    found = white_noise(values, LowPass(cutoff=cutoff), dt)
+    assert np.sqrt(np.mean(found**2)) == pytest.approx(1.0, abs=0.08)
+
+
+def test_reversals_that_come_every_second_are_no_noise_of_rare_samples():
+    """Friction of 1 N m that turns with the speed, and noise of 0.005 N m every 10 ms: most blocks are quiet."""
+    t = 0.01 * np.arange(2400)
+    friction = np.tanh(50 * np.sin(np.pi * t))
+    values = friction + np.random.default_rng(3).normal(scale=0.005, size=t.size)
+    assert white_noise(values[:, None], LowPass(cutoff=38.0), 0.01)[0] == pytest.approx(0.005, rel=0.3)
+
+
 def test_some_peaks_are_no_noise():
     rng = np.random.default_rng(1)
     values = rng.normal(size=(8000, 1))
