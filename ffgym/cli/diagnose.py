@@ -9,7 +9,7 @@ from typing import Any
 
 import tyro
 
-from ffgym.cli.diagnose_inputs import ROBOT, Nominal, draft_named, fitted, logs_from, nominal_named
+from ffgym.cli.diagnose_inputs import ROBOT, Nominal, draft_named, fit_nominal, logs_from, nominal_named
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.cli.unused import given_options
@@ -103,11 +103,11 @@ class Diagnose:
         info = provenance("ffgym diagnose", self, nominal.machine.robot.name, physics, self.seed)
         examined = replace(examined, diagnosis=replace(examined.diagnosis, provenance=_lasting(info)))
         models = self._models(examined, nominal, recordings)
-        compared = self._compared(models, examined, held_out)
+        compared = self._compare(models, examined, held_out)
         if compared is not None and not compared.is_better and examined.diagnosis.causes:
             examined = replace(examined, diagnosis=replace(examined.diagnosis, gains=False))
             self._remove(EXTENDED)
-        closed_loop = self._closed_loop(models, nominal, examined, held_out)
+        closed_loop = self._run_closed_loop(models, nominal, examined, held_out)
         self._write(examined, compared, closed_loop)
         self._tell(examined.diagnosis, compared, closed_loop, nominal.machine.robot)
 
@@ -144,7 +144,7 @@ class Diagnose:
         draft = draft_named(self.robot)
         recordings = logs_from(self.logs, self.columns, draft.description_for("identification"))
         sound = judged(recordings, needs=("diagnosis",), accept=self.accept).recordings
-        return fitted(draft, self.robot, sound or recordings), recordings
+        return fit_nominal(draft, self.robot, sound or recordings), recordings
 
     def _calibration(self, nominal: Nominal) -> Calibration:
         """Standard deviations of the numbers: as told, as fitted, or as usual."""
@@ -170,7 +170,7 @@ class Diagnose:
         if self.out is None:
             return examined.nominal, examined.machine
         self._remove(NOMINAL, EXTENDED, NEXT, COLUMNS)
-        robot, before = nominal.described_in(self.out), examined.nominal
+        robot, before = nominal.describe_in(self.out), examined.nominal
         if nominal.calibration is not None:
             source = "fitted to the logs before the diagnosis"
             title = f"{before.robot.title}, fitted by ffgym diagnose"
@@ -194,18 +194,18 @@ class Diagnose:
         for name in names:
             (self.out / name).unlink(missing_ok=True)
 
-    def _compared(
+    def _compare(
         self, models: tuple[Machine, Machine], examined: Examined, held_out: Sequence[Recording]
     ) -> HeldOut | None:
-        """Both models replayed along logs that were not diagnosed."""
+        """Replay both models along logs that were not diagnosed."""
         if not held_out or examined.before is None:
             return None
         return held_out_levels(*models, held_out, cutoff=examined.before.cutoff)
 
-    def _closed_loop(
+    def _run_closed_loop(
         self, models: tuple[Machine, Machine], nominal: Nominal, examined: Examined, held_out: Sequence[Recording]
     ) -> Sequence[LoopLevel]:
-        """Both models beside the machine, under the documented controller, on logs that were not diagnosed."""
+        """Run both models under the documented controller, along the set-points of logs that were not diagnosed."""
         if examined.before is None or not _runs_again(nominal, held_out):
             return ()
         with progress_bar("closed loops", "s") as progress:

@@ -45,7 +45,7 @@ class Nominal:
         missing = () if self.draft is None else self.draft.missing
         return not any(path.startswith("servo.") for path in missing)
 
-    def described_in(self, folder: Path) -> str | Path:
+    def describe_in(self, folder: Path) -> str | Path:
         """Name for machine files in a folder of the robot; a description that lacks entries is made whole there."""
         if self.draft is None or not self.draft.missing:
             return self.reference
@@ -102,8 +102,8 @@ def draft_named(name: str | None) -> RobotDraft:
     return load_draft(name or EXAMPLE_ROBOT)
 
 
-def fitted(draft: RobotDraft, reference: str | Path, recordings: Sequence[Recording]) -> Nominal:
-    """Masses, rotors and friction that predict the torque of recordings best, as a nominal model.
+def fit_nominal(draft: RobotDraft, reference: str | Path, recordings: Sequence[Recording]) -> Nominal:
+    """Fit the nominal model: masses, rotors and friction that predict the torque of recordings best.
 
     Raises:
         FFGymError: if recordings do not fit the robot, or do not tell its numbers.

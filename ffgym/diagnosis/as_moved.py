@@ -34,7 +34,7 @@ def as_moved(log: Log, run: Replay) -> list[Recording]:
     """
     every = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
     fine = replay(_finer(log, every), run.machine)
-    return [_recorded(log, run, fine, every, i) for i in range(len(log.recordings))]
+    return [_record(log, run, fine, every, i) for i in range(len(log.recordings))]
 
 
 def _finer(log: Log, every: int) -> Log:
@@ -65,7 +65,7 @@ def _finer(log: Log, every: int) -> Log:
 
 
 def _low_pass(log: Log) -> LowPass:
-    """That of the motion; the usual one of what is compared, where angles are noisy.
+    """Low-pass of the motion; the usual one of what is compared, where angles are noisy.
 
     What is left of their noise at the edge of a wide band would be bias.
     """
@@ -114,8 +114,8 @@ def _clock(log: Log, i: int, every: int) -> Recording:
     return Recording(columns={"timestamp": log.dt / every * np.arange(n, dtype=np.float64)}, header=header)
 
 
-def _recorded(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recording:
-    """What is recorded of one motion, at the samples of the log, motor side."""
+def _record(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recording:
+    """Record one motion at the samples of the log, motor side."""
     recording, n = log.recordings[i], log.lengths[i]
     rows = slice(0, (n - 1) * every + 1, every)
     link = fine.link_q[rows, i]

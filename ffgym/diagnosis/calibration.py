@@ -1,4 +1,4 @@
-"""How well the nominal numbers are known: what a model that lacks nothing may still be off by."""
+"""Errors of calibration: what the numbers of a model that lacks nothing may be off by."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""What a log cannot show: effects that take columns that it lacks, and effects that its motions do not bring out."""
+"""Effects that a log cannot show: those that take columns that it lacks, and those that its motions leave at rest."""
 
 import numpy as np
 
