@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.exact import exact_recordings
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log.derivatives import derivatives
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import replay
 from ffgym.recordings import Recording
@@ -73,6 +75,20 @@ def test_between_samples_of_the_simulation_the_tool_is_where_the_links_hold_it(p
     again = exact(at_times(kept, np.arange(0.0, whole.t[-1], period))).recordings[0]
     held = RigidArm(nominal().robot).tcp_position(again.joint_array("link.position"))
     np.testing.assert_allclose(again.vector("tcp.position")[1:-1], held[1:-1], atol=1e-7)
+
+
+def test_a_motion_that_is_made_up_is_the_measured_one_once_it_went_through_the_low_pass(recording):
+    """Motors that stop within milliseconds: smoothed again, they would turn back later than they do."""
+    log = log_of(nominal().physical, [recording])
+    stopped = np.maximum(log.q, np.quantile(log.q, 0.3, axis=0))
+    low_pass = log.sampling.motion_filter
+    smooth = np.stack([low_pass(stopped[:, 0], log.dt)], axis=1)
+    dq, ddq = derivatives(smooth[:, 0], log.dt)
+    log = replace(log, q=smooth, dq=dq[:, None], ddq=ddq[:, None], slip_dq=dq[:, None], trembling=0 * log.trembling)
+    again = log_of(log.robot, as_moved(log, replay(log, nominal())), like=log).q
+    inner = slice(50, -50)
+    twice = np.abs(low_pass(smooth[:, 0], log.dt) - smooth[:, 0])[inner].max()
+    assert np.abs(again - smooth)[inner].max() < 0.4 * twice
 
 
 def test_a_machine_under_another_controller_moves_as_measured(recording):
