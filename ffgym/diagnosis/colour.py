@@ -113,6 +113,7 @@ def colour_of(
     low_pass: LowPass,
     dt: float,
     *,
+    level: Array | None = None,
     alike: bool = False,
 ) -> Colour:
     """Colour of the noise of signals, pooled over motions; (T_i, N) each, at all samples.
@@ -124,6 +125,7 @@ def colour_of(
         cutoff: up to which frequency that is compared [Hz].
         low_pass: of the motion.
         dt: sample period [s].
+        level: standard deviation (N,) that white noise would have with as much above the band; None is looked for here.
         alike: whether components are axes of one sensor, whose noise has one memory.
     """
     n = signal[0].shape[1]
@@ -141,6 +143,8 @@ def colour_of(
     of_band = frequency[low], _quiet(inside[:, low]), _quiet(known[:, low])
     found = np.zeros((3, n))
     if high.sum() < _GROUPS or frequency[high][0] * dt > _RARE:
+        if level is not None:  # known better than from so few frequencies
+            heard = np.maximum(heard, 2 * dt * level[:, None] ** 2)
         is_steady = heard.mean(axis=1) < _STEADY * _quiet(known[:, high]).mean(axis=1)
         for one in [np.arange(n)] if alike else list(np.arange(n)[:, None]):
             if is_steady[one].all():

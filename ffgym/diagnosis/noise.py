@@ -106,23 +106,16 @@ def _with_colours(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
     def of(values: Array | None) -> list[Array]:
         return [] if values is None else [values[log.known[:, i], i] for i in n]
 
+    names = {"motor.effort": "torque", "feedback.effort": "feedback", "tcp.position": "tool"}
+    above = {family: getattr(noise, name) for family, name in names.items()}  # white, if it were
     colours = {}
     for family, rest in left.items():
         rows = of(measured[family]), of(rest), of(white[family])
         if all(np.isfinite(values).all() for values in rows[0]):
-            colours[family] = colour_of(*rows, cutoff, low_pass, log.dt, alike=family == "tcp.position")
+            level = np.median(above[family], axis=0)
+            colours[family] = colour_of(*rows, cutoff, low_pass, log.dt, level=level, alike=family == "tcp.position")
     colours = {family: colour for family, colour in colours.items() if not colour.is_white}
-
-    white_part: list[tuple[str, str, Array | None]] = [
-        ("torque", "motor.effort", noise.torque),
-        ("feedback", "feedback.effort", noise.feedback),
-        ("tool", "tcp.position", noise.tool),
-    ]
-    less: dict[str, Any] = {
-        name: colours[family].beside(sigma)
-        for name, family, sigma in white_part
-        if sigma is not None and family in colours
-    }
+    less: dict[str, Any] = {names[family]: colour.beside(above[family]) for family, colour in colours.items()}
     return replace(noise, colours=colours, **less)
 
 
