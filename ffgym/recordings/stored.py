@@ -44,7 +44,7 @@ class Stored:
     @cached_property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns."""
-        with np.load(self._path, allow_pickle=False) as file:
+        with self._path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
             return tuple(name for name in file.files if name != HEADER_KEY)
 
     @cached_property
@@ -80,7 +80,7 @@ class Stored:
 
     def _read(self, names: tuple[str, ...]) -> dict[str, Any]:
         try:
-            with np.load(self._path, allow_pickle=False) as file:
+            with self._path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
                 return {name: file[name] for name in names}
         except Exception as error:  # zipfile, zlib and numpy raise a dozen types for damaged bytes
             kind = type(error).__name__

@@ -12,7 +12,7 @@ POSITION = "motor.position"
 """Family that says how joints move; other families follow it."""
 
 PERIOD = 0.02
-"""Time [s] over which positions are averaged; chosen: short beside planned motion, long beside noise of encoders."""
+"""Time [s] of which a coarse row is the median; chosen: short beside planned motion, long beside noise of encoders."""
 
 RESTING = 0.02
 """Share of the top speed of a joint below which it rests, as the checks of quality have it."""
@@ -41,20 +41,20 @@ class Coarse:
 
 
 def coarse(source: Source) -> Coarse:
-    """Average the positions of a recording; one without positions stands still."""
+    """Take medians of the positions of a recording, which single bad rows leave; without positions, it stands still."""
     t = source.t
     every = min(max(1, round(PERIOD / float(np.median(np.diff(t))))), len(t) // 2)
     names = [f"{POSITION}.{joint}" for joint in source.header.joints]
     there = all(name in source.columns for name in names)
-    at = _averaged(t, every)
-    q = np.stack([_averaged(source[name] if there else np.zeros(len(t)), every) for name in names], axis=1)
+    at = _medians(t, every)
+    q = np.stack([_medians(source[name] if there else np.zeros(len(t)), every) for name in names], axis=1)
     dq = np.gradient(q, at, axis=0)
     return Coarse(t=at, period=float(np.median(np.diff(at))), q=q, dq=dq, ddq=np.gradient(dq, at, axis=0))
 
 
-def _averaged(values: Array, every: int) -> Array:
+def _medians(values: Array, every: int) -> Array:
     n = len(values) // every
-    return np.asarray(values[: n * every].reshape(n, every).mean(axis=1))
+    return np.asarray(np.median(values[: n * every].reshape(n, every), axis=1))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
