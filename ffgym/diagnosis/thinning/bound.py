@@ -12,8 +12,8 @@ SAMPLES = 540_000
 """Samples of all joints and recordings together: 90 s of six axes at 1 kHz, with which a diagnosis stays below 3 GB."""
 
 ROWS = 270_000
-"""Rows that are compared, of all joints together: 360 s of six axes at 250 Hz, 450 s at 100 Hz. It is the larger of
-both bounds for slow logs, of which each sample is a row."""
+"""Rows that are compared, of all joints together: 360 s of six axes at 250 Hz, 450 s at 100 Hz. It is the one that
+counts for slow logs, of which each sample is a row."""
 
 
 def affordable(dt: float, n_joints: int) -> float:

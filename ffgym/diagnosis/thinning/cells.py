@@ -15,6 +15,9 @@ _REST = 0.1
 """Time [s] for which all joints rest where a cell is cut at rest; chosen: longer than joints that turn together are
 slow."""
 
+_PAUSE = 3.0
+"""Interval of the clock [s] as which longer ones count: a cell lies in it, and a night takes no more memory."""
+
 _THERE = 0.5
 """Share of its rows that a cell has at least; one with fewer lies in a pause of the clock."""
 
@@ -45,7 +48,7 @@ def cells_of(motion: Coarse, regressor: Regressor) -> Cells:
         motion: of the recording.
         regressor: scaled to all recordings of the log.
     """
-    t, period = motion.t, motion.period
+    period, t = motion.period, _without_pauses(motion.t)
     first, last = float(t[0] - period / 2), float(t[-1] + period / 2)
     count = max(1, int((last - first) / CELL))
     rests = regressor.rests(motion)
@@ -61,10 +64,16 @@ def cells_of(motion: Coarse, regressor: Regressor) -> Cells:
     own = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
     there = period * np.array([cell.stop - cell.start for cell in own]) >= _THERE * np.diff(edges)
     edges[-1] += period  # the last rows may be too few for a coarse one
+    pauses = np.interp(edges, t, motion.t - t)
     return Cells(
-        edges=edges,
+        edges=edges + pauses,
         at_rest=at_rest,
         information=period * np.stack([rows[cell].T @ rows[cell] for cell in own]),
         moving=np.array([1.0 - rests[cell].mean() if cell.stop > cell.start else 0.0 for cell in own]),
         there=there,
     )
+
+
+def _without_pauses(t: Array) -> Array:
+    """Times [s] with pauses of the clock shortened."""
+    return np.asarray(t - np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(t) - _PAUSE, 0.0))]))

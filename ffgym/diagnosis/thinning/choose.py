@@ -53,7 +53,7 @@ def chosen(log: Sequence[Cells], seconds: float) -> list[Choice]:
     windows = _Windows.of(log)
     left, chosen_at = seconds, np.zeros(len(windows.length), dtype=np.bool_)
     free, used = windows.usable.copy(), np.zeros(windows.n_cells, dtype=np.bool_)
-    parts = max(1, int(_SPREAD * seconds / (CELL * LENGTH)))
+    parts = max(1, round(_SPREAD * seconds / (CELL * LENGTH)))
     part_of = (2 * windows.begin + windows.length) * parts // (2 * windows.n_cells)
     served = np.zeros(parts, dtype=np.bool_)
     known = np.eye(windows.information.shape[1])

@@ -25,9 +25,10 @@ PROCESS = """
 import sys
 from ffgym.cli import main
 sys.argv = ["ffgym", "diagnose", *sys.argv[1:]]
-main()
-status = open("/proc/self/status").read()
-print("peak", status.split("VmHWM:")[1].split()[0])
+try:
+    main()
+finally:
+    print("peak", open("/proc/self/status").read().split("VmHWM:")[1].split()[0])
 """
 """The command, and the most memory that it had [kB]: `resource` would count that of the process that starts it."""
 

@@ -8,6 +8,8 @@ import pytest
 from ffgym.control import joint_reference
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.thinning import affordable, bound, note_of, thinned, within_bound
+from ffgym.diagnosis.thinning.cells import cells_of
+from ffgym.diagnosis.thinning.coarse import Regressor, coarse
 from ffgym.effects import EFFECTS
 from ffgym.paths import multisine
 from ffgym.plant import Machine
@@ -113,17 +115,28 @@ def test_stretches_begin_and_end_at_rest_where_joints_rest(one_axis):
     assert not any(part.valid[0, 0] for part in moving if part.t[0] > 0)
 
 
-def test_no_stretch_lies_in_a_pause_of_the_clock_or_where_nothing_moves(one_axis):
-    long = working(one_axis, [*[swing(0.1, 0.5, 9.0)] * 12, np.zeros(30_000), *[swing(0.1, 0.5, 9.0)] * 12])
-    t = np.where(long.t > 60.0, long.t + 500.0, long.t)
-    parts = thinned([long.with_columns(timestamp=t)])
+@pytest.mark.parametrize("pause", [5.0, 40_000.0])
+def test_no_stretch_lies_in_a_pause_of_the_clock(pause, one_axis):
+    usual, fast = [swing(0.05, 0.2, 9.0)] * 12, swing(0.5, 0.3, 4.0)
+    long = working(one_axis, [*usual, fast, fast, *usual])
+    t = np.where(long.t > 124.5, long.t + pause, long.t)
+    paused = long.with_columns(timestamp=t)
+    assert len(cells_of(coarse(paused), Regressor.of([coarse(paused)]))) < 300  # a night takes no memory
+    parts = thinned([paused])
     assert all(np.diff(part.t).max() < 2 * DT for part in parts)
+    assert {part.t[0] > 124.5 + pause for part in parts} == {False, True}
+    assert lasting(parts) > 0.8 * AFFORDED
+
+
+def test_no_stretch_lies_where_nothing_moves(one_axis):
+    usual = [swing(0.1, 0.5, 9.0)] * 10
+    parts = thinned([working(one_axis, [*usual, np.zeros(round(150.0 / DT)), *usual])])
     assert all(np.ptp(part["motor.position.j1"]) > 1.0 for part in parts)
     assert len(parts) > 4
 
 
 def test_the_order_of_recordings_changes_no_stretch(one_axis):
-    motions = [[swing(0.1 + 0.02 * k, 0.4, 9.0), swing(0.05, 0.1 * (k + 1), 9.0)] * 2 for k in range(6)]
+    motions = [[swing(0.1 + 0.02 * k, 0.4, 9.0), swing(0.05, 0.1 * (k + 1), 9.0)] * (k + 1) for k in range(6)]
     logs = [working(one_axis, made, name=f"log {k}", seed=k) for k, made in enumerate(motions)]
     first = {part.header.segment: part for part in thinned(logs)}
     second = {part.header.segment: part for part in thinned(logs[::-1])}
