@@ -20,6 +20,7 @@ from ffgym.diagnosis.extended import save_extended
 from ffgym.diagnosis.first_look import FirstLook
 from ffgym.diagnosis.held_out import HeldOut, held_out_levels
 from ffgym.diagnosis.search.search import MOST
+from ffgym.diagnosis.thinning import note_of
 from ffgym.errors import FFGymError, check_number, check_whole
 from ffgym.files import made_folder, write_text
 from ffgym.logs import write_corrected
@@ -159,6 +160,8 @@ class Diagnose:
         read = logs_from(self.validate, self.columns, nominal.machine.robot)
         sound = judged(read, nominal.machine.physical, needs=("diagnosis",), accept=self.accept)
         held_out = [*sound.recordings]
+        for note in note_of(held_out):
+            print(f"--validate: {note}", file=sys.stderr, flush=True)
         if not held_out:
             raise FFGymError(f"--validate: none of these logs can be used: {sound.left_out[0]}")
         if _runs_again(nominal, held_out):

@@ -4,10 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from ffgym.cli.descriptions import described_robot
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
 from ffgym.diagnosis.nominal import fitted_nominal
+from ffgym.diagnosis.thinning import within_bound
 from ffgym.effects import Origin
 from ffgym.errors import FFGymError
 from ffgym.files import read_text, write_text
@@ -16,8 +19,9 @@ from ffgym.logs.read import corrected
 from ffgym.plant import Machine, load_machine
 from ffgym.plant.machine_file import is_machine_file, origins_of, robot_reference
 from ffgym.quality import conditioned_alike
-from ffgym.recordings import Recording
-from ffgym.recordings.folder import read_folder
+from ffgym.recordings import Recording, read_recording
+from ffgym.recordings.folder import read_folder, recording_files
+from ffgym.recordings.stored import SUFFIX, Stored
 from ffgym.robot import RobotDescription, RobotDraft, load_draft
 from ffgym.robot.template import completed_text
 
@@ -58,22 +62,21 @@ class Nominal:
 def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescription) -> list[Recording]:
     """Recordings in files and folders, conditioned; the example logs if none is named.
 
-    A name that several motions have gets that of its folder or file before it.
+    A name that several motions have gets that of its folder or file before it. A log that is too long is thinned;
+    recordings in NPZ files are then read column by column, and never are in memory as a whole.
 
     Raises:
         FFGymError: if one cannot be read.
     """
     if not paths:
         return example_logs()
-    read = [(path, recording) for path in paths for recording in _read(path, columns, robot)]
-    read = list(zip([path for path, _ in read], conditioned_alike([recording for _, recording in read]), strict=True))
-    names = [recording.header.segment for _, recording in read]
-    return [
-        recording.renamed(f"{path.stem}/{recording.header.segment}")
-        if names.count(recording.header.segment) > 1
-        else recording
-        for path, recording in read
+    read = [(path, source) for path in paths for source in _read(path, columns, robot)]
+    names = [source.header.segment for _, source in read]
+    named = [
+        source.renamed(f"{path.stem}/{source.header.segment}") if names.count(source.header.segment) > 1 else source
+        for path, source in read
     ]
+    return conditioned_alike(within_bound(named))
 
 
 def nominal_named(name: str | None) -> Nominal:
@@ -113,11 +116,23 @@ def fit_nominal(draft: RobotDraft, reference: str | Path, recordings: Sequence[R
     return Nominal(machine=machine, reference=reference, calibration=calibration, draft=draft)
 
 
-def _read(path: Path, columns: str | None, robot: RobotDescription) -> list[Recording]:
+def _read(path: Path, columns: str | None, robot: RobotDescription) -> Sequence[Recording | Stored]:
     if not path.exists():
         raise FFGymError(f"{path}: there is no such log. Check the path; it is relative to {Path.cwd()}.")
-    if columns is None and path.is_dir():
-        return read_folder(path)
-    if columns is not None and path.is_dir() and (made := load_columns(columns)).is_for_recordings:
+    if columns is None:
+        return [_opened(file) for file in (recording_files(path) if path.is_dir() else [path])]
+    if path.is_dir() and (made := load_columns(columns)).is_for_recordings:
         return [corrected(recording, made) for recording in read_folder(path)]
-    return read_logs(path, columns, robot=None if columns is None else robot)
+    return read_logs(path, columns, robot=robot)
+
+
+def _opened(path: Path) -> Recording | Stored:
+    """The recording in a file; its columns are not yet read if they can be read one at a time."""
+    if path.suffix.lower() != SUFFIX:
+        return read_recording(path)
+    try:
+        stored = Stored(path)
+        is_in_order = len(stored.t) > 1 and bool(np.all(np.diff(stored.t) > 0))
+    except FFGymError:
+        is_in_order = False
+    return stored if is_in_order else read_recording(path)  # which tells what is wrong

@@ -1,7 +1,6 @@
 """Which effects are tried: all of the library, those that repeat with the motor angle as often as the residual does."""
 
 from collections.abc import Sequence
-from functools import cached_property
 
 import numpy as np
 
@@ -45,18 +44,13 @@ class Choice:
 
     def __call__(self, fit: Fit) -> Candidates:
         """Candidates beside those of a fit: those that there were before it, and new frequencies."""
-        made = self._made or self._lasting
+        made = self._made or candidates_for(self._ready, self._kinds, self._memory)
         if new := _not_among(self._cycles(fit), self._tried):
             periodic = [kind for kind in self._kinds if repeats(kind)]
             made = made.beside(columns_of(self._ready.run, periodic, new))
             self._tried |= {joint: (*self._tried.get(joint, ()), *cycles) for joint, cycles in new.items()}
         self._made = made
         return made
-
-    @cached_property
-    def _lasting(self) -> Candidates:
-        """Those that depend on no frequency."""
-        return candidates_for(self._ready, self._kinds, self._memory)
 
     def _cycles(self, fit: Fit) -> Cycles:
         """Frequencies per motor turn of each joint that what is left has, the strongest first."""

@@ -36,6 +36,7 @@ from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.result import Diagnosis, Level, Miswiring
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.search import MOST, Report, search
+from ffgym.diagnosis.thinning import note_of, thinned
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
 from ffgym.provenance import versions
@@ -78,7 +79,8 @@ def diagnose(
 
     Args:
         nominal: what the simulation believes.
-        recordings: of motions with different names, sampled alike; see `ffgym record ROBOT diagnosis`.
+        recordings: of motions with different names, sampled alike; see `ffgym record ROBOT diagnosis`. Of a log that
+            is too long, stretches are used (`ffgym.diagnosis.thinning`), and told.
         calibration: how well the nominal numbers are known.
         seed: of resamples and of simulated noise.
         report: told what is done.
@@ -128,12 +130,14 @@ def examine(
         most: see there.
         accept: see there.
     """
-    given, recordings = tuple(recordings), by_content(recordings)
+    given = tuple(thinned(recordings))
+    recordings = by_content(given)
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=MOST)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
     recordings = conditioned_alike(recordings)
     quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
+    flagged = (*note_of(given), *quality.flagged)
     provenance = {"seed": seed, "versions": versions()}
     names = tuple(recording.header.segment for recording in given)
     wiring = find_wiring(recordings, machine.physical)
@@ -148,13 +152,13 @@ def examine(
             sentence=f"These logs do not allow a diagnosis: {quality.left_out[0]}",
             robot=machine.robot.name,
             motions=names,
-            quality=quality.flagged,
+            quality=flagged,
             provenance=provenance,
         )
         return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
     report("replaying the nominal model", 0.0)
     recordings = quality.recordings
-    flagged = (*quality.flagged, *beyond_limits(machine.physical, recordings))
+    flagged = (*flagged, *beyond_limits(machine.physical, recordings))
     log = log_of(machine.physical, recordings)
     check_length(log)
     if (cutoff := comparison_cutoff(log, machine)) < log.sampling.cutoff:

@@ -234,6 +234,6 @@ class Diagnosis:
     """Energy that the best effect removes by chance in one of a thousand logs of a perfect model, on rows that were not
     used; 1 is the energy of noise in one component. Effects are tried whose score is larger. No share."""
     quality: tuple[str, ...] = ()
-    """What the quality gate flagged or refused."""
+    """How a long log was thinned; what the quality gate flagged or refused."""
     provenance: dict[str, Any] = field(default_factory=dict)
     """Seed, versions, fingerprints, options."""

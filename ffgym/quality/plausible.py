@@ -7,6 +7,7 @@ import numpy as np
 from ffgym.quality.check import Check, NotJudgedError, Seen
 from ffgym.quality.log import Log
 from ffgym.recordings import FAMILIES
+from ffgym.recordings.stretch import is_stretch
 
 _TURNS = 12.0
 """Angle [rad] that no joint with stops reaches; wrists of six-axis robots turn to 7."""
@@ -111,6 +112,8 @@ def _rests(log: Log) -> Iterator[Seen]:
 def _ends(log: Log) -> Iterator[Seen]:
     if log.dq is None or not log.excited.any():
         raise NotJudgedError("no joint moves")
+    if is_stretch(log.recording):
+        raise NotJudgedError("the log is a stretch of a longer one")
     top = np.abs(log.dq).max(axis=0)
     share = np.where(log.excited, np.abs(log.dq[-1]) / np.where(top > 0, top, 1.0), 0.0)
     j = int(np.argmax(share))

@@ -23,12 +23,6 @@ def padded(arrays: Sequence[Array], n: int, hold: bool) -> Array:
     return np.stack([one(array) for array in arrays], axis=1)
 
 
-def started(recording: Recording) -> float:
-    """Start of a motion on the clock of its session [s], as `ffgym record` writes it; 0 if nobody did."""
-    said = recording.header.meta.get("session_start", 0.0)
-    return float(said) if isinstance(said, int | float) else 0.0
-
-
 def tracked(recording: Recording) -> Array:
     """Tracked position (T, 3), straight between samples that lie close together; else NaN."""
     position, t = recording.vector("tcp.position"), recording.t

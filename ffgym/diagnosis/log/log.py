@@ -13,6 +13,7 @@ from ffgym.errors import FFGymError
 from ffgym.identification import LowPass
 from ffgym.identification.signals import acting_torque, check_fits, joint_motion
 from ffgym.recordings import Recording
+from ffgym.recordings.stretch import started
 from ffgym.robot import RobotDescription
 from ffgym.types import Array, BoolArray
 
@@ -134,7 +135,7 @@ def log_of(
         robot=robot,
         recordings=tuple(recordings),
         sampling=sampling,
-        started=np.array([columns.started(recording) for recording in recordings]),
+        started=np.array([started(recording.header) for recording in recordings]),
         known=known,
         q=q,
         dq=padded([dq for _, dq, _ in motions], hold=False),

@@ -1,7 +1,7 @@
 """Every effect of the library on every joint that can have it, as columns beside those of the calibration."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class Candidates:
 
     doubts: tuple[Doubt, ...]
     columns: tuple[Column, ...]
-    """Of effects."""
+    """Of effects, without their rows, which are hundreds of megabytes."""
     groups: tuple[Candidate, ...]
     """Effect, joint and shape, with places among all columns: calibration first."""
     scale: Array
@@ -51,7 +51,7 @@ class Candidates:
         wide, endless = np.full(len(columns), _WIDE**-2), np.full(len(columns), np.inf)
         return Candidates(
             doubts=self.doubts,
-            columns=(*self.columns, *columns),
+            columns=(*self.columns, *(replace(column, parts={}) for column in columns)),  # the stack has their rows
             groups=(*self.groups, *_groups(columns, len(self.scale))),
             scale=np.concatenate([self.scale, scale]),
             priors=Priors(

@@ -1,0 +1,6 @@
+"""Long logs, of which a diagnosis uses stretches."""
+
+from ffgym.diagnosis.thinning.bound import affordable as affordable
+from ffgym.diagnosis.thinning.thinned import note_of as note_of
+from ffgym.diagnosis.thinning.thinned import thinned as thinned
+from ffgym.diagnosis.thinning.thinned import within_bound as within_bound

@@ -1,0 +1,111 @@
+"""A log on coarse rows, and how much those tell of the torque of a machine."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.recordings.stretch import Source
+from ffgym.types import Array, BoolArray
+
+POSITION = "motor.position"
+"""Family that says how joints move; other families follow it."""
+
+PERIOD = 0.02
+"""Time [s] of which a coarse row is the median; chosen: short beside planned motion, long beside noise of encoders."""
+
+RESTING = 0.02
+"""Share of the top speed of a joint below which it rests, as the checks of quality have it."""
+
+_TOP = 0.999
+"""Share of the rows that the top of a speed or an acceleration bounds: of an hour 4 s may be glitches."""
+
+_SLOW = 0.1
+"""Share of its top speed at which friction at low speed is half gone; chosen: a Stribeck speed is near it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Coarse:
+    """Motion of one recording on S coarse rows, on the side of its columns."""
+
+    t: Array
+    """Times of the rows [s], shape (S,)."""
+    period: float
+    """Usual time between them [s]."""
+    q: Array
+    """Positions, shape (S, N)."""
+    dq: Array
+    """Their rate."""
+    ddq: Array
+    """Its rate."""
+
+
+def coarse(source: Source) -> Coarse:
+    """Take medians of the positions of a recording, which single bad rows leave; without positions, it stands still."""
+    t = source.t
+    every = min(max(1, round(PERIOD / float(np.median(np.diff(t))))), len(t) // 2)
+    names = [f"{POSITION}.{joint}" for joint in source.header.joints]
+    there = all(name in source.columns for name in names)
+    at = _medians(t, every)
+    q = np.stack([_medians(source[name] if there else np.zeros(len(t)), every) for name in names], axis=1)
+    dq = np.gradient(q, at, axis=0)
+    return Coarse(t=at, period=float(np.median(np.diff(at))), q=q, dq=dq, ddq=np.gradient(dq, at, axis=0))
+
+
+def _medians(values: Array, every: int) -> Array:
+    n = len(values) // every
+    return np.asarray(np.median(values[: n * every].reshape(n, every), axis=1))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Regressor:
+    r"""Columns of which friction, inertia and gravity of any serial arm are roughly made, each of RMS 1 over a log.
+
+    Of each joint, with its speed u and acceleration a over their tops, its place x in its range, and the smooth sign s
+    of its speed:
+
+    .. math:: s,\; u,\; u |u|,\; s e^{-(u / 0.1)^2},\; a,\; \cos \pi x,\; \sin \pi x,\; s \cos \pi x,\; s \sin \pi x
+
+    and a constant. Speeds and accelerations beyond their tops count as those, so that no glitch counts for more.
+    """
+
+    speed: Array
+    """Top speed of each joint, shape (N,); inf if it never moves."""
+    acceleration: Array
+    """Its top acceleration."""
+    low: Array
+    """Its lowest position."""
+    reach: Array
+    """Range of its positions."""
+    scale: Array
+    """RMS of the columns, shape (K,); inf for those that are 0."""
+
+    @classmethod
+    def of(cls, log: Sequence[Coarse]) -> "Regressor":
+        """Scale it to all recordings of a log."""
+        speed, acceleration = (_top(np.concatenate([getattr(one, name) for one in log])) for name in ("dq", "ddq"))
+        low, high = np.quantile(np.concatenate([one.q for one in log]), [1 - _TOP, _TOP], axis=0)
+        reach = np.where(high > low, high - low, np.inf)
+        rough = cls(speed=speed, acceleration=acceleration, low=low, reach=reach, scale=np.ones(1))
+        energy = sum(np.sum(rough.rows(one) ** 2, axis=0) for one in log)
+        rms = np.sqrt(energy / sum(len(one.t) for one in log))
+        return replace(rough, scale=np.where(rms > 0, rms, np.inf))
+
+    def rests(self, motion: Coarse) -> BoolArray:
+        """Rows in which no joint moves, shape (S,)."""
+        return np.asarray((np.abs(motion.dq) <= RESTING * self.speed).all(axis=1))
+
+    def rows(self, motion: Coarse) -> Array:
+        """Rows of a recording, shape (S, K)."""
+        u, a = np.clip(motion.dq / self.speed, -1, 1), np.clip(motion.ddq / self.acceleration, -1, 1)
+        x = np.clip((motion.q - self.low) / self.reach, 0, 1)
+        sign = np.tanh(u / RESTING)
+        place = np.cos(np.pi * x), np.sin(np.pi * x)
+        columns = (sign, u, u * np.abs(u), sign * np.exp(-((u / _SLOW) ** 2)), a, *place, *(sign * p for p in place))
+        return np.asarray(np.concatenate([np.ones((len(u), 1)), *columns], axis=1) / self.scale)
+
+
+def _top(values: Array) -> Array:
+    """Size that hardly any row exceeds, shape (N,); inf where all are 0."""
+    top = np.quantile(np.abs(values), _TOP, axis=0)
+    return np.where(top > 0, top, np.inf)

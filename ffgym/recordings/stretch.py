@@ -1,0 +1,117 @@
+"""A stretch of a recording: some of its rows, which keep their place on the clock of the session."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from ffgym.recordings.header import Header
+from ffgym.recordings.phase import clipped
+from ffgym.recordings.recording import Recording
+from ffgym.recordings.schema import VALID
+from ffgym.types import Array
+
+STRETCH = "stretch"
+"""Key of `meta` in the header: its recording, where it begins there, and how long that is [s]."""
+
+SESSION_START = "session_start"
+"""Key of `meta`: when a recording began on the clock of its session [s]."""
+
+SETTLING = 0.25
+"""Time [s] that does not count where a stretch was cut while joints moved; chosen: bristles, springs and low-passes,
+which are taken to begin at rest, settle in it."""
+
+_DIGITS = 6
+"""Digits of times in the header [s], which differences of large time stamps would leave unround."""
+
+
+class Source(Protocol):
+    """A recording in memory or in a file."""
+
+    @property
+    def header(self) -> Header:
+        """What the columns mean."""
+        ...
+
+    @property
+    def t(self) -> Array:
+        """Controller clock [s], shape (T,)."""
+        ...
+
+    @property
+    def columns(self) -> Sequence[str] | Mapping[str, Array]:
+        """Names of the columns."""
+        ...
+
+    def __getitem__(self, column: str) -> Array:
+        """Samples of one column, shape (T,)."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Span:
+    """Part of a recording."""
+
+    start: float
+    """First time stamp [s]."""
+    end: float
+    """Rows are before this time [s]."""
+    at_rest: tuple[bool, bool] = (True, True)
+    """Whether the joints rest where it begins and where it ends, or the recording itself begins and ends there."""
+
+
+def is_stretch(recording: Recording) -> bool:
+    """Tell whether a recording is a stretch of another one."""
+    return STRETCH in recording.header.meta
+
+
+def started(header: Header) -> float:
+    """When a recording began on the clock of its session [s], as `ffgym record` writes it; 0 if nobody did."""
+    said = header.meta.get(SESSION_START, 0.0)
+    return float(said) if isinstance(said, int | float) else 0.0
+
+
+def stretches_of(source: Source, spans: Sequence[Span]) -> list[Recording]:
+    """Stretches of a recording, each with a name that says when it begins; columns are read one after the other.
+
+    Args:
+        source: the recording.
+        spans: where the stretches lie; each has 2 rows at least.
+    """
+    t = source.t
+    rows = [slice(*np.searchsorted(t, (span.start, span.end)).tolist()) for span in spans]
+    parts: list[dict[str, Array]] = [{} for _ in spans]
+    for name in source.columns:
+        values = source[name]
+        for part, own in zip(parts, rows, strict=True):
+            part[name] = values[own].copy()  # a view would keep the whole column
+    return [_stretch(source.header, t, part, span) for part, span in zip(parts, spans, strict=True)]
+
+
+def _stretch(header: Header, t: Array, columns: dict[str, Array], span: Span) -> Recording:
+    own = columns["timestamp"]
+    first, period = float(own[0]), float(np.median(np.diff(own)))
+    since = round(first - float(t[0]), _DIGITS)
+    meta = header.meta | {
+        SESSION_START: round(started(header) + since, _DIGITS),
+        STRETCH: {"of": header.segment, "from_s": since, "of_s": round(float(t[-1] - t[0]), _DIGITS)},
+    }
+    unsettled = np.zeros(len(own), dtype=np.bool_)
+    if not span.at_rest[0]:
+        unsettled |= own < first + SETTLING
+    if not span.at_rest[1]:
+        unsettled |= own > float(own[-1]) - SETTLING
+    if unsettled.any():
+        for joint in header.joints:
+            mask = columns.get(f"{VALID}.{joint}", np.ones(len(own)))
+            columns[f"{VALID}.{joint}"] = np.where(unsettled, 0.0, mask)
+    phases = clipped(header.phases, first, float(own[-1]) + period)
+    segment = f"{header.segment} {_clock(since)}".strip()
+    return Recording(columns, replace(header, segment=segment, phases=phases, meta=meta))
+
+
+def _clock(seconds: float) -> str:
+    """Time in hours, minutes and seconds, such as 0:57:20."""
+    whole = int(seconds + 1e-6)
+    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"
