@@ -191,6 +191,9 @@ def _examined(
     kinds, not_judgeable = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
+    model = written(setting, found.final.fit, calibration) if found.final.fit.hypotheses else None
+    if model is not None and any(hypothesis.is_null for hypothesis in model.hypotheses):
+        found, model = found.without_causes, None  # numbers within their calibration do what the causes seemed to do
     first = without_calibration(setting, found.nominal.fit)
     rest = without_calibration(setting, found.final.fit)
     after = residual_of(log, found.final.fit.run, rest, ready.floor)
@@ -205,7 +208,6 @@ def _examined(
     is_left = verdict.verdict in ("unknown", "partly") or max(loud.values()) > LOUD
     patterns = find_patterns(left, rng) if is_left else ()
     final = found.final.fit
-    model = written(setting, final, calibration) if final.hypotheses else None
     gain = held_out_gain(setting, found.nominal.fit, final, calibration) if model is not None else None
     if model is not None:
         final = replace(final, hypotheses=model.hypotheses)

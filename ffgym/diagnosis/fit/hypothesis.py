@@ -113,6 +113,13 @@ class Hypothesis:
                 found.append(free_number(p, part, at))
         return found
 
+    @property
+    def is_null(self) -> bool:
+        """Tell whether all sizes are at their null values, where the effect changes nothing."""
+        known = self.kind.parameters()
+        sizes = [name for name in self.values if known[name].role == "size"]
+        return all(bool(np.all(self.values[name] == known[name].neutral)) for name in sizes)
+
     def without(self, size: str) -> Self:
         """With one size at its null value for good."""
         neutral = np.full_like(self.values[size], self.kind.parameters()[size].neutral)

@@ -1,7 +1,7 @@
 """What a search finds: rounds of candidates that were fitted, and what was adopted."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
@@ -69,3 +69,8 @@ class Found:
     """Further causes that cannot be told from a rival, beside others that are sure; not in the final model."""
     rows: float
     """Energy of noise alone."""
+
+    @property
+    def without_causes(self) -> "Found":
+        """The same search with nothing found."""
+        return replace(self, final=self.nominal, whole=self.nominal, rivals=(), unsure=())

@@ -108,13 +108,16 @@ def search(
 def _final(setting: Setting, nominal: Tried, now: Tried, kept: Sequence[Hypothesis], report: Report) -> Tried:
     """The model with those causes that are kept; the nominal one if all together explain too little.
 
-    What a cause explains that ties with a rival is explained by one of both, whoever it is.
+    What a cause explains that ties with a rival is explained by one of both, whoever it is. A cause of which nothing is
+    left once all of it is fitted together is none.
     """
     if not kept or not explains_most(setting, nominal, now):
         return nominal
     report("fitting all of it once more", 1.0)
     model = now if len(kept) == len(now.fit.hypotheses) else judged_with(setting, kept)
-    return scored(setting, corrected(setting, model.fit))
+    fitted = scored(setting, corrected(setting, model.fit))
+    there = [hypothesis for hypothesis in fitted.fit.hypotheses if not hypothesis.is_null]
+    return fitted if len(there) == len(fitted.fit.hypotheses) else _final(setting, nominal, now, there, report)
 
 
 def _round(

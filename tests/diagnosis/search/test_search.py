@@ -62,3 +62,21 @@ def test_what_ties_with_a_rival_is_explained_all_the_same(monkeypatch):
     assert kept_of([loud, quiet], [loud, quiet]) == (loud, quiet)
     assert kept_of([quiet], [quiet]) == ()
     assert kept_of([], []) == ()
+
+
+def test_a_cause_of_which_nothing_is_left_once_all_is_fitted_together_is_none(monkeypatch):
+    here, gone = cogging("j1", 3.0), cogging("j2", 1.0)
+    model = lambda setting, kept: SimpleNamespace(fit=SimpleNamespace(hypotheses=tuple(kept)))  # noqa: E731
+
+    def corrected(setting, fit):
+        left = (h.without("amplitude") if h.joint == "j2" else h for h in fit.hypotheses)
+        return SimpleNamespace(hypotheses=tuple(left))
+
+    monkeypatch.setattr(module, "explains_most", lambda setting, nominal, now: True)
+    monkeypatch.setattr(module, "judged_with", model)
+    monkeypatch.setattr(module, "corrected", corrected)
+    monkeypatch.setattr(module, "scored", lambda setting, fit: SimpleNamespace(fit=fit))
+    nominal = model(None, ())
+    for all_of, left in (((here, gone), (here,)), ((gone,), ())):
+        found = module._final(None, nominal, model(None, all_of), all_of, lambda what, share: None)
+        assert found.fit.hypotheses == left
