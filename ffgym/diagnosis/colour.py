@@ -20,6 +20,7 @@ from scipy.signal import lfilter
 from scipy.signal.windows import hann
 from scipy.stats import chi2
 
+from ffgym.diagnosis.log.white import white_noise
 from ffgym.identification import LowPass
 from ffgym.types import Array
 
@@ -128,6 +129,8 @@ def colour_of(
     low = frequency < cutoff
     if not high.any() or not low.any():
         return none
+    # energy in the quietest short stretches: a step or a blow lies between them, noise does not
+    shortest = np.mean([white_noise(values, low_pass, dt) ** 2 for values in signal], axis=0)
     found = np.zeros((3, n))
     for j in range(n):
         heard = _untaken(frequency[high], _quiet(above[:, high, j]), low_pass, dt)
@@ -136,7 +139,8 @@ def colour_of(
         if len(heard) < _GROUPS or frequency[high][0] * dt > _RARE:
             fresh, stays, flat = _going_on(frequency[high], heard, *of_band, dt) if is_steady else (0.0, 0.0, 0.0)
         else:
-            fresh, flat = _falling(frequency[high], heard, dt)
+            is_lasting = heard.mean() < _STEADY * 2 * dt * shortest[j]
+            fresh, flat = _falling(frequency[high], heard, dt) if is_lasting else (0.0, 0.0)
             stays = _staying(*of_band, fresh, flat, dt)
         if fresh >= _LEAST * max(float(values[:, j].std()) for values in signal):
             found[:, j] = fresh, stays, flat
