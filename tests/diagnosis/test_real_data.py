@@ -48,7 +48,8 @@ def causes(diagnosis):
 
 def turns_of(diagnosis, joint):
     """How often the torque of a joint, as the causes leave it, repeats per turn of its motor."""
-    return [p.frequency for p in diagnosis.patterns if p.kind == "periodic" and p.component == joint]
+    own = [p for p in diagnosis.patterns if (p.channel, p.component) == ("torque", joint)]
+    return [p.frequency for p in own if p.kind == "periodic"]
 
 
 def value(cause, name):
@@ -142,19 +143,30 @@ def test_the_ball_screw_is_diagnosed_as_it_was_recorded_on_its_own_clock_under_i
     assert "1.0 cycles per turn" in diagnosis.sentence
 
 
+@pytest.fixture(scope="module", params=["A", "C"])
+def kr300(request):
+    """Diagnosis of a recording of the KR300 with the numbers that fit it."""
+    recording = published("kuka_kr300_2020", f"{request.param}.npz", "kuka_kr300_2020")
+    machine, _ = fitted_nominal(load_robot("kuka_kr300_r2500"), [recording])
+    return diagnose(machine, [recording])
+
+
 @needs_data
 @pytest.mark.slow
-@pytest.mark.parametrize("run", ["A", "C"])
-def test_link_encoders_of_the_kr300_are_three_milliseconds_late_and_it_has_no_backlash(run):
-    recording = published("kuka_kr300_2020", f"{run}.npz", "kuka_kr300_2020")
-    machine, _ = fitted_nominal(load_robot("kuka_kr300_r2500"), [recording])
-    diagnosis = diagnose(machine, [recording])
-    found = causes(diagnosis)
+def test_link_encoders_of_the_kr300_are_three_milliseconds_late_and_it_has_no_backlash(kr300):
+    found = causes(kr300)
     latency, (low, high) = value(found["link_clock", ""], "latency")
     assert low < latency < high
     assert 2.6e-3 < latency < 3.1e-3
     assert not {effect for effect, _ in found} & {"backlash", "wrist_coupling"}
     assert not [j for effect, j in found if effect == "load_friction" and j in ("a4", "a5", "a6")]
+
+
+@needs_data
+@pytest.mark.slow
+def test_the_torque_of_the_first_axes_of_the_kr300_repeats_eight_times_in_a_turn_of_the_motor(kr300):
+    for axis in ("a1", "a2", "a3"):
+        assert any(turns == pytest.approx(8.0, abs=0.05) for turns in turns_of(kr300, axis)), axis
 
 
 @needs_data
