@@ -20,7 +20,7 @@ from scipy.signal import lfilter
 from scipy.signal.windows import hann
 from scipy.stats import chi2
 
-from ffgym.diagnosis.log.white import taken
+from ffgym.diagnosis.log.white import taken, white_noise
 from ffgym.identification import LowPass
 from ffgym.types import Array
 
@@ -151,7 +151,9 @@ def colour_of(
                 fresh, stays = _going_on(frequency[high], heard[one], of_band[0], of_band[1][one], of_band[2][one], dt)
                 found[0, one], found[1, one] = fresh, stays
     else:
-        for j in range(n):
+        # energy in the quietest short stretches: a step or a blow lies between them, noise does not
+        shortest = np.mean([white_noise(values, low_pass, dt) ** 2 for values in signal], axis=0)
+        for j in np.flatnonzero(heard.mean(axis=1) < _STEADY * 2 * dt * shortest):
             fresh_j, flat = _falling(frequency[high], heard[j], dt)
             found[:, j] = fresh_j, _staying(of_band[0], of_band[1][j], of_band[2][j], fresh_j, flat, dt), flat
     rounding = _LEAST * np.max([values.std(axis=0) for values in signal], axis=0)

@@ -13,8 +13,10 @@ import numpy as np
 from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.effects import ClockEffect
+from ffgym.effects import ClockEffect, Effect
+from ffgym.effects.drive import TorqueDelay
 from ffgym.effects.effect import Side
+from ffgym.effects.measurement import TorqueClock
 from ffgym.effects.parameter import parameter
 from ffgym.types import Array
 
@@ -96,6 +98,14 @@ class ServoSpeed(Lateness):
     signature: ClassVar[str] = "servo: proportional to the acceleration of the motor"
     way_in: ClassVar[str] = "recorded feedback torques"
     families: ClassVar[tuple[str, ...]] = ("feedback.effort",)
+
+
+def is_row_offset(kind: type[Effect], n_joints: int) -> bool:
+    """Tell whether an effect makes the torque of all joints late by one time, as `RowOffset` does.
+
+    A log shows the sum of both alone: with an effect of that kind in the model, the doubt would trade time with it.
+    """
+    return kind is TorqueClock or (kind is TorqueDelay and n_joints == 1)
 
 
 def late_columns(run: Replay) -> list[tuple[Column, float]]:

@@ -51,6 +51,13 @@ def test_what_lies_in_the_band_alone_is_none():
     assert colour(slow).is_white
 
 
+def test_steps_between_which_nothing_is_heard_are_no_noise_however_often_they_come():
+    """Forces that are switched fall with the frequency as coloured noise does, but are quiet most of the time."""
+    steps = np.roll(np.repeat(np.tile([0.0, 5.0], 8), 500), 250)[:, None]
+    quiet = [0.01 * part[:, :1] for part in noise(0.0)]
+    assert colour([steps + part for part in quiet]).is_white
+
+
 RARE = 0.008
 """Sample period of which no band is left in which noise could be seen to fall [s]."""
 

@@ -13,11 +13,14 @@ import pytest
 from ffgym.control import joint_reference
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.diagnose import examine
+from ffgym.diagnosis.extended import save_extended
+from ffgym.diagnosis.held_out import held_out_levels
 from ffgym.diagnosis.nominal import fitted_nominal
 from ffgym.effects import EFFECTS
 from ffgym.logs import read_log, read_logs
 from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.plant import Machine, load_machine
 from ffgym.recordings import Recording
 from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
@@ -45,7 +48,8 @@ def causes(diagnosis):
 
 def turns_of(diagnosis, joint):
     """How often the torque of a joint, as the causes leave it, repeats per turn of its motor."""
-    return [p.frequency for p in diagnosis.patterns if p.kind == "periodic" and p.component == joint]
+    own = [p for p in diagnosis.patterns if (p.channel, p.component) == ("torque", joint)]
+    return [p.frequency for p in own if p.kind == "periodic"]
 
 
 def value(cause, name):
@@ -54,21 +58,82 @@ def value(cause, name):
     return size.value, size.interval
 
 
-@needs_data
-@pytest.mark.parametrize(
-    ("run", "ripples"), [("emps_id", (1.0,)), pytest.param("emps_pulses", (), marks=pytest.mark.slow)]
-)
-def test_friction_of_the_ball_screw_depends_on_direction_and_no_offset_or_drift_is_named(run, ripples):
-    """What that leaves repeats with the turns of the screw, every 2.5 mm; pulses of force are in the way of that."""
-    diagnosis = diagnose(load_robot("ball_screw"), [every_fourth(published("emps", f"{run}.npz", "emps"))])
+LAP = 6.24
+"""Time in which the ball screw goes there and back [s]; each of its recordings has four such laps."""
+
+NEWTON = 2 * np.pi / 2.5e-3
+"""Force on the carriage per torque of the motor [N/(N m)]: a turn of the screw is 2.5 mm."""
+
+
+@pytest.fixture(scope="module")
+def ball_screw():
+    """Diagnosis of the ball screw by its longer recording."""
+    return examine(load_robot("ball_screw"), [every_fourth(published("emps", "emps_id.npz", "emps"))])
+
+
+def held_out_forces(examined, recording, folder):
+    """RMS of force that the nominal model and the extended one leave of a recording, read from its file again [N]."""
+    save_extended(folder / "extended.toml", examined.diagnosis, examined.nominal)
+    written = load_machine(folder / "extended.toml")
+    (level,) = held_out_levels(examined.nominal, written, [recording]).levels
+    return level.before * NEWTON, level.after * NEWTON
+
+
+def is_asymmetric(diagnosis):
+    """Viscous friction 166.7 forwards, 240.4 N s/m backwards by least squares; no offset, and nothing that drifts."""
     found = causes(diagnosis)
     assert diagnosis.verdict in ("named", "partly")
     size, (low, high) = value(found["asymmetry", "x"], "viscous")
     assert low < size < high
-    assert size == pytest.approx(-0.18, abs=0.02)  # 166.7 forwards, 240.4 N s/m backwards; least squares
-    assert not {effect for effect, _ in found} & {"torque_offset", "viscous_drift", "coulomb_drift"}
-    for ripple in ripples:
-        assert any(turns == pytest.approx(ripple, abs=0.05) for turns in turns_of(diagnosis, "x"))
+    assert size == pytest.approx(-0.18, abs=0.02)
+    return not {effect for effect, _ in found} & {"torque_offset", "viscous_drift", "coulomb_drift"}
+
+
+@needs_data
+def test_friction_of_the_ball_screw_depends_on_direction_and_no_offset_or_drift_is_named(ball_screw):
+    """What that leaves repeats with the turns of the screw, every 2.5 mm."""
+    assert is_asymmetric(ball_screw.diagnosis)
+    assert any(turns == pytest.approx(1.0, abs=0.05) for turns in turns_of(ball_screw.diagnosis, "x"))
+
+
+@needs_data
+def test_the_model_that_is_written_of_the_ball_screw_foretells_the_force_of_pulses(ball_screw, tmp_path):
+    """Pulses of force are in the other recording alone, and with them what makes the hump at 15 to 30 Hz."""
+    before, after = held_out_forces(ball_screw, published("emps", "emps_pulses.npz", "emps"), tmp_path)
+    assert after <= 2.9 < 4.0 < before
+
+
+@needs_data
+def test_the_model_that_is_written_of_two_laps_of_the_ball_screw_foretells_the_next_two(tmp_path):
+    """1.57 N by plain least squares with friction that depends on direction, 2.16 N without."""
+    recording = published("emps", "emps_id.npz", "emps")
+    examined = examine(load_robot("ball_screw"), [every_fourth(recording).slice(end=2 * LAP)])
+    before, after = held_out_forces(examined, recording.slice(start=2 * LAP), tmp_path)
+    assert after <= 1.7 < 2.16 < before
+
+
+@needs_data
+@pytest.mark.slow
+def test_pulses_of_force_show_a_late_torque_of_the_ball_screw_and_a_flexible_mode_is_its_rival():
+    """By plain least squares 0.75 ms take 2.59 to 1.50 N; a mode near 23 Hz is what others make of the hump there."""
+    diagnosis = diagnose(load_robot("ball_screw"), [published("emps", "emps_pulses.npz", "emps")])
+    assert is_asymmetric(diagnosis)
+    delay, (low, high) = value(causes(diagnosis)["torque_delay", "x"], "delay")
+    assert delay == pytest.approx(0.75e-3, abs=0.1e-3)
+    assert low < 0.75e-3 < high
+    rivals = {rival.effect: rival for rival in diagnosis.rivals if rival.against == "torque_delay on x"}
+    assert rivals["flexible_load"].held_out_gain < 0.1 * causes(diagnosis)["torque_delay", "x"].held_out_gain
+    (left,) = diagnosis.levels
+    assert left.after * NEWTON <= 1.5
+
+
+@needs_data
+@pytest.mark.slow
+def test_friction_of_the_ball_screw_depends_on_direction_in_a_quarter_of_the_rows_of_the_pulses():
+    """Every fourth row folds the fast part of the pulses into the band, which is in the way of all else."""
+    assert is_asymmetric(
+        diagnose(load_robot("ball_screw"), [every_fourth(published("emps", "emps_pulses.npz", "emps"))])
+    )
 
 
 @needs_data
@@ -80,19 +145,30 @@ def test_the_ball_screw_is_diagnosed_as_it_was_recorded_on_its_own_clock_under_i
     assert "1.0 cycles per turn" in diagnosis.sentence
 
 
+@pytest.fixture(scope="module", params=["A", "C"])
+def kr300(request):
+    """Diagnosis of a recording of the KR300 with the numbers that fit it."""
+    recording = published("kuka_kr300_2020", f"{request.param}.npz", "kuka_kr300_2020")
+    machine, _ = fitted_nominal(load_robot("kuka_kr300_r2500"), [recording])
+    return diagnose(machine, [recording])
+
+
 @needs_data
 @pytest.mark.slow
-@pytest.mark.parametrize("run", ["A", "C"])
-def test_link_encoders_of_the_kr300_are_three_milliseconds_late_and_it_has_no_backlash(run):
-    recording = published("kuka_kr300_2020", f"{run}.npz", "kuka_kr300_2020")
-    machine, _ = fitted_nominal(load_robot("kuka_kr300_r2500"), [recording])
-    diagnosis = diagnose(machine, [recording])
-    found = causes(diagnosis)
+def test_link_encoders_of_the_kr300_are_three_milliseconds_late_and_it_has_no_backlash(kr300):
+    found = causes(kr300)
     latency, (low, high) = value(found["link_clock", ""], "latency")
     assert low < latency < high
     assert 2.6e-3 < latency < 3.1e-3
     assert not {effect for effect, _ in found} & {"backlash", "wrist_coupling"}
     assert not [j for effect, j in found if effect == "load_friction" and j in ("a4", "a5", "a6")]
+
+
+@needs_data
+@pytest.mark.slow
+def test_the_torque_of_the_first_axes_of_the_kr300_repeats_eight_times_in_a_turn_of_the_motor(kr300):
+    for axis in ("a1", "a2", "a3"):
+        assert any(turns == pytest.approx(8.0, abs=0.05) for turns in turns_of(kr300, axis)), axis
 
 
 @needs_data

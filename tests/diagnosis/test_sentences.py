@@ -11,14 +11,14 @@ from ffgym.diagnosis.result import Pattern
 from tests.diagnosis.result_samples import full_diagnosis
 
 
-def pattern(channel, component, message):
-    numbers = {"frequency": None, "amplitude": 0.1, "share": 0.5}
+def pattern(channel, component, message, share=0.5):
+    numbers = {"frequency": None, "amplitude": 0.1, "share": share}
     return Pattern(channel=channel, component=component, variable="load", kind="function", message=message, **numbers)
 
 
 PATTERNS = (
     pattern("torque", "j1", "first of j1"),
-    pattern("torque", "j1", "second of j1"),
+    pattern("torque", "j1", "second of j1", share=0.3),
     pattern("tool", "x", "of x"),
     pattern("torque", "j2", "of j2"),
     pattern("torque", "j3", "of j3"),
@@ -77,3 +77,12 @@ def test_an_effect_in_several_waves_is_told_once():
     judged = Judged(verdict="ambiguous", gains=(0.9, 0.8), removed=0.8, stretched=())
     found = sentence_of(judged, [cause, cause], [tied, tied], (), SimpleNamespace(name="arm"))
     assert found.startswith("Consistent with Friction that grows with load of j2 in 2 waves; but payload would explain")
+
+
+def test_patterns_of_one_component_that_explain_as_much_stand_together():
+    patterns = (
+        pattern("torque", "j1", "first"),
+        pattern("torque", "j1", "near", share=0.48),
+        pattern("torque", "j1", "weak", share=0.2),
+    )
+    assert sentence("unknown", patterns=patterns).endswith("what is left depends on: first; near.")

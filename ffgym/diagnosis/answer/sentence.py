@@ -10,6 +10,10 @@ from ffgym.robot import RobotDescription
 _PATTERNS = 3
 """Components of which the sentence says what is left there depends on; chosen: more are in the list of patterns."""
 
+_AS_MUCH = 0.9
+"""Share of what the strongest pattern of a component explains from which on another one stands beside it in the
+sentence; chosen: chance orders two that are so near."""
+
 
 def sentence_of(
     judged: Judged,
@@ -44,11 +48,18 @@ def sentence_of(
 
 
 def _strongest(patterns: Sequence[Pattern]) -> list[str]:
-    """The strongest pattern of each of the first few components that have one."""
-    found: dict[tuple[str, str], str] = {}
+    """The strongest pattern of each of the first few components that have one, and those that explain as much."""
+    first: dict[tuple[str, str], Pattern] = {}
     for pattern in patterns:
-        found.setdefault((pattern.channel, pattern.component), pattern.message)
-    return list(found.values())[:_PATTERNS]
+        first.setdefault((pattern.channel, pattern.component), pattern)
+    chosen = list(first.values())[:_PATTERNS]
+    return [
+        pattern.message
+        for best in chosen
+        for pattern in patterns
+        if (pattern.channel, pattern.component) == (best.channel, best.component)
+        and (pattern is best or pattern.share > _AS_MUCH * best.share)
+    ]
 
 
 def _all_of(causes: Sequence[Cause]) -> str:

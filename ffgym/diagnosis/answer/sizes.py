@@ -7,6 +7,7 @@ from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.free import Free
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.lateness import OF_ROW, is_row_offset
 from ffgym.diagnosis.result import Cause, Size
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
@@ -35,7 +36,8 @@ def causes_of(
 ) -> tuple[Cause, ...]:
     """Causes of a fit, in order, with the share of energy that each removes.
 
-    A size that is a share of a nominal number is no better known than that number.
+    A size that is a share of a nominal number is no better known than that number, and a time by which torque is late
+    no better than the instant of the torque within its row.
     """
     draws = _resampled(fit, rng)
     found, at = [], 0
@@ -49,6 +51,8 @@ def causes_of(
             at += 1
             if p.role == "size" and p.unit == "1":
                 values = values * (1 + calibration.share * rng.normal(size=len(values)))
+            if p.unit == "s" and is_row_offset(hypothesis.kind, fit.run.robot.n_joints):
+                values = values + OF_ROW * fit.run.log.dt * rng.normal(size=len(values))
             if p.role == "size" or p.role == "cycles":
                 reach = WIDENED * (np.quantile(values, COVERED) - free.value)
                 inexact = INEXACT * free.value if p.role == "size" else 0.0

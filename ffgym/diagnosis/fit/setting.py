@@ -9,6 +9,7 @@ import numpy as np
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.lateness import RowOffset, is_row_offset
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
@@ -47,7 +48,8 @@ class Setting:
         if not self.doubts:
             bound = np.full(len(self.calibration), self.bound)
             return -bound, bound
-        is_cause = np.array([any(_is_number_of(doubt, one) for one in hypotheses) for doubt in self.doubts])
+        n = self.log.robot.n_joints
+        is_cause = np.array([any(_is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])
         low, high = (np.array([getattr(doubt, end) for doubt in self.doubts]) for end in ("low", "high"))
         return np.where(is_cause, -HELD, low), np.where(is_cause, HELD, high)
 
@@ -57,9 +59,11 @@ class Setting:
         return stack_of(self.blocks, self.calibration, self.weights)
 
 
-def _is_number_of(doubt: Doubt, hypothesis: Hypothesis) -> bool:
+def _is_number_of(doubt: Doubt, hypothesis: Hypothesis, n_joints: int) -> bool:
     """Whether a hypothesis has the number that a calibration error is of."""
     column = doubt.column
+    if column.effect is RowOffset:
+        return is_row_offset(hypothesis.kind, n_joints)
     is_there = (column.effect, column.joint) == (hypothesis.kind, hypothesis.joint)
     return is_there and column.parameter not in hypothesis.null
 

@@ -10,7 +10,7 @@ from ffgym.diagnosis.patterns.candidate import Fixed, Periodic, fit
 from ffgym.diagnosis.patterns.dependence import dependence
 from ffgym.diagnosis.patterns.functions import friction_of, functions_of, functions_of_time
 from ffgym.diagnosis.patterns.periodic import Amplitude, Line, PerTurn
-from ffgym.diagnosis.patterns.rows import Rows, rows_of
+from ffgym.diagnosis.patterns.rows import Rows, rows_of, without_slow
 from ffgym.diagnosis.patterns.split_half import best_of, tried
 from ffgym.diagnosis.patterns.wandering import wandering
 from ffgym.diagnosis.patterns.words import message, variable_of
@@ -30,6 +30,11 @@ MOST = 4
 _AMPLITUDES: tuple[Amplitude, ...] = ("constant", "torque", "sign", "speed squared")
 
 
+_CUTS = 3
+"""Ways of cutting the rows into halves in which ripple is looked for: a motor may be fast enough to show it in a few
+stretches alone, which may all come to lie in one half; chosen."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Found:
     """A pattern, and how much energy above the noise it stands for."""
@@ -40,9 +45,12 @@ class _Found:
 
 @dataclass(frozen=True, kw_only=True)
 class _Levels:
-    """Probabilities that single tests may have by chance: half of FALSE_ALARMS for forms, a quarter per catch-all."""
+    """Probabilities that single tests may have by chance: a quarter of FALSE_ALARMS for each kind, of which two are
+    catch-alls.
+    """
 
     form: float
+    ripple: float
     dependence: float
 
 
@@ -58,7 +66,8 @@ def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern
     forms = candidates(len(residual.robot.joints))
     tests = sum(form.may_act_on(rows, c) for rows in enough for form in forms for c in range(len(rows.components)))
     levels = _Levels(
-        form=FALSE_ALARMS / 2 / max(tests, 1),
+        form=FALSE_ALARMS / 4 / max(tests, 1),
+        ripple=FALSE_ALARMS / 4 / (len(residual.robot.joints) * len(_AMPLITUDES) * _CUTS),
         dependence=FALSE_ALARMS / 4 / max(sum(len(rows.components) for rows in enough), 1),
     )
     found = [one for rows in enough for one in _of_channel(rows, forms, levels, rng)]
@@ -96,8 +105,43 @@ def _of_channel(
                 found.append(_Found(pattern=pattern, strength=gain / float(noise[c])))
         without = [c for c in without if chosen.get(c) is None]
         active = [c for c in rows.loud(left) if chosen.get(c) is not None]
+    found += _ripple(rows, left, found, energy, levels.ripple, rng.spawn(1)[0])
     others = [_catch_all(rows, left[:, c], c, levels.dependence, rng) for c in without]
     return found + [one for one in others if one is not None]
+
+
+def _ripple(
+    rows: Rows, left: Array, found: Sequence[_Found], energy: Array, level: float, rng: np.random.Generator
+) -> list[_Found]:
+    """What torque repeats with the turns of its motor, where slow misfits hide it; `left` (R, C) is lessened by it.
+
+    Ripple of a fast motor lies above most of what else a model lacks, and is a small share of that.
+
+    Args:
+        rows: of a channel.
+        left: what the patterns that were found leave of them.
+        found: these patterns.
+        energy: of each component before them, (C,).
+        level: largest probability that a test may have by chance.
+        rng: cuts the rows into other halves.
+    """
+    if rows.channel != "torque":
+        return []
+    known, more = {one.pattern.component for one in found if one.pattern.kind == "periodic"}, list[_Found]()
+    fast, noise = without_slow(rows, left), np.sum(rows.noise, axis=0)
+    cuts = [rows, *(rows.redrawn(rng) for _ in range(_CUTS - 1))]
+    for c in rows.loud(left):
+        if rows.components[c] in known:
+            continue
+        forms = [PerTurn(joint=c, amplitude=amplitude) for amplitude in _AMPLITUDES]
+        trials = [tried(form, cut, fast, [c]) for cut in cuts for form in forms]
+        trial = best_of(trials, rows, c, least=LEAST_SHARE * float(np.sum(fast[:, c] ** 2)), level=level)
+        if trial is not None:
+            gain = float(trial.gain[:, c].sum())
+            pattern, fitted = _pattern(trial.candidate, rows, fast[:, c], c, gain / float(energy[c]))
+            left[:, c] -= fitted
+            more.append(_Found(pattern=pattern, strength=gain / float(noise[c])))
+    return more
 
 
 def _pattern(candidate: Fixed | Periodic, rows: Rows, values: Array, c: int, share: float) -> tuple[Pattern, Array]:

@@ -1,9 +1,10 @@
 """Rows of a residual as patterns are sought in them: all motions of one channel, cut into halves and blocks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
 from ffgym.types import Array, BoolArray, IntArray
@@ -22,6 +23,13 @@ replay of the right model leaves beside noise is in the floor, too."""
 
 PASSED = 0.9
 """Frequency up to which rows show a vibration, as a share of the cut-off of their filter."""
+
+_SLOW = 0.1
+"""Frequency up to which a change is slow, as a share of that up to which rows show a vibration; chosen: the planned
+motion and friction along it are below, most turns of a motor above."""
+
+_TO_HALF = np.sqrt(np.log(2.0)) / (2 * np.pi)
+"""Standard deviation of a Gaussian low-pass times its cut-off, where it keeps half of the power."""
 
 FEWEST_BLOCKS = 40
 """Least blocks of a channel that patterns are sought in; with fewer, no half could pass a test over a family."""
@@ -110,6 +118,10 @@ class Rows:
         centred: Array = columns - means[self.motion]
         return centred
 
+    def redrawn(self, rng: np.random.Generator) -> "Rows":
+        """The same rows cut into other halves."""
+        return replace(self, half=_halves(self.motion, np.rint(self.did.t / self.dt) // CHUNK, rng))
+
     def by_block(self, columns: Array) -> Array:
         """Sums over each block, shape (B, P)."""
         sums: Array = np.add.reduceat(columns, self.block_starts, axis=0)
@@ -153,6 +165,16 @@ def known_rows(motion: MotionResidual, channel: Channel) -> BoolArray:
     """Rows that count and in which every component of a channel is known, and some are judged."""
     known = motion.valid & np.isfinite(motion.measured[channel] - motion.predicted[channel]).all(axis=1)
     return known & np.isfinite(motion.residual[channel]).any(axis=1)
+
+
+def without_slow(rows: Rows, values: Array) -> Array:
+    """Values (R, C) less what changes slowly in each motion, with their means over motions at 0."""
+    width = _TO_HALF / (_SLOW * rows.highest * rows.dt)
+    smooth = np.empty_like(values)
+    for motion in range(len(rows.motion_starts)):
+        own = rows.motion == motion
+        smooth[own] = gaussian_filter1d(values[own], width, axis=0, mode="nearest")
+    return rows.centred(values - smooth)
 
 
 def _about_mean(values: Array) -> Array:

@@ -38,6 +38,8 @@ class Round:
     ranking: Ranking
     tried: tuple[Tried, ...]
     adopted: bool
+    alike: tuple[Rival, ...] = ()
+    """Effects that are easily taken for what was adopted, by their scores."""
 
     def of(self, hypotheses: Iterable[Hypothesis]) -> Tried | None:
         """The first that was tried of some hypotheses, whatever values they came to have; None if none was."""

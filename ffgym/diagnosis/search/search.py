@@ -15,6 +15,7 @@ from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.causes import refitted, without_needless
 from ffgym.diagnosis.search.found import Found, Round, Tried
 from ffgym.diagnosis.search.judge import judged_with, scored
+from ffgym.diagnosis.search.lookalikes import lookalikes, unrivalled
 from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
 from ffgym.diagnosis.search.rivals import compared
 from ffgym.diagnosis.search.slim import slimmed
@@ -90,6 +91,7 @@ def search(
     sure = [hypothesis for hypothesis in now.fit.hypotheses if hypothesis not in unsure]
     if sure and unsure:
         rivals = (*rivals, *as_rivals(unsure, rivals, rounds))
+    rivals = (*rivals, *unrivalled(tuple(rounds), now, rivals))
     final = _final(setting, nominal, now, sure or now.fit.hypotheses, report)
     is_left_out = bool(sure and unsure and final.fit.hypotheses)
     rows = float(now.fit.evidence.rows.sum())
@@ -142,8 +144,8 @@ def _round(
         worthy = next((other for other in tried if is_worth(setting, nominal, now, other)), None)
         first = [other for other in (worthy, *tried) if other is not None]
         one = replace(done, tried=tuple(dict.fromkeys(first)), adopted=worthy is not None)
-        if one.adopted:
-            return one
+        if worthy is not None:
+            return replace(one, alike=lookalikes(setting, candidates, ranking, now, worthy))
         done = done if done.tried else one
         beaten |= {other.hypothesis.joint for other in tried}
     return done

@@ -37,7 +37,7 @@ class TorqueDelay(TorqueEffect):
     way_in: ClassVar[str] = (
         "torque at every physics step, with memory; delays of MuJoCo's actuators would delay set-points, not torque"
     )
-    confusable_with: ClassVar[tuple[str, ...]] = ("F2", "G2", "X5")
+    confusable_with: ClassVar[tuple[str, ...]] = ("F2", "G2", "T8", "X5")
     separating_motions: ClassVar[tuple[str, ...]] = ("excitation",)
 
     delay: Array = parameter(

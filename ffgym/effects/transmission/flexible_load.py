@@ -33,7 +33,7 @@ class FlexibleLoad(TorqueEffect):
         "torque: rings at one frequency after each change of acceleration; below it, more inertia"
     )
     way_in: ClassVar[str] = "torque at every physics step on the link, with memory"
-    confusable_with: ClassVar[tuple[str, ...]] = ("G2", "T1", "T7")
+    confusable_with: ClassVar[tuple[str, ...]] = ("G2", "M5", "T1", "T7")
     separating_motions: ClassVar[tuple[str, ...]] = ("excitation",)
 
     inertia: Array = parameter(

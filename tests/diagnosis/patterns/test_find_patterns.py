@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.patterns.find import LEAST_SHARE
@@ -132,6 +133,28 @@ def test_a_period_has_its_cycles_per_turn_within_a_tenth(cycles):
     (pattern,) = found(lambda state, _: only(0, 2 * np.sin(cycles * state.motor_angle[:, 0])), 1)
     assert pattern.frequency == pytest.approx(cycles, abs=0.1)
     assert f"{cycles:.1f} cycles per turn, amplitude independent of torque" in pattern.message
+
+
+def slow_misfit(seed, ripple):
+    """Torque of a slow misfit of no form, ten times as loud as noise, and ripple that is as loud as noise."""
+
+    def torque(state, travel):
+        rng = np.random.default_rng((seed, len(travel)))
+        slow = gaussian_filter1d(rng.standard_normal(len(travel)), 25.0)
+        return only(0, 10 * slow / slow.std() + ripple * np.sin(6.5 * state.motor_angle[:, 0]))
+
+    return [p for p in found(torque, seed) if p.kind == "periodic"]
+
+
+def test_ripple_is_found_beside_a_slow_misfit_that_is_much_louder():
+    for seed in range(3):
+        (pattern,) = slow_misfit(seed, 1.5)
+        assert pattern.component == SHOULDER
+        assert pattern.frequency == pytest.approx(6.5, abs=0.1)
+
+
+def test_a_slow_misfit_has_no_ripple_of_its_own():
+    assert sum(len(slow_misfit(seed, 0.0)) for seed in range(20)) == 0
 
 
 def test_a_period_says_what_its_amplitude_goes_with():
