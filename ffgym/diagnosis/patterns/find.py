@@ -45,9 +45,7 @@ class _Found:
 
 @dataclass(frozen=True, kw_only=True)
 class _Levels:
-    """Probabilities that single tests may have by chance: a quarter of FALSE_ALARMS for each kind, of which two are
-    catch-alls.
-    """
+    """Probabilities that single tests may have by chance: a quarter of FALSE_ALARMS per kind; two are catch-alls."""
 
     form: float
     ripple: float
