@@ -36,7 +36,7 @@ from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.result import Diagnosis, Level, Miswiring
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.search import MOST, Report, search
-from ffgym.diagnosis.thinning import note_of, thinned
+from ffgym.diagnosis.thinning import note_of, thin
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
 from ffgym.provenance import versions
@@ -130,7 +130,7 @@ def examine(
         most: see there.
         accept: see there.
     """
-    given = tuple(thinned(recordings))
+    given = tuple(thin(recordings))
     recordings = by_content(given)
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=MOST)

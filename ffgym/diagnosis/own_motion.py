@@ -88,7 +88,7 @@ def _record_dt(robot: RobotDescription, step: float, dt: float) -> float:
 
 
 def _divides(period: float, dt: float) -> bool:
-    """Whether every sample of a log, `dt` apart, is one of a simulation's."""
+    """Tell whether every sample of a log, `dt` apart, is one of a simulation's."""
     times = round(dt / period)
     return times >= 1 and abs(times * period - dt) <= _SAME_TIME * dt
 

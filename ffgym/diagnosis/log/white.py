@@ -36,7 +36,7 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
     """
     known = np.nan_to_num(values)
     slow = low_pass(known, dt)
-    share = max(_LEAST, passed_over(low_pass, dt))
+    share = max(_LEAST, share_of_noise(low_pass, dt))
     ends = low_pass.end_rows(dt)
     inner = slice(ends, len(known) - ends) if len(known) > 4 * ends else slice(None)
     values_in_block = np.clip(share * _LONGEST / dt, _FEWEST, _KNOWN)
@@ -49,7 +49,7 @@ def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
     return noise
 
 
-def passed_over(low_pass: LowPass, dt: float) -> float:
+def share_of_noise(low_pass: LowPass, dt: float) -> float:
     """Share of the energy of white noise, samples `dt` [s] apart, that is in what a low-pass takes from it."""
     frequency: Array = (np.arange(_FREQUENCIES, dtype=np.float64) + 0.5) / (2 * _FREQUENCIES * dt)
     return float(np.mean((1 - taken(low_pass, frequency, dt)) ** 2))

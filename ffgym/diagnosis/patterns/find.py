@@ -111,7 +111,7 @@ def _of_channel(
 def _ripple(
     rows: Rows, left: Array, found: Sequence[_Found], energy: Array, level: float, rng: np.random.Generator
 ) -> list[_Found]:
-    """What torque repeats with the turns of its motor, where slow misfits hide it; `left` (R, C) is lessened by it.
+    """Find ripple of motors where slow misfits hide it; `left` (R, C) is lessened by it.
 
     Ripple of a fast motor lies above most of what else a model lacks, and is a small share of that.
 

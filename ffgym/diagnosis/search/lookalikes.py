@@ -45,7 +45,7 @@ def lookalikes(
     )
 
 
-def unrivalled(rounds: tuple[Round, ...], final: Tried, rivals: tuple[Rival, ...]) -> tuple[Rival, ...]:
+def without_rival(rounds: tuple[Round, ...], final: Tried, rivals: tuple[Rival, ...]) -> tuple[Rival, ...]:
     """Lookalikes of the causes that nothing was compared with.
 
     Args:

@@ -15,7 +15,7 @@ from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.causes import refitted, without_needless
 from ffgym.diagnosis.search.found import Found, Round, Tried
 from ffgym.diagnosis.search.judge import judged_with, scored
-from ffgym.diagnosis.search.lookalikes import lookalikes, unrivalled
+from ffgym.diagnosis.search.lookalikes import lookalikes, without_rival
 from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
 from ffgym.diagnosis.search.rivals import compared
 from ffgym.diagnosis.search.slim import slimmed
@@ -91,7 +91,7 @@ def search(
     sure = [hypothesis for hypothesis in now.fit.hypotheses if hypothesis not in unsure]
     if sure and unsure:
         rivals = (*rivals, *as_rivals(unsure, rivals, rounds))
-    rivals = (*rivals, *unrivalled(tuple(rounds), now, rivals))
+    rivals = (*rivals, *without_rival(tuple(rounds), now, rivals))
     final = _final(setting, nominal, now, sure or now.fit.hypotheses, report)
     is_left_out = bool(sure and unsure and final.fit.hypotheses)
     rows = float(now.fit.evidence.rows.sum())

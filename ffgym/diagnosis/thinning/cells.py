@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.diagnosis.thinning.coarse import Coarse, Regressor
+from ffgym.diagnosis.thinning.coarse import Coarse, MotionRegressor
 from ffgym.quality.runs import stretches
 from ffgym.types import Array, BoolArray
 
@@ -41,7 +41,7 @@ class Cells:
         return len(self.moving)
 
 
-def cells_of(motion: Coarse, regressor: Regressor) -> Cells:
+def cells_of(motion: Coarse, regressor: MotionRegressor) -> Cells:
     """Cut a recording into cells, at rest where there is one within half a cell.
 
     Args:

@@ -24,7 +24,7 @@ _MOVING = 0.25
 
 
 @dataclass(frozen=True, kw_only=True)
-class Choice:
+class Selection:
     """A stretch that was chosen."""
 
     recording: int
@@ -35,7 +35,7 @@ class Choice:
     """The cell after its last one."""
 
 
-def chosen(log: Sequence[Cells], seconds: float) -> list[Choice]:
+def choose(log: Sequence[Cells], seconds: float) -> list[Selection]:
     r"""Choose stretches of recordings that last `seconds` at most, in their order.
 
     Stretches are chosen one after the other (D-optimality, greedy): the next one is that with which
@@ -141,10 +141,10 @@ class _Windows:
         count = np.concatenate([[0], np.cumsum(used)])
         return np.asarray(count[self.begin + self.length] > count[self.begin])
 
-    def choices(self, chosen_at: BoolArray) -> list[Choice]:
+    def choices(self, chosen_at: BoolArray) -> list[Selection]:
         """The windows that were chosen, in the order of the log."""
         return [
-            Choice(
+            Selection(
                 recording=int(self.recording[w]),
                 first=int(self.first[w]),
                 stop=int(self.first[w] + self.length[w]),

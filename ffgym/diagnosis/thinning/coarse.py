@@ -58,7 +58,7 @@ def _medians(values: Array, every: int) -> Array:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Regressor:
+class MotionRegressor:
     r"""Columns of which friction, inertia and gravity of any serial arm are roughly made, each of RMS 1 over a log.
 
     Of each joint, with its speed u and acceleration a over their tops, its place x in its range, and the smooth sign s
@@ -81,7 +81,7 @@ class Regressor:
     """RMS of the columns, shape (K,); inf for those that are 0."""
 
     @classmethod
-    def of(cls, log: Sequence[Coarse]) -> "Regressor":
+    def of(cls, log: Sequence[Coarse]) -> "MotionRegressor":
         """Scale it to all recordings of a log."""
         speed, acceleration = (_top(np.concatenate([getattr(one, name) for one in log])) for name in ("dq", "ddq"))
         low, high = np.quantile(np.concatenate([one.q for one in log]), [1 - _TOP, _TOP], axis=0)

@@ -15,8 +15,8 @@ import numpy as np
 from ffgym.diagnosis.one_thread import on_one_thread
 from ffgym.diagnosis.thinning.bound import affordable
 from ffgym.diagnosis.thinning.cells import cells_of
-from ffgym.diagnosis.thinning.choose import chosen
-from ffgym.diagnosis.thinning.coarse import Coarse, Regressor, coarse
+from ffgym.diagnosis.thinning.choose import choose
+from ffgym.diagnosis.thinning.coarse import Coarse, MotionRegressor, coarse
 from ffgym.recordings import Recording
 from ffgym.recordings.stored import Stored
 from ffgym.recordings.stretch import Span, started, stretches_of
@@ -25,7 +25,7 @@ NOTE = "thinned"
 """Key of `meta` in the header of a stretch: a sentence on how the whole log was thinned."""
 
 
-def thinned(recordings: Sequence[Recording]) -> list[Recording]:
+def thin(recordings: Sequence[Recording]) -> list[Recording]:
     """Thin a log that is too long for a diagnosis; a shorter one is returned as it is.
 
     Args:
@@ -55,16 +55,16 @@ def within_bound(sources: Sequence[Recording | Stored]) -> list[Recording]:
         return [source.whole() if isinstance(source, Stored) else source for source in sources]
     motions = [coarse(source) for source in sources]
     order = sorted(range(len(sources)), key=lambda i: (started(sources[i].header), names[i], _digest(motions[i])))
-    regressor = Regressor.of([motions[i] for i in order])
+    regressor = MotionRegressor.of([motions[i] for i in order])
     cells = [cells_of(motions[i], regressor) for i in order]
     spans: list[list[Span]] = [[] for _ in sources]
-    for one in chosen(cells, _affordable(sources)):
+    for one in choose(cells, _affordable(sources)):
         own = cells[one.recording]
         ends = slice(one.first, one.stop + 1, one.stop - one.first)
         (start, end), (first, last) = own.edges[ends].tolist(), own.at_rest[ends].tolist()
         spans[order[one.recording]].append(Span(start=start, end=end, at_rest=(first, last)))
     found = [part for source, own in zip(sources, spans, strict=True) if own for part in stretches_of(source, own)]
-    return _noted(found, lasting)
+    return _with_note(found, lasting)
 
 
 def _affordable(sources: Sequence[Recording | Stored]) -> float:
@@ -83,7 +83,7 @@ def _digest(motion: Coarse) -> bytes:
     return digest.digest()
 
 
-def _noted(found: Sequence[Recording], lasting: Sequence[float]) -> list[Recording]:
+def _with_note(found: Sequence[Recording], lasting: Sequence[float]) -> list[Recording]:
     """Stretches with a sentence on how the log was thinned."""
     used, total = sum(float(one.t[-1] - one.t[0]) for one in found), sum(lasting)
     whole = "1 recording" if len(lasting) == 1 else f"{len(lasting)} recordings"

@@ -7,9 +7,9 @@ import pytest
 
 from ffgym.control import joint_reference
 from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.thinning import affordable, bound, note_of, thinned, within_bound
+from ffgym.diagnosis.thinning import affordable, bound, note_of, thin, within_bound
 from ffgym.diagnosis.thinning.cells import cells_of
-from ffgym.diagnosis.thinning.coarse import Regressor, coarse
+from ffgym.diagnosis.thinning.coarse import MotionRegressor, coarse
 from ffgym.effects import EFFECTS
 from ffgym.paths import multisine
 from ffgym.plant import Machine
@@ -57,8 +57,8 @@ def top_speed(recordings):
 def test_a_log_that_can_be_afforded_is_left_as_it_is(one_axis):
     short = working(one_axis, [swing(0.1, 0.5, 8.0)] * 6)
     assert lasting([short]) < AFFORDED
-    assert thinned([short]) == [short]
-    assert note_of(thinned([short])) == ()
+    assert thin([short]) == [short]
+    assert note_of(thin([short])) == ()
 
 
 def test_six_axes_can_afford_the_protocol_diagnosis_at_1_khz_and_recorded_sessions(monkeypatch):
@@ -70,20 +70,20 @@ def test_six_axes_can_afford_the_protocol_diagnosis_at_1_khz_and_recorded_sessio
 
 def test_a_long_log_is_thinned_to_the_bound_and_spread_over_all_its_time(one_axis):
     long = working(one_axis, [swing(0.1, 0.5, 9.0), swing(0.2, 0.3, 9.0), swing(0.05, 1.0, 9.0)] * 10)
-    parts = thinned([long])
+    parts = thin([long])
     assert 0.8 * AFFORDED < lasting(parts) <= AFFORDED
     begins = [started(part.header) for part in parts]
     assert begins == [float(part.t[0]) for part in parts]
     assert begins == sorted(begins)
     assert all(any(third * 100 <= begin < (third + 1) * 100 for begin in begins) for third in range(3))
-    assert thinned(parts) == parts
+    assert thin(parts) == parts
     (note,) = note_of(parts)
     assert f"{lasting(parts):.0f} of {lasting([long]):.0f} s are used, {len(parts)} stretches of 1 recording" in note
 
 
 def test_rows_of_a_stretch_are_those_of_the_log(one_axis):
     long = working(one_axis, [swing(0.1, 0.5, 9.0)] * 30)
-    for part in thinned([long]):
+    for part in thin([long]):
         rows = np.searchsorted(long.t, part.t)
         assert all(np.array_equal(part[name], long[name][rows]) for name in long.columns)
 
@@ -91,7 +91,7 @@ def test_rows_of_a_stretch_are_those_of_the_log(one_axis):
 def test_what_is_rare_in_a_long_log_is_used(one_axis):
     usual = [swing(0.02, 0.2, 9.0)] * 15
     long = working(one_axis, [*usual, swing(0.5, 0.3, 9.0), *usual])
-    parts = thinned([long])
+    parts = thin([long])
     assert top_speed(parts) == pytest.approx(top_speed([long]), rel=0.05)
     reversals = [np.count_nonzero(np.diff(np.sign(np.diff(one["motor.position.j1"][::50])))) for one in parts]
     assert sum(reversals) > len(parts)
@@ -101,16 +101,16 @@ def test_a_glitch_draws_no_stretch(one_axis):
     long = working(one_axis, [swing(0.05 + 0.005 * k, 0.5, 9.0) for k in range(30)])
     angle = long["motor.position.j1"].copy()
     angle[[20_000, 40_000]] += 1e4
-    assert [one.t[0] for one in thinned([long.with_columns({"motor.position.j1": angle})])] == [
-        one.t[0] for one in thinned([long])
+    assert [one.t[0] for one in thin([long.with_columns({"motor.position.j1": angle})])] == [
+        one.t[0] for one in thin([long])
     ]
 
 
 def test_stretches_begin_and_end_at_rest_where_joints_rest(one_axis):
-    parts = thinned([working(one_axis, [swing(0.1, 0.5, 9.0)] * 30)])
+    parts = thin([working(one_axis, [swing(0.1, 0.5, 9.0)] * 30)])
     assert all(part.valid.all() for part in parts)
     assert max(np.abs(np.gradient(part["motor.position.j1"][:20]).mean()) for part in parts) < 1e-3
-    moving = thinned([working(one_axis, [swing(0.1, 0.5, 300.0)])])
+    moving = thin([working(one_axis, [swing(0.1, 0.5, 300.0)])])
     assert lasting(moving) > 0.8 * AFFORDED
     assert not any(part.valid[0, 0] for part in moving if part.t[0] > 0)
 
@@ -121,8 +121,8 @@ def test_no_stretch_lies_in_a_pause_of_the_clock(pause, one_axis):
     long = working(one_axis, [*usual, fast, fast, *usual])
     t = np.where(long.t > 124.5, long.t + pause, long.t)
     paused = long.with_columns(timestamp=t)
-    assert len(cells_of(coarse(paused), Regressor.of([coarse(paused)]))) < 300  # a night takes no memory
-    parts = thinned([paused])
+    assert len(cells_of(coarse(paused), MotionRegressor.of([coarse(paused)]))) < 300  # a night takes no memory
+    parts = thin([paused])
     assert all(np.diff(part.t).max() < 2 * DT for part in parts)
     assert {part.t[0] > 124.5 + pause for part in parts} == {False, True}
     assert lasting(parts) > 0.8 * AFFORDED
@@ -130,7 +130,7 @@ def test_no_stretch_lies_in_a_pause_of_the_clock(pause, one_axis):
 
 def test_no_stretch_lies_where_nothing_moves(one_axis):
     usual = [swing(0.1, 0.5, 9.0)] * 10
-    parts = thinned([working(one_axis, [*usual, np.zeros(round(150.0 / DT)), *usual])])
+    parts = thin([working(one_axis, [*usual, np.zeros(round(150.0 / DT)), *usual])])
     assert all(np.ptp(part["motor.position.j1"]) > 1.0 for part in parts)
     assert len(parts) > 4
 
@@ -138,8 +138,8 @@ def test_no_stretch_lies_where_nothing_moves(one_axis):
 def test_the_order_of_recordings_changes_no_stretch(one_axis):
     motions = [[swing(0.1 + 0.02 * k, 0.4, 9.0), swing(0.05, 0.1 * (k + 1), 9.0)] * (k + 1) for k in range(6)]
     logs = [working(one_axis, made, name=f"log {k}", seed=k) for k, made in enumerate(motions)]
-    first = {part.header.segment: part for part in thinned(logs)}
-    second = {part.header.segment: part for part in thinned(logs[::-1])}
+    first = {part.header.segment: part for part in thin(logs)}
+    second = {part.header.segment: part for part in thin(logs[::-1])}
     assert len(first) > 3
     assert first.keys() == second.keys()
     assert all(part.equals(second[name]) for name, part in first.items())
@@ -151,7 +151,7 @@ def test_recordings_in_files_are_thinned_as_those_in_memory(one_axis, tmp_path):
         write_recording(log, tmp_path / f"{log.header.segment}.npz")
     stored = within_bound([Stored(tmp_path / f"log{k}.npz") for k in (1, 2)])
     assert len(stored) > 3
-    assert all(one.equals(other) for one, other in zip(stored, thinned(logs), strict=True))
+    assert all(one.equals(other) for one, other in zip(stored, thin(logs), strict=True))
 
 
 def test_slow_rows_can_be_afforded_for_longer():
