@@ -45,8 +45,7 @@ class _Found:
 
 @dataclass(frozen=True, kw_only=True)
 class _Levels:
-    """Probabilities that single tests may have by chance: a quarter of FALSE_ALARMS for forms, for ripple, and for each
-    of two catch-alls."""
+    """Probabilities of single tests by chance: a quarter of FALSE_ALARMS for forms, ripple and each catch-all."""
 
     form: float
     ripple: float
