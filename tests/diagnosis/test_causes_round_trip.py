@@ -38,7 +38,7 @@ def cause_of(one):
     bound = np.full(n, 1e-3)
     evidence = SimpleNamespace(gram=np.ones((1, n, n)) * np.eye(n), moment=np.zeros((1, n, 1)))
     priors = Priors(precision=np.ones(n), low=-bound, high=bound)
-    run = SimpleNamespace(robot=ROBOT)
+    run = SimpleNamespace(robot=ROBOT, log=SimpleNamespace(dt=0.001))
     fit = SimpleNamespace(hypotheses=(one,), evidence=evidence, priors=priors, n_calibration=0, run=run)
     return causes_of(fit, (0.9,), Calibration(), np.random.default_rng(0))[0]
 

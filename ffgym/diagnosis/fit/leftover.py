@@ -48,16 +48,18 @@ def loudness(setting: Setting, rest: Mapping[Channel, Array]) -> Loudness:
     return found
 
 
-def touched(setting: Setting, columns: list[Parts]) -> set[tuple[Channel, int]]:
-    """Components in which columns have energy that counts."""
+def touched(setting: Setting, columns: list[Parts], *, by_channel: bool = False) -> set[tuple[Channel, int]]:
+    """Components in which columns have energy that counts: of all, or of what they have in the same channel."""
     energy: dict[tuple[Channel, int], float] = {}
     for column in columns:
         for key, rows in column.items():
             weight = np.broadcast_to(setting.weights[key], rows.shape)
             counted = max(int(np.count_nonzero(weight)), 1)
             energy[key] = energy.get(key, 0.0) + float(np.sum((weight * rows) ** 2)) / counted
-    most = sum(energy.values())
-    return {key for key, value in energy.items() if value > _TOUCHED * most}
+    most = dict.fromkeys((channel for channel, _ in energy), 0.0 if by_channel else sum(energy.values()))
+    for (channel, _), value in energy.items() if by_channel else ():
+        most[channel] += value
+    return {key for key, value in energy.items() if value > _TOUCHED * most[key[0]]}
 
 
 @dataclass(frozen=True, kw_only=True)

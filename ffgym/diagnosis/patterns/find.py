@@ -45,7 +45,7 @@ class _Found:
 
 @dataclass(frozen=True, kw_only=True)
 class _Levels:
-    """Probabilities that single tests may have by chance: a quarter of FALSE_ALARMS per kind; two are catch-alls."""
+    """Probabilities of single tests by chance: a quarter of FALSE_ALARMS for forms, ripple and each catch-all."""
 
     form: float
     ripple: float
@@ -111,7 +111,7 @@ def _of_channel(
 def _ripple(
     rows: Rows, left: Array, found: Sequence[_Found], energy: Array, level: float, rng: np.random.Generator
 ) -> list[_Found]:
-    """Find ripple of motors where slow misfits hide it; `left` (R, C) is lessened by it.
+    """What torque repeats with the turns of its motor, where slow misfits hide it; `left` (R, C) is lessened by it.
 
     Ripple of a fast motor lies above most of what else a model lacks, and is a small share of that.
 

@@ -54,7 +54,17 @@ def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | N
         is_wave = any(known.place == after.hypothesis.place for known in before.fit.hypotheses)
         inexact, leaks = 0.0 if is_wave else INEXACT, _leaks(loud)
         allowed = {key: max(inexact * (first[key] - value), leaks[key[0]], 0.0) for key, value in loud.items()}
-    return removed(loud, then, touched(setting, list(own)), allowed)
+    where = touched(setting, list(own))
+    if allowed is not None and not _is_heard(loud, where, allowed):
+        # a channel with little noise is loud with what a cause before left; others may hear this one all the same
+        beside = touched(setting, list(own), by_channel=True) - where
+        where = beside if _is_heard(loud, beside, allowed) else where
+    return removed(loud, then, where, allowed)
+
+
+def _is_heard(loud: Loudness, where: set[tuple[Channel, int]], allowed: Loudness) -> bool:
+    """Whether any of some components has more above the noise than is allowed for."""
+    return any(loud[key] - 1.0 > allowed[key] for key in where)
 
 
 def _leaks(loud: Loudness) -> dict[Channel, float]:

@@ -78,14 +78,18 @@ TORQUES = [("torque", k) for k in range(3)]
 LINK = ("link", 0)
 
 
-def removed_from(monkeypatch, first, loud, then, where, *, known=()):
-    """What is credited to a new cause on j1, of three torques and a link encoder; energies by component."""
+def removed_from(monkeypatch, first, loud, then, where, *, known=(), by_channel=()):
+    """What is credited to a new cause on j1, of three torques and a link encoder; energies by component.
+
+    It changes components `where` most, and those `by_channel` most of their channel.
+    """
+    given = {False: where, True: {*where, *by_channel}}
     tables = iter([loud, then, first])
     monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
     monkeypatch.setattr(
         module, "loudness", lambda setting, rest: dict(zip([*TORQUES, LINK], next(tables), strict=True))
     )
-    monkeypatch.setattr(module, "touched", lambda setting, columns: where)
+    monkeypatch.setattr(module, "touched", lambda setting, columns, by_channel=False: given[by_channel])
     new = SimpleNamespace(place=("cogging", "j1", None), free=lambda: [None])
     before = SimpleNamespace(fit=SimpleNamespace(hypotheses=[SimpleNamespace(place=place) for place in known]))
     after = SimpleNamespace(fit=SimpleNamespace(columns=[{}]), hypothesis=new)
@@ -109,6 +113,16 @@ def test_what_is_loud_in_one_channel_does_not_leak_into_another(monkeypatch):
     loud = (1.0, 6.0, 1.0, 1e5)
     gone = removed_from(monkeypatch, loud, loud, (1.0, 1.0, 1.0, 1e5), {TORQUES[1]})
     assert gone.of_excess == pytest.approx(1 - LEAKS)
+
+
+def test_a_cause_is_judged_by_torque_where_a_loud_encoder_has_no_more_than_an_inexact_cause_would_leave(monkeypatch):
+    """A late encoder explained 99 % of its channel; a spring on the same joint shows in what is left, and in torque."""
+    first, loud, then = (101.0, 1.0, 1.0, 1e6), (101.0, 1.0, 1.0, 5e4), (11.0, 1.0, 1.0, 1e4)
+    late = [("link_clock", "", None)]
+    gone = removed_from(monkeypatch, first, loud, then, {LINK}, known=late, by_channel=TORQUES[:1])
+    assert gone.of_excess == pytest.approx(0.9 - LEAKS)
+    alone = removed_from(monkeypatch, first, loud, then, {LINK}, known=late)
+    assert alone.of_excess == 0.0
 
 
 @pytest.mark.parametrize(

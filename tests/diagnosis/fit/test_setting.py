@@ -1,0 +1,29 @@
+"""A number that is a cause is no calibration error beside it: a fit would trade one for the other."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ffgym.diagnosis.calibration import Doubt
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.setting import HELD, Setting
+from ffgym.diagnosis.lateness import RowOffset
+from ffgym.diagnosis.signatures.column import Column
+from ffgym.effects import EFFECTS
+
+
+@pytest.mark.parametrize(
+    ("effect", "n_joints", "is_held"),
+    [("torque_delay", 1, True), ("torque_delay", 6, False), ("torque_clock", 6, True), ("asymmetry", 1, False)],
+)
+def test_the_instant_of_torque_in_a_row_is_held_where_a_cause_makes_all_torque_late(effect, n_joints, is_held):
+    kind = EFFECTS[effect]
+    values = {p.name: np.array(p.high) for p in kind.parameters().values()}
+    cause = Hypothesis(kind=kind, joint="j1", source=None, values=values)
+    column = Column(effect=RowOffset, joint="", parameter="latency", part=None, choice=0, span=0, shape={}, parts={})
+    setting = SimpleNamespace(
+        doubts=(Doubt(column=column, sigma=5e-5),), log=SimpleNamespace(robot=SimpleNamespace(n_joints=n_joints))
+    )
+    low, high = Setting.calibration_limits(setting, [cause])
+    assert bool(low == -HELD and high == HELD) == is_held
