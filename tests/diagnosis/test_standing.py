@@ -40,12 +40,12 @@ def worst_means(log, draws):
 
 
 def test_what_noise_does_to_standing_friction_on_average_is_taken_off(log, nominal):
-    run, exact = nominal.run, nominal.run.log.recordings
+    run, like, exact = nominal.run, nominal.setting.like, nominal.run.log.recordings
     rng = np.random.default_rng(5)
-    with_it = faultless_residuals(log, run, nominal.setting.bias, run, rng).draws
+    with_it = faultless_residuals(log, run, nominal.setting.bias, like, rng).draws
     loosened = misread_friction(exact, run.log, run, encoder_steps(log))
     bias = {**nominal.setting.bias, "torque": nominal.setting.bias["torque"] + loosened}
-    without = faultless_residuals(log, run, bias, run, np.random.default_rng(5)).draws
+    without = faultless_residuals(log, run, bias, like, np.random.default_rng(5)).draws
     assert worst_means(log, without).min() > 1.0
     assert np.median(worst_means(log, with_it)) < 0.4 * np.median(worst_means(log, without))
 

@@ -77,6 +77,11 @@ class Removed:
     best: float
     """Share that is gone of the component of which most is, among those that have a tenth of all above the noise."""
 
+    @property
+    def share(self) -> float:
+        """Share of the energy above the noise, at most 1: there may be less noise than the floor allows for."""
+        return min(self.of_excess, 1.0)
+
 
 def removed(
     before: Loudness, after: Loudness, where: set[tuple[Channel, int]], allowed: Loudness | None = None

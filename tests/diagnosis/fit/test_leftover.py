@@ -68,3 +68,9 @@ def test_calibration_explains_what_it_can_beside_hypotheses_as_they_are():
     rest = without_calibration(SimpleNamespace(calibration=[calibration]), found)
     assert np.abs(rest["torque"]).max() < 1e-4
     np.testing.assert_array_equal(residual["torque"][..., 0], rows)
+
+
+def test_no_cause_explains_more_than_all_where_the_floor_of_noise_is_too_high():
+    gone = removed({ONE: 1.2}, {ONE: 0.1}, {ONE})
+    assert (gone.of_excess, gone.share) == (pytest.approx(5.5), 1.0)
+    assert removed({ONE: 3.0}, {ONE: 2.0}, {ONE}).share == pytest.approx(0.5)
