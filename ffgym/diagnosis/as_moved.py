@@ -11,8 +11,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.log.sampling import CUTOFF
 from ffgym.diagnosis.log.white import without_trembling
 from ffgym.diagnosis.replay import Replay, replay, servo_feedback
+from ffgym.identification import LowPass
 from ffgym.recordings import Recording
 from ffgym.types import Array
 
@@ -24,22 +26,25 @@ _SHARPER = 2
 noise of the angles grows to three times itself at the edge of the band at most."""
 
 
-def as_moved(log: Log, run: Replay) -> list[Recording]:
+def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
     """One recording for each motion of a log, with the columns that its channels take.
 
     Args:
         log: that is diagnosed.
         run: its replay on the nominal machine.
+        smooth: whether the motion has nothing above the usual band of what is compared: noise and vibration at the
+            edge of a wide band would be bias. Else the low-pass of the motion is undone.
     """
     every = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
-    fine = replay(_finer(log, every), run.machine)
+    fine = replay(_finer(log, every, smooth), run.machine)
     return [_record(log, run, fine, every, i) for i in range(len(log.recordings))]
 
 
-def _finer(log: Log, every: int) -> Log:
+def _finer(log: Log, every: int, smooth: bool) -> Log:
     """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way."""
     dt, still = log.dt, without_trembling(log.q, log.trembling)
-    q = np.stack([_held(_sharpened(still[:n, i], log), len(log.q)) for i, n in enumerate(log.lengths)], axis=1)
+    moved = _smoothed if smooth else _sharpened
+    q = np.stack([_held(moved(still[:n, i], log), len(log.q)) for i, n in enumerate(log.lengths)], axis=1)
     t: Array = dt / every * np.arange((len(q) - 1) * every + 1, dtype=np.float64)
     q, dq, ddq = _along(q, log, t)
     sampling = replace(log.sampling, dt=dt / every, n_samples=len(t))
@@ -60,6 +65,11 @@ def _finer(log: Log, every: int) -> Log:
         reference=None if log.reference is None else _reference(log.reference, log, t),
         temperature=None if log.temperature is None else _between(log.temperature, log, t),
     )
+
+
+def _smoothed(angle: Array, log: Log) -> Array:
+    """Angles (T, N) with what lies in the usual band of what is compared."""
+    return LowPass(cutoff=min(log.sampling.motion_filter.cutoff, CUTOFF))(angle, log.dt)
 
 
 def _sharpened(angle: Array, log: Log) -> Array:

@@ -179,11 +179,14 @@ def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | No
             known, run=replace(known.run, state=replace(known.run.state, temperature=like.state.temperature))
         )
     known = _along(exact_recordings(log, like), log, like, calibration)
-    if known.simulated and log.reference is not None:
-        plain, left = _torque_left(log, like, 0.0), _torque_left(log, like, known.bias["torque"])
-        if left > plain:  # its motion is not the measured one where that matters, as at reversals
-            moved = _along(Exact(recordings=tuple(as_moved(log, like)), simulated=False), log, like, calibration)
-            known = moved if _torque_left(log, like, moved.bias["torque"]) < plain else known
+    plain, left = _torque_left(log, like, 0.0), _torque_left(log, like, known.bias["torque"])
+    if left > plain:  # its motion is not the measured one where that matters, as at reversals
+        for smooth in (False, True) if known.simulated else (True,):
+            motion = Exact(recordings=tuple(as_moved(log, like, smooth=smooth)), simulated=False)
+            moved = _along(motion, log, like, calibration)
+            if _torque_left(log, like, moved.bias["torque"]) < (plain if known.simulated else left):
+                known = moved
+                break
     if memory is not None and known.simulated:
         memory.key, memory.known, memory.columns = key, known, {}
     return known

@@ -237,3 +237,13 @@ class Diagnosis:
     """How a long log was thinned; what the quality gate flagged or refused."""
     provenance: dict[str, Any] = field(default_factory=dict)
     """Seed, versions, fingerprints, options."""
+
+    def tell_left(self, level: Level) -> str:
+        """Tell how much is left of a component: 'small', 'allowed for' or 'not small'.
+
+        Errors of calibration, and friction at motion that a log does not show, are allowed for where nothing else is
+        needed.
+        """
+        if level.is_small:
+            return "small"
+        return "allowed for" if self.verdict == "none" else "not small"

@@ -91,6 +91,23 @@ def test_a_motion_that_is_made_up_is_the_measured_one_once_it_went_through_the_l
     assert np.abs(again - smooth)[inner].max() < 0.4 * twice
 
 
+def test_vibration_in_a_wide_band_is_left_out_of_a_smooth_motion_and_kept_in_a_sharp_one(recording):
+    """Angles that tremble at 60 Hz where 70 Hz are compared."""
+    log = log_of(nominal().physical, [recording], cutoff=70.0)
+    shaking = 1e-5 * np.sin(2 * np.pi * 60.0 * log.t)[:, None, None]
+    log = replace(log, q=log.q + shaking, trembling=0 * log.trembling)
+    run = replay(log, nominal())
+    turn = np.exp(2j * np.pi * 60.0 * log.t[100:-100])[:, None]
+
+    def of_vibration(smooth):
+        angle = log_of(log.robot, as_moved(log, run, smooth=smooth), like=log).recordings[0]
+        moved = angle.joint_array("motor.position") / log.robot.drive.gear_ratio - log.q[:, 0] + shaking[:, 0]
+        return 2 * np.abs(np.mean(turn * moved[100:-100], axis=0)) / 1e-5
+
+    assert np.all(of_vibration(True) < 0.2)
+    assert np.all(of_vibration(False) > 0.8)
+
+
 def test_a_machine_under_another_controller_moves_as_measured(recording):
     """A lag of a quarter of a turn of the motor: what repeats with its turns would be out of phase."""
     names = [f"motor.position.{joint}" for joint in recording.header.joints]

@@ -45,7 +45,7 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
         not_excited=together(diagnosis.not_excited),
         not_judgeable=together(diagnosis.not_judgeable),
         levels=[
-            _readable(level, "measured", "noise_floor", "before", "after") | {"small": level.is_small}
+            _readable(level, "measured", "noise_floor", "before", "after") | {"left": diagnosis.tell_left(level)}
             for level in diagnosis.levels
         ],
         held_out=[_readable(level, "measured", "before", "after") for level in report.held_out],
@@ -75,11 +75,6 @@ def _figures(report: DiagnosisReport) -> dict[str, list[dict[str, Any]]]:
 
 def _listed(rivals: Sequence[Rival]) -> list[Rival]:
     return [rival for i, rival in enumerate(rivals) if rival.tied or i < _MOST_RIVALS]
-
-
-def _left(level: Level) -> dict[str, Any]:
-    """A level in readable units, and whether it is small."""
-    return _readable(level, "measured", "noise_floor", "before", "after") | {"small": level.is_small}
 
 
 def _readable(level: Level | LoopLevel, *names: str) -> dict[str, Any]:

@@ -60,7 +60,7 @@ def _levels(diagnosis: Diagnosis) -> str:
         (heading, [f"{factor * getattr(level, name):.3g}" for level, (factor, _) in zip(levels, scale, strict=True)])
         for heading, name in names
     ]
-    columns.append(("left", ["small" if level.is_small else "NOT SMALL" for level in levels]))
+    columns.append(("left", [diagnosis.tell_left(level).replace("not small", "NOT SMALL") for level in levels]))
     fixed: list[Column] = [
         ("RMS of", [level.channel for level in levels]),
         ("", [shortened(level.component) for level in levels]),

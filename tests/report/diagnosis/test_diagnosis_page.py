@@ -170,3 +170,15 @@ def test_a_sliding_joint_is_told_in_newtons_metres_and_kilograms():
     assert "residual [N]" in drawn
     assert "[N m]" not in drawn.replace("load on the motor [N m]", "")
     assert format_diagnosis(diagnosis, load_robot("one_axis")) == format_diagnosis(diagnosis)
+
+
+def test_what_calibration_allows_for_is_not_called_small_nor_unexplained():
+    diagnosis = full_diagnosis()
+    level = next(level for level in diagnosis.levels if level.is_small)
+    large = replace(level, after=level.measured)
+    assert diagnosis.tell_left(level) == "small"
+    assert diagnosis.tell_left(large) == "not small"
+    assert replace(diagnosis, verdict="none").tell_left(large) == "allowed for"
+    text = format_diagnosis(replace(diagnosis, verdict="none", levels=(level, large)))
+    assert "allowed for" in text
+    assert "NOT SMALL" not in text
