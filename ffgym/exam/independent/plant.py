@@ -182,7 +182,8 @@ class Plant:
         n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
         level = n.coulomb + (n.breakaway - n.coulomb) * np.exp(-((speed / n.stribeck) ** 2))
         if faulty["asymmetry"]:
-            level = level + f.asymmetry * n.coulomb * np.sign(angle - self._start)
+            way = angle - self._start
+            level = level + f.asymmetry * n.coulomb * np.sign(np.where(way == 0, speed, way))
         if faulty["load_share"]:
             level = level + f.load_share * np.abs(self._load / n.gear_ratio)
         if faulty["wear"]:

@@ -232,6 +232,27 @@ def test_a_cascade_brings_motors_to_their_set_points(rng):
     np.testing.assert_allclose(course.angle[-1], 0.2 * numbers.gear_ratio, rtol=0.02)
 
 
+def test_friction_that_depends_on_direction_does_so_by_the_same_torque_at_any_speed(rng):
+    """Forwards and backwards, fast and slowly, beside a machine whose friction does not depend on direction."""
+    robot = drawn_robot(1, elastic=False, rng=rng)
+    plain = numbers_of(robot)
+    both = side_by_side([plain, with_fault(plain, 0, asymmetry=-0.1)])
+    steps, dt = 3000, 0.0005
+    rate = np.repeat([1.0, -1.0, 0.2, -0.2], 2 * steps // 4 + 1)[: 2 * steps + 1, None, None]
+    rate = np.broadcast_to(rate, (len(rate), *both.shape)) * robot.kinematics.max_speed * both.gear_ratio
+    wanted = np.cumsum(rate, axis=0) * dt / 2
+    ahead = np.zeros_like(wanted)
+    servo = servo_of(robot, both.shape)
+    plant = Plant(
+        both, Bristles(stiffness=both.presliding), servo, dt=dt, clock=np.zeros(1), warming=np.zeros(both.shape)
+    )
+    torque = plant.run(np.zeros(both.shape), Orders(position=wanted, speed=rate, ahead=ahead), 1).torque[..., 0]
+    for part in range(4):
+        settled = slice(part * steps // 4 + steps // 6, (part + 1) * steps // 4 - 5)
+        more = np.mean(np.diff(torque[settled], axis=1))
+        assert more == pytest.approx(-0.1 * both.coulomb[0, 0], rel=0.02), part
+
+
 def test_an_uncertain_machine_is_off_by_the_share_that_is_told(rng):
     robot = drawn_robot(6, elastic=True, rng=rng)
     nominal = numbers_of(robot)
