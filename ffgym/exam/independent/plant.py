@@ -47,8 +47,9 @@ class Course:
     """Behind springs [rad]."""
     dq: Array
     angle: Array
-    """Of the motors [rad]."""
+    """Of the motors, as their resolvers read it [rad]."""
     speed: Array
+    """Of that angle [rad/s]."""
     torque: Array
     """Of the motors, as their currents say [N m]."""
     feedback: Array
@@ -97,7 +98,8 @@ class Plant:
             self._start = state[2]
             first = self.rates(state, 2 * k, orders)
             if k % every == 0:
-                rows.append(np.stack([*state[:4], first[1] + orders.ahead[2 * k], first[1]]))
+                read = self._seen(state[2]), self._seen_speed(state[2], state[3])
+                rows.append(np.stack([*state[:2], *read, first[1] + orders.ahead[2 * k], first[1]]))
                 if not np.all(np.abs(state[2]) < _FAR):
                     raise FFGymError(f"The independent plant became unstable at {k * self.dt:.3f} s; soften its servo.")
             if k < steps:
@@ -164,6 +166,10 @@ class Plant:
     def _seen(self, angle: Array) -> Array:
         """Angle as the resolver reads it."""
         return angle + self.numbers.faults.resolver * np.sin(angle) if self._is_faulty["resolver"] else angle
+
+    def _seen_speed(self, angle: Array, speed: Array) -> Array:
+        """Speed of what the resolver reads."""
+        return speed * (1 + self.numbers.faults.resolver * np.cos(angle)) if self._is_faulty["resolver"] else speed
 
     def _given(self, torque: Array, angle: Array) -> Array:
         """Torque of motors whose currents say `torque`."""

@@ -253,6 +253,29 @@ def test_friction_that_depends_on_direction_does_so_by_the_same_torque_at_any_sp
         assert more == pytest.approx(-0.1 * both.coulomb[0, 0], rel=0.02), part
 
 
+def test_what_is_recorded_of_a_motor_is_what_its_resolver_reads(rng):
+    """Of a rigid joint, whose true angle is that of the link."""
+    robot = drawn_robot(1, elastic=False, rng=rng)
+    numbers = with_fault(numbers_of(robot), 0, resolver=2e-3)
+    shape, dt = numbers.shape, 0.0005
+    rate = np.full((4001, *shape), 0.2) * robot.kinematics.max_speed * numbers.gear_ratio
+    rate = rate * np.linspace(0, 1, len(rate))[:, None, None]
+    orders = Orders(position=np.cumsum(rate, axis=0) * dt / 2, speed=rate, ahead=np.zeros_like(rate))
+    plant = Plant(
+        numbers,
+        Bristles(stiffness=numbers.presliding),
+        servo_of(robot, shape),
+        dt=dt,
+        clock=np.zeros(1),
+        warming=np.zeros(shape),
+    )
+    course = plant.run(np.zeros(shape), orders, 1)
+    true = course.q * numbers.gear_ratio
+    assert np.ptp(true) > 2 * np.pi
+    np.testing.assert_allclose(course.angle - true, 2e-3 * np.sin(true), atol=1e-9)
+    np.testing.assert_allclose(np.gradient(course.angle, dt, axis=0)[5:-5], course.speed[5:-5], rtol=2e-3, atol=1e-3)
+
+
 def test_an_uncertain_machine_is_off_by_the_share_that_is_told(rng):
     robot = drawn_robot(6, elastic=True, rng=rng)
     nominal = numbers_of(robot)
