@@ -43,7 +43,7 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
 def _finer(log: Log, every: int, smooth: bool) -> Log:
     """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way."""
     dt, still = log.dt, without_trembling(log.q, log.trembling)
-    moved = _smoothed if smooth else _sharpened
+    moved = _smooth if smooth else _sharpen
     q = np.stack([_held(moved(still[:n, i], log), len(log.q)) for i, n in enumerate(log.lengths)], axis=1)
     t: Array = dt / every * np.arange((len(q) - 1) * every + 1, dtype=np.float64)
     q, dq, ddq = _along(q, log, t)
@@ -67,13 +67,13 @@ def _finer(log: Log, every: int, smooth: bool) -> Log:
     )
 
 
-def _smoothed(angle: Array, log: Log) -> Array:
-    """Angles (T, N) with what lies in the usual band of what is compared."""
+def _smooth(angle: Array, log: Log) -> Array:
+    """Leave of angles (T, N) what lies in the usual band of what is compared."""
     return LowPass(cutoff=min(log.sampling.motion_filter.cutoff, CUTOFF))(angle, log.dt)
 
 
-def _sharpened(angle: Array, log: Log) -> Array:
-    """Angles (T, N) that the low-pass of the motion would make into these, as far as it lets anything through.
+def _sharpen(angle: Array, log: Log) -> Array:
+    """Return angles (T, N) that the low-pass of the motion would make into these, as far as it passes anything.
 
     A motion that was smoothed twice turns back later than the measured one; what a replay does wrong where friction
     turns would be told too small. By van Cittert's iteration (1931, Z. Phys. 69).
