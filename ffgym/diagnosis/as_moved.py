@@ -36,7 +36,7 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
             edge of a wide band would be bias. Else the low-pass of the motion is undone.
     """
     every = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
-    fine = replay(_finer(log, every, smooth), run.machine)
+    fine = replay(_finer(log, every, smooth), run.machine, exact=True)
     return [_record(log, run, fine, every, i) for i in range(len(log.recordings))]
 
 

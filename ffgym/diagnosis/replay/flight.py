@@ -1,8 +1,10 @@
 """Joints that bend under effects which depend on how they bend."""
 
+from dataclasses import fields, replace
+
 import numpy as np
 
-from ffgym.diagnosis.replay.springs import Deflection, Springs, between, resting
+from ffgym.diagnosis.replay.springs import Deflection, Springs, between, resting, straight
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.along import samples, torques_along
 from ffgym.effects.leads import Leads
@@ -64,7 +66,8 @@ def flown(
     springs: Springs, state: State, effects: list[TorqueEffect], torque: Array, start: Array, dt: float
 ) -> Deflection:
     """Deflections with effects that depend on them, from the rest in which they balance the load."""
-    each, every = list(samples(state)), springs.substeps
+    every = springs.substeps
+    each = list(samples(state if every == 1 else _finer(state, every)))
     memories: list[Array] = []
 
     def at(k: int, angle: Array, rate: Array) -> State:
@@ -83,12 +86,19 @@ def flown(
     memories.extend(effect.initial_memory(first) for effect in effects)
 
     def push(k: int, angle: Array, rate: Array) -> Array:
-        total, memories[:] = _behind(effects, at(-(-k // every), angle, rate), dt / every, memories)
+        total, memories[:] = _behind(effects, at(k, angle, rate), dt / every, memories)
         return total
 
     if every == 1:
         return springs.pushed_by(torque, push, rest)
     return springs.finer(every).pushed_by(between(torque, every), push, rest).at_every(every)
+
+
+def _finer(state: State, every: int) -> State:
+    """The state at so many steps in each sample, on straight lines."""
+    n = len(state.motor_angle)
+    moving = {f.name: values for f in fields(State) if len(values := getattr(state, f.name)) == n and values.ndim > 1}
+    return replace(state, **{name: straight(values, every) for name, values in moving.items()})
 
 
 def _behind(

@@ -95,7 +95,9 @@ class Replay:
         return jacobian.reshape(*q.shape[:2], 3, q.shape[-1])
 
 
-def replay(log: Log, machine: Machine, like: Replay | None = None, nearby: Replay | None = None) -> Replay:
+def replay(
+    log: Log, machine: Machine, like: Replay | None = None, nearby: Replay | None = None, *, exact: bool = False
+) -> Replay:
     """Replay a log on a machine.
 
     Args:
@@ -104,6 +106,8 @@ def replay(log: Log, machine: Machine, like: Replay | None = None, nearby: Repla
         like: replay of the same log on another machine, of which is taken what is the same.
         nearby: replay on the same machine of motions that differ by noise alone, of which the terms of the links are
             taken: poses differ by too little to show in them.
+        exact: whether links that bend ask for what they do there, not for what slopes about the measured motion say;
+            it takes a little longer.
     """
     robot = machine.physical
     read, log = log, _truly(log, machine)
@@ -134,6 +138,9 @@ def replay(log: Log, machine: Machine, like: Replay | None = None, nearby: Repla
         deflection = like.deflection
     else:
         deflection = deflected(springs, state, on_arm, -rigid_torque, rough, log.dt)
+    if exact and len(springs.elastic):
+        deflection, beyond = _beyond_slopes(log, robot, links, springs, deflection)
+        rigid_torque = rigid_torque + beyond
     state = bent_state(state, deflection, robot)
     needed = rigid_torque + springs.bending_torque(deflection)
     added = summed(on_arm, state, log.dt)
@@ -160,6 +167,20 @@ def replay(log: Log, machine: Machine, like: Replay | None = None, nearby: Repla
         torque=torque,
         tilt=tilt,
     )
+
+
+def _beyond_slopes(
+    log: Log, robot: RobotDescription, links: LinkTerms, springs: Springs, bent: Deflection
+) -> tuple[Deflection, Array]:
+    """Deflections after a step of Newton's method, and the torque of links (T, M, N) that slopes do not tell [N m]."""
+    there = link_terms(RigidArm(robot), log.q + bent.angle, log.dq + bent.rate, log.dt)
+    beyond: Array = there.torque(log.ddq + bent.acceleration) - links.torque(log.ddq) - springs.bending_torque(bent)
+    more = springs.bent_by(-beyond[..., None])
+    return Deflection(
+        angle=bent.angle + more.angle[..., 0],
+        rate=bent.rate + more.rate[..., 0],
+        acceleration=bent.acceleration + more.acceleration[..., 0],
+    ), beyond
 
 
 def _base_terms(log: Log, robot: RobotDescription, like: Replay | None) -> BaseTerms:

@@ -31,10 +31,10 @@ def reference():
     return joint_reference(nominal().robot, path)
 
 
-def recorded(machines):
+def recorded(machines, sample_dt=SAMPLE_DT):
     """One exact recording of each of several machines, by name."""
     runs = [Run(reference=reference())] * len(machines)
-    found = simulate(runs, machine=list(machines.values()), record_dt=SAMPLE_DT, n_threads=1)
+    found = simulate(runs, machine=list(machines.values()), record_dt=sample_dt, n_threads=1)
     return {
         name: replace(recording, header=replace(recording.header, segment=name))
         for name, recording in zip(machines, found, strict=True)

@@ -9,6 +9,7 @@ from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import measured_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.replay.flight import deflected, flown
+from ffgym.diagnosis.replay.springs import COARSE
 from ffgym.diagnosis.replay.states import state_of
 from ffgym.effects import EFFECTS, TorqueEffect
 from ffgym.effects.along import torques_along
@@ -110,8 +111,9 @@ def test_effects_that_follow_the_motor_do_not_see_how_joints_bend(log):
     assert any(kind.follows_motor for kind in behind)
 
 
-def test_a_joint_bends_at_once_as_sample_by_sample_under_what_follows_its_motor(log):
+def test_a_joint_bends_at_once_as_sample_by_sample_under_what_follows_its_motor():
     robot = nominal().robot
+    log = log_of(robot, [recorded({"nominal": nominal()}, sample_dt=COARSE)["nominal"]])  # a step of springs per sample
     effects = [small(EFFECTS[name], robot, share=0.5) for name in ("kinematic_error", "hardening")]
     run = replay(log, nominal())
     state = state_of(log, nominal(), run.bristles)
@@ -122,3 +124,16 @@ def test_a_joint_bends_at_once_as_sample_by_sample_under_what_follows_its_motor(
         for part in ("angle", "rate", "acceleration"):
             one, other = getattr(at_once, part), getattr(each, part)
             np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max(), err_msg=part)
+
+
+def test_an_exact_replay_balances_links_where_they_bend_to_the_square_of_what_slopes_leave(recording):
+    robot = nominal().robot
+    drive = replace(robot.drive, joint_stiffness=0.05 * robot.drive.joint_stiffness)
+    soft, missed = replace(nominal(), robot=replace(robot, drive=drive)), []
+    log = log_of(soft.robot, [recording])
+    for exact in (False, True):
+        run = replay(log, soft, exact=exact)
+        load = -(drive.joint_stiffness * run.deflection.angle + drive.joint_damping * run.deflection.rate)
+        missed.append(np.abs(run.own_link_torque - load)[50:].max() / np.abs(load).max())
+    assert missed[0] > 1e-3
+    assert missed[1] < 0.1 * missed[0]

@@ -9,7 +9,7 @@ from ffgym.diagnosis.replay.springs import FlownAwayError, Springs, resting
 MASS = np.array([[8.0, 1.5], [1.5, 2.0]])
 STIFFNESS = np.array([2e4, 1e4])
 DAMPING = np.array([20.0, 8.0])
-DT = 0.0005
+DT = 0.00025
 
 
 def springs(n, stiffness=STIFFNESS):
@@ -23,7 +23,7 @@ def load(t):
 @pytest.fixture(scope="module")
 def solved():
     """Deflection (T, 2) by a solver of high order."""
-    t = DT * np.arange(1600)
+    t = DT * np.arange(3200)
 
     def slope(at, y):
         return np.concatenate([y[2:], np.linalg.solve(MASS, load(at) - DAMPING * y[2:] - STIFFNESS * y[:2])])
