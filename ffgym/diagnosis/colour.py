@@ -242,7 +242,7 @@ def _parts(rows: Array, width: int) -> list[Array]:
     n = len(rows) // width
     time: Array = np.linspace(-1.0, 1.0, width, dtype=np.float64)[:, None]
     found = []
-    for part in rows[: n * width].reshape(n, width, -1):
+    for part in rows[: n * width].reshape(n, width, rows.shape[1]):
         about = part - part.mean(axis=0)
         found.append(about - time * np.sum(about * time, axis=0) / np.sum(time**2))
     return found

@@ -10,6 +10,7 @@ from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
 from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
+from ffgym.diagnosis.first_swing import first_swing
 from ffgym.diagnosis.fit.calibrate import calibrate, excess_of
 from ffgym.diagnosis.fit.fit import evaluated
 from ffgym.diagnosis.fit.setting import Setting
@@ -25,7 +26,7 @@ from ffgym.diagnosis.servo import FOREIGN, UNKNOWN, has_servo, is_foreign
 from ffgym.diagnosis.signatures.column import Column, columns_of
 from ffgym.diagnosis.signatures.variant import variants
 from ffgym.diagnosis.standing import misread_friction
-from ffgym.diagnosis.unknown_torque import doubt_torque, unknown_torque
+from ffgym.diagnosis.unknown_torque import doubt_rows, unknown_torque
 from ffgym.effects import Effect, State, TorqueEffect, Torques
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
@@ -113,7 +114,7 @@ def prepared(
     floor = faultless.floor(log)
     weights = {(channel, c): rows / floor[channel][:, c] for (channel, c), rows in counting_rows(log).items()}
     missed = {channel: rows - known.bias[channel] for channel, rows in residual_rows(log, predicted(like)).items()}
-    doubtful = doubt_torque(weights, unknown_torque(like, known.bias))
+    doubtful = doubt_rows(weights, {"torque": unknown_torque(like, known.bias)})
     setting = Setting(
         log=log,
         nominal=nominal,
@@ -125,6 +126,7 @@ def prepared(
         bias=known.bias,
         bound=BOUND,
     )
+    setting = replace(setting, weights=doubt_rows(setting.weights, first_swing(setting)))
     return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor, simulated=known.simulated)
 
 

@@ -1,8 +1,8 @@
 """Torque that no replay can know, as friction remembers motion that the log does not show: it counts as noise.
 
-Bristles that are not yet torn off follow ways of a few micrometres. Three things keep those from being known: the
-noise of a motor that stands, in whose band it may have moved; what a motion has above the band that it was read in, as
-where it stops and rings; and samples so rare that a reversal lies between them.
+Bristles that are not yet torn off follow ways of a few micrometres. Four things keep those from being known: the noise
+of a motor that stands, in whose band it may have moved; what a motion has above the band that it was read in, as where
+it stops and rings; samples so rare that a reversal lies between them; and how bristles stood when the log began.
 """
 
 from collections.abc import Mapping
@@ -44,16 +44,21 @@ def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
     log = run.read
     narrow = _friction(run, log.q, _HALF * log.trembling)
     slow = _friction(run, _slower(run), log.trembling)
-    changes = [log.sampling(friction - run.bristles.torque) for friction in (narrow, slow)]
-    unknown: Array = np.hypot(np.hypot(*changes), _between_samples(log.dt) * bias["torque"])
+    begun = _friction(run, log.q, log.trembling, load=1.0)
+    changes = [log.sampling(friction - run.bristles.torque) for friction in (narrow, slow, begun)]
+    changes.append(_between_samples(log.dt) * bias["torque"])
+    unknown: Array = np.sqrt(np.sum(np.square(changes), axis=0))
     return unknown
 
 
-def _friction(run: Replay, angle: Array, band: Array) -> Array:
-    """Friction (T, M, N) if motors had moved so, to a half-width (N,) of what is taken for standing, [N m]."""
+def _friction(run: Replay, angle: Array, band: Array, load: float = 0.0) -> Array:
+    """Friction (T, M, N) if motors had moved so, to a half-width (N,) of what is taken for standing, [N m].
+
+    Bristles begin with a `load`, as a share of what tears them off.
+    """
     log, drive = run.read, run.robot.drive
     slip = np.gradient(without_trembling(angle, band), log.dt, axis=0)
-    return along_speed(run.robot.friction, drive.motor_angle(slip), drive.motor_angle(run.log.dq), log.dt).torque
+    return along_speed(run.robot.friction, drive.motor_angle(slip), drive.motor_angle(run.log.dq), log.dt, load).torque
 
 
 def _slower(run: Replay) -> Array:
@@ -71,16 +76,16 @@ def _between_samples(dt: float) -> float:
     return min(1.0, dt / _REVERSAL) if dt < _PASSED * _REVERSAL else 0.0
 
 
-def doubt_torque(weights: Values, unknown: Array) -> Values:
-    """Weights (R, M) by component under which unknown torque counts as noise.
+def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
+    """Weights (R, M) by component under which what is unknown counts as noise.
 
     Args:
         weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
-        unknown: see `unknown_torque`.
+        unknown: what may be there or not, by channel, (R, M, C), signed or not.
     """
     found = dict(weights)
     for (channel, c), rows in weights.items():
-        if channel == "torque" and unknown[:, :, c].any():
-            about = maximum_filter1d(np.abs(unknown[:, :, c]), 2 * _NEAR + 1, axis=0)
+        if channel in unknown and unknown[channel][:, :, c].any():
+            about = maximum_filter1d(np.abs(unknown[channel][:, :, c]), 2 * _NEAR + 1, axis=0)
             found[channel, c] = rows / np.hypot(1.0, rows * about)
     return found

@@ -8,7 +8,7 @@ import pytest
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.log.white import without_trembling
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.unknown_torque import doubt_torque, unknown_torque
+from ffgym.diagnosis.unknown_torque import doubt_rows, unknown_torque
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 
 KEY = ("torque", 0)
@@ -72,12 +72,12 @@ def test_what_a_replay_does_wrong_is_not_known_where_reversals_are_hardly_longer
 def test_what_is_unknown_counts_as_noise_in_its_row_and_the_next():
     unknown = np.zeros((100, 1, 1))
     unknown[50] = 10 * NOISE
-    found = doubt_torque({KEY: np.full(1, 1 / NOISE)}, unknown)[KEY]
+    found = doubt_rows({KEY: np.full(1, 1 / NOISE)}, {"torque": unknown})[KEY]
     np.testing.assert_allclose(found[49:52], 1 / (NOISE * np.hypot(1, 10)))
     np.testing.assert_allclose(np.delete(found, [49, 50, 51], axis=0), 1 / NOISE)
 
 
 def test_what_is_no_torque_is_known_as_it_was():
     weight = np.full(1, 1 / NOISE)
-    found = doubt_torque({("tool", 0): weight}, np.ones((100, 1, 1)))
+    found = doubt_rows({("tool", 0): weight}, {"torque": np.ones((100, 1, 1))})
     np.testing.assert_array_equal(found["tool", 0], weight)

@@ -18,8 +18,8 @@ class Bristles:
     """LuGre-smoothed sign of the motor speed s = sigma_0 z / g(v) [1]."""
 
 
-def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float) -> Bristles:
-    """Friction of bristles that are relaxed at the first sample, motor side, samples `dt` [s] apart.
+def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float, load: float = 0.0) -> Bristles:
+    """Friction of bristles along samples `dt` [s] apart, motor side.
 
     Between two samples the bristle equation is solved exactly for their mean speed.
 
@@ -28,10 +28,11 @@ def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float)
         slip: speed that moves the bristles [rad/s], shape (T, M, N).
         speed: speed of the motors, which viscous friction sees [rad/s].
         dt: sample time [s].
+        load: of the bristles at the first sample, as a share of what tears them off; 0 is relaxed.
     """
     keep, gain = friction.exact_bristle_factors(0.5 * (slip[1:] + slip[:-1]), dt)
     bristle = np.zeros_like(slip)
-    z = bristle[0]
+    bristle[0] = z = load * friction.stribeck_level(0.0 * slip[0]) / friction.bristle_stiffness
     for k in range(len(keep)):
         z = keep[k] * z + gain[k]
         bristle[k + 1] = z
