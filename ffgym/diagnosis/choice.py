@@ -1,21 +1,27 @@
-"""Which effects are tried: all of the library, those that repeat with the motor angle as often as the residual does."""
+"""Which effects are tried: all of the library, those that repeat with the motor angle as often as the residual does.
 
-from collections.abc import Sequence
+Where a joint is far from what is described, springs that are much stiffer or softer are tried, too.
+"""
+
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.fit.leftover import loudness, without_calibration
+from ffgym.diagnosis.fit.leftover import Loudness, loudness, without_calibration
 from ffgym.diagnosis.patterns.cycles import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
 from ffgym.diagnosis.patterns.spectrum import Spectrum
 from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for, repeats
-from ffgym.diagnosis.residual import components
+from ffgym.diagnosis.residual import Channel, components
 from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.signatures.column import columns_of
+from ffgym.diagnosis.signatures.stiffness import stiffness_columns
 from ffgym.diagnosis.signatures.variant import Cycles
 from ffgym.effects import Effect
+from ffgym.effects.transmission import JointStiffness
+from ffgym.types import Array
 
 _LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("torque", 1))
 """Peaks of a joint's torque that are tried as the frequency of a periodic effect, of what has one amplitude and of what
@@ -29,34 +35,48 @@ at each resonance; they may be loud without a peak."""
 _LOUD = 1.1
 """Energy over that of noise from which on something may have a period in it."""
 
+_FAR = 10.0
+"""Energy over that of noise from which on a joint's spring may be so wrong that slopes do not tell; chosen."""
+
 _APART, _SHAFT_APART = 0.2, 0.02
 """Cycles per turn by which two such peaks differ at least, and a shaft's frequency from any: the peak of a torque that
 changes with the speed lies beside it, by up to 0.16 in a log of small turns."""
 
 
 class Choice:
-    """Effects to try: those that repeat with the motor angle at the frequencies that a residual has."""
+    """Effects to try beside those of a fit; what was made for one fit is kept for the next."""
 
     def __init__(self, ready: Prepared, kinds: Sequence[type[Effect]], memory: Memory | None) -> None:
         self._ready, self._kinds, self._memory = ready, kinds, memory
         self._tried: dict[str, tuple[float, ...]] = {}
+        self._sprung: set[int] = set()
         self._made: Candidates | None = None
 
     def __call__(self, fit: Fit) -> Candidates:
-        """Candidates beside those of a fit: those that there were before it, and new frequencies."""
+        """Candidates beside those of a fit: those that there were before it, new frequencies, and other springs."""
         made = self._made or candidates_for(self._ready, self._kinds, self._memory)
-        if new := _not_among(self._cycles(fit), self._tried):
+        setting = self._ready.setting
+        rest = without_calibration(setting, fit)
+        loud = loudness(setting, rest)
+        if JointStiffness in self._kinds and (far := self._far(loud)):
+            made = made.beside(stiffness_columns(self._ready.run, far))
+            self._sprung.update(far)
+        if new := _not_among(self._cycles(fit, rest, loud), self._tried):
             periodic = [kind for kind in self._kinds if repeats(kind)]
             made = made.beside(columns_of(self._ready.run, periodic, new))
             self._tried |= {joint: (*self._tried.get(joint, ()), *cycles) for joint, cycles in new.items()}
         self._made = made
         return made
 
-    def _cycles(self, fit: Fit) -> Cycles:
+    def _far(self, loud: Loudness) -> list[int]:
+        """Elastic joints whose torque is far from what it should be, and whose springs were not tried."""
+        elastic = self._ready.run.springs.elastic.tolist()
+        return [j for j in elastic if j not in self._sprung and loud.get(("torque", j), 0.0) > _FAR]
+
+    def _cycles(self, fit: Fit, rest: Mapping[Channel, Array], energies: Loudness) -> Cycles:
         """Frequencies per motor turn of each joint that what is left has, the strongest first."""
         setting = self._ready.setting
-        rest = without_calibration(setting, fit)
-        loud = {key for key, energy in loudness(setting, rest).items() if energy > _LOUD}
+        loud = {key for key, energy in energies.items() if energy > _LOUD}
         residual = residual_of(setting.log, fit.run, rest, self._ready.floor)
         found: dict[str, list[float]] = {}
         for j, joint in enumerate(residual.robot.joints):

@@ -27,13 +27,31 @@ def test_a_peak_beside_what_turns_with_the_shaft_does_not_stand_for_it():
 def test_what_turns_with_the_shaft_is_tried_where_the_torque_of_its_joint_is_loud(monkeypatch, loud, tried):
     """Though nothing peaks there: the torque of an angle that is wrong turns its phase at each resonance."""
     robot = SimpleNamespace(joints=("j1", "j2"))
-    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
-    monkeypatch.setattr(module, "loudness", lambda setting, rest: {loud: 50.0})
     monkeypatch.setattr(module, "residual_of", lambda *given: SimpleNamespace(robot=robot))
     monkeypatch.setattr(module, "components", lambda channel, robot: "xyz")
     flat = Spectrum(frequency=np.array([30.0, 40.0]), share=np.array([0.2, 0.1]))
     monkeypatch.setattr(module, "cycles_per_turn", lambda *given, **kind: flat)
     ready = SimpleNamespace(setting=SimpleNamespace(log=None), floor=None)
-    cycles = Choice(ready, (), None)._cycles(SimpleNamespace(run=None))
+    cycles = Choice(ready, (), None)._cycles(SimpleNamespace(run=None), {}, {loud: 50.0})
     assert (1.0 in cycles["j1"] and 2.0 in cycles["j1"]) == tried
     assert (30.0 in cycles["j1"]) == (loud != ("torque", 1))
+
+
+def test_other_springs_are_tried_once_on_elastic_joints_whose_torque_is_far_off(monkeypatch):
+    energies = {("torque", 0): 50.0, ("torque", 1): 50.0, ("torque", 2): 5.0, ("tool", 2): 50.0}
+    run = SimpleNamespace(springs=SimpleNamespace(elastic=np.array([1, 2])))
+    made = SimpleNamespace(beside=lambda columns: made)
+    tried = []
+    monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
+    monkeypatch.setattr(module, "loudness", lambda setting, rest: energies)
+    monkeypatch.setattr(module, "candidates_for", lambda *given: made)
+    monkeypatch.setattr(module, "stiffness_columns", lambda run, joints: tried.append(joints))
+    monkeypatch.setattr(Choice, "_cycles", lambda *given: {})
+    choice = Choice(SimpleNamespace(setting=None, run=run), (module.JointStiffness,), None)
+    choice(None)
+    choice(None)
+    energies["torque", 2] = 50.0
+    choice(None)
+    assert tried == [[1], [2]]
+    assert Choice(SimpleNamespace(setting=None, run=run), (), None)(None) is made
+    assert len(tried) == 2

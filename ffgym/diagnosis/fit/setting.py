@@ -49,7 +49,7 @@ class Setting:
             bound = np.full(len(self.calibration), self.bound)
             return -bound, bound
         n = self.log.robot.n_joints
-        is_cause = np.array([any(_is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])
+        is_cause = np.array([any(is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])
         low, high = (np.array([getattr(doubt, end) for doubt in self.doubts]) for end in ("low", "high"))
         return np.where(is_cause, -HELD, low), np.where(is_cause, HELD, high)
 
@@ -59,7 +59,7 @@ class Setting:
         return stack_of(self.blocks, self.calibration, self.weights)
 
 
-def _is_number_of(doubt: Doubt, hypothesis: Hypothesis, n_joints: int) -> bool:
+def is_number_of(doubt: Doubt, hypothesis: Hypothesis, n_joints: int) -> bool:
     """Whether a hypothesis has the number that a calibration error is of."""
     column = doubt.column
     if column.effect is RowOffset:

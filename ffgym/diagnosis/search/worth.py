@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.leftover import Loudness, Removed, loudness, removed, touched, without_calibration
-from ffgym.diagnosis.fit.setting import Setting
+from ffgym.diagnosis.fit.setting import Setting, is_number_of
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.found import Tried
 from ffgym.diagnosis.search.stretched import stretched
@@ -34,10 +35,13 @@ LEAKS = 0.02
 of them: what ails one joint shows in others a little, through springs and calibration, until it is explained; chosen: a
 seventh of the amplitude."""
 
-
 HOLDS = 0.25
 """Share of what a cause removes in a fit to all rows that it must remove from rows that it was not fitted to. Right
 ones of development exams hold nearly all of it; one that bends around what another equation leaves, next to nothing."""
+
+KNOWN = 3.0
+"""Standard deviations from what is described within which a number of the model is what it is said to be, and no
+cause: where joints swing, slopes of calibration do not explain what the number itself does."""
 
 
 def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | None = None) -> Removed:
@@ -80,8 +84,20 @@ def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> b
     gone = removed_by(setting, before, after, nominal)
     witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
     explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses)
+    if _is_known(setting, after.hypothesis):
+        return False
     holds = before.total - after.total > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
     return holds and explains and min(gone.of_all, gone.excess) > FLOOR and not _imitates(setting, before, after)
+
+
+def _is_known(setting: Setting, newest: Hypothesis) -> bool:
+    """Whether a cause is a number of the model that is within its calibration."""
+    n = setting.log.robot.n_joints
+    doubts = {doubt.column.parameter: doubt for doubt in setting.doubts if is_number_of(doubt, newest, n)}
+    free = newest.free()
+    if not free or any(number.name not in doubts for number in free):
+        return False
+    return all(abs(doubts[x.name].at + x.value / doubts[x.name].sigma) <= KNOWN for x in free)
 
 
 def _imitates(setting: Setting, before: Tried, after: Tried) -> bool:

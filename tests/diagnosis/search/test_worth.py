@@ -2,17 +2,22 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from ffgym.diagnosis.calibration import Doubt
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.leftover import Removed
 from ffgym.diagnosis.search import worth as module
-from ffgym.diagnosis.search.worth import EXPLAINS, LEAKS, QUIET, explains_most, is_worth, removed_by
+from ffgym.diagnosis.search.worth import EXPLAINS, KNOWN, LEAKS, QUIET, _is_known, explains_most, is_worth, removed_by
+from ffgym.effects import EFFECTS
 
 
 @pytest.fixture(autouse=True)
 def plausible(monkeypatch):
-    """No shape is at the end of its range."""
+    """No shape is at the end of its range, and no cause is a number of the model."""
     monkeypatch.setattr(module, "stretched", lambda setting, fit: ())
+    monkeypatch.setattr(module, "_is_known", lambda setting, newest: False)
 
 
 @pytest.mark.parametrize(
@@ -132,3 +137,24 @@ def test_another_wave_of_a_cause_is_credited_with_what_inexact_causes_would_leav
     first, loud, then = (91.0, 1.0, 1.0, 1.0), (11.0, 1.0, 1.0, 1.0), (2.0, 1.0, 1.0, 1.0)
     gone = removed_from(monkeypatch, first, loud, then, {TORQUES[0]}, known=[known])
     assert gone.of_excess == pytest.approx(share)
+
+
+@pytest.mark.parametrize(
+    ("effect", "joint", "sigmas", "at", "known"),
+    [
+        ("joint_stiffness", "j1", 0.9 * KNOWN, 0.0, True),
+        ("joint_stiffness", "j1", -0.9 * KNOWN, 0.0, True),
+        ("joint_stiffness", "j1", 1.1 * KNOWN, 0.0, False),
+        ("joint_stiffness", "j1", 0.9 * KNOWN, 0.5, False),
+        ("joint_stiffness", "j2", 0.1 * KNOWN, 0.0, False),
+        ("rotor_inertia", "j1", 0.1 * KNOWN, 0.0, False),
+    ],
+)
+def test_a_number_within_its_calibration_is_no_cause(effect, joint, sigmas, at, known):
+    """Of another joint, or another number, the calibration of this one says nothing."""
+    column = SimpleNamespace(effect=EFFECTS["joint_stiffness"], joint="j1", parameter="change")
+    setting = SimpleNamespace(
+        doubts=(Doubt(column=column, sigma=0.05, at=at),), log=SimpleNamespace(robot=SimpleNamespace(n_joints=2))
+    )
+    newest = Hypothesis(kind=EFFECTS[effect], joint=joint, source=None, values={"change": np.array(0.05 * sigmas)})
+    assert _is_known(setting, newest) == known
