@@ -184,29 +184,29 @@ def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | No
         return replace(
             known, run=replace(known.run, state=replace(known.run.state, temperature=like.state.temperature))
         )
-    known = _along(exact_recordings(log, like), log, like, calibration)
+    known = _along(exact_recordings(log, like), log, like)
     plain, left = _torque_left(log, like, 0.0), _torque_left(log, like, known.bias["torque"])
     most = plain if known.simulated else _NOISY * plain
     if left > most:  # its motion is not the measured one where that matters, as at reversals, or has noise in it
         for smooth in (False, True) if known.simulated else (True,):
             motion = Exact(recordings=tuple(as_moved(log, like, smooth=smooth)), simulated=False)
-            moved = _along(motion, log, like, calibration)
+            moved = _along(motion, log, like)
             if _torque_left(log, like, moved.bias["torque"]) < (plain if known.simulated else left):
                 known = moved
                 break
+    known = replace(known, doubts=tuple(doubts_of(known.run, calibration)))
     if memory is not None and known.simulated:
         memory.key, memory.known, memory.columns = key, known, {}
     return known
 
 
-def _along(exact: Exact, log: Log, like: Replay, calibration: Calibration) -> NominalRun:
-    """The nominal machine over a motion that it is known to make."""
+def _along(exact: Exact, log: Log, like: Replay) -> NominalRun:
+    """The nominal machine over a motion that it is known to make, without doubts."""
     clean = log_of(log.robot, exact.recordings, like=log)
     run = replay(clean, like.machine)
     bias = residual_rows(clean, predicted(run))
     bias["torque"] = bias["torque"] - misread_friction(exact.recordings, clean, run, encoder_steps(log))
-    doubts = tuple(doubts_of(run, calibration))
-    return NominalRun(exact=exact.recordings, run=run, bias=bias, doubts=doubts, simulated=exact.simulated)
+    return NominalRun(exact=exact.recordings, run=run, bias=bias, doubts=(), simulated=exact.simulated)
 
 
 def _torque_left(log: Log, like: Replay, bias: Array | float) -> float:

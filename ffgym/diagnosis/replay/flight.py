@@ -91,7 +91,7 @@ def flown(
 
     if every == 1:
         return springs.pushed_by(torque, push, rest)
-    return springs.finer(every).pushed_by(between(torque, every), push, rest).at_every(every)
+    return springs.finer.pushed_by(between(torque, every), push, rest).at_every(every)
 
 
 def _finer(state: State, every: int) -> State:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ffgym.diagnosis.replay.springs import FlownAwayError, Springs, resting
+from ffgym.diagnosis.replay.springs import COARSE, FlownAwayError, Springs, resting
 
 MASS = np.array([[8.0, 1.5], [1.5, 2.0]])
 STIFFNESS = np.array([2e4, 1e4])
@@ -124,3 +124,18 @@ def test_rigid_joints_cannot_fly_away():
     rigid = springs(10, stiffness=np.full(2, np.inf))
     found = rigid.pushed_by(np.ones((10, 1, 2)), lambda k, angle, rate: 1e9 + angle, np.zeros((1, 2)))
     np.testing.assert_array_equal(found.angle, 0.0)
+
+
+@pytest.mark.parametrize(("frequency", "off"), [(13.0, 2e-5), (40.0, 2e-3)])
+def test_a_free_swing_keeps_its_frequency_in_the_longest_steps(frequency, off):
+    n, stiffness = 2001, 1e4
+    mass = np.full((n, 1, 1, 1), stiffness / (2 * np.pi * frequency) ** 2)
+    spring = Springs(mass=mass, stiffness=np.array([stiffness]), damping=np.zeros(1), dt=COARSE)
+    released = np.zeros((n, 1, 1, 1))
+    released[0] = stiffness
+    angle = spring.bent_by(released).angle[:, 0, 0, 0]
+    turns = np.flatnonzero((angle[1:] >= 0) & (angle[:-1] < 0))
+    crossing = turns + angle[turns] / (angle[turns] - angle[turns + 1])
+    found = (len(turns) - 1) / ((crossing[-1] - crossing[0]) * COARSE)
+    assert abs(found / frequency - 1) < off
+    assert np.abs(angle[-500:]).max() > 0.999 * np.abs(angle[10:510]).max()  # no swing is lost
