@@ -36,6 +36,7 @@ from ffgym.diagnosis.residuals import residual_of
 from ffgym.diagnosis.result import Diagnosis, Level, Miswiring
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.search import MOST, Report, search
+from ffgym.diagnosis.search.worth import is_known
 from ffgym.diagnosis.thinning import note_of, thin
 from ffgym.errors import check_whole
 from ffgym.plant import Machine
@@ -192,7 +193,7 @@ def _examined(
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
     model = written(setting, found.final.fit, calibration) if found.final.fit.hypotheses else None
-    if model is not None and any(hypothesis.is_null for hypothesis in model.hypotheses):
+    if model is not None and any(one.is_null or is_known(setting, one) for one in model.hypotheses):
         found, model = found.without_causes, None  # numbers within their calibration do what the causes seemed to do
     first = without_calibration(setting, found.nominal.fit)
     rest = without_calibration(setting, found.final.fit)

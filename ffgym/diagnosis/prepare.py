@@ -13,6 +13,7 @@ from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
 from ffgym.diagnosis.first_swing import first_swing
 from ffgym.diagnosis.fit.calibrate import calibrate, excess_of
 from ffgym.diagnosis.fit.fit import evaluated
+from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
@@ -152,7 +153,8 @@ def within_calibration(ready: Prepared, calibration: Calibration, rng: np.random
             break
     if excess >= first or excess >= max(_QUIET, _GONE * first):
         return None
-    return replace(ready, no_servo=no_servo)
+    left = loudness(setting, without_calibration(setting, evaluated(setting, ())))
+    return replace(ready, setting=replace(ready.setting, described=left), no_servo=no_servo)
 
 
 def _standing(doubts: Sequence[Doubt], at: Array) -> tuple[Doubt, ...]:

@@ -48,7 +48,7 @@ def judged(setting: Setting, found: Found, loud_before: Loudness, loud_after: Lo
     where = touched(setting, list(found.final.fit.columns))
     share = removed(loud_before, loud_after, where).of_excess if where else 0.0
     gains = _gains(setting, found)
-    worst = max(loud_after.values())
+    worst = max(value - setting.inexact(key) for key, value in loud_after.items())
     stretched = stretched_shapes(setting, found.final.fit)
     verdict: Verdict
     if not found.final.fit.hypotheses:

@@ -1,7 +1,7 @@
 """What all fits of a diagnosis share."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,10 @@ from ffgym.types import Array
 
 HELD = 1e-6
 """Standard deviations within which a calibration error is held; bounds must lie apart."""
+
+_INEXACT = 0.01
+"""Share of the energy that numbers within their calibration explain which they may leave; chosen: a tenth of the
+amplitude, of swings whose phase those numbers turn."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,6 +43,12 @@ class Setting:
     """What replay and simulation of one model differ by, (R, M, C): steps of time; taken off every residual."""
     bound: float
     """Standard deviations beyond which a calibration error is none."""
+    described: Mapping[tuple[Channel, int], float] = field(default_factory=dict)
+    """Energy over that of noise, by component, that the model as described leaves, where this one has other numbers."""
+
+    def inexact(self, component: tuple[Channel, int]) -> float:
+        """Energy over that of noise that other numbers may leave of what they explain: they are fitted by steps."""
+        return _INEXACT * max(self.described.get(component, 1.0) - 1.0, 0.0)
 
     def calibration_limits(self, hypotheses: Sequence[Hypothesis] = ()) -> tuple[Array, Array]:
         """Lowest and highest values of the calibration's columns beside hypotheses, in standard deviations.

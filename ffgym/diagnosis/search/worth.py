@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ffgym.diagnosis.calibration import BOUND
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.leftover import Loudness, Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.setting import Setting, is_number_of
@@ -39,7 +40,7 @@ HOLDS = 0.25
 """Share of what a cause removes in a fit to all rows that it must remove from rows that it was not fitted to. Right
 ones of development exams hold nearly all of it; one that bends around what another equation leaves, next to nothing."""
 
-KNOWN = 3.0
+KNOWN = BOUND
 """Standard deviations from what is described within which a number of the model is what it is said to be, and no
 cause: where joints swing, slopes of calibration do not explain what the number itself does."""
 
@@ -57,7 +58,9 @@ def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | N
         first = loudness(setting, without_calibration(setting, nominal.fit))
         is_wave = any(known.place == after.hypothesis.place for known in before.fit.hypotheses)
         inexact, leaks = 0.0 if is_wave else INEXACT, _leaks(loud)
-        allowed = {key: max(inexact * (first[key] - value), leaks[key[0]], 0.0) for key, value in loud.items()}
+        allowed = {
+            key: max(inexact * (first[key] - value), leaks[key[0]], setting.inexact(key)) for key, value in loud.items()
+        }
     where = touched(setting, list(own))
     if allowed is not None and not _is_heard(loud, where, allowed):
         # a channel with little noise is loud with what a cause before left; others may hear this one all the same
@@ -84,17 +87,17 @@ def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> b
     gone = removed_by(setting, before, after, nominal)
     witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
     explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses)
-    if _is_known(setting, after.hypothesis):
+    if is_known(setting, after.hypothesis):
         return False
     holds = before.total - after.total > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
     return holds and explains and min(gone.of_all, gone.excess) > FLOOR and not _imitates(setting, before, after)
 
 
-def _is_known(setting: Setting, newest: Hypothesis) -> bool:
+def is_known(setting: Setting, cause: Hypothesis) -> bool:
     """Whether a cause is a number of the model that is within its calibration."""
     n = setting.log.robot.n_joints
-    doubts = {doubt.column.parameter: doubt for doubt in setting.doubts if is_number_of(doubt, newest, n)}
-    free = newest.free()
+    doubts = {doubt.column.parameter: doubt for doubt in setting.doubts if is_number_of(doubt, cause, n)}
+    free = cause.free()
     if not free or any(number.name not in doubts for number in free):
         return False
     return all(abs(doubts[x.name].at + x.value / doubts[x.name].sigma) <= KNOWN for x in free)

@@ -39,6 +39,8 @@ class Kind:
     """'elastic' joints, a 'tracker', 'temperature', or a 'neighbour'."""
     at_machine: bool = False
     """Whether it is of the machine as a whole."""
+    of_number: bool = False
+    """Whether its size is the relative error of a number that is described."""
 
 
 @final
@@ -246,8 +248,12 @@ def _number(name: str) -> Callable[[float, Shape], dict[str, float]]:
 
 KINDS: Mapping[str, Kind] = MappingProxyType(
     {
-        "coulomb": Kind(answer="coulomb_level", full=_either(0.3), change=_coulomb, told=_number("change")),
-        "viscous": Kind(answer="viscous_level", full=_either(0.5), change=_scaled("viscous"), told=_number("change")),
+        "coulomb": Kind(
+            answer="coulomb_level", full=_either(0.3), change=_coulomb, told=_number("change"), of_number=True
+        ),
+        "viscous": Kind(
+            answer="viscous_level", full=_either(0.5), change=_scaled("viscous"), told=_number("change"), of_number=True
+        ),
         "peak": Kind(
             answer="stribeck_peak",
             full=_up(0.8),
@@ -259,6 +265,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             full=_up(1.5),
             change=_scaled("presliding"),
             told=lambda size, shape: {"stiffness": size, "damping": 0.0},
+            of_number=True,
         ),
         "blocks": Kind(answer="presliding", full=_up(1.0), change=_blocks),
         "asymmetry": Kind(
@@ -283,6 +290,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             change=_stiffness,
             told=_number("change"),
             needs=("elastic",),
+            of_number=True,
         ),
         "growth": Kind(answer="hardening", full=_up(1.0), change=_growth, needs=("elastic",)),
         "gap": Kind(
@@ -302,7 +310,9 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
             told=lambda size, shape: {"mass": size, "offset.x": 0.0, "offset.y": 0.0, "offset.z": 0.0, "radius": 0.0},
             at_machine=True,
         ),
-        "rotor": Kind(answer="rotor_inertia", full=_either(0.2), change=_scaled("rotor"), told=_number("change")),
+        "rotor": Kind(
+            answer="rotor_inertia", full=_either(0.2), change=_scaled("rotor"), told=_number("change"), of_number=True
+        ),
         "torque_error": Kind(
             answer="torque_constant",
             full=_either(0.1),

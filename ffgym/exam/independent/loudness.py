@@ -36,8 +36,16 @@ class _Motion:
     ddq: Array
 
 
-def loudness(setup: Setup, without: Exact, with_effect: Exact) -> float:
-    """Loudness of what two logs of one machine differ by."""
+def loudness(setup: Setup, without: Exact, with_effect: Exact, *, error: float = 0.0) -> float:
+    """Loudness of what two logs of one machine differ by.
+
+    Args:
+        setup: the machine as described, and how sure that is.
+        without: log without the effect.
+        with_effect: log with it.
+        error: of a number of the description, relative, if that is all that the effect is; 0 if it is none. As far as
+            such errors go, nobody can tell it from one.
+    """
     every = max(1, len(without.angle) // _ROWS)
     changes, sigma = [], []
     size = QUIET if setup.noise == "quiet" else 1.0
@@ -49,6 +57,8 @@ def loudness(setup: Setup, without: Exact, with_effect: Exact) -> float:
         sigma.append(np.full(3, size * TOOL_NOISE))
     delta = np.concatenate([c.reshape(-1, c.shape[-1]) for c in changes], axis=1)
     columns = np.stack([c / np.concatenate(sigma) for c in _columns(setup, without, every)])
+    if error:
+        columns = np.concatenate([columns, setup.share / abs(error) * delta[None]])
     rest = delta - np.tensordot(_explained(columns, delta), columns, axes=1)
     return 1 + float(np.mean(rest**2, axis=0).max())
 

@@ -75,7 +75,8 @@ def handed_out(row: Row, number: int, *, seed: int, **fixed: Any) -> Independent
     hidden, setup = _hidden(row, number, seed, setup, rng)
     plain = (setup.numbers, setup.view)
     without, exact = simulated(setup, [plain, hidden.on(plain)])
-    return _paper(row, number, setup, (hidden,), exact, (loudness(setup, without, exact),), rng)
+    error = hidden.size if hidden.kind.of_number else 0.0
+    return _paper(row, number, setup, (hidden,), exact, (loudness(setup, without, exact, error=error),), rng)
 
 
 def _hidden(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Generator) -> tuple[Concealed, Setup]:

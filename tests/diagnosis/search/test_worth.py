@@ -9,7 +9,7 @@ from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.leftover import Removed
 from ffgym.diagnosis.search import worth as module
-from ffgym.diagnosis.search.worth import EXPLAINS, KNOWN, LEAKS, QUIET, _is_known, explains_most, is_worth, removed_by
+from ffgym.diagnosis.search.worth import EXPLAINS, KNOWN, LEAKS, QUIET, explains_most, is_known, is_worth, removed_by
 from ffgym.effects import EFFECTS
 
 
@@ -17,7 +17,7 @@ from ffgym.effects import EFFECTS
 def plausible(monkeypatch):
     """No shape is at the end of its range, and no cause is a number of the model."""
     monkeypatch.setattr(module, "stretched", lambda setting, fit: ())
-    monkeypatch.setattr(module, "_is_known", lambda setting, newest: False)
+    monkeypatch.setattr(module, "is_known", lambda setting, newest: False)
 
 
 @pytest.mark.parametrize(
@@ -83,11 +83,12 @@ TORQUES = [("torque", k) for k in range(3)]
 LINK = ("link", 0)
 
 
-def removed_from(monkeypatch, first, loud, then, where, *, known=(), by_channel=()):
+def removed_from(monkeypatch, first, loud, then, where, *, known=(), by_channel=(), inexact=0.0):
     """What is credited to a new cause on j1, of three torques and a link encoder; energies by component.
 
-    It changes components `where` most, and those `by_channel` most of their channel.
+    It changes components `where` most, and those `by_channel` most of their channel; other numbers leave `inexact`.
     """
+    setting = SimpleNamespace(inexact=lambda key: inexact)
     given = {False: where, True: {*where, *by_channel}}
     tables = iter([loud, then, first])
     monkeypatch.setattr(module, "without_calibration", lambda setting, fit: {})
@@ -98,7 +99,7 @@ def removed_from(monkeypatch, first, loud, then, where, *, known=(), by_channel=
     new = SimpleNamespace(place=("cogging", "j1", None), free=lambda: [None])
     before = SimpleNamespace(fit=SimpleNamespace(hypotheses=[SimpleNamespace(place=place) for place in known]))
     after = SimpleNamespace(fit=SimpleNamespace(columns=[{}]), hypothesis=new)
-    return removed_by(None, before, after, SimpleNamespace(fit=None))
+    return removed_by(setting, before, after, SimpleNamespace(fit=None))
 
 
 def test_a_little_in_one_joint_is_what_ails_a_loud_one_until_it_is_much(monkeypatch):
@@ -112,6 +113,13 @@ def test_a_little_in_one_joint_is_what_ails_a_loud_one_until_it_is_much(monkeypa
 def test_nothing_leaks_from_a_joint_whose_cause_is_adopted(monkeypatch):
     gone = removed_from(monkeypatch, (151.0, 1.5, 1.0, 1.0), (1.5, 1.5, 1.0, 1.0), (1.5, 1.0, 1.0, 1.0), {TORQUES[1]})
     assert gone.of_excess == pytest.approx(1 - LEAKS)
+
+
+@pytest.mark.parametrize(("inexact", "share"), [(0.0, 1.0), (2.0, 0.5), (6.0, 0.0)])
+def test_what_numbers_that_moved_may_leave_is_no_cause(monkeypatch, inexact, share):
+    loud = (5.0, 1.0, 1.0, 1.0)
+    gone = removed_from(monkeypatch, loud, loud, (1.0, 1.0, 1.0, 1.0), {TORQUES[0]}, inexact=inexact)
+    assert gone.of_excess == pytest.approx(min(share, 1 - LEAKS))
 
 
 def test_what_is_loud_in_one_channel_does_not_leak_into_another(monkeypatch):
@@ -157,4 +165,4 @@ def test_a_number_within_its_calibration_is_no_cause(effect, joint, sigmas, at, 
         doubts=(Doubt(column=column, sigma=0.05, at=at),), log=SimpleNamespace(robot=SimpleNamespace(n_joints=2))
     )
     newest = Hypothesis(kind=EFFECTS[effect], joint=joint, source=None, values={"change": np.array(0.05 * sigmas)})
-    assert _is_known(setting, newest) == known
+    assert is_known(setting, newest) == known

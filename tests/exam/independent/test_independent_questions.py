@@ -8,6 +8,7 @@ import pytest
 from ffgym.effects import EFFECTS
 from ffgym.exam.independent import setup
 from ffgym.exam.independent.hidden import KINDS, concealed, possible
+from ffgym.exam.independent.loudness import loudness
 from ffgym.exam.independent.machine import numbers_of
 from ffgym.exam.independent.motions import KINDS as MOTIONS
 from ffgym.exam.independent.motions import motion
@@ -115,6 +116,18 @@ def test_effects_that_a_machine_cannot_have_are_not_hidden(rng):
 def test_an_error_of_the_description_is_not_loud():
     quiet = handed_out("single", 0, seed=2, n=1, elastic=False, noise="white", share=0.05, **SHORT)
     assert quiet.loudness[0] >= 1.0
+
+
+@pytest.mark.parametrize(("share", "is_loud"), [(0.005, True), (0.05, False)])
+def test_a_number_within_its_calibration_is_not_loud_where_another_effect_is(share, is_loud, rng):
+    """Coulomb friction that is a tenth higher, of a machine whose numbers are known to 0.5 % or to 5 %."""
+    machine = setup_of(rng, n=1, count=2, elastic=False, share=share, noise="quiet")
+    hidden = replace(concealed("coulomb", machine.robot, rng), size=0.1)
+    assert hidden.kind.of_number
+    plain = (machine.numbers, machine.view)
+    without, exact = simulated(machine, [plain, hidden.on(plain)])
+    assert (loudness(machine, without, exact, error=hidden.size) > 10) == is_loud
+    assert loudness(machine, without, exact) > 10
 
 
 @pytest.mark.parametrize(("noise", "memory"), [("white", 0.0), ("coloured", np.exp(-0.002 / 0.006))])
