@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from ffgym.diagnosis.answer.leads import with_leads
 from ffgym.diagnosis.answer.levels import levels
 from ffgym.diagnosis.answer.next_motion import next_motion
 from ffgym.diagnosis.answer.sentence import sentence_of
-from ffgym.diagnosis.answer.sizes import causes_of
+from ffgym.diagnosis.answer.sizes import causes_of, is_there
 from ffgym.diagnosis.answer.verdict import LOUD, judged
 from ffgym.diagnosis.band import comparison_cutoff
 from ffgym.diagnosis.by_recording import drifts
@@ -22,7 +23,7 @@ from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
-from ffgym.diagnosis.fit.written import written
+from ffgym.diagnosis.fit.written import Written, written
 from ffgym.diagnosis.fitted_numbers import fitted_numbers
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.log.order import by_content
@@ -189,12 +190,33 @@ def _examined(
     most: int,
 ) -> Examined:
     setting, log = ready.setting, ready.setting.log
-    kinds, not_judgeable = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)
+    kinds = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[0]
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
     model = written(setting, found.final.fit, calibration) if found.final.fit.hypotheses else None
     if model is not None and any(one.is_null or is_known(setting, one) for one in model.hypotheses):
         found, model = found.without_causes, None  # numbers within their calibration do what the causes seemed to do
+    told = partial(_told, machine, calibration, ready, rng, report, flagged, provenance)
+    examined = told(found, model)
+    if (causes := examined.diagnosis.causes) and not any(is_there(cause) for cause in causes):
+        return told(found.without_causes, None)
+    return examined
+
+
+def _told(
+    machine: Machine,
+    calibration: Calibration,
+    ready: Prepared,
+    rng: np.random.Generator,
+    report: Callable[[str, float], None],
+    flagged: tuple[str, ...],
+    provenance: Mapping[str, object],
+    found: Found,
+    model: Written | None,
+) -> Examined:
+    """Say what a search found, and what it leaves."""
+    setting, log = ready.setting, ready.setting.log
+    not_judgeable = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[1]
     first = without_calibration(setting, found.nominal.fit)
     rest = without_calibration(setting, found.final.fit)
     after = residual_of(log, found.final.fit.run, rest, ready.floor)

@@ -9,6 +9,7 @@ from ffgym.diagnosis.fit.free import Free
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.lateness import OF_ROW, is_row_offset
 from ffgym.diagnosis.result import Cause, Size
+from ffgym.effects import EFFECTS
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
@@ -75,6 +76,16 @@ def causes_of(
             )
         )
     return tuple(found)
+
+
+def is_there(cause: Cause) -> bool:
+    """Whether any size of a cause is surely not that of nothing."""
+    known = EFFECTS[cause.effect].parameters()
+    for size in cause.parameters:
+        p, (low, high) = known[size.name.partition(".")[0]], size.interval
+        if p.role == "size" and not low <= p.neutral <= high:
+            return True
+    return False
 
 
 def _name(hypothesis: Hypothesis, free: Free, robot: RobotDescription) -> str:
