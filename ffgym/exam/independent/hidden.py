@@ -1,7 +1,7 @@
 """Effects that are hidden in machines of the independent plant, in equations of its own, and their names."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, final
 
@@ -69,6 +69,8 @@ class Concealed:
     shape: Shape
     joint: str
     """Empty for the machine as a whole."""
+    beside: Mapping[str, float] = field(default_factory=dict)
+    """What errors of the description add to its numbers: one number is off by both, and nobody can tell them apart."""
 
     @property
     def kind(self) -> Kind:
@@ -96,7 +98,8 @@ class Concealed:
 
     def numbers(self, robot: RobotDescription) -> dict[str, float]:
         """Parameters by the names that causes have."""
-        return self.kind.told(self.size, self.shape)
+        told = self.kind.told(self.size, self.shape)
+        return {name: value + self.beside.get(name, 0.0) for name, value in told.items()}
 
     def on(self, machine: Changed) -> Changed:
         """A machine that has it."""

@@ -12,6 +12,7 @@ from ffgym.errors import check_choice, check_whole
 from ffgym.exam.case import Row
 from ffgym.exam.independent.hidden import KINDS, Concealed, concealed, possible
 from ffgym.exam.independent.loudness import loudness
+from ffgym.exam.independent.machine import numbers_of
 from ffgym.exam.independent.sensors import Columns, Exact, logged
 from ffgym.exam.independent.setup import Setup, drawn_setup, simulated
 from ffgym.recordings import Recording
@@ -90,7 +91,26 @@ def _hidden(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Gener
         shown = possible(setup.robot, setup.columns)
         name = str(rng.choice([other for other in names if other in shown]))
     share = float(np.exp(rng.uniform(np.log(_SMALLEST), 0.0)))
-    return concealed(name, setup.robot, rng, share), setup
+    hidden = concealed(name, setup.robot, rng, share)
+    return replace(hidden, beside=_beside(hidden, setup)), setup
+
+
+def _beside(hidden: Concealed, setup: Setup) -> dict[str, float]:
+    """What errors of the description add to the numbers of an effect, by their names."""
+    described, j = numbers_of(setup.robot), hidden.index
+    if hidden.kind.of_number:
+        off = getattr(setup.numbers, hidden.name)[0, j] / getattr(described, hidden.name)[0, j] - 1
+        (name,) = (name for name, value in hidden.numbers(setup.robot).items() if value)
+        return {name: float(off * (1 + hidden.size))}
+    if hidden.name == "peak":  # breakaway beyond what Coulomb friction that is off brings with it
+        share = setup.numbers.coulomb[0, j] / described.coulomb[0, j]
+        beyond = (setup.numbers.breakaway - share * described.breakaway)[0, j] / described.coulomb[0, j]
+        return {"level": float(beyond + (share - 1) * hidden.size)}
+    if hidden.name == "offset":
+        return {"offset": -float(setup.current_offset[hidden.index])}  # the current says so much more
+    if hidden.name == "reflector":
+        return {f"offset.{axis}": float(x) for axis, x in zip("xyz", setup.view.offset, strict=True)}
+    return {}
 
 
 def _with(columns: Columns, needs: tuple[str, ...]) -> Columns:

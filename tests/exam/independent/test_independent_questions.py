@@ -12,7 +12,7 @@ from ffgym.exam.independent.loudness import loudness
 from ffgym.exam.independent.machine import numbers_of
 from ffgym.exam.independent.motions import KINDS as MOTIONS
 from ffgym.exam.independent.motions import motion
-from ffgym.exam.independent.question import handed_out
+from ffgym.exam.independent.question import _beside, handed_out
 from ffgym.exam.independent.robots import drawn_robot
 from ffgym.exam.independent.sensors import Columns, View, _drawn
 from ffgym.exam.independent.setup import CONTROLS, EARLY, drawn_setup, simulated
@@ -128,6 +128,18 @@ def test_a_number_within_its_calibration_is_not_loud_where_another_effect_is(sha
     without, exact = simulated(machine, [plain, hidden.on(plain)])
     assert (loudness(machine, without, exact, error=hidden.size) > 10) == is_loud
     assert loudness(machine, without, exact) > 10
+
+
+@pytest.mark.parametrize("name", ["coulomb", "viscous", "presliding", "stiffness", "rotor"])
+def test_the_true_size_of_a_number_is_by_how_much_the_machine_differs_from_its_description(name, rng):
+    """By the effect and by the error of the description, which nobody can tell apart."""
+    machine = setup_of(rng, share=0.05)
+    alone = concealed(name, machine.robot, rng)
+    hidden = replace(alone, beside=_beside(alone, machine))
+    true = hidden.on((machine.numbers, machine.view))[0]
+    off = getattr(true, name)[0, 0] / getattr(numbers_of(machine.robot), name)[0, 0] - 1
+    assert max(hidden.numbers(machine.robot).values(), key=abs) == pytest.approx(off)
+    assert abs(off - hidden.size) > 1e-4
 
 
 @pytest.mark.parametrize(("noise", "memory"), [("white", 0.0), ("coloured", np.exp(-0.002 / 0.006))])
