@@ -169,16 +169,16 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
-    found = _examined(machine, known, ready, rng, report, flagged, provenance, memory, most)
+    found = _examine_prepared(machine, known, ready, rng, report, flagged, provenance, memory, most)
     if found.diagnosis.verdict != "none" and (other := within_calibration(ready, known, rng)) is not None:
         report("diagnosing about numbers within their calibration", 0.0)
-        found = _examined(machine, known, other, rng, report, flagged, provenance, None, most)
+        found = _examine_prepared(machine, known, other, rng, report, flagged, provenance, None, most)
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)
     return replace(found, diagnosis=replace(found.diagnosis, motions=motions))
 
 
-def _examined(
+def _examine_prepared(
     machine: Machine,
     calibration: Calibration,
     ready: Prepared,
@@ -196,14 +196,14 @@ def _examined(
     model = written(setting, found.final.fit, calibration) if found.final.fit.hypotheses else None
     if model is not None and any(one.is_null or is_known(setting, one) for one in model.hypotheses):
         found, model = found.without_causes, None  # numbers within their calibration do what the causes seemed to do
-    told = partial(_told, machine, calibration, ready, rng, report, flagged, provenance)
-    examined = told(found, model)
+    conclude = partial(_conclude, machine, calibration, ready, rng, report, flagged, provenance)
+    examined = conclude(found, model)
     if (causes := examined.diagnosis.causes) and not any(is_there(cause) for cause in causes):
-        return told(found.without_causes, None)
+        return conclude(found.without_causes, None)
     return examined
 
 
-def _told(
+def _conclude(
     machine: Machine,
     calibration: Calibration,
     ready: Prepared,
@@ -214,7 +214,7 @@ def _told(
     found: Found,
     model: Written | None,
 ) -> Examined:
-    """Say what a search found, and what it leaves."""
+    """Turn the outcome of a search into a diagnosis, with what it was made from."""
     setting, log = ready.setting, ready.setting.log
     not_judgeable = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[1]
     first = without_calibration(setting, found.nominal.fit)

@@ -20,8 +20,8 @@ from ffgym.diagnosis.signatures.push import Push
 from ffgym.types import Array
 
 _CLEAR = 0.7
-"""Energy of a motion's residual that is left without its swing, as a share of it, at most, if there was one; chosen:
-arms that swing leave 0.3 to 0.6, other faults 0.8 and more."""
+"""Energy of a motion's residual that is left without its swing, as a share of it, at most, if there was one; chosen
+on two drawn machines: motions that began with a swing left 0.2 to 0.6, those with other faults 0.8 and more."""
 
 _BEND = 1e-4
 """Deflection of which free motions are computed [rad]; chosen: any would do, they are linear."""
@@ -31,7 +31,7 @@ _INDEPENDENT = 1e-8
 
 
 def first_swing(setting: Setting) -> dict[Channel, Array]:
-    """What free motions of springs may have in the residual of a log, (R, M, C) by channel; empty if joints are rigid.
+    """Fit free motions of springs to the residual of a log, (R, M, C) by channel; empty if joints are rigid.
 
     Args:
         setting: of the log, with the nominal machine's replay.

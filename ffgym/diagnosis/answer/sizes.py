@@ -79,7 +79,7 @@ def causes_of(
 
 
 def is_there(cause: Cause) -> bool:
-    """Whether any size of a cause is surely not that of nothing."""
+    """Tell whether the interval of any size of a cause excludes that the effect is absent."""
     known = EFFECTS[cause.effect].parameters()
     for size in cause.parameters:
         p, (low, high) = known[size.name.partition(".")[0]], size.interval

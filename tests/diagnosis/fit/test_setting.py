@@ -27,3 +27,11 @@ def test_the_instant_of_torque_in_a_row_is_held_where_a_cause_makes_all_torque_l
     )
     low, high = Setting.calibration_limits(setting, [cause])
     assert bool(low == -HELD and high == HELD) == is_held
+
+
+@pytest.mark.parametrize(("energy", "left"), [(None, 0.0), (0.6, 0.0), (1.0, 0.0), (201.0, 2.0)])
+def test_a_model_with_other_numbers_may_leave_a_hundredth_of_what_they_explain(energy, left):
+    described = {} if energy is None else {("torque", 0): energy}
+    setting = SimpleNamespace(described=described)
+    assert Setting.inexact(setting, ("torque", 0)) == pytest.approx(left)
+    assert Setting.inexact(setting, ("torque", 1)) == 0.0
