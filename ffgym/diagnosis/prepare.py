@@ -11,9 +11,9 @@ from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
 from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
 from ffgym.diagnosis.first_swing import first_swing
-from ffgym.diagnosis.fit.calibrate import calibrate, excess_of
+from ffgym.diagnosis.fit.calibrate import calibrate
 from ffgym.diagnosis.fit.fit import evaluated
-from ffgym.diagnosis.fit.leftover import loudness, without_calibration
+from ffgym.diagnosis.fit.leftover import excess_of, loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
@@ -43,7 +43,10 @@ _NOISY = 1.05
 that was made up; chosen: real bias lessens it. Two laps of the ball screw come to 1.02, the KR300 of 2020 to 1.4."""
 
 _CENTRES = 3
-"""Times that slopes are taken anew about other numbers; chosen."""
+"""Times that bias and noise are taken anew about other numbers; chosen."""
+
+_CENTRED = 0.1
+"""Largest change of a number from which on they are [standard deviations]; chosen: less changes neither."""
 
 _QUIET, _GONE = 0.25, 0.15
 """Energy above that of noise, as a share of it and of what stood out, that is left where numbers are why; chosen."""
@@ -132,29 +135,32 @@ def prepared(
 
 
 def within_calibration(ready: Prepared, calibration: Calibration, rng: np.random.Generator) -> Prepared | None:
-    """All of it about numbers within their calibration that explain the log to the noise; None if there are none.
+    """All of it about numbers within their calibration that explain more than slopes tell; None if there are none.
 
     Masses and inertias that were fitted to the torque of the logs are the best that there are already.
     """
     if calibration.base > 0:
         return None
-    no_servo = ready.no_servo
-    setting, at = ready.setting, np.zeros(len(ready.setting.doubts))
-    first = excess = excess_of(setting, evaluated(setting, ()))
+    first, at = ready, np.zeros(len(ready.setting.doubts))
     for _ in range(_CENTRES):
-        if (found := calibrate(ready.setting)) is None:
+        found = calibrate(ready.setting, calibration)
+        if found is None or np.max(np.abs(found.sizes)) < _CENTRED:
             break
         at = at + found.sizes
-        ready = prepared(setting.log, found.machine, calibration, rng, at=at)
-        if len(ready.setting.doubts) != len(at):
-            return None
-        excess = excess_of(ready.setting, evaluated(ready.setting, ()))
-        if excess < _QUIET:
+        again = prepared(first.setting.log, found.machine, calibration, rng, at=at)
+        if len(again.setting.doubts) != len(at):
             break
-    if excess >= first or excess >= max(_QUIET, _GONE * first):
+        ready = again
+    if ready is first:
         return None
-    left = loudness(setting, without_calibration(setting, evaluated(setting, ())))
-    return replace(ready, setting=replace(ready.setting, described=left), no_servo=no_servo)
+    left = loudness(first.setting, without_calibration(first.setting, evaluated(first.setting, ())))
+    return replace(ready, setting=replace(ready.setting, described=left), no_servo=first.no_servo)
+
+
+def explains_all(ready: Prepared, numbers: Prepared) -> bool:
+    """Tell whether numbers within their calibration are why a machine as it is described leaves more than noise."""
+    first, excess = (excess_of(one.setting, evaluated(one.setting, ())) for one in (ready, numbers))
+    return excess < first and excess < max(_QUIET, _GONE * first)
 
 
 def _standing(doubts: Sequence[Doubt], at: Array) -> tuple[Doubt, ...]:

@@ -48,6 +48,11 @@ def loudness(setting: Setting, rest: Mapping[Channel, Array]) -> Loudness:
     return found
 
 
+def excess_of(setting: Setting, fit: Fit) -> float:
+    """Largest energy above that of noise of any component, as a share of that."""
+    return max(loudness(setting, without_calibration(setting, fit)).values()) - 1.0
+
+
 def touched(setting: Setting, columns: list[Parts], *, by_channel: bool = False) -> set[tuple[Channel, int]]:
     """Components in which columns have energy that counts: of all, or of what they have in the same channel."""
     energy: dict[tuple[Channel, int], float] = {}
