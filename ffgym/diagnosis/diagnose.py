@@ -21,6 +21,7 @@ from ffgym.diagnosis.by_recording import drifts
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.first_look import FirstLook, first_look
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.leftover import loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import Written, written
@@ -173,30 +174,44 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
+    look = partial(_look, machine, known, rng=rng, report=report, flagged=flagged, provenance=provenance, most=most)
     about = within_calibration(ready, known, rng) if known.share >= LOOSE else None
-    ready, memory = (ready, memory) if about is None else (about, None)
-    found = _examine_prepared(machine, known, ready, rng, report, flagged, provenance, memory, most)
+    seen = look(ready, memory=memory) if about is None else look(about)
+    if about is not None and seen.causes:
+        report("fitting numbers beside the causes", 0.0)
+        again = within_calibration(ready, known, rng, about.setting.as_described(seen.causes))
+        seen = look(ready if again is None else again)
+    found = seen.examined
     if found.diagnosis.verdict != "none" and known.share < LOOSE:
         about = within_calibration(ready, known, rng)
         if about is not None and explains_all(ready, about):
             report("diagnosing about numbers within their calibration", 0.0)
-            found = _examine_prepared(machine, known, about, rng, report, flagged, provenance, None, most)
+            found = look(about).examined
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)
     return replace(found, diagnosis=replace(found.diagnosis, motions=motions))
 
 
-def _examine_prepared(
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Seen:
+    """Outcome of a look at a log about some numbers of the machine."""
+
+    examined: Examined
+    causes: tuple[Hypothesis, ...]
+
+
+def _look(
     machine: Machine,
     calibration: Calibration,
     ready: Prepared,
+    *,
     rng: np.random.Generator,
     report: Callable[[str, float], None],
     flagged: tuple[str, ...],
     provenance: Mapping[str, object],
-    memory: Memory | None,
     most: int,
-) -> Examined:
+    memory: Memory | None = None,
+) -> _Seen:
     setting, log = ready.setting, ready.setting.log
     kinds = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[0]
     report("computing what each effect would change", 0.1)
@@ -207,8 +222,9 @@ def _examine_prepared(
     conclude = partial(_conclude, machine, calibration, ready, rng, report, flagged, provenance)
     examined = conclude(found, model)
     if (causes := examined.diagnosis.causes) and not any(is_there(cause) for cause in causes):
-        return conclude(found.without_causes, None)
-    return examined
+        found = found.without_causes
+        examined = conclude(found, None)
+    return _Seen(examined=examined, causes=found.final.fit.hypotheses)
 
 
 def _conclude(

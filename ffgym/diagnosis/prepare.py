@@ -13,6 +13,7 @@ from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
 from ffgym.diagnosis.first_swing import first_swing
 from ffgym.diagnosis.fit.calibrate import calibrate
 from ffgym.diagnosis.fit.fit import evaluated
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.leftover import excess_of, loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
@@ -134,16 +135,24 @@ def prepared(
     return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor, simulated=known.simulated)
 
 
-def within_calibration(ready: Prepared, calibration: Calibration, rng: np.random.Generator) -> Prepared | None:
+def within_calibration(
+    ready: Prepared, calibration: Calibration, rng: np.random.Generator, causes: Sequence[Hypothesis] = ()
+) -> Prepared | None:
     """All of it about numbers within their calibration that explain more than slopes tell; None if there are none.
 
     Masses and inertias that were fitted to the torque of the logs are the best that there are already.
+
+    Args:
+        ready: about the numbers as described.
+        calibration: how well those are known.
+        rng: draws noise.
+        causes: beside which numbers are fitted; they are not in what is returned.
     """
     if calibration.base > 0:
         return None
     first, at = ready, np.zeros(len(ready.setting.doubts))
     for _ in range(_CENTRES):
-        found = calibrate(ready.setting, calibration)
+        found = calibrate(ready.setting, calibration, causes)
         if found is None or np.max(np.abs(found.sizes)) < _CENTRED:
             break
         at = at + found.sizes

@@ -75,4 +75,4 @@ def stretched_shapes(setting: Setting, fit: Fit) -> tuple[str, ...]:
 def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
     """Share that each cause removed of the energy above the noise that was there when it was found."""
     causes = (found_in(found.rounds, hypothesis) for hypothesis in found.final.fit.hypotheses)
-    return tuple(removed_by(setting, one.before, tried).share for one, tried in causes)
+    return tuple(removed_by(setting, one.before, tried).of_excess for one, tried in causes)

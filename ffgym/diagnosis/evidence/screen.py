@@ -28,6 +28,10 @@ _WIDE = 10.0
 """Standard deviation of a candidate's parameter in its steps: as good as free, but not without end."""
 
 
+_NEAR = 1e-6
+"""Way to its bound within which a calibration error stands there already [standard deviations]."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Candidate:
     """Columns that are adopted together."""
@@ -192,6 +196,5 @@ def _as_prior(fold: _Sums, columns: IntArray, priors: Priors) -> Array:
     precision = priors.precision[columns]
     x = bounded(train, pull, precision, priors.low[columns], priors.high[columns])
     slope = pull - train @ x - precision * x
-    at_bound = (x >= priors.high[columns]) | (x <= priors.low[columns])
-    more = np.divide(slope, x, out=np.zeros_like(x), where=at_bound & (x != 0))
-    return precision + np.maximum(more, 0.0)
+    outward = ((x >= priors.high[columns]) & (slope > 0)) | ((x <= priors.low[columns]) & (slope < 0))
+    return precision + np.where(outward, np.abs(slope) / np.maximum(np.abs(x), _NEAR), 0.0)

@@ -6,8 +6,9 @@ Numbers are fitted by Gauss-Newton steps in a trust region, each with slopes abo
 stay do not lead to the numbers of an arm that swings, and long steps leave the valley in which those lie.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ffgym.diagnosis.calibration import Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence, Stack, stack_of
 from ffgym.diagnosis.fit.fit import Trial, trial_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.numbers import possible_numbers
 from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
 from ffgym.diagnosis.residual import Channel
@@ -62,19 +64,27 @@ class _Place:
     """Energy that is left beside errors that are no numbers of the robot, and the squares of all errors."""
 
 
-def calibrate(setting: Setting, calibration: Calibration) -> Calibrated | None:
-    """Find numbers within their calibration that explain a log better than slopes tell; None if there are none."""
-    described = trial_of(setting, ())
+def calibrate(setting: Setting, calibration: Calibration, causes: Sequence[Hypothesis] = ()) -> Calibrated | None:
+    """Find numbers within their calibration that explain a log better than slopes tell; None if there are none.
+
+    Args:
+        setting: the log.
+        calibration: how well the numbers are known.
+        causes: beside which they are fitted, as they are. A number that is a cause stays as described.
+    """
+    described = trial_of(setting, causes)
     if not setting.doubts or described is None:
         return None
-    of_robot = np.array([issubclass(doubt.column.effect, NativeEffect) for doubt in setting.doubts])
-    now = _at(setting, np.zeros(len(of_robot)), described, setting.nominal, setting.stack, of_robot)
-    if now is None or not _is_bent(setting, now, of_robot):
+    problem = _Problem(setting=setting, calibration=calibration, causes=tuple(causes))
+    slopes = problem.slopes(described) if causes else setting.stack
+    at_rest = np.zeros(len(setting.doubts))
+    now = None if slopes is None else problem.place(at_rest, described, setting.nominal, slopes)
+    if now is None or not (causes or problem.is_bent(now)):
         return None
     reach = _REACH
     for _ in range(_STEPS):
-        step = _step(setting, now, of_robot, reach)
-        there = _moved(setting, now, step, of_robot)
+        step = problem.step(now, reach)
+        there = problem.moved(now, step)
         if there is None or there.cost >= now.cost:
             reach = min(reach, float(np.max(np.abs(step)))) / 3
             if reach < _LEAST_REACH:
@@ -82,96 +92,99 @@ def calibrate(setting: Setting, calibration: Calibration) -> Calibrated | None:
             continue
         is_short = float(np.max(np.abs(step))) < 0.99 * reach
         is_last = there.cost > (1 - _STAYS) * now.cost and is_short
-        slopes = None if is_last else _slopes(setting, there.trial, calibration)
-        stays = slopes is None
-        now = there if slopes is None else _about(setting, there, slopes, of_robot)
-        reach = min(2 * reach, _REACH)
-        if stays:
+        slopes = None if is_last else problem.slopes(there.trial)
+        again = None if slopes is None else problem.place(there.sizes, there.trial, there.machine, slopes)
+        now, reach = again or there, min(2 * reach, _REACH)
+        if again is None:
             break
     if not now.sizes.any():
         return None
     return Calibrated(machine=now.machine, sizes=now.sizes)
 
 
-def _slopes(setting: Setting, trial: Trial, calibration: Calibration) -> Stack | None:
-    """Columns of all errors about a machine; None if it has others than the described one."""
-    doubts = doubts_of(trial.run, calibration)
-    if len(doubts) != len(setting.doubts):
-        return None
-    return stack_of(setting.blocks, [_scaled(doubt) for doubt in doubts], setting.weights)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Problem:
+    """Numbers that are looked for, and what is known of them."""
+
+    setting: Setting
+    calibration: Calibration
+    causes: tuple[Hypothesis, ...]
+
+    @cached_property
+    def of_robot(self) -> BoolArray:
+        """Errors that are numbers of the robot, shape (K,)."""
+        return np.array([issubclass(doubt.column.effect, NativeEffect) for doubt in self.setting.doubts])
+
+    @cached_property
+    def at(self) -> Array:
+        """Where the nominal machine stands already, in standard deviations, shape (K,)."""
+        return np.array([doubt.at for doubt in self.setting.doubts])
+
+    @cached_property
+    def limits(self) -> tuple[Array, Array]:
+        """Lowest and highest sizes, shape (K,) each."""
+        low, high = self.setting.calibration_limits(self.causes)
+        return np.minimum(low, -HELD), np.maximum(high, HELD)
+
+    def slopes(self, trial: Trial) -> Stack | None:
+        """Columns of all errors about a machine; None if it has others than the described one."""
+        doubts = doubts_of(trial.run, self.calibration)
+        if len(doubts) != len(self.setting.doubts):
+            return None
+        return stack_of(self.setting.blocks, [_scaled(doubt) for doubt in doubts], self.setting.weights)
+
+    def place(self, sizes: Array, trial: Trial, machine: Machine, slopes: Stack) -> _Place | None:
+        """A place whose other errors are fitted by slopes; None if what it leaves is no number."""
+        evidence = slopes.evidence(values_of(trial.residual))
+        rest, (low, high) = np.flatnonzero(~self.of_robot), self.limits
+        gram, pull = evidence.gram.sum(axis=0)[np.ix_(rest, rest)], evidence.moment.sum(axis=0)[rest, 0]
+        x = bounded(gram, pull - self.at[rest], np.ones(len(rest)), low[rest], high[rest])
+        left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x)
+        errors = self.at + sizes
+        errors[rest] += x
+        cost = left + float(errors @ errors)
+        if not np.isfinite(cost):
+            return None
+        return _Place(sizes=sizes, trial=trial, machine=machine, evidence=evidence, cost=cost)
+
+    def step(self, now: _Place, reach: float) -> Array:
+        """Step of the numbers of the robot, beside all other errors, each within a reach; shape (K,)."""
+        there, (low, high) = self.at + now.sizes, (end - now.sizes for end in self.limits)
+        low = np.where(self.of_robot, np.maximum(low, -reach), low)
+        high = np.where(self.of_robot, np.minimum(high, reach), high)
+        gram, pull = now.evidence.gram.sum(axis=0), now.evidence.moment.sum(axis=0)[:, 0]
+        ends = np.minimum(low, -HELD), np.maximum(high, HELD)
+        step: Array = bounded(gram, pull - there, np.ones(len(there)), *ends) * self.of_robot
+        return step
+
+    def moved(self, now: _Place, step: Array) -> _Place | None:
+        """The place after a step, with the slopes of the place before; None if no machine can be so."""
+        sizes = np.clip(now.sizes + step, *self.setting.calibration_limits(self.causes))
+        sizes[np.abs(sizes) <= HELD] = 0.0
+        machine = possible_numbers(self.setting, sizes)
+        trial = None if machine is None else trial_of(self.setting, self.causes, machine)
+        if machine is None or trial is None:
+            return None
+        return self.place(sizes, trial, machine, now.evidence.stack)
+
+    def is_bent(self, now: _Place) -> bool:
+        """Tell whether a replay with the numbers that slopes give differs from what slopes say of it."""
+        step = self.step(now, np.inf)
+        there = self.moved(now, step)
+        if there is None:
+            return True
+        beyond = _beyond(self.setting, step, now.trial.residual, there.trial.residual)
+        is_used, shares = self.setting.blocks.of_row >= 0, []
+        for (channel, c), weight in self.setting.weights.items():
+            if channel in beyond:
+                counts = np.broadcast_to(weight, is_used.shape) * is_used
+                energy = float(np.sum((beyond[channel][:, :, c] * counts) ** 2))
+                shares.append(energy / max(int(np.count_nonzero(counts)), 1))
+        return max(shares, default=0.0) > _BENT
 
 
 def _scaled(doubt: Doubt) -> Parts:
     return {key: rows * doubt.sigma for key, rows in doubt.column.parts.items()}
-
-
-def _limits(setting: Setting) -> tuple[Array, Array, Array]:
-    """Lowest and highest sizes, and where the nominal machine stands, in standard deviations, shape (K,) each."""
-    low, high, at = (np.array([getattr(doubt, name) for doubt in setting.doubts]) for name in ("low", "high", "at"))
-    return np.minimum(low, -HELD), np.maximum(high, HELD), at
-
-
-def _at(
-    setting: Setting, sizes: Array, trial: Trial, machine: Machine, slopes: Stack, of_robot: BoolArray
-) -> _Place | None:
-    """A place whose errors that are no numbers of the robot are fitted by slopes."""
-    evidence = slopes.evidence(values_of(trial.residual))
-    low, high, at = _limits(setting)
-    rest = np.flatnonzero(~of_robot)
-    gram, pull = evidence.gram.sum(axis=0)[np.ix_(rest, rest)], evidence.moment.sum(axis=0)[rest, 0]
-    x = bounded(gram, pull - at[rest], np.ones(len(rest)), low[rest], high[rest])
-    left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x)
-    errors = at + sizes
-    errors[rest] += x
-    cost = left + float(errors @ errors)
-    if not np.isfinite(cost):
-        return None
-    return _Place(sizes=sizes, trial=trial, machine=machine, evidence=evidence, cost=cost)
-
-
-def _about(setting: Setting, place: _Place, slopes: Stack, of_robot: BoolArray) -> _Place:
-    """The same place with slopes of its own."""
-    return _at(setting, place.sizes, place.trial, place.machine, slopes, of_robot) or place
-
-
-def _step(setting: Setting, now: _Place, of_robot: BoolArray, reach: float) -> Array:
-    """Step of the numbers of the robot, beside all other errors, to a reach of each; shape (K,)."""
-    low, high, at = _limits(setting)
-    there = at + now.sizes
-    low, high = low - now.sizes, high - now.sizes
-    low = np.where(of_robot, np.maximum(low, -reach), low)
-    high = np.where(of_robot, np.minimum(high, reach), high)
-    gram, pull = now.evidence.gram.sum(axis=0), now.evidence.moment.sum(axis=0)[:, 0]
-    ends = np.minimum(low, -HELD), np.maximum(high, HELD)
-    step: Array = bounded(gram, pull - there, np.ones(len(there)), *ends) * of_robot
-    return step
-
-
-def _moved(setting: Setting, now: _Place, step: Array, of_robot: BoolArray) -> _Place | None:
-    """The place after a step, with the slopes of the place before; None if no machine can be so."""
-    sizes = now.sizes + step
-    machine = possible_numbers(setting, sizes)
-    trial = None if machine is None else trial_of(setting, (), machine)
-    if machine is None or trial is None:
-        return None
-    return _at(setting, sizes, trial, machine, now.evidence.stack, of_robot)
-
-
-def _is_bent(setting: Setting, now: _Place, of_robot: BoolArray) -> bool:
-    """Tell whether a replay with the numbers that slopes give differs from what slopes say of it."""
-    step = _step(setting, now, of_robot, np.inf)
-    there = _moved(setting, now, step, of_robot)
-    if there is None:
-        return True
-    beyond = _beyond(setting, step, now.trial.residual, there.trial.residual)
-    weights, blocks = setting.weights, setting.blocks
-    shares = []
-    for (channel, c), weight in weights.items():
-        if channel in beyond:
-            rows = beyond[channel][:, :, c]
-            counts = np.broadcast_to(weight, rows.shape) * (blocks.of_row >= 0)
-            shares.append(float(np.sum((rows * counts) ** 2)) / max(int(np.count_nonzero(counts)), 1))
-    return max(shares, default=0.0) > _BENT
 
 
 def _beyond(

@@ -72,20 +72,15 @@ class Removed:
     """What is no longer there in some components."""
 
     of_excess: float
-    """Share of the energy above the noise."""
+    """Share of the energy above the noise, which is no more than what is left."""
     of_all: float
     """Share of all energy, noise included."""
     excess: float
-    """Share of all energy that was above the noise."""
+    """Share of all energy that was above the noise that the floor allows for."""
     heard: int
     """Components with much above the noise: a tenth of their mean or more."""
     best: float
     """Share that is gone of the component of which most is, among those that have a tenth of all above the noise."""
-
-    @property
-    def share(self) -> float:
-        """Share of the energy above the noise, at most 1: there may be less noise than the floor allows for."""
-        return min(self.of_excess, 1.0)
 
 
 def removed(
@@ -98,18 +93,21 @@ def removed(
     free = dict.fromkeys(where, 0.0) if allowed is None else {key: allowed[key] for key in where}
     judged = {key for key in where if before[key] - 1.0 > free[key]} or where
     gone = sum(_beyond(before[key] - after[key], free[key]) for key in judged)
-    above, total = max(sum(before[key] - 1.0 for key in judged), 0.0), sum(before[key] for key in judged)
+    total = sum(before[key] for key in judged)
+    # there may be less noise than the floor allows for: what is left is then all of it
+    above = {key: max(before[key] - min(1.0, after[key]), 0.0) for key in judged}
+    most = sum(above.values())
     shares = {
-        key: _beyond(before[key] - after[key], free[key]) / max(before[key] - 1.0, 1e-9)
+        key: _beyond(before[key] - after[key], free[key]) / max(above[key], 1e-9)
         for key in judged
-        if before[key] - 1.0 > _MUCH * above / max(len(judged), 1)
+        if above[key] > _MUCH * most / max(len(judged), 1)
     }
     return Removed(
-        of_excess=gone / max(above, 1e-9),
+        of_excess=gone / max(most, 1e-9),
         of_all=gone / max(total, 1e-9),
-        excess=above / max(total, 1e-9),
+        excess=max(sum(before[key] - 1.0 for key in judged), 0.0) / max(total, 1e-9),
         heard=len(shares),
-        best=max((share for key, share in shares.items() if before[key] - 1.0 >= _MUCH * above), default=0.0),
+        best=max((share for key, share in shares.items() if above[key] >= _MUCH * most), default=0.0),
     )
 
 

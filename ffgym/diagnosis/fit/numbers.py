@@ -11,7 +11,11 @@ from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.effects.friction import StribeckPeak
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
+from ffgym.robot import RobotDescription
 from ffgym.types import Array, BoolArray
+
+_ROUNDING = 1e-12
+"""By which a breakaway torque is more than the Coulomb torque at least, as a share of it: sums are rounded."""
 
 
 def are_of_the_machine(doubts: Sequence[Doubt]) -> BoolArray:
@@ -31,6 +35,8 @@ def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Mac
     for effect in _effects(nominal, doubts, sizes):
         if effect.is_null:
             continue
+        if isinstance(effect, StribeckPeak):
+            effect = _not_below_coulomb(effect, robot)
         if isinstance(effect, NativeEffect):
             robot = effect.in_description(robot)
         else:
@@ -39,16 +45,19 @@ def with_numbers(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> Mac
 
 
 def possible_numbers(setting: Setting, sizes: Array) -> Machine | None:
-    """The machine with its numbers corrected, without its breakaway torque where that would come below Coulomb's."""
-    peaks = np.array([doubt.column.effect is StribeckPeak for doubt in setting.doubts], dtype=np.bool_)
-    for chosen in (sizes, np.where(peaks, 0.0, sizes)):
-        try:
-            machine = with_numbers(setting.nominal, setting.doubts, chosen)
-            _ = machine.physical
-        except FFGymError:
-            continue
-        return machine
-    return None
+    """The machine with its numbers corrected; None if none can be so."""
+    try:
+        machine = with_numbers(setting.nominal, setting.doubts, sizes)
+        _ = machine.physical
+    except FFGymError:
+        return None
+    return machine
+
+
+def _not_below_coulomb(peak: StribeckPeak, robot: RobotDescription) -> StribeckPeak:
+    """A breakaway torque that is less by as much as it may be: it is no less than the Coulomb torque."""
+    friction = robot.friction
+    return replace(peak, level=np.maximum(peak.level, (1 + _ROUNDING) - friction.static / friction.coulomb))
 
 
 def _effects(nominal: Machine, doubts: Sequence[Doubt], sizes: Array) -> list[Effect]:

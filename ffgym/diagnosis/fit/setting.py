@@ -1,7 +1,7 @@
 """What all fits of a diagnosis share."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -62,6 +62,20 @@ class Setting:
         is_cause = np.array([any(is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])
         low, high = (np.array([getattr(doubt, end) for doubt in self.doubts]) for end in ("low", "high"))
         return np.where(is_cause, -HELD, low), np.where(is_cause, HELD, high)
+
+    def as_described(self, hypotheses: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+        """Hypotheses of the machine as it is described: a number that is one differs by all that it differs by."""
+        n, found = self.log.robot.n_joints, []
+        for one in hypotheses:
+            values = dict(one.values)
+            for doubt in self.doubts:
+                name = doubt.column.parameter
+                if is_number_of(doubt, one, n) and name in values and doubt.column.part is None:
+                    share = one.kind.parameters()[name].unit == "1"
+                    more, at = values[name], doubt.at * doubt.sigma
+                    values[name] = (1 + more) * (1 + at) - 1 if share else more + at
+            found.append(replace(one, values=values))
+        return tuple(found)
 
     @cached_property
     def stack(self) -> Stack:

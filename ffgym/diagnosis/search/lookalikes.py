@@ -31,7 +31,7 @@ def lookalikes(
     own = scores.pop((cause.kind.name, cause.joint), 0.0)
     if own <= 0:
         return ()
-    gain = removed_by(setting, before, adopted).share
+    gain = removed_by(setting, before, adopted).of_excess
     return tuple(
         Rival(
             effect=effect,

@@ -137,7 +137,7 @@ def _against(
     return _Against(
         best=best.hypothesis,
         other=other.hypothesis,
-        gain=removed_by(setting, before, other).share,
+        gain=removed_by(setting, before, other).of_excess,
         tied=tied,
         lost=lost,
         instead=instead,

@@ -136,12 +136,13 @@ def _round(
     together = {key: np.concatenate([rows, faultless[key]], axis=2) for key, rows in residual.items()}
     evidence = candidates.stack.evidence(together)
     ranking = ranked(evidence, candidates, candidates.calibration, with_most=now is nominal)
+    chance = ranking.threshold * float(evidence.rows.sum()) / evidence.n_components
     done, beaten = Round(before=now, ranking=ranking, tried=(), adopted=False), set[str]()
     for _ in range(1 + ELSEWHERE):
         tried = _tried(setting, candidates, ranking, evidence, now, needless, beaten, report)
         if not tried:
             break
-        worthy = next((other for other in tried if is_worth(setting, nominal, now, other)), None)
+        worthy = next((other for other in tried if is_worth(setting, nominal, now, other, chance)), None)
         first = [other for other in (worthy, *tried) if other is not None]
         one = replace(done, tried=tuple(dict.fromkeys(first)), adopted=worthy is not None)
         if worthy is not None:

@@ -40,6 +40,11 @@ HOLDS = 0.25
 """Share of what a cause removes in a fit to all rows that it must remove from rows that it was not fitted to. Right
 ones of development exams hold nearly all of it; one that bends around what another equation leaves, next to nothing."""
 
+CLEAR = 10.0
+"""Held-out energy over the largest that chance reaches from which on a cause may stand below the noise floor: the floor
+allows for what may be there, and need not be. Of 60 clean logs of a development exam none comes to more than 6 with a
+quarter of what is there."""
+
 KNOWN = BOUND
 """Standard deviations from what is described within which a number of the model is what it is said to be, and no
 cause: where joints swing, slopes of calibration do not explain what the number itself does."""
@@ -82,15 +87,24 @@ def _leaks(loud: Loudness) -> dict[Channel, float]:
     return loudest
 
 
-def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried) -> bool:
-    """Whether a cause explains enough of what is left above the noise, and holds on rows that were left out."""
-    gone = removed_by(setting, before, after, nominal)
-    witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
-    explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses)
+def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried, chance: float) -> bool:
+    """Tell whether a cause explains enough of what is left above the noise, and holds on rows that were left out.
+
+    Args:
+        setting: the log.
+        nominal: the model without causes.
+        before: the model without this cause.
+        after: the model with it.
+        chance: energy that candidates remove by chance from rows that were left out, at most.
+    """
     if is_known(setting, after.hypothesis):
         return False
-    holds = before.total - after.total > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
-    return holds and explains and min(gone.of_all, gone.excess) > FLOOR and not _imitates(setting, before, after)
+    gone, held_out = removed_by(setting, before, after, nominal), before.total - after.total
+    witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
+    explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses) and gone.of_all > FLOOR
+    is_heard = gone.excess > FLOOR or (gone.of_all > EXPLAINS and held_out > CLEAR * chance)
+    holds = held_out > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
+    return holds and explains and is_heard and not _imitates(setting, before, after)
 
 
 def is_known(setting: Setting, cause: Hypothesis) -> bool:

@@ -72,5 +72,6 @@ def test_calibration_explains_what_it_can_beside_hypotheses_as_they_are():
 
 def test_no_cause_explains_more_than_all_where_the_floor_of_noise_is_too_high():
     gone = removed({ONE: 1.2}, {ONE: 0.1}, {ONE})
-    assert (gone.of_excess, gone.share) == (pytest.approx(5.5), 1.0)
-    assert removed({ONE: 3.0}, {ONE: 2.0}, {ONE}).share == pytest.approx(0.5)
+    assert gone.of_excess == pytest.approx(1.0)
+    assert removed({ONE: 0.4}, {ONE: 0.1}, {ONE}).of_excess == pytest.approx(1.0)
+    assert removed({ONE: 3.0}, {ONE: 2.0}, {ONE}).of_excess == pytest.approx(0.5)

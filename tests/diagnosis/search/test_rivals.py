@@ -37,7 +37,7 @@ def judge(monkeypatch):
     monkeypatch.setattr(module, "without_calibration", lambda setting, fit: fit)
     monkeypatch.setattr(module, "loudness", lambda setting, fit: {k: 11.0 - fit.removes.get(k, 0.0) for k in "ab"})
     monkeypatch.setattr(module, "touched", lambda setting, columns: {"a"})
-    monkeypatch.setattr(module, "removed_by", lambda *found: SimpleNamespace(share=0.5))
+    monkeypatch.setattr(module, "removed_by", lambda *found: SimpleNamespace(of_excess=0.5))
     again = {}
     monkeypatch.setattr(module, "judged_with", lambda setting, hypotheses, like: again[hypotheses[-1].kind.name])
     return again

@@ -9,7 +9,17 @@ from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.leftover import Removed
 from ffgym.diagnosis.search import worth as module
-from ffgym.diagnosis.search.worth import EXPLAINS, KNOWN, LEAKS, QUIET, explains_most, is_known, is_worth, removed_by
+from ffgym.diagnosis.search.worth import (
+    CLEAR,
+    EXPLAINS,
+    KNOWN,
+    LEAKS,
+    QUIET,
+    explains_most,
+    is_known,
+    is_worth,
+    removed_by,
+)
 from ffgym.effects import EFFECTS
 
 
@@ -34,7 +44,7 @@ def plausible(monkeypatch):
 def test_a_cause_of_the_whole_machine_has_as_many_witnesses_as_components(monkeypatch, joint, heard, share, enough):
     gone = Removed(of_excess=share, of_all=share, excess=0.9, heard=heard, best=share)
     monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
-    assert is_worth(None, None, fitted(10.0, 10.0), fitted(5.0, 5.0, joint)) == enough
+    assert is_worth(None, None, fitted(10.0, 10.0), fitted(5.0, 5.0, joint), chance=0.0) == enough
 
 
 @pytest.mark.parametrize(("held_out", "holds"), [(5.0, True), (8.0, True), (9.5, False), (11.0, False)])
@@ -43,7 +53,19 @@ def test_a_cause_must_hold_on_rows_that_it_was_not_fitted_to(monkeypatch, held_o
     monkeypatch.setattr(
         module, "removed_by", lambda *fits: Removed(of_excess=0.9, of_all=0.5, excess=0.9, heard=1, best=0.9)
     )
-    assert is_worth(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0)) == holds
+    assert is_worth(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0), chance=0.0) == holds
+
+
+@pytest.mark.parametrize(
+    ("held_out", "of_all", "enough"),
+    [(1.1 * CLEAR, 1.1 * EXPLAINS, True), (0.9 * CLEAR, 1.1 * EXPLAINS, False), (1.1 * CLEAR, 0.9 * EXPLAINS, False)],
+)
+def test_a_cause_below_the_noise_floor_must_stand_far_out_from_chance(monkeypatch, held_out, of_all, enough):
+    """The floor allows for what may be there: with quiet sensors, a tenth of it is."""
+    gone = Removed(of_excess=1.0, of_all=of_all, excess=0.0, heard=1, best=1.0)
+    monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
+    before, after = fitted(100.0, 100.0), fitted(100.0 - held_out, 80.0)
+    assert is_worth(None, None, before, after, chance=1.0) == enough
 
 
 def fitted(total, left, joint="j1"):
@@ -66,7 +88,7 @@ def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_ra
     monkeypatch.setattr(module, "touched", lambda setting, columns: {TORQUES[0]})
     bent = after.hypothesis if whose == "newest" else SimpleNamespace()
     monkeypatch.setattr(module, "stretched", lambda setting, fit: ((bent, "slip"),))
-    assert is_worth(None, None, fitted(10.0, 10.0), after) == enough
+    assert is_worth(None, None, fitted(10.0, 10.0), after, chance=0.0) == enough
 
 
 @pytest.mark.parametrize(("share", "best", "most"), [(0.6, 0.0, True), (0.3, 0.6, True), (0.3, 0.4, False)])

@@ -67,6 +67,19 @@ def test_coriolis_torques_of_links_that_swing_are_no_fault():
     assert answered(handed_out("clean", 7, seed=101)).verdict == "none"
 
 
+def test_numbers_that_are_off_by_more_than_slopes_tell_are_no_fault():
+    """Two elastic axes that are known to 5 %, and swing: slopes leave forty times the noise, and two wrong springs."""
+    assert answered(handed_out("clean", 6, seed=1601)).verdict == "none"
+
+
+def test_an_effect_below_a_noise_floor_that_allows_for_too_much_is_named():
+    """Sensors that are quieter than models foretell: a tenth of the floor is there, and load friction beside it."""
+    paper = handed_out("single", 3, seed=1601)
+    mark = marked(paper, answered(paper))
+    assert mark.outcome == "right"
+    assert all(size.is_covered for size in mark.sizes)
+
+
 @pytest.mark.parametrize(
     ("name", "n"),
     [
