@@ -14,8 +14,8 @@ accelerations, which change fast, are multiplied in at every sample.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
 
+from ffgym.diagnosis.replay.interpolation import cubics, places_of
 from ffgym.robot import RigidArm
 from ffgym.types import Array, IntArray
 
@@ -27,9 +27,6 @@ _SLOW = 0.016
 
 _STEP = 1e-4
 """Change of an angle [rad], or a speed [rad/s], over which terms are differentiated; chosen: some springs' bending."""
-
-_POINTS = 4
-"""Evaluations about a sample that its terms are interpolated from: those of a cubic."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,7 +59,7 @@ class Bending:
 def bending_of(arm: RigidArm, q: Array, dq: Array, ddq: Array, dt: float, joints: IntArray) -> Bending:
     """Linearise what bending of `joints` adds about `q`, speeds `dq` and accelerations `ddq`, (T, M, N), link side."""
     shape, n = q.shape, q.shape[-1]
-    places = _places(shape[0], max(1, round(_SLOW / dt)))
+    places = places_of(shape[0], max(1, round(_SLOW / dt)))
     at = [x[places].reshape(-1, n) for x in (q, dq, ddq)]
     rate, place = np.zeros((2, len(at[0]), n, n))
     plain = _torque(arm, *at)
@@ -73,7 +70,7 @@ def bending_of(arm: RigidArm, q: Array, dq: Array, ddq: Array, dt: float, joints
         rate[..., j] = (_torque(arm, at[0], at[1] + step, at[2]) - plain) / _STEP
     rate, place = (x.reshape(len(places), -1) for x in (rate, place))
     if len(places) < shape[0]:
-        between = _between(places)
+        between = cubics(places)
         rate, place = between @ rate, between @ place
     return Bending(rate=rate.reshape(*shape, n), place=place.reshape(*shape, n))
 
@@ -83,39 +80,15 @@ def _torque(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> Array:
     return arm.inverse_dynamics(q, dq, ddq, gravity=True) + arm.spring_torque(q)
 
 
-def _places(n: int, every: int) -> IntArray:
-    """Samples, of so many, at which terms are evaluated; all where they are too few to interpolate."""
-    places: IntArray = np.unique(np.append(np.arange(0, n, every), n - 1))
-    return places if len(places) >= _POINTS else np.arange(n)
-
-
 def link_terms(arm: RigidArm, q: Array, dq: Array, dt: float) -> LinkTerms:
     """Terms of the links of an arm at positions `q` [rad], speeds `dq`, (T, M, N), link side, `dt` [s] apart."""
     shape = q.shape
-    places = _places(shape[0], max(1, round(_PERIOD / dt)))
+    places = places_of(shape[0], max(1, round(_PERIOD / dt)))
     coarse_q, coarse_dq = (x[places].reshape(-1, shape[-1]) for x in (q, dq))
     mass, bias = arm.equations_of_motion(coarse_q, coarse_dq, gravity=True)
     bias = bias + arm.spring_torque(coarse_q)
     mass, bias = mass.reshape(len(places), -1), bias.reshape(len(places), -1)
     if len(places) < shape[0]:
-        between = _between(places)
+        between = cubics(places)
         mass, bias = between @ mass, between @ bias
     return LinkTerms(mass=mass.reshape(*shape, shape[-1]), bias=bias.reshape(shape))
-
-
-def _between(places: IntArray) -> csr_array:
-    """Weights of values at P `places`, sample numbers, in all T samples up to the last of them, shape (T, P).
-
-    Each is on the cubic through the four places around it (Lagrange): as near as a spline of values that vary this
-    slowly, and thirty times as fast.
-    """
-    samples = np.arange(places[-1] + 1)
-    first = np.clip(np.searchsorted(places, samples, side="right") - 2, 0, len(places) - _POINTS)
-    near = first[:, None] + np.arange(_POINTS)
-    x = places[near]
-    weights = np.ones(near.shape)
-    for a in range(_POINTS):
-        for b in set(range(_POINTS)) - {a}:
-            weights[:, a] *= (samples - x[:, b]) / (x[:, a] - x[:, b])
-    ends = np.arange(0, near.size + 1, _POINTS)
-    return csr_array((weights.ravel(), near.ravel(), ends), shape=(len(samples), len(places)))
