@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse import csr_array
 
-from ffgym.types import IntArray
+from ffgym.types import Array, IntArray
 
 _POINTS = 4
 """Evaluations about a sample that it is interpolated from: those of a cubic."""
@@ -31,3 +31,12 @@ def cubics(places: IntArray) -> csr_array:
             weights[:, a] *= (samples - x[:, b]) / (x[:, a] - x[:, b])
     ends = np.arange(0, near.size + 1, _POINTS)
     return csr_array((weights.ravel(), near.ravel(), ends), shape=(len(samples), len(places)))
+
+
+def along(places: IntArray, values: Array) -> Array:
+    """Values (P, ...) at `places` in all T samples up to the last of them, (T, ...)."""
+    n = int(places[-1]) + 1
+    if len(places) == n:
+        return values
+    found: Array = cubics(places) @ values.reshape(len(places), -1)
+    return found.reshape(n, *values.shape[1:])
