@@ -254,24 +254,27 @@ class Springs:
         Raises:
             FlownAwayError: if it pushes the arm away from its springs.
         """
-        e, dt, shape = self.elastic, self.dt, torque.shape
+        e, dt, shape, n = self.elastic, self.dt, torque.shape, len(self.elastic)
         found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
         by_load, by_place, by_rate = self._step(slice(None))
-        found.angle[0] = start
+        steps, every = np.concatenate([by_load, -by_place, -by_rate], axis=-1), slice(None) if n == shape[2] else e
         push(0, start, np.zeros_like(start))
-        x, rate, change = start[:, e], np.zeros((shape[1], len(e))), np.zeros((shape[1], len(e)))
+        moved = np.zeros((shape[1], 3 * n, 1))  # load, place and rate that the step before leads to
+        load, x, rate = (moved[:, k * n : (k + 1) * n, 0] for k in range(3))
+        x[:], change = start[:, e], np.zeros((shape[1], n))
+        found.angle[0][:, every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
         for k in range(1, shape[0]):
-            expected[:, e], expected_rate[:, e] = x + dt * rate + dt**2 / 2 * change, rate + dt * change
-            load = (torque[k] + push(k, expected, expected_rate))[:, e]
-            x = x + dt * rate + dt**2 / 4 * change
-            rate = rate + dt / 2 * change
-            held = np.matmul(by_rate[k], rate[..., None]) + np.matmul(by_place[k], x[..., None])
-            change = (np.matmul(by_load[k], load[..., None]) - held)[..., 0]
-            x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
-            if not (bent := float(np.max(np.abs(x), initial=0.0))) < _MOST:
+            rate += dt * change
+            x += dt * rate
+            if not (bent := float(np.abs(x).max(initial=0.0))) < _MOST:
                 raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
-            found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
+            expected[:, every], expected_rate[:, every] = x + dt**2 / 4 * change, rate + dt / 2 * change
+            load[:] = (torque[k] + push(k, expected, expected_rate))[:, every]
+            change = np.matmul(steps[k], moved)[..., 0]
+            found.angle[k][:, every], found.rate[k][:, every], found.acceleration[k][:, every] = x, rate, change
+        np.add(found.angle, dt**2 / 4 * found.acceleration, out=found.angle)
+        np.add(found.rate, dt / 2 * found.acceleration, out=found.rate)
         return found
 
 
