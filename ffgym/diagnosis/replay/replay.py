@@ -102,6 +102,7 @@ def replay(
     nearby: Replay | None = None,
     *,
     beside: Replay | None = None,
+    bristles: Bristles | None = None,
     exact: bool = False,
 ) -> Replay:
     """Replay a log on a machine.
@@ -114,6 +115,7 @@ def replay(
             taken: poses differ by too little to show in them.
         beside: replay of the same log on a machine whose masses differ by errors of calibration: what that changes in
             the terms of the links is small, and is known well enough at fewer samples.
+        bristles: friction along the motion, if it is known already.
         exact: whether links that bend ask for what they do there, not for what slopes about the measured motion say;
             it takes a little longer.
     """
@@ -139,9 +141,9 @@ def replay(
     same_drive = like is not None and alike(like.robot.drive, robot.drive)
     if like is not None and same_drive:
         springs = like.springs
-    bristles = along_speed(
-        robot.friction, robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq), log.dt
-    )
+    if bristles is None:
+        slip, speed = robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq)
+        bristles = along_speed(robot.friction, slip, speed, log.dt)
     state = state_of(log, machine, bristles)
     on_arm = arm_effects(machine)
     tilt = None if flexible_base is None else tilt_of(log, robot, flexible_base, _base_terms(log, robot, like))
