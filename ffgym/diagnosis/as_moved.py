@@ -1,8 +1,9 @@
 """The nominal machine with motors that move as measured: what it would have recorded, in continuous time.
 
 For logs without set-points, or of another controller than the documented one. The motion is that of the log without the
-noise of its readings, and the machine is replayed along it in steps so small that they do not matter. A replay of what
-is recorded so, sample by sample, differs from it by what the sampled replay does wrong: that is its bias.
+noise of its readings, and the machine is replayed along it in steps so small that they do not matter, those of friction
+the smallest. A replay of what is recorded so, sample by sample, differs from it by what the sampled replay does wrong:
+that is its bias.
 """
 
 from dataclasses import replace
@@ -14,12 +15,17 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log.sampling import CUTOFF
 from ffgym.diagnosis.log.white import without_trembling
 from ffgym.diagnosis.replay import Replay, replay, servo_feedback
+from ffgym.diagnosis.replay.bristles import Bristles, along_speed
 from ffgym.identification import LowPass
 from ffgym.recordings import Recording
 from ffgym.types import Array
 
 _STEP = 2.5e-4
 """Longest step of the fine replay [s]; chosen: that of the engine for the fastest friction of the built-in robots."""
+
+_LINKS = 1e-3
+"""Longest step of what is not friction in the fine replay [s]; chosen: half of what swings are followed with else; what
+it leaves of torque is a few hundredths of the noise of the built-in robots, and less behind the low-pass."""
 
 _SHARPER = 2
 """Steps of the iteration that undoes the low-pass of the motion; chosen: lags of friction are gone after two, and the
@@ -35,9 +41,27 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
         smooth: whether the motion has nothing above the usual band of what is compared: noise and vibration at the
             edge of a wide band would be bias. Else the low-pass of the motion is undone.
     """
-    every = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
-    fine = replay(_finer(log, every, smooth), run.machine, exact=True)
-    return [_record(log, run, fine, every, i) for i in range(len(log.recordings))]
+    parts = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
+    few = _few(log.dt, parts)
+    if few == parts or run.machine.resolver_effects:  # friction slips as motors truly move, which replays tell
+        fine, few = replay(_finer(log, parts, smooth), run.machine, exact=True), parts
+    else:
+        bristles = _bristles(_finer(log, parts, smooth), run, parts // few)
+        fine = replay(_finer(log, few, smooth), run.machine, bristles=bristles, exact=True)
+    return [_record(log, run, fine, few, i) for i in range(len(log.recordings))]
+
+
+def _few(dt: float, parts: int) -> int:
+    """Steps in a sample that are short enough for links and springs, of which each has some of all `parts`."""
+    return min(n for n in range(1, parts + 1) if parts % n == 0 and (n == parts or dt / n <= _LINKS * (1 + 1e-9)))
+
+
+def _bristles(fine: Log, run: Replay, every: int) -> Bristles:
+    """Friction along a fine motion, at every n-th of its samples."""
+    drive = run.robot.drive
+    slip, speed = drive.motor_angle(fine.slip_dq), drive.motor_angle(fine.dq)
+    found = along_speed(run.robot.friction, slip, speed, fine.dt)
+    return Bristles(torque=found.torque[::every], sign=found.sign[::every])
 
 
 def _finer(log: Log, every: int, smooth: bool) -> Log:

@@ -195,7 +195,7 @@ class TorqueEffect(Effect):
         return None
 
     def torques_over(self, states: State, dt: float) -> Torques | None:
-        """The same at T samples `dt` [s] apart at once, (T, ..., N), for an effect whose memory is a linear filter.
+        """The same at T samples `dt` [s] apart at once, (T, ..., N), for an effect whose memory takes few steps.
 
         None for others, which must go from sample to sample.
         """

@@ -25,10 +25,25 @@ def advanced(slip: Array, dq: Array, next_dq: Array, dt: float, widths: Array = 
 
 def along(motor_dq: Array, dt: float, widths: Array = WIDTHS) -> Array:
     """Elements along motor speeds (T, N) [rad/s] sampled every `dt` [s], shape (T, N, W); relaxed at the start."""
-    slip = np.zeros((*motor_dq.shape, len(widths)))
-    for k, step in enumerate(_steps(motor_dq[:-1], motor_dq[1:], dt, widths)):
-        slip[k + 1] = _slipped(slip[k], step)
-    return slip
+    start = np.zeros((*motor_dq.shape[1:], len(widths)))
+    return np.concatenate([start[None], _slipped_along(start, _steps(motor_dq[:-1], motor_dq[1:], dt, widths))])
+
+
+def advanced_along(dq: Array, dt: float, widths: Array) -> Array:
+    """Elements after each of T steps at speeds (T, ..., N), relaxed before; as `advanced` step by step."""
+    steps = _steps(dq, dq, dt, widths)
+    return _slipped_along(np.zeros(steps.shape[1:]), steps)
+
+
+def _slipped_along(slip: Array, steps: Array) -> Array:
+    """Elements after each of the `steps` (T, ..., W), from `slip` on."""
+    found = steps.copy()
+    for now in found:
+        now += slip
+        np.maximum(now, -1.0, out=now)
+        np.minimum(now, 1.0, out=now)
+        slip = now
+    return found
 
 
 def _steps(dq: Array, next_dq: Array, dt: float, widths: Array) -> Array:

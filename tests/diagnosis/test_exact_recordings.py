@@ -91,6 +91,18 @@ def test_a_motion_that_is_made_up_is_the_measured_one_once_it_went_through_the_l
     assert np.abs(again - smooth)[inner].max() < 0.4 * twice
 
 
+def test_only_friction_needs_the_shortest_steps_of_a_fine_replay(recording, monkeypatch):
+    """Links and springs in steps of a millisecond give the torque of those in a quarter of one."""
+    log = log_of(nominal().physical, [recording])
+    run = replay(log, nominal())
+    torque = as_moved(log, run)[0].joint_array("motor.effort")
+    monkeypatch.setattr("ffgym.diagnosis.as_moved._LINKS", 1e-9)
+    finest = as_moved(log, run)[0].joint_array("motor.effort")
+    assert 0 < np.abs(torque - finest).max() < 1e-3 * np.abs(finest).max()
+    sampled = run.torque[: len(finest), 0]
+    assert np.sqrt(np.mean((torque - finest) ** 2)) < 0.1 * np.sqrt(np.mean((sampled - finest) ** 2))
+
+
 def test_vibration_in_a_wide_band_is_left_out_of_a_smooth_motion_and_kept_in_a_sharp_one(recording):
     """Angles that tremble at 60 Hz where 70 Hz are compared."""
     log = log_of(nominal().physical, [recording], cutoff=70.0)

@@ -52,9 +52,9 @@ def test_torques_along_a_recording_have_its_shape(name, irb4600, measured):
     assert max(np.abs(torque).max() for torque in given) > 1e-3
 
 
-@pytest.mark.parametrize("name", ["torque_delay", "flexible_load"])
+@pytest.mark.parametrize("name", ["torque_delay", "flexible_load", "cable_pull", "torsional_hysteresis"])
 @pytest.mark.parametrize("share", [0.3, 1.0])
-def test_a_linear_memory_is_one_filter_over_the_whole_recording(name, share, irb4600, measured):
+def test_a_memory_over_the_whole_recording_is_that_of_sample_by_sample(name, share, irb4600, measured):
     """A lag apart: between samples, commands are held in a simulation, and straight along a recording."""
     dt, states = measured
     effect = as_strong_as_plausible(EFFECTS[name], irb4600, share=share)
@@ -66,7 +66,7 @@ def test_a_linear_memory_is_one_filter_over_the_whole_recording(name, share, irb
     for state in each:
         torques, memory = effect.torques(state, memory, dt)
         found.append(torques)
-    for part in ("motor", "link"):
+    for part in ("motor", "spring", "link"):
         stepped = [getattr(torques, part) for torques in found]
         if stepped[0] is None:
             assert getattr(at_once, part) is None

@@ -80,14 +80,29 @@ class Trial:
     left: float
 
 
-def trial_of(setting: Setting, hypotheses: Sequence[Hypothesis], nominal: Machine | None = None) -> Trial | None:
-    """Replay of the machine with all hypotheses; None if none can have them, or what it does cannot be computed."""
+def trial_of(
+    setting: Setting,
+    hypotheses: Sequence[Hypothesis],
+    nominal: Machine | None = None,
+    beside: Replay | None = None,
+) -> Trial | None:
+    """Replay the machine with all hypotheses.
+
+    Args:
+        setting: the log and what all fits share.
+        hypotheses: of the machine.
+        nominal: the machine that has them; None is that of the setting.
+        beside: replay of one that differs by errors of calibration, see `replay`.
+
+    Returns:
+        None if no machine can have them, or what it does cannot be computed.
+    """
     machine = machine_with(nominal or setting.nominal, hypotheses)
     if machine is None:
         return None
     try:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            run = replay(setting.log, machine, setting.like)
+            run = replay(setting.log, machine, setting.like, beside=beside)
             rows = residual_rows(setting.log, predicted(run))
             residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
         if not all(np.isfinite(values).all() for values in residual.values()):

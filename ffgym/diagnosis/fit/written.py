@@ -81,7 +81,7 @@ def _by_priors(setting: Setting, fit: Fit, chosen: BoolArray) -> Written | None:
         sizes, hypotheses = sizes + x[:n] * of_machine, moved(hypotheses, x[n:])
         sizes[np.abs(sizes) <= HELD] = 0.0
         numbers = possible_numbers(setting, sizes)
-        tried = None if numbers is None else _replayed(setting, numbers, hypotheses)
+        tried = None if numbers is None else _replayed(setting, numbers, hypotheses, fit.run)
         if tried is None:
             break
         columns = tangents(tried.run, tried.numbers, hypotheses)
@@ -135,9 +135,11 @@ def _without_torque(setting: Setting, motion: int, torque: Array) -> Recording:
     return recording.with_columns({name: recording[name] - own[:, j] for j, name in enumerate(names)})
 
 
-def _replayed(setting: Setting, numbers: Machine, hypotheses: Sequence[Hypothesis]) -> Written | None:
-    """Numbers and causes as one machine, replayed; None if none can be so."""
-    tried = trial_of(setting, hypotheses, numbers)
+def _replayed(
+    setting: Setting, numbers: Machine, hypotheses: Sequence[Hypothesis], beside: Replay | None = None
+) -> Written | None:
+    """Numbers and causes as one machine, replayed, maybe `beside` one with other numbers; None if none can be so."""
+    tried = trial_of(setting, hypotheses, numbers, beside)
     if tried is None:
         return None
     return Written(numbers=numbers, hypotheses=tuple(hypotheses), run=tried.run, residual=tried.residual)

@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from ffgym.diagnosis.replay.banded import first_order
 from ffgym.friction import LuGreParameters
 from ffgym.types import Array
 
@@ -31,11 +30,8 @@ def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float,
         load: of the bristles at the first sample, as a share of what tears them off; 0 is relaxed.
     """
     keep, gain = friction.exact_bristle_factors(0.5 * (slip[1:] + slip[:-1]), dt)
-    bristle = np.zeros_like(slip)
-    bristle[0] = z = load * friction.stribeck_level(0.0 * slip[0]) / friction.bristle_stiffness
-    for k in range(len(keep)):
-        z = keep[k] * z + gain[k]
-        bristle[k + 1] = z
+    start = load * friction.stribeck_level(0.0 * slip[0]) / friction.bristle_stiffness
+    bristle = first_order(keep, gain, start)
     return Bristles(
         torque=friction.torque(bristle, slip) + friction.viscous * (speed - slip),
         sign=friction.bristle_stiffness * bristle / friction.stribeck_level(slip),

@@ -14,8 +14,8 @@ accelerations, which change fast, are multiplied in at every sample.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
 
+from ffgym.diagnosis.replay.interpolation import along, places_of
 from ffgym.robot import RigidArm
 from ffgym.types import Array, IntArray
 
@@ -25,11 +25,11 @@ _PERIOD = 0.004
 _SLOW = 0.016
 """Time between evaluations of what bending adds [s]; chosen: it is a correction, known to a hundredth so."""
 
+_SLOWER = 0.032
+"""Time between evaluations of what bending adds with other masses [s]; chosen: it is the change of a correction."""
+
 _STEP = 1e-4
 """Change of an angle [rad], or a speed [rad/s], over which terms are differentiated; chosen: some springs' bending."""
-
-_POINTS = 4
-"""Evaluations about a sample that its terms are interpolated from: those of a cubic."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,6 +43,8 @@ class LinkTerms:
     it would be if they did not."""
     bending: "Bending | None" = None
     """What is added where joints bend, beside inertia; None is nothing."""
+    bent: Array | None = None
+    """About how joints bend [rad], (T, M, N): where poses are beside those of the motors; None is not at all."""
 
     def torque(self, ddq: Array) -> Array:
         """Torque that accelerations `ddq` (T, M, N) take, link side [N m]."""
@@ -61,8 +63,13 @@ class Bending:
 
 def bending_of(arm: RigidArm, q: Array, dq: Array, ddq: Array, dt: float, joints: IntArray) -> Bending:
     """Linearise what bending of `joints` adds about `q`, speeds `dq` and accelerations `ddq`, (T, M, N), link side."""
-    shape, n = q.shape, q.shape[-1]
-    places = _places(shape[0], max(1, round(_SLOW / dt)))
+    places = places_of(len(q), max(1, round(_SLOW / dt)))
+    return _between(places, *_slopes(arm, q, dq, ddq, places, joints))
+
+
+def _slopes(arm: RigidArm, q: Array, dq: Array, ddq: Array, places: IntArray, joints: IntArray) -> tuple[Array, Array]:
+    """What bending adds per rate and per deflection of `joints` at P places, (P, M, N, N) each."""
+    shape, n = (len(places), *q.shape[1:], q.shape[-1]), q.shape[-1]
     at = [x[places].reshape(-1, n) for x in (q, dq, ddq)]
     rate, place = np.zeros((2, len(at[0]), n, n))
     plain = _torque(arm, *at)
@@ -71,11 +78,12 @@ def bending_of(arm: RigidArm, q: Array, dq: Array, ddq: Array, dt: float, joints
         step[j] = _STEP
         place[..., j] = (_torque(arm, at[0] + step, at[1], at[2]) - plain) / _STEP
         rate[..., j] = (_torque(arm, at[0], at[1] + step, at[2]) - plain) / _STEP
-    rate, place = (x.reshape(len(places), -1) for x in (rate, place))
-    if len(places) < shape[0]:
-        between = _between(places)
-        rate, place = between @ rate, between @ place
-    return Bending(rate=rate.reshape(*shape, n), place=place.reshape(*shape, n))
+    return rate.reshape(shape), place.reshape(shape)
+
+
+def _between(places: IntArray, rate: Array, place: Array) -> Bending:
+    """What bending adds at all samples by what it adds at `places`, (P, M, N, N) each."""
+    return Bending(rate=along(places, rate), place=along(places, place))
 
 
 def _torque(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> Array:
@@ -83,39 +91,53 @@ def _torque(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> Array:
     return arm.inverse_dynamics(q, dq, ddq, gravity=True) + arm.spring_torque(q)
 
 
-def _places(n: int, every: int) -> IntArray:
-    """Samples, of so many, at which terms are evaluated; all where they are too few to interpolate."""
-    places: IntArray = np.unique(np.append(np.arange(0, n, every), n - 1))
-    return places if len(places) >= _POINTS else np.arange(n)
-
-
 def link_terms(arm: RigidArm, q: Array, dq: Array, dt: float) -> LinkTerms:
     """Terms of the links of an arm at positions `q` [rad], speeds `dq`, (T, M, N), link side, `dt` [s] apart."""
-    shape = q.shape
-    places = _places(shape[0], max(1, round(_PERIOD / dt)))
-    coarse_q, coarse_dq = (x[places].reshape(-1, shape[-1]) for x in (q, dq))
-    mass, bias = arm.equations_of_motion(coarse_q, coarse_dq, gravity=True)
-    bias = bias + arm.spring_torque(coarse_q)
-    mass, bias = mass.reshape(len(places), -1), bias.reshape(len(places), -1)
-    if len(places) < shape[0]:
-        between = _between(places)
-        mass, bias = between @ mass, between @ bias
-    return LinkTerms(mass=mass.reshape(*shape, shape[-1]), bias=bias.reshape(shape))
+    places = places_of(len(q), max(1, round(_PERIOD / dt)))
+    mass, bias = _terms(arm, q, dq, places)
+    return LinkTerms(mass=along(places, mass), bias=along(places, bias))
 
 
-def _between(places: IntArray) -> csr_array:
-    """Weights of values at P `places`, sample numbers, in all T samples up to the last of them, shape (T, P).
+def _terms(arm: RigidArm, q: Array, dq: Array, places: IntArray) -> tuple[Array, Array]:
+    """M (P, M, N, N) and h (P, M, N) at P places of a motion."""
+    shape = (len(places), *q.shape[1:])
+    there, speed = (x[places].reshape(-1, shape[-1]) for x in (q, dq))
+    mass, bias = arm.equations_of_motion(there, speed, gravity=True)
+    return mass.reshape(*shape, shape[-1]), (bias + arm.spring_torque(there)).reshape(shape)
 
-    Each is on the cubic through the four places around it (Lagrange): as near as a spline of values that vary this
-    slowly, and thirty times as fast.
+
+def terms_beside(
+    arm: RigidArm, known: LinkTerms, q: Array, dq: Array, ddq: Array, dt: float, joints: IntArray
+) -> LinkTerms:
+    """Terms of an arm whose masses and inertias are others than those of an arm whose terms are `known`.
+
+    What they differ by is evaluated where the other arm was, and a quarter as often: it changes as slowly, and is a
+    small part of the whole.
+
+    Args:
+        arm: whose terms are asked for.
+        known: of the other arm, along the same motion.
+        q: positions of the motors [rad], (T, M, N), link side.
+        dq: speeds, likewise.
+        ddq: accelerations, likewise.
+        dt: sample time [s].
+        joints: that bend, of both arms.
     """
-    samples = np.arange(places[-1] + 1)
-    first = np.clip(np.searchsorted(places, samples, side="right") - 2, 0, len(places) - _POINTS)
-    near = first[:, None] + np.arange(_POINTS)
-    x = places[near]
-    weights = np.ones(near.shape)
-    for a in range(_POINTS):
-        for b in set(range(_POINTS)) - {a}:
-            weights[:, a] *= (samples - x[:, b]) / (x[:, a] - x[:, b])
-    ends = np.arange(0, near.size + 1, _POINTS)
-    return csr_array((weights.ravel(), near.ravel(), ends), shape=(len(samples), len(places)))
+    bent = np.zeros_like(q) if known.bent is None else known.bent
+    there, slow = q + bent, places_of(len(q), max(1, round(_SLOW / dt)))
+    mass, bias = _terms(arm, there, dq, slow)
+    bending, more_by_place = None, 0.0
+    if known.bending is not None:
+        slower = places_of(len(q), max(1, round(_SLOWER / dt)))
+        rate, place = _slopes(arm, there, dq, ddq, slower, joints)
+        bending = _between(slower, rate - known.bending.rate[slower], place - known.bending.place[slower])
+        more_by_place = np.matmul(bending.place, bent[..., None])[..., 0]
+        np.add(bending.rate, known.bending.rate, out=bending.rate)
+        np.add(bending.place, known.bending.place, out=bending.place)
+        bias = bias - np.matmul(known.bending.place[slow], bent[slow][..., None])[..., 0]
+    return LinkTerms(
+        mass=known.mass + along(slow, mass - known.mass[slow]),
+        bias=known.bias + along(slow, bias - known.bias[slow]) - more_by_place,
+        bending=bending,
+        bent=known.bent,
+    )

@@ -18,7 +18,7 @@ from ffgym.diagnosis.log.derivatives import derivatives_of_motions
 from ffgym.diagnosis.replay.base import BaseTerms, Tilt, base_of, base_terms, tilt_of
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
 from ffgym.diagnosis.replay.flight import arm_effects, deflected, plus, summed
-from ffgym.diagnosis.replay.link_terms import LinkTerms, bending_of, link_terms
+from ffgym.diagnosis.replay.link_terms import LinkTerms, bending_of, link_terms, terms_beside
 from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.diagnosis.replay.springs import Deflection, Springs
 from ffgym.diagnosis.replay.states import bent_state, loaded_state, state_of
@@ -96,7 +96,14 @@ class Replay:
 
 
 def replay(
-    log: Log, machine: Machine, like: Replay | None = None, nearby: Replay | None = None, *, exact: bool = False
+    log: Log,
+    machine: Machine,
+    like: Replay | None = None,
+    nearby: Replay | None = None,
+    *,
+    beside: Replay | None = None,
+    bristles: Bristles | None = None,
+    exact: bool = False,
 ) -> Replay:
     """Replay a log on a machine.
 
@@ -106,6 +113,9 @@ def replay(
         like: replay of the same log on another machine, of which is taken what is the same.
         nearby: replay on the same machine of motions that differ by noise alone, of which the terms of the links are
             taken: poses differ by too little to show in them.
+        beside: replay of the same log on a machine whose masses differ by errors of calibration: what that changes in
+            the terms of the links is small, and is known well enough at fewer samples.
+        bristles: friction along the motion, if it is known already.
         exact: whether links that bend ask for what they do there, not for what slopes about the measured motion say;
             it takes a little longer.
     """
@@ -115,7 +125,12 @@ def replay(
     if like is not None and (like.log is not log or not same_links(like.robot, robot)):
         like = None
     known = like if like is not None else nearby
-    links, rough = (known.links, known.deflection.angle[0]) if known is not None else _links(log, robot)
+    if known is not None:
+        links, rough = known.links, known.deflection.angle[0]
+    elif beside is not None and beside.log is log and _bends_alike(beside.robot, robot):
+        links, rough = _links_beside(log, robot, beside), beside.deflection.angle[0]
+    else:
+        links, rough = _links(log, robot)
     springs = Springs(
         mass=links.mass,
         stiffness=robot.drive.joint_stiffness,
@@ -126,9 +141,9 @@ def replay(
     same_drive = like is not None and alike(like.robot.drive, robot.drive)
     if like is not None and same_drive:
         springs = like.springs
-    bristles = along_speed(
-        robot.friction, robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq), log.dt
-    )
+    if bristles is None:
+        slip, speed = robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq)
+        bristles = along_speed(robot.friction, slip, speed, log.dt)
     state = state_of(log, machine, bristles)
     on_arm = arm_effects(machine)
     tilt = None if flexible_base is None else tilt_of(log, robot, flexible_base, _base_terms(log, robot, like))
@@ -222,4 +237,15 @@ def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:
     links = link_terms(arm, log.q + bent, log.dq, log.dt)
     bending = bending_of(arm, log.q + bent, log.dq, log.ddq, log.dt, np.flatnonzero(elastic))
     unbent = links.bias - np.matmul(bending.place, bent[..., None])[..., 0]
-    return replace(links, bias=unbent, bending=bending), bent[0]
+    return replace(links, bias=unbent, bending=bending, bent=bent), bent[0]
+
+
+def _links_beside(log: Log, robot: RobotDescription, other: Replay) -> LinkTerms:
+    """Terms of links with other masses than those of a replay of the same motion, about where its links were."""
+    elastic = np.flatnonzero(~robot.drive.is_rigid)
+    return terms_beside(RigidArm(robot), other.links, log.q, log.dq, log.ddq, log.dt, elastic)
+
+
+def _bends_alike(one: RobotDescription, other: RobotDescription) -> bool:
+    """Tell whether robots have the same axes, of which the same bend."""
+    return alike(one.kinematics, other.kinematics) and bool(np.all(one.drive.is_rigid == other.drive.is_rigid))

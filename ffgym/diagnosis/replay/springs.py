@@ -14,7 +14,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array, eye_array
 
+from ffgym.diagnosis.replay.banded import swing
+from ffgym.diagnosis.replay.interpolation import cubics, places_of
 from ffgym.diagnosis.replay.link_terms import Bending
 from ffgym.errors import FFGymError
 from ffgym.types import Array, IntArray
@@ -34,6 +37,13 @@ _DOUBLINGS, _HALVINGS = 12, 50
 
 _STEPS = 512
 """Steps that are prepared at once; chosen: more of them take memory and no less time."""
+
+_FEW = 3
+"""Loads up to which motions are solved one by one; chosen: of more of them, steps of all motions at once take less."""
+
+_POSES = 0.008
+"""Time between evaluations of what a step is made of [s]; chosen: on cubics between them, the torque that springs of
+the built-in robots carry is known to 2e-6 of itself, a hundredth of the noise of any log."""
 
 _SLOW = 0.03
 """Time between evaluations of how late a method is [s]; chosen: poses hardly change in it."""
@@ -92,13 +102,6 @@ class Springs:
     def finite_stiffness(self) -> Array:
         """K [N m/rad], shape (N,); 1 for rigid joints, which do not bend whatever it is."""
         return np.where(np.isfinite(self.stiffness), self.stiffness, 1.0)
-
-    def _of(self, rows: slice) -> tuple[Array, Array, Array]:
-        """Inverse of M + dt/2 D + dt^2/4 K, and D and K with what bending adds to them; (R, M, E, E) each."""
-        mass, rate, place = self._terms(rows)
-        timely = mass - self._late(np.arange(len(self.mass))[rows])
-        inverse: Array = np.asarray(np.linalg.inv(timely + self.dt / 2 * rate + self.dt**2 / 4 * place), np.float64)
-        return inverse, rate, place
 
     def _terms(self, rows: slice | IntArray) -> tuple[Array, Array, Array]:
         """M, D and K of the joints that bend, with what bending adds to the last two; (R, M, E, E) each."""
@@ -172,12 +175,18 @@ class Springs:
         found = Deflection(angle=angle, rate=rate, acceleration=acceleration)
         if not len(e):
             return found
+        rest = np.linalg.solve(self._at_rest, torque[0][:, e])
+        if shape[3] <= _FEW:
+            for m in range(shape[1]):
+                swung = swing(*self._step_of(m), torque[:, m, e], rest[m], dt)
+                angle[:, m, e], rate[:, m, e], acceleration[:, m, e] = swung
+            return found
         n, every = len(e), slice(None) if len(e) == shape[2] else e
         moved = np.zeros(
             (shape[1], 4 * n, shape[3])
         )  # load, deflection, rate and its change, all that a step is made of
         load, x, speed, change = (moved[:, k * n : (k + 1) * n] for k in range(4))
-        x[:] = np.linalg.solve(self._of(slice(0, 1))[2][0], torque[0][:, every])
+        x[:] = rest
         angle[0][:, every] = x
         for first in range(1, shape[0], _STEPS):
             steps = self._steps(first)
@@ -205,10 +214,37 @@ class Springs:
 
     def _made_steps(self, rows: slice) -> Array:
         """Accelerations after steps, per load after it, and deflection, rate and acceleration before, (R, M, E, 4E)."""
-        dt, (inverse, rate, place) = self.dt, self._of(rows)
-        one = np.broadcast_to(np.eye(rate.shape[-1]), rate.shape)
-        parts = one, -place, -(rate + dt * place), -(dt / 2 * rate + dt**2 / 4 * place)
-        return np.matmul(inverse, np.concatenate(parts, axis=-1))
+        dt, (by_load, by_place, by_rate) = self.dt, self._step(rows)
+        parts = by_load, -by_place, -(by_rate + dt * by_place), -(dt / 2 * by_rate + dt**2 / 4 * by_place)
+        return np.concatenate(parts, axis=-1)
+
+    def _step(self, rows: slice) -> tuple[Array, Array, Array]:
+        """Accelerations per load, and less per deflection and rate that are expected, (R, M, E, E) each."""
+        weights, known = self._known_poses
+        weights = weights[rows]
+        here = (weights @ known.reshape(len(known), -1)).reshape(weights.shape[0], *known.shape[1:])
+        return here[:, :, 0], here[:, :, 1], here[:, :, 2]
+
+    def _step_of(self, motion: int) -> tuple[Array, Array, Array]:
+        """The same of one motion, at all samples, (T, E, E) each."""
+        weights, known = self._known_poses
+        here = (weights @ known[:, motion].reshape(len(known), -1)).reshape(-1, *known.shape[2:])
+        return here[:, 0], here[:, 1], here[:, 2]
+
+    @cached_property
+    def _known_poses(self) -> tuple[csr_array, Array]:
+        """Weights (T, P) of some samples in all of them, and the same there, (P, M, 3, E, E)."""
+        dt, places = self.dt, places_of(len(self.mass), max(1, round(_POSES / self.dt)))
+        mass, rate, place = self._terms(places)
+        inverse = np.linalg.inv(mass - self._late(places) + dt / 2 * rate + dt**2 / 4 * place)
+        known = np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
+        return cubics(places) if len(places) < len(self.mass) else eye_array(len(places), format="csr"), known
+
+    @property
+    def _at_rest(self) -> Array:
+        """Torque per deflection at the first sample, (M, E, E)."""
+        at_rest: Array = self._terms(slice(0, 1))[2][0]
+        return at_rest
 
     def pushed_by(self, torque: Array, push: Push, start: Array) -> Deflection:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
@@ -218,24 +254,27 @@ class Springs:
         Raises:
             FlownAwayError: if it pushes the arm away from its springs.
         """
-        e, dt, shape = self.elastic, self.dt, torque.shape
+        e, dt, shape, n = self.elastic, self.dt, torque.shape, len(self.elastic)
         found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
-        inverse, damping, stiffness = self._of(slice(None))
-        found.angle[0] = start
+        by_load, by_place, by_rate = self._step(slice(None))
+        steps, every = np.concatenate([by_load, -by_place, -by_rate], axis=-1), slice(None) if n == shape[2] else e
         push(0, start, np.zeros_like(start))
-        x, rate, change = start[:, e], np.zeros((shape[1], len(e))), np.zeros((shape[1], len(e)))
+        moved = np.zeros((shape[1], 3 * n, 1))  # load, place and rate that the step before leads to
+        load, x, rate = (moved[:, k * n : (k + 1) * n, 0] for k in range(3))
+        x[:], change = start[:, e], np.zeros((shape[1], n))
+        found.angle[0][:, every] = x
         expected, expected_rate = start.copy(), np.zeros_like(start)
         for k in range(1, shape[0]):
-            expected[:, e], expected_rate[:, e] = x + dt * rate + dt**2 / 2 * change, rate + dt * change
-            load = (torque[k] + push(k, expected, expected_rate))[:, e]
-            x = x + dt * rate + dt**2 / 4 * change
-            rate = rate + dt / 2 * change
-            held = np.matmul(damping[k], rate[..., None]) + np.matmul(stiffness[k], x[..., None])
-            change = np.matmul(inverse[k], load[..., None] - held)[..., 0]
-            x, rate = x + dt**2 / 4 * change, rate + dt / 2 * change
-            if not (bent := float(np.max(np.abs(x), initial=0.0))) < _MOST:
+            rate += dt * change
+            x += dt * rate
+            if not (bent := float(np.abs(x).max(initial=0.0))) < _MOST:
                 raise FlownAwayError(f"An arm does not stay where its motors are: it bends by {bent:g} rad.")
-            found.angle[k][:, e], found.rate[k][:, e], found.acceleration[k][:, e] = x, rate, change
+            expected[:, every], expected_rate[:, every] = x + dt**2 / 4 * change, rate + dt / 2 * change
+            load[:] = (torque[k] + push(k, expected, expected_rate))[:, every]
+            change = np.matmul(steps[k], moved)[..., 0]
+            found.angle[k][:, every], found.rate[k][:, every], found.acceleration[k][:, every] = x, rate, change
+        np.add(found.angle, dt**2 / 4 * found.acceleration, out=found.angle)
+        np.add(found.rate, dt / 2 * found.acceleration, out=found.rate)
         return found
 
 

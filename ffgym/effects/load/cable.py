@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameter import parameter
 from ffgym.effects.state import State, Torques
-from ffgym.friction.slip_elements import advanced
+from ffgym.friction.slip_elements import advanced, advanced_along
 from ffgym.types import Array
 
 
@@ -72,5 +72,12 @@ class CablePull(TorqueEffect):
         """See base class; the last physics step moved the link by its present speed."""
         speed = state.link_speed
         slip = advanced(memory, speed, speed, dt, self.width[..., None])
-        pull = self.stiffness * (state.link_angle - self.neutral) + self.hysteresis * slip[..., 0]
-        return Torques(link=-pull), slip
+        return self._pull(state, slip), slip
+
+    def torques_over(self, states: State, dt: float) -> Torques:
+        """See base class."""
+        speed = np.broadcast_to(states.link_speed, states.motor_angle.shape)
+        return self._pull(states, advanced_along(speed, dt, self.width[..., None]))
+
+    def _pull(self, state: State, slip: Array) -> Torques:
+        return Torques(link=-(self.stiffness * (state.link_angle - self.neutral) + self.hysteresis * slip[..., 0]))

@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameter import parameter
 from ffgym.effects.state import State, Torques
-from ffgym.friction.slip_elements import advanced
+from ffgym.friction.slip_elements import advanced, advanced_along
 from ffgym.types import Array
 
 SHARES = np.array([0.25, 0.5, 0.75, 1.0])
@@ -66,7 +66,15 @@ class TorsionalHysteresis(TorqueEffect):
         """See base class; the last physics step moved the spring by its present rate."""
         rate = state.deflection_rate
         slip = advanced(memory, rate, rate, dt, self.width[..., None] * SHARES)
-        return Torques(spring=-state.joint_stiffness * self.lost_motion * _mean(slip)), slip
+        return self._lost(state, slip), slip
+
+    def torques_over(self, states: State, dt: float) -> Torques:
+        """See base class."""
+        rate = np.broadcast_to(states.deflection_rate, states.motor_angle.shape)
+        return self._lost(states, advanced_along(rate, dt, self.width[..., None] * SHARES))
+
+    def _lost(self, state: State, slip: Array) -> Torques:
+        return Torques(spring=-state.joint_stiffness * self.lost_motion * _mean(slip))
 
 
 def _mean(slip: Array) -> Array:

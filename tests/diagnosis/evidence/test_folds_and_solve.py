@@ -67,6 +67,21 @@ def test_a_bounded_fit_with_a_prior_is_that_of_scipy(seed):
     np.testing.assert_allclose(bounded(a.T @ a, a.T @ b, precision, low, high), expected, atol=1e-5)
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_many_parameters_that_hold_each_other_end_where_slopes_point_out_of_the_bounds(seed):
+    """The conditions of Karush, Kuhn and Tucker, where exchanging all parameters at fault may go in circles."""
+    rng, p = np.random.default_rng(seed), 60
+    a = rng.normal(size=(80, p)) @ (np.eye(p) + 0.5 * rng.normal(size=(p, p)))
+    gram, moment, precision = a.T @ a, a.T @ (50 * rng.normal(size=80)), np.ones(p)
+    low, high = -rng.uniform(0, 0.3, p), rng.uniform(0, 0.3, p)
+    low[:3] = high[:3] = 0.0
+    x = bounded(gram, moment, precision, low, high)
+    slope = moment - (gram + np.eye(p)) @ x
+    near = 1e-9 * np.abs(moment).max()
+    assert np.all((low <= x) & (x <= high))
+    assert np.all((np.abs(slope) < near) | ((x == high) & (slope > 0)) | ((x == low) & (slope < 0)))
+
+
 @given(st.lists(st.floats(0.2, 30.0), min_size=1, max_size=4))
 def test_merged_blocks_leave_out_the_same_rows(seconds):
     blocks = blocks_of(valid(*seconds), ROW_DT)

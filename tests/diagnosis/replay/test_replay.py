@@ -46,6 +46,14 @@ def test_what_another_replay_shares_changes_nothing(log):
         np.testing.assert_allclose(alone.link_q, helped.link_q, rtol=0, atol=1e-12, err_msg=name)
 
 
+def test_masses_that_are_a_little_off_are_replayed_beside_the_described_ones(log):
+    machine = with_effect(small(EFFECTS["payload"], nominal().robot, share=0.02))
+    first = replay(log, nominal())
+    alone, helped = replay(log, machine), replay(log, machine, first, beside=first)
+    change = np.abs(alone.torque - first.torque).max()
+    assert 0 < np.abs(alone.torque - helped.torque).max() < 1e-3 * change
+
+
 def test_other_springs_are_replayed_with_shared_poses_of_the_links_to_second_order(log):
     machine = with_effect(small(EFFECTS["joint_stiffness"], nominal().robot, share=0.3))
     first = replay(log, nominal())

@@ -54,9 +54,29 @@ def test_the_error_falls_with_the_square_of_the_step(solved):
 def test_many_loads_at_once_bend_as_each_alone(solved):
     t, _ = solved
     one = springs(len(t)).bent_by(load(t)[:, None, :, None])
-    both = springs(len(t)).bent_by(np.stack([load(t), -2 * load(t)], axis=-1)[:, None])
-    np.testing.assert_allclose(both.angle[..., 0], one.angle[..., 0], atol=1e-15)
-    np.testing.assert_allclose(both.angle[..., 1], -2 * one.angle[..., 0], atol=1e-14)
+    for factors in ([1, -2], [1, -2, 3, 4, 5]):  # motion by motion, and step by step
+        both = springs(len(t)).bent_by(load(t)[:, None, :, None] * np.array(factors))
+        for own, factor in zip(np.moveaxis(both.angle, -1, 0), factors, strict=True):
+            np.testing.assert_allclose(own, factor * one.angle[..., 0], atol=1e-13)
+
+
+def test_poses_that_change_are_followed_as_a_solver_of_high_order_says():
+    """Steps are made of poses 8 ms apart, 32 steps here, and of cubics between them."""
+    t = DT * np.arange(3200)
+
+    def mass(at):
+        return MASS * (1 + 0.4 * np.sin(6 * at))
+
+    def slope(at, y):
+        return np.concatenate([y[2:], np.linalg.solve(mass(at), load(at) - DAMPING * y[2:] - STIFFNESS * y[:2])])
+
+    start = np.concatenate([load(0.0) / STIFFNESS, np.zeros(2)])
+    expected = solve_ivp(slope, (0, t[-1]), start, t_eval=t, rtol=1e-9, atol=1e-12).y.T[:, :2]
+    moving = Springs(mass=np.stack([mass(at)[None] for at in t]), stiffness=STIFFNESS, damping=DAMPING, dt=DT)
+    for loads in (1, 4):
+        torque = np.repeat(load(t)[:, None, :, None], loads, axis=-1)
+        found = moving.bent_by(torque).angle[:, 0, :, -1]
+        assert np.abs(found - expected).max() < 2e-3 * np.abs(expected).max()
 
 
 def test_a_constant_load_stays_at_rest():
