@@ -15,10 +15,12 @@ import numpy as np
 from ffgym.diagnosis.calibration import Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence, Stack, stack_of
-from ffgym.diagnosis.fit.fit import Trial, trial_of
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.failures import FAILED
+from ffgym.diagnosis.fit.fit import Trial, priors_of, priors_of_calibration, trial_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.numbers import possible_numbers
 from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
+from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.effects import NativeEffect
@@ -70,13 +72,14 @@ def calibrate(setting: Setting, calibration: Calibration, causes: Sequence[Hypot
     Args:
         setting: the log.
         calibration: how well the numbers are known.
-        causes: beside which they are fitted, as they are. A number that is a cause stays as described.
+        causes: beside which they are fitted, and which are fitted beside them. A number that is a cause stays as it is
+            described.
     """
     described = trial_of(setting, causes)
     if not setting.doubts or described is None:
         return None
-    problem = _Problem(setting=setting, calibration=calibration, causes=tuple(causes))
-    slopes = problem.slopes(described) if causes else setting.stack
+    problem = _Problem(setting=setting, calibration=calibration)
+    slopes = problem.slopes(described, setting.nominal) if causes else setting.stack
     at_rest = np.zeros(len(setting.doubts))
     now = None if slopes is None else problem.place(at_rest, described, setting.nominal, slopes)
     if now is None or not (causes or problem.is_bent(now)):
@@ -86,13 +89,13 @@ def calibrate(setting: Setting, calibration: Calibration, causes: Sequence[Hypot
         step = problem.step(now, reach)
         there = problem.moved(now, step)
         if there is None or there.cost >= now.cost:
-            reach = min(reach, float(np.max(np.abs(step)))) / 3
+            reach = min(reach, problem.length(step)) / 3
             if reach < _LEAST_REACH:
                 break
             continue
-        is_short = float(np.max(np.abs(step))) < 0.99 * reach
+        is_short = problem.length(step) < 0.99 * reach
         is_last = there.cost > (1 - _STAYS) * now.cost and is_short
-        slopes = None if is_last else problem.slopes(there.trial)
+        slopes = None if is_last else problem.slopes(there.trial, there.machine)
         again = None if slopes is None else problem.place(there.sizes, there.trial, there.machine, slopes)
         now, reach = again or there, min(2 * reach, _REACH)
         if again is None:
@@ -108,7 +111,6 @@ class _Problem:
 
     setting: Setting
     calibration: Calibration
-    causes: tuple[Hypothesis, ...]
 
     @cached_property
     def of_robot(self) -> BoolArray:
@@ -120,25 +122,30 @@ class _Problem:
         """Where the nominal machine stands already, in standard deviations, shape (K,)."""
         return np.array([doubt.at for doubt in self.setting.doubts])
 
-    @cached_property
-    def limits(self) -> tuple[Array, Array]:
-        """Lowest and highest sizes, shape (K,) each."""
-        low, high = self.setting.calibration_limits(self.causes)
-        return np.minimum(low, -HELD), np.maximum(high, HELD)
+    def length(self, step: Array) -> float:
+        """Longest way of a number of the robot in a step [standard deviations]."""
+        return float(np.max(np.abs(step[: len(self.of_robot)])))
 
-    def slopes(self, trial: Trial) -> Stack | None:
-        """Columns of all errors about a machine; None if it has others than the described one."""
+    def slopes(self, trial: Trial, numbers: Machine) -> Stack | None:
+        """Columns of all errors and causes about a machine; None if it has others than the described one."""
         doubts = doubts_of(trial.run, self.calibration)
         if len(doubts) != len(self.setting.doubts):
             return None
-        return stack_of(self.setting.blocks, [_scaled(doubt) for doubt in doubts], self.setting.weights)
+        stack = stack_of(self.setting.blocks, [_scaled(doubt) for doubt in doubts], self.setting.weights)
+        try:
+            return stack.beside(tangents(trial.run, numbers, trial.hypotheses)) if trial.hypotheses else stack
+        except FAILED:
+            return None
 
     def place(self, sizes: Array, trial: Trial, machine: Machine, slopes: Stack) -> _Place | None:
-        """A place whose other errors are fitted by slopes; None if what it leaves is no number."""
-        evidence = slopes.evidence(values_of(trial.residual))
-        rest, (low, high) = np.flatnonzero(~self.of_robot), self.limits
+        """A place whose errors that are no numbers are fitted by slopes; None if what it leaves is no number."""
+        evidence, priors = (
+            slopes.evidence(values_of(trial.residual)),
+            priors_of_calibration(self.setting, trial.hypotheses),
+        )
+        rest = np.flatnonzero(~self.of_robot)
         gram, pull = evidence.gram.sum(axis=0)[np.ix_(rest, rest)], evidence.moment.sum(axis=0)[rest, 0]
-        x = bounded(gram, pull - self.at[rest], np.ones(len(rest)), low[rest], high[rest])
+        x = bounded(gram, pull - self.at[rest], np.ones(len(rest)), priors.low[rest], priors.high[rest])
         left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x)
         errors = self.at + sizes
         errors[rest] += x
@@ -148,21 +155,26 @@ class _Problem:
         return _Place(sizes=sizes, trial=trial, machine=machine, evidence=evidence, cost=cost)
 
     def step(self, now: _Place, reach: float) -> Array:
-        """Step of the numbers of the robot, beside all other errors, each within a reach; shape (K,)."""
-        there, (low, high) = self.at + now.sizes, (end - now.sizes for end in self.limits)
-        low = np.where(self.of_robot, np.maximum(low, -reach), low)
-        high = np.where(self.of_robot, np.minimum(high, reach), high)
+        """Step of the numbers of the robot, each within a reach, and of the causes, beside all other errors."""
+        priors, n = priors_of(self.setting, now.trial.hypotheses), len(self.of_robot)
+        there, low, high = np.zeros(len(priors.low)), priors.low.copy(), priors.high.copy()
+        there[:n] = self.at + now.sizes
+        low[:n], high[:n] = low[:n] - now.sizes, high[:n] - now.sizes
+        low[:n] = np.where(self.of_robot, np.maximum(low[:n], -reach), low[:n])
+        high[:n] = np.where(self.of_robot, np.minimum(high[:n], reach), high[:n])
         gram, pull = now.evidence.gram.sum(axis=0), now.evidence.moment.sum(axis=0)[:, 0]
         ends = np.minimum(low, -HELD), np.maximum(high, HELD)
-        step: Array = bounded(gram, pull - there, np.ones(len(there)), *ends) * self.of_robot
+        step: Array = bounded(gram, pull - there, priors.precision, *ends)
+        step[:n] *= self.of_robot
         return step
 
     def moved(self, now: _Place, step: Array) -> _Place | None:
         """The place after a step, with the slopes of the place before; None if no machine can be so."""
-        sizes = np.clip(now.sizes + step, *self.setting.calibration_limits(self.causes))
+        n, causes = len(self.of_robot), now.trial.hypotheses
+        sizes = np.clip(now.sizes + step[:n], *self.setting.calibration_limits(causes))
         sizes[np.abs(sizes) <= HELD] = 0.0
         machine = possible_numbers(self.setting, sizes)
-        trial = None if machine is None else trial_of(self.setting, self.causes, machine)
+        trial = None if machine is None else trial_of(self.setting, moved(causes, step[n:]), machine)
         if machine is None or trial is None:
             return None
         return self.place(sizes, trial, machine, now.evidence.stack)

@@ -149,7 +149,7 @@ def with_tangents(setting: Setting, tried: Trial, like: Fit | None) -> Fit:
         residual=tried.residual,
         columns=tuple(columns),
         evidence=setting.stack.beside(columns).evidence(values_of(tried.residual)),
-        priors=_priors(setting, tried.hypotheses),
+        priors=priors_of(setting, tried.hypotheses),
         left=tried.left,
     )
 
@@ -166,7 +166,7 @@ def priors_of_calibration(setting: Setting, hypotheses: Sequence[Hypothesis]) ->
     return Priors(precision=np.ones(len(low)), low=low, high=high)
 
 
-def _priors(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
+def priors_of(setting: Setting, hypotheses: Sequence[Hypothesis]) -> Priors:
     """Calibration in standard deviations; changes of free numbers in practical steps, within their bounds."""
     known = priors_of_calibration(setting, hypotheses)
     free = [number for hypothesis in hypotheses for number in hypothesis.free()]
