@@ -23,9 +23,9 @@ from ffgym.types import Array
 _STEP = 2.5e-4
 """Longest step of the fine replay [s]; chosen: that of the engine for the fastest friction of the built-in robots."""
 
-_LINKS = 1e-3
-"""Longest step of what is not friction in the fine replay [s]; chosen: half of what swings are followed with else; what
-it leaves of torque is a few hundredths of the noise of the built-in robots, and less behind the low-pass."""
+_LINKS = 5e-4
+"""Longest step of what is not friction in the fine replay [s]; chosen: a quarter of what swings are followed with else;
+what it leaves of torque is a hundredth of the noise, that of arms that swing fast and are tracked well included."""
 
 _SHARPER = 2
 """Steps of the iteration that undoes the low-pass of the motion; chosen: lags of friction are gone after two, and the

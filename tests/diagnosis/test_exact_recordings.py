@@ -92,7 +92,7 @@ def test_a_motion_that_is_made_up_is_the_measured_one_once_it_went_through_the_l
 
 
 def test_only_friction_needs_the_shortest_steps_of_a_fine_replay(recording, monkeypatch):
-    """Links and springs in steps of a millisecond give the torque of those in a quarter of one."""
+    """Links and springs in steps twice as long give the torque of those in a quarter of one."""
     log = log_of(nominal().physical, [recording])
     run = replay(log, nominal())
     torque = as_moved(log, run)[0].joint_array("motor.effort")
