@@ -183,7 +183,7 @@ def examine(
         seen = look(ready if again is None else again)
     found = seen.examined
     if found.diagnosis.verdict != "none" and known.share < LOOSE:
-        about = within_calibration(ready, known, rng)
+        about = within_calibration(ready, known, rng, thoroughly=False)
         if about is not None and explains_all(ready, about):
             report("diagnosing about numbers within their calibration", 0.0)
             found = look(about).examined

@@ -136,7 +136,12 @@ def prepared(
 
 
 def within_calibration(
-    ready: Prepared, calibration: Calibration, rng: np.random.Generator, causes: Sequence[Hypothesis] = ()
+    ready: Prepared,
+    calibration: Calibration,
+    rng: np.random.Generator,
+    causes: Sequence[Hypothesis] = (),
+    *,
+    thoroughly: bool = True,
 ) -> Prepared | None:
     """All of it about numbers within their calibration that explain more than slopes tell; None if there are none.
 
@@ -147,12 +152,13 @@ def within_calibration(
         calibration: how well those are known.
         rng: draws noise.
         causes: beside which numbers are fitted; they are not in what is returned.
+        thoroughly: whether numbers count that explain a little only.
     """
     if calibration.base > 0:
         return None
     first, at = ready, np.zeros(len(ready.setting.doubts))
     for _ in range(_CENTRES):
-        found = calibrate(ready.setting, calibration, causes)
+        found = calibrate(ready.setting, calibration, causes, thoroughly=thoroughly)
         if found is None or np.max(np.abs(found.sizes)) < _CENTRED:
             break
         at = at + found.sizes

@@ -40,6 +40,10 @@ _LEAST_REACH = 0.05
 _STAYS = 0.005
 """Relative gain of a step below which further ones bring nothing, unless they go as far as they may."""
 
+_PROMISES = 0.7
+"""Share of what slopes about the described numbers promise to leave that slopes about others must promise at most, if
+all that is left is to be due to numbers; chosen: a cause that is none of them changes it by some per cent."""
+
 _BENT = 0.1
 """Energy in units of the noise's, of the component that has most, by which the first replay of fitted numbers differs
 from what slopes say of it, from which on slopes do not do; chosen: chance comes to half."""
@@ -66,7 +70,9 @@ class _Place:
     """Energy that is left beside errors that are no numbers of the robot, and the squares of all errors."""
 
 
-def calibrate(setting: Setting, calibration: Calibration, causes: Sequence[Hypothesis] = ()) -> Calibrated | None:
+def calibrate(
+    setting: Setting, calibration: Calibration, causes: Sequence[Hypothesis] = (), *, thoroughly: bool = True
+) -> Calibrated | None:
     """Find numbers within their calibration that explain a log better than slopes tell; None if there are none.
 
     Args:
@@ -74,6 +80,8 @@ def calibrate(setting: Setting, calibration: Calibration, causes: Sequence[Hypot
         calibration: how well the numbers are known.
         causes: beside which they are fitted, and which are fitted beside them. A number that is a cause stays as it is
             described.
+        thoroughly: whether numbers count that explain a little only; else a search ends where further slopes say no
+            more than the first ones.
     """
     described = trial_of(setting, causes)
     if not setting.doubts or described is None:
@@ -84,7 +92,7 @@ def calibrate(setting: Setting, calibration: Calibration, causes: Sequence[Hypot
     now = None if slopes is None else problem.place(at_rest, described, setting.nominal, slopes)
     if now is None or not (causes or problem.is_bent(now)):
         return None
-    reach = _REACH
+    reach, first = _REACH, problem.expected(now)
     for _ in range(_STEPS):
         step = problem.step(now, reach)
         there = problem.moved(now, step)
@@ -100,6 +108,8 @@ def calibrate(setting: Setting, calibration: Calibration, causes: Sequence[Hypot
         now, reach = again or there, min(2 * reach, _REACH)
         if again is None:
             break
+        if not thoroughly and problem.expected(now) > _PROMISES * first:
+            return None
     if not now.sizes.any():
         return None
     return Calibrated(machine=now.machine, sizes=now.sizes)
@@ -167,6 +177,12 @@ class _Problem:
         step: Array = bounded(gram, pull - there, priors.precision, *ends)
         step[:n] *= self.of_robot
         return step
+
+    def expected(self, now: _Place) -> float:
+        """Least energy that slopes about a place promise, however far numbers move."""
+        step = self.step(now, np.inf)
+        gram, pull = now.evidence.gram.sum(axis=0), now.evidence.moment.sum(axis=0)[:, 0]
+        return float(now.evidence.energy.sum() - 2 * step @ pull + step @ gram @ step)
 
     def moved(self, now: _Place, step: Array) -> _Place | None:
         """The place after a step, with the slopes of the place before; None if no machine can be so."""
