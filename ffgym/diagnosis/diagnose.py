@@ -198,6 +198,7 @@ class _Seen:
 
     examined: Examined
     causes: tuple[Hypothesis, ...]
+    """What a search found that is no number within its calibration, whether it is told or not."""
 
 
 def _look(
@@ -216,15 +217,15 @@ def _look(
     kinds = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[0]
     report("computing what each effect would change", 0.1)
     found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
+    causes = tuple(one for one in found.whole.fit.hypotheses if not is_known(setting, one))
     model = written(setting, found.final.fit, calibration) if found.final.fit.hypotheses else None
     if model is not None and any(one.is_null or is_known(setting, one) for one in model.hypotheses):
         found, model = found.without_causes, None  # numbers within their calibration do what the causes seemed to do
     conclude = partial(_conclude, machine, calibration, ready, rng, report, flagged, provenance)
     examined = conclude(found, model)
-    if (causes := examined.diagnosis.causes) and not any(is_there(cause) for cause in causes):
-        found = found.without_causes
-        examined = conclude(found, None)
-    return _Seen(examined=examined, causes=found.final.fit.hypotheses)
+    if (named := examined.diagnosis.causes) and not any(is_there(cause) for cause in named):
+        examined = conclude(found.without_causes, None)
+    return _Seen(examined=examined, causes=causes)
 
 
 def _conclude(
