@@ -130,6 +130,7 @@ def prepared(
         like=like,
         bias=known.bias,
         bound=BOUND,
+        floor=floor,
     )
     setting = replace(setting, weights=doubt_rows(setting.weights, first_swing(setting)))
     return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor, simulated=known.simulated)

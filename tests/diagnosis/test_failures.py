@@ -27,8 +27,8 @@ def test_a_rival_that_cannot_be_replayed_loses(error, one_axis, faulty, monkeypa
     """By an error, or by numbers that are none."""
     real = module.replay
 
-    def replay(log, machine, like=None):
-        run = real(log, machine, like)
+    def replay(log, machine, like=None, **more):
+        run = real(log, machine, like, **more)
         if not any(isinstance(effect, ViscousLevel) for effect in machine.effects):
             return run
         if error is not None:

@@ -43,12 +43,24 @@ class Setting:
     """What replay and simulation of one model differ by, (R, M, C): steps of time; taken off every residual."""
     bound: float
     """Standard deviations beyond which a calibration error is none."""
+    floor: Mapping[Channel, Array] = field(default_factory=dict)
+    """RMS of noise alone, (M, C), without what single rows are doubted by; empty where nobody asks."""
     described: Mapping[tuple[Channel, int], float] = field(default_factory=dict)
     """Energy over that of noise, by component, that the model as described leaves, where this one has other numbers."""
 
     def inexact(self, component: tuple[Channel, int]) -> float:
         """Energy over that of noise that other numbers may leave of what they explain: they are fitted by steps."""
         return _INEXACT * max(self.described.get(component, 1.0) - 1.0, 0.0)
+
+    def certain(self, component: tuple[Channel, int]) -> float:
+        """Share of the energy of noise of a component that is not doubt of single rows, from 0 to 1."""
+        channel, c = component
+        if channel not in self.floor:
+            return 1.0
+        weight = np.broadcast_to(self.weights[component], self.blocks.of_row.shape)
+        counted = (weight > 0) & (self.blocks.of_row >= 0)
+        certain = np.square(weight * self.floor[channel][:, c])[counted]
+        return float(np.mean(certain)) if len(certain) else 0.0
 
     def calibration_limits(self, hypotheses: Sequence[Hypothesis] = ()) -> tuple[Array, Array]:
         """Lowest and highest values of the calibration's columns beside hypotheses, in standard deviations.

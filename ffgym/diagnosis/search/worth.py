@@ -40,10 +40,14 @@ HOLDS = 0.25
 """Share of what a cause removes in a fit to all rows that it must remove from rows that it was not fitted to. Right
 ones of development exams hold nearly all of it; one that bends around what another equation leaves, next to nothing."""
 
-CLEAR = 10.0
+CLEAR = 15.0
 """Held-out energy over the largest that chance reaches from which on a cause may stand below the noise floor: the floor
-allows for what may be there, and need not be. Of 60 clean logs of a development exam none comes to more than 6 with a
-quarter of what is there."""
+allows for what may be there, and need not be. Of development exams, none of 200 clean logs comes to more than 6 with a
+quarter of what is there, one without any noise to 10; right causes to 18 and more."""
+
+CERTAIN = 0.25
+"""Share of the energy of noise that is not doubt of single rows from which on a cause may stand below the floor: what
+rows are doubted by may be there, and any cause would bend around it; chosen: three quarters of usual logs are."""
 
 KNOWN = BOUND
 """Standard deviations from what is described within which a number of the model is what it is said to be, and no
@@ -102,9 +106,17 @@ def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried, chan
     gone, held_out = removed_by(setting, before, after, nominal), before.total - after.total
     witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
     explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses) and gone.of_all > FLOOR
-    is_heard = gone.excess > FLOOR or (gone.of_all > EXPLAINS and held_out > CLEAR * chance)
+    is_heard = gone.excess > FLOOR or (
+        gone.of_all > EXPLAINS and held_out > CLEAR * chance and _is_certain(setting, after)
+    )
     holds = held_out > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
     return holds and explains and is_heard and not _imitates(setting, before, after)
+
+
+def _is_certain(setting: Setting, after: Tried) -> bool:
+    """Tell whether noise where the newest cause acts is mostly of sensors and model, not doubt of single rows."""
+    own = list(after.fit.columns[-len(after.hypothesis.free()) :])
+    return min((setting.certain(key) for key in touched(setting, own)), default=0.0) > CERTAIN
 
 
 def is_known(setting: Setting, cause: Hypothesis) -> bool:

@@ -64,8 +64,12 @@ def test_a_cause_below_the_noise_floor_must_stand_far_out_from_chance(monkeypatc
     """The floor allows for what may be there: with quiet sensors, a tenth of it is."""
     gone = Removed(of_excess=1.0, of_all=of_all, excess=0.0, heard=1, best=1.0)
     monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
+    monkeypatch.setattr(module, "touched", lambda setting, columns: {TORQUES[0]})
     before, after = fitted(100.0, 100.0), fitted(100.0 - held_out, 80.0)
-    assert is_worth(None, None, before, after, chance=1.0) == enough
+    setting = SimpleNamespace(certain=lambda component: 0.6)
+    assert is_worth(setting, None, before, after, chance=1.0) == enough
+    doubted = SimpleNamespace(certain=lambda component: 0.02)
+    assert not is_worth(doubted, None, before, after, chance=1.0)  # as where an arm swings when its log begins
 
 
 def fitted(total, left, joint="j1"):
