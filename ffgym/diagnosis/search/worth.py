@@ -49,6 +49,10 @@ CERTAIN = 0.25
 """Share of the energy of noise that is not doubt of single rows from which on a cause may stand below the floor: what
 rows are doubted by may be there, and any cause would bend around it; chosen: three quarters of usual logs are."""
 
+SIZEABLE = 0.02
+"""Share of the plausible range of a size that one of a cause below the floor must have: of less, any simulation has
+some, by its steps; chosen: servo gains that are a thousandth off stand out from logs without noise."""
+
 KNOWN = BOUND
 """Standard deviations from what is described within which a number of the model is what it is said to be, and no
 cause: where joints swing, slopes of calibration do not explain what the number itself does."""
@@ -106,9 +110,8 @@ def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried, chan
     gone, held_out = removed_by(setting, before, after, nominal), before.total - after.total
     witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
     explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses) and gone.of_all > FLOOR
-    is_heard = gone.excess > FLOOR or (
-        gone.of_all > EXPLAINS and held_out > CLEAR * chance and _is_certain(setting, after)
-    )
+    is_clear = gone.of_all > EXPLAINS and held_out > CLEAR * chance
+    is_heard = gone.excess > FLOOR or (is_clear and _is_certain(setting, after) and is_sizeable(after.hypothesis))
     holds = held_out > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
     return holds and explains and is_heard and not _imitates(setting, before, after)
 
@@ -117,6 +120,13 @@ def _is_certain(setting: Setting, after: Tried) -> bool:
     """Tell whether noise where the newest cause acts is mostly of sensors and model, not doubt of single rows."""
     own = list(after.fit.columns[-len(after.hypothesis.free()) :])
     return min((setting.certain(key) for key in touched(setting, own)), default=0.0) > CERTAIN
+
+
+def is_sizeable(cause: Hypothesis) -> bool:
+    """Tell whether a size of a cause is a noticeable part of what is plausible."""
+    known = cause.kind.parameters()
+    sizes = [(number, known[number.name]) for number in cause.free() if known[number.name].role == "size"]
+    return any(abs(number.value - p.neutral) > SIZEABLE * (p.high - p.low) for number, p in sizes)
 
 
 def is_known(setting: Setting, cause: Hypothesis) -> bool:

@@ -17,6 +17,7 @@ from ffgym.diagnosis.search.worth import (
     QUIET,
     explains_most,
     is_known,
+    is_sizeable,
     is_worth,
     removed_by,
 )
@@ -66,10 +67,24 @@ def test_a_cause_below_the_noise_floor_must_stand_far_out_from_chance(monkeypatc
     monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
     monkeypatch.setattr(module, "touched", lambda setting, columns: {TORQUES[0]})
     before, after = fitted(100.0, 100.0), fitted(100.0 - held_out, 80.0)
+    monkeypatch.setattr(module, "is_sizeable", lambda cause: True)
     setting = SimpleNamespace(certain=lambda component: 0.6)
     assert is_worth(setting, None, before, after, chance=1.0) == enough
     doubted = SimpleNamespace(certain=lambda component: 0.02)
     assert not is_worth(doubted, None, before, after, chance=1.0)  # as where an arm swings when its log begins
+
+
+@pytest.mark.parametrize(
+    ("effect", "values", "sizeable"),
+    [
+        ("servo_gains", {"position": -0.001, "velocity": 0.0, "integral": 0.0001}, False),
+        ("servo_gains", {"position": -0.001, "velocity": 0.1, "integral": 0.0}, True),
+        ("load_friction", {"share": 0.016}, True),
+    ],
+)
+def test_a_thousandth_of_what_is_plausible_is_no_cause_below_the_floor(effect, values, sizeable):
+    numbers = {name: np.array(value) for name, value in values.items()}
+    assert is_sizeable(Hypothesis(kind=EFFECTS[effect], joint="j1", source=None, values=numbers)) == sizeable
 
 
 def fitted(total, left, joint="j1"):
