@@ -174,6 +174,7 @@ def examine(
     if first is not None:
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
+    # loosely known numbers are fitted first, alone, and then together with the causes that are found about them
     look = partial(_look, machine, known, rng=rng, report=report, flagged=flagged, provenance=provenance, most=most)
     about = within_calibration(ready, known, rng) if known.share >= LOOSE else None
     seen = look(ready, memory=memory) if about is None else look(about)
@@ -182,6 +183,7 @@ def examine(
         again = within_calibration(ready, known, rng, about.setting.as_described(seen.causes))
         seen = look(ready if again is None else again)
     found = seen.examined
+    # numbers that are known well are the reason only if they explain all
     if found.diagnosis.verdict != "none" and known.share < LOOSE:
         about = within_calibration(ready, known, rng, thoroughly=False)
         if about is not None and explains_all(ready, about):
@@ -213,6 +215,7 @@ def _look(
     most: int,
     memory: Memory | None = None,
 ) -> _Seen:
+    """Search a log for causes about some numbers of the machine, and conclude."""
     setting, log = ready.setting, ready.setting.log
     kinds = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[0]
     report("computing what each effect would change", 0.1)

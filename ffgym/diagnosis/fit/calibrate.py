@@ -83,6 +83,7 @@ def calibrate(
         thoroughly: whether numbers count that explain a little only; else a search ends where further slopes say no
             more than the first ones.
     """
+    # begin at the numbers as they are; where slopes tell all that they do, nothing is to be found
     described = trial_of(setting, causes)
     if not setting.doubts or described is None:
         return None
@@ -92,15 +93,17 @@ def calibrate(
     now = None if slopes is None else problem.place(at_rest, described, setting.nominal, slopes)
     if now is None or not (causes or problem.is_bent(now)):
         return None
-    reach, first = _REACH, problem.expected(now)
+    reach, first = _REACH, problem.predict_energy(now)
     for _ in range(_STEPS):
         step = problem.step(now, reach)
-        there = problem.moved(now, step)
+        there = problem.move(now, step)
+        # a step that makes things worse was too long
         if there is None or there.cost >= now.cost:
             reach = min(reach, problem.length(step)) / 3
             if reach < _LEAST_REACH:
                 break
             continue
+        # slopes anew where the step led, unless the search has come to rest
         is_short = problem.length(step) < 0.99 * reach
         is_last = there.cost > (1 - _STAYS) * now.cost and is_short
         slopes = None if is_last else problem.slopes(there.trial, there.machine)
@@ -108,7 +111,8 @@ def calibrate(
         now, reach = again or there, min(2 * reach, _REACH)
         if again is None:
             break
-        if not thoroughly and problem.expected(now) > _PROMISES * first:
+        # what is due to something else than numbers stays, whatever slopes there are
+        if not thoroughly and problem.predict_energy(now) > _PROMISES * first:
             return None
     if not now.sizes.any():
         return None
@@ -129,7 +133,7 @@ class _Problem:
 
     @cached_property
     def at(self) -> Array:
-        """Where the nominal machine stands already, in standard deviations, shape (K,)."""
+        """Place of the nominal machine from what is described, in standard deviations, shape (K,)."""
         return np.array([doubt.at for doubt in self.setting.doubts])
 
     def length(self, step: Array) -> float:
@@ -141,7 +145,7 @@ class _Problem:
         doubts = doubts_of(trial.run, self.calibration)
         if len(doubts) != len(self.setting.doubts):
             return None
-        stack = stack_of(self.setting.blocks, [_scaled(doubt) for doubt in doubts], self.setting.weights)
+        stack = stack_of(self.setting.blocks, [_scale(doubt) for doubt in doubts], self.setting.weights)
         try:
             return stack.beside(tangents(trial.run, numbers, trial.hypotheses)) if trial.hypotheses else stack
         except FAILED:
@@ -178,14 +182,14 @@ class _Problem:
         step[:n] *= self.of_robot
         return step
 
-    def expected(self, now: _Place) -> float:
-        """Least energy that slopes about a place promise, however far numbers move."""
+    def predict_energy(self, now: _Place) -> float:
+        """Predict the least energy by slopes about a place, however far numbers move."""
         step = self.step(now, np.inf)
         gram, pull = now.evidence.gram.sum(axis=0), now.evidence.moment.sum(axis=0)[:, 0]
         return float(now.evidence.energy.sum() - 2 * step @ pull + step @ gram @ step)
 
-    def moved(self, now: _Place, step: Array) -> _Place | None:
-        """The place after a step, with the slopes of the place before; None if no machine can be so."""
+    def move(self, now: _Place, step: Array) -> _Place | None:
+        """Move to the place after a step, with the slopes of the place before; None if no machine can be so."""
         n, causes = len(self.of_robot), now.trial.hypotheses
         sizes = np.clip(now.sizes + step[:n], *self.setting.calibration_limits(causes))
         sizes[np.abs(sizes) <= HELD] = 0.0
@@ -198,7 +202,7 @@ class _Problem:
     def is_bent(self, now: _Place) -> bool:
         """Tell whether a replay with the numbers that slopes give differs from what slopes say of it."""
         step = self.step(now, np.inf)
-        there = self.moved(now, step)
+        there = self.move(now, step)
         if there is None:
             return True
         beyond = _beyond(self.setting, step, now.trial.residual, there.trial.residual)
@@ -211,7 +215,7 @@ class _Problem:
         return max(shares, default=0.0) > _BENT
 
 
-def _scaled(doubt: Doubt) -> Parts:
+def _scale(doubt: Doubt) -> Parts:
     return {key: rows * doubt.sigma for key, rows in doubt.column.parts.items()}
 
 
