@@ -47,7 +47,8 @@ _CENTRES = 3
 """Times that bias and noise are taken anew about other numbers; chosen."""
 
 _CENTRED = 0.1
-"""Largest change of a number from which on they are [standard deviations]; chosen: less changes neither."""
+"""Largest change of a number from which on bias and noise are taken anew [standard deviations]; chosen: a smaller one
+changes neither."""
 
 _QUIET, _GONE = 0.25, 0.15
 """Energy above that of noise, as a share of it and of what stood out, that is left where numbers are why; chosen."""
