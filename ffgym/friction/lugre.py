@@ -84,7 +84,7 @@ class LuGreParameters:
         """Friction torque [N m] at constant speed `dq` [rad/s], thesis (2.10)."""
         return self.stribeck_level(dq) * np.sign(dq) + self.viscous * dq
 
-    def exact_bristle_factors(self, dq: Array, dt: float) -> tuple[Array, Array]:
+    def exact_bristle_factors(self, dq: Array, dt: float | Array) -> tuple[Array, Array]:
         r"""Exact solution of the bristle equation over `dt` [s] at frozen motor speed `dq` [rad/s].
 
         The equation is linear in z for a frozen speed, so that with :math:`a = \sigma_0 |v| / g(v)`
