@@ -48,6 +48,17 @@ class Fit:
         """Columns of the calibration."""
         return len(self.priors.low) - len(self.columns)
 
+    @property
+    def judged(self) -> IntArray:
+        """Places of columns that are fitted anew where rows are left out: all but durations of what a session changes.
+
+        The first recording of a session says how fast things changed; without it a duration is extrapolated along its
+        slope, which tells nothing about the effect.
+        """
+        free = [number for hypothesis in self.hypotheses for number in hypothesis.free()]
+        kept = [i for i, number in enumerate(free) if not number.of_session]
+        return np.concatenate([self.calibration_only, self.n_calibration + np.array(kept, dtype=np.intp)])
+
     def tangents_of(self, hypothesis: Hypothesis) -> tuple[Parts, ...]:
         """Columns of a hypothesis, whatever values it has; none if it is not among these."""
         at = 0

@@ -31,6 +31,8 @@ class Free:
     high: float
     nudge: float
     """A change by which slopes are found, > 0."""
+    of_session: bool = False
+    """Whether it is the time in which a session changes something."""
 
 
 def free_number(p: Parameter, part: int | None, value: float) -> Free:

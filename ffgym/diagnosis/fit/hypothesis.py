@@ -110,7 +110,8 @@ class Hypothesis:
                 continue
             for part in range(3) if p.per == "vector" else (None,):
                 at = float(value if part is None else value[part])
-                found.append(free_number(p, part, at))
+                of_session = "running" in self.kind.varies_with and p.unit == "s"
+                found.append(replace(free_number(p, part, at), of_session=of_session))
         return found
 
     @property

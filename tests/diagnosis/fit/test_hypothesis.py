@@ -1,8 +1,11 @@
 """What a linear fit says becomes an effect with values, and stays within what is possible."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.from_columns import hypothesis_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.signatures.column import Column
@@ -97,3 +100,28 @@ def _usual(p):
     value = p.neutral + 0.1 * (p.high - p.neutral) if p.role == "size" else p.default
     value = p.low if value is None else value
     return np.full(3, value) if p.per == "vector" else value
+
+
+def test_how_long_a_session_takes_to_change_something_is_not_fitted_anew_where_rows_are_left_out():
+    """Sizes and exponents are, and calibration; without the first recording of a session a duration is a guess."""
+    drift = Hypothesis(
+        kind=EFFECTS["viscous_drift"],
+        joint="j1",
+        source=None,
+        values={"share": np.array(0.2), "duration": np.array(1800.0), "exponent": np.array(1.0)},
+    )
+    backlash = EFFECTS["backlash"].parameters()
+    gap = Hypothesis(
+        kind=EFFECTS["backlash"],
+        joint="j2",
+        source=None,
+        values={name: np.array(p.high) for name, p in backlash.items()},
+    )
+    n_free = len(drift.free()) + len(gap.free())
+    found = SimpleNamespace(
+        hypotheses=(drift, gap), n_calibration=2, calibration_only=np.arange(2), columns=((),) * n_free
+    )
+    held = [number.name for h in (drift, gap) for number in h.free() if number.of_session]
+    assert held == ["duration"]
+    names = ["c", "c"] + [number.name for h in (drift, gap) for number in h.free()]
+    assert [names[i] for i in Fit.judged.fget(found)] == [name for name in names if name != "duration"]

@@ -182,6 +182,19 @@ def test_of_explanations_that_tie_the_plausible_one_stands(judge):
     assert judged(cables, [spring])[0][0].tied
 
 
+def test_a_rival_beside_which_another_cause_must_be_too_large_says_which_that_is(judge):
+    """Not a size of the rival itself: it is told whose."""
+    beside, larger = hypothesis("viscous_level", "j2"), hypothesis("viscous_level", "j2")
+    larger.values["change"] = np.array(50.0)
+    best = tried("gravity_term", "j1", 10.0, {"a": 9.0}, beside=(beside,))
+    other = tried("cable_pull", "j1", 10.0, {"a": 9.0}, beside=(beside,))
+    judge["cable_pull"] = tried("cable_pull", "j1", 10.0, {"a": 9.0}, beside=(larger,))
+    (rival,), _ = judged(best, [other])
+    assert not rival.tied
+    assert rival.reason.startswith("explains as much, but would take a change of 50")
+    assert rival.reason.endswith(" of viscous_level on j2")
+
+
 @pytest.mark.parametrize(("cycles", "found"), [(2.1, 1), (1.0, 0), (3.5, 0)])
 def test_a_cause_is_found_in_the_round_of_its_wave_however_far_that_moved(cycles, found):
     """A wave that no round tried so is taken for the first of its effect."""
