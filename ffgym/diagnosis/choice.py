@@ -35,7 +35,7 @@ at each resonance; they may be loud without a peak."""
 _LOUD = 1.1
 """Energy over that of noise from which on something may have a period in it."""
 
-_FAR = 10.0
+_FAR = 3.0
 """Energy over that of noise from which on a joint's spring may be so wrong that slopes do not tell; chosen."""
 
 _APART, _SHAFT_APART = 0.2, 0.02
