@@ -38,7 +38,7 @@ def test_what_turns_with_the_shaft_is_tried_where_the_torque_of_its_joint_is_lou
 
 
 def test_other_springs_are_tried_once_on_elastic_joints_whose_torque_is_far_off(monkeypatch):
-    energies = {("torque", 0): 50.0, ("torque", 1): 50.0, ("torque", 2): 5.0, ("tool", 2): 50.0}
+    energies = {("torque", 0): 50.0, ("torque", 1): 50.0, ("torque", 2): 2.0, ("tool", 2): 50.0}
     run = SimpleNamespace(springs=SimpleNamespace(elastic=np.array([1, 2])))
     made = SimpleNamespace(beside=lambda columns: made)
     tried = []
