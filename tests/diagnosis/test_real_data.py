@@ -217,6 +217,21 @@ def test_in_two_hours_viscous_friction_falls_and_coulomb_friction_stays_and_torq
     assert [p for p in diagnosis.patterns if (p.component, p.kind) == ("a2", "sign-locked function")]
 
 
+@needs_data
+@pytest.mark.slow
+def test_the_model_that_is_written_of_eight_recordings_foretells_the_last_two_on_every_axis(tmp_path):
+    """Two hours of a machine that warms up: what drifts must go on, and no axis may be worse than with nominal numbers."""
+    first, last = parts_of_a_session(3630, range(8)), parts_of_a_session(3630, (8, 9))
+    machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), first)
+    examined = examine(machine, first, calibration=calibration)
+    save_extended(tmp_path / "extended.toml", examined.diagnosis, examined.nominal)
+    levels = held_out_levels(examined.nominal, load_machine(tmp_path / "extended.toml"), last).levels
+    torque = {level.component: level.after / level.before for level in levels}
+    assert set(torque) == {"a1", "a2", "a3", "a4", "a5", "a6"}
+    assert max(torque.values()) <= 1.0, torque
+    assert min(torque.values()) < 0.9, torque
+
+
 def as_logged(recording, rng, *families):
     """What such a machine's log has: some families at 250 Hz, with noise of encoders and current sensors."""
     columns = {"timestamp": recording.t[::4]}

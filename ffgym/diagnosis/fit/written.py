@@ -19,7 +19,7 @@ from ffgym.diagnosis.fit.numbers import are_of_the_machine, possible_numbers
 from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.replay import Replay, predicted
+from ffgym.diagnosis.replay import Replay, predicted, torque_shown
 from ffgym.diagnosis.residual import Channel
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
@@ -112,7 +112,7 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
         plain = _replayed(setting, numbers, ())
         if tried is None or plain is None:
             return best
-        added = tried.run.torque - plain.run.torque
+        added = torque_shown(tried.run) - torque_shown(plain.run)  # out of step, too: masses must not make up for it
         left = [_without_torque(setting, i, added[: setting.log.lengths[i], i]) for i in motions]
         numbers = replace(setting.nominal, robot=calibration.refit(left))
         best = _replayed(setting, numbers, hypotheses)
