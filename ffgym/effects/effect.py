@@ -232,6 +232,12 @@ class ClockEffect(Effect):
         late: Array = CubicSpline(t, values)(np.clip(t - self.latency, 0.0, t[-1]))
         return late
 
+    def in_step(self, values: Array, dt: float) -> Array:
+        """What was sampled where `values` (T, ...) were written, the opposite of `late`; the last is held."""
+        t = np.arange(len(values)) * dt
+        sampled: Array = CubicSpline(t, values)(np.clip(t + self.latency, 0.0, t[-1]))
+        return sampled
+
     def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
         """The recording as it is written; columns that it does not have stay away."""
         columns = {

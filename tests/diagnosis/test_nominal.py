@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.diagnose import examine
+from ffgym.diagnosis.held_out import held_out_levels
 from ffgym.diagnosis.nominal import LEAST_SHARE, filtering_for, fitted_nominal
 from ffgym.errors import FFGymError
 from ffgym.robot import RigidArm, load_draft, load_robot, motor_torque
@@ -81,3 +83,22 @@ def replace_rows(recording, stride):
 def test_there_must_be_recordings(two_link):
     with pytest.raises(FFGymError, match="no recordings"):
         fitted_nominal(two_link, [])
+
+
+def test_masses_that_made_up_for_a_late_torque_are_fitted_anew_to_torque_in_step(two_link, paths, recordings):
+    """Rows of 10 Hz with the torque of the row before, as those of a robot: the written model foretells another motion."""
+    late = [late_rows(recording, 25) for recording in recordings]
+    machine, calibration = fitted_nominal(two_link, late)
+    examined = examine(machine, late, calibration=calibration)
+    assert [cause.effect for cause in examined.diagnosis.causes] == ["torque_clock"]
+    path = swing(two_link, 3, duration=12.0)
+    other = late_rows(recorded(two_link, path, noise=0.01, seed=3, segment="other"), 25)
+    levels = held_out_levels(machine, examined.machine, [other]).levels
+    assert all(level.after < 0.5 * level.before for level in levels), levels
+
+
+def late_rows(recording, stride):
+    """Every so many rows of a recording, each with the torque of the row before."""
+    columns = {c: v[::stride][1:] for c, v in recording.columns.items()}
+    columns |= {c: v[::stride][:-1] for c, v in recording.columns.items() if c.startswith("motor.effort")}
+    return type(recording)(columns, recording.header)

@@ -220,7 +220,7 @@ def test_in_two_hours_viscous_friction_falls_and_coulomb_friction_stays_and_torq
 @needs_data
 @pytest.mark.slow
 def test_the_model_that_is_written_of_eight_recordings_foretells_the_last_two_on_every_axis(tmp_path):
-    """Two hours of a machine that warms up: what drifts must go on, and no axis may be worse than with nominal numbers."""
+    """Two hours of a machine that warms up: no axis may be worse than with nominal numbers."""
     first, last = parts_of_a_session(3630, range(8)), parts_of_a_session(3630, (8, 9))
     machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), first)
     examined = examine(machine, first, calibration=calibration)

@@ -19,8 +19,9 @@ from ffgym.diagnosis.fit.numbers import are_of_the_machine, possible_numbers
 from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.measured import residual_rows
-from ffgym.diagnosis.replay import Replay, predicted, torque_shown
+from ffgym.diagnosis.replay import Replay, predicted
 from ffgym.diagnosis.residual import Channel
+from ffgym.effects import ClockEffect
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.types import Array, BoolArray
@@ -112,8 +113,9 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
         plain = _replayed(setting, numbers, ())
         if tried is None or plain is None:
             return best
-        added = torque_shown(tried.run) - torque_shown(plain.run)  # out of step, too: masses must not make up for it
-        left = [_without_torque(setting, i, added[: setting.log.lengths[i], i]) for i in motions]
+        added = tried.run.torque - plain.run.torque
+        clocks = [effect for effect in tried.machine.effects if isinstance(effect, ClockEffect)]
+        left = [_without_causes(setting, i, clocks, added[: setting.log.lengths[i], i]) for i in motions]
         numbers = replace(setting.nominal, robot=calibration.refit(left))
         best = _replayed(setting, numbers, hypotheses)
         if best is None or last or not hypotheses:
@@ -126,13 +128,19 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
     return best
 
 
-def _without_torque(setting: Setting, motion: int, torque: Array) -> Recording:
-    """The recording of a motion less a torque (T, N), motor side [N m]."""
+def _without_causes(setting: Setting, motion: int, clocks: Sequence[ClockEffect], torque: Array) -> Recording:
+    """The recording of a motion in step with its positions, less a torque (T, N), motor side [N m]."""
     recording = setting.log.recordings[motion]
     link = recording.header.torque_semantics == "link_side"
     own = setting.log.robot.drive.joint_torque(torque) if link else torque
-    names = [f"motor.effort.{joint}" for joint in recording.header.joints]
-    return recording.with_columns({name: recording[name] - own[:, j] for j, name in enumerate(names)})
+    columns = {}
+    for j, joint in enumerate(recording.header.joints):
+        measured = recording[f"motor.effort.{joint}"]
+        for clock in clocks:
+            if "motor.effort" in clock.families:
+                measured = clock.in_step(measured, recording.dt)
+        columns[f"motor.effort.{joint}"] = measured - own[:, j]
+    return recording.with_columns(columns)
 
 
 def _replayed(

@@ -20,7 +20,7 @@ def predicted(run: Replay) -> dict[Channel, Array]:
     """What the log's channels would show, R rows each, through the log's low-pass."""
     log, sampling = run.log, run.log.sampling
     effects = run.machine.effects
-    found: dict[Channel, Array] = {"torque": sampling(torque_shown(run))}
+    found: dict[Channel, Array] = {"torque": sampling(late(run.torque, "torque", effects, log))}
     if log.tool is not None:
         found["tool"] = sampling(tool_path(run))
     if log.link is not None:
@@ -28,11 +28,6 @@ def predicted(run: Replay) -> dict[Channel, Array]:
     if log.shows_servo:
         found["servo"] = sampling(servo_feedback(run.read, run.robot))
     return found
-
-
-def torque_shown(run: Replay) -> Array:
-    """Torque of the motors at the instants that the log's clock says [N m], motor side, (T, M, N)."""
-    return late(run.torque, "torque", run.machine.effects, run.log)
 
 
 def tool_path(run: Replay) -> Array:
