@@ -86,7 +86,7 @@ def test_there_must_be_recordings(two_link):
 
 
 def test_masses_that_made_up_for_a_late_torque_are_fitted_anew_to_torque_in_step(two_link, paths, recordings):
-    """Rows of 10 Hz with the torque of the row before, as those of a robot: the written model foretells another motion."""
+    """Rows of 10 Hz with the torque of the row before; the model that is written foretells another motion."""
     late = [late_rows(recording, 25) for recording in recordings]
     machine, calibration = fitted_nominal(two_link, late)
     examined = examine(machine, late, calibration=calibration)
