@@ -172,6 +172,21 @@ def test_the_torque_of_the_first_axes_of_the_kr300_repeats_eight_times_in_a_turn
 
 @needs_data
 @pytest.mark.slow
+@pytest.mark.parametrize(("fitted", "left_out"), ["AC", "CA"])
+def test_the_model_that_is_written_of_the_kr300_is_worse_on_no_axis_of_another_recording(fitted, left_out, tmp_path):
+    """Late link encoders change no torque; what stands for the rest of the links' error must not either."""
+    first, last = (published("kuka_kr300_2020", f"{name}.npz", "kuka_kr300_2020") for name in (fitted, left_out))
+    machine, calibration = fitted_nominal(load_robot("kuka_kr300_r2500"), [first])
+    examined = examine(machine, [first], calibration=calibration)
+    save_extended(tmp_path / "extended.toml", examined.diagnosis, examined.nominal)
+    levels = held_out_levels(examined.nominal, load_machine(tmp_path / "extended.toml"), [last]).levels
+    shares = {(level.quantity, level.component): level.after / level.before for level in levels}
+    assert {quantity for quantity, _ in shares} == {"torque", "link"}
+    assert all(share <= (1.005 if quantity == "torque" else 0.3) for (quantity, _), share in shares.items()), shares
+
+
+@needs_data
+@pytest.mark.slow
 def test_a_counterbalance_that_the_model_lacks_is_seen_on_its_axis_and_gravity_is_the_rival():
     """Numbers of the CAD model, but no spring: 87 % of what the torque of axis 2 lacks is a function of its angle."""
     recording = published("kuka_kr300_2020", "A.npz", "kuka_kr300_2020")

@@ -9,6 +9,7 @@ import numpy as np
 from ffgym.diagnosis.fit.free import Free, free_number
 from ffgym.diagnosis.result import label_of
 from ffgym.effects import Effect
+from ffgym.effects.parameter import Parameter
 from ffgym.errors import FFGymError
 from ffgym.plant import Machine
 from ffgym.robot import RobotDescription
@@ -17,6 +18,9 @@ from ffgym.types import Array
 _IMPLAUSIBLE = 1.0
 """Widths of its plausible range by which a size must lie beyond it to be held against a hypothesis: ranges are chosen,
 not measured, and robots differ."""
+
+_UNPHYSICAL = 10.0
+"""The same from which on no machine has such a share; chosen: recorded machines reach four."""
 
 _OTHER_WAVE = 0.3
 """Relative difference of two frequencies from which on they are two waves; harmonics are further apart."""
@@ -69,11 +73,20 @@ class Hypothesis:
         """A size that lies far beyond what is plausible of it, in words; None if none does."""
         for name, value in self.values.items():
             p = self.kind.parameters()[name]
-            beyond = max(float(np.max(value)) - p.high, p.low - float(np.min(value)))
-            if p.role == "size" and beyond > _IMPLAUSIBLE * (p.high - p.low):
+            if p.role == "size" and _widths_beyond(p, value) > _IMPLAUSIBLE:
                 unit = "" if p.unit == "1" else f" {p.unit}"
                 return f"{name} of {float(np.max(np.abs(value))):.3g}{unit}, where {p.low:g} to {p.high:g} is plausible"
         return None
+
+    @property
+    def is_unphysical(self) -> bool:
+        """Tell whether a share is so far beyond what is plausible that no machine has it, as a stiffness times 15.
+
+        Sizes with units are other for other machines; shares are not.
+        """
+        known = self.kind.parameters()
+        shares = [(known[name], value) for name, value in self.values.items() if known[name].unit == "1"]
+        return any(p.role == "size" and _widths_beyond(p, value) > _UNPHYSICAL for p, value in shares)
 
     def effect(self, robot: RobotDescription) -> Effect:
         """The effect, on its joint alone."""
@@ -149,6 +162,12 @@ class Hypothesis:
             else:
                 values[free.name][free.part] = new
         return replace(self, values=values)
+
+
+def _widths_beyond(p: Parameter, value: Array) -> float:
+    """By how many widths of its plausible range a number lies beyond it; negative inside."""
+    beyond = max(float(np.max(value)) - p.high, p.low - float(np.min(value)))
+    return beyond / (p.high - p.low)
 
 
 def moved(hypotheses: Sequence[Hypothesis], steps: Array) -> tuple[Hypothesis, ...]:

@@ -105,7 +105,7 @@ def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried, chan
         after: the model with it.
         chance: energy that candidates remove by chance from rows that were left out, at most.
     """
-    if is_known(setting, after.hypothesis):
+    if after.hypothesis.is_unphysical or is_known(setting, after.hypothesis):
         return False
     gone, held_out = removed_by(setting, before, after, nominal), before.total - after.total
     witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)

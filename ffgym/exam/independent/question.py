@@ -8,7 +8,7 @@ from typing import Any, final
 import numpy as np
 
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.errors import check_choice, check_whole
+from ffgym.errors import FFGymError, check_choice, check_whole
 from ffgym.exam.case import Row
 from ffgym.exam.independent.hidden import KINDS, Concealed, concealed, possible
 from ffgym.exam.independent.loudness import loudness
@@ -29,6 +29,9 @@ _KEY = 26
 
 _SMALLEST = 0.05
 """Least size of an effect, as a share of the largest; log-uniform between."""
+
+_DRAWS = 20
+"""Times that an effect is drawn until the machine holds with it; chosen: mostly once."""
 
 
 @final
@@ -73,14 +76,36 @@ def handed_out(row: Row, number: int, *, seed: int, **fixed: Any) -> Independent
     if row == "clean":
         (exact,) = simulated(setup, [(setup.numbers, setup.view)])
         return _paper(row, number, setup, (), exact, (), rng)
-    hidden, setup = _hidden(row, number, seed, setup, rng)
-    plain = (setup.numbers, setup.view)
-    without, exact = simulated(setup, [plain, hidden.on(plain)])
+    name, setup = _kind(row, number, seed, setup, rng)
+    hidden, without, exact = _that_holds(name, setup, rng)
     error = hidden.size if hidden.kind.of_number else 0.0
     return _paper(row, number, setup, (hidden,), exact, (loudness(setup, without, exact, error=error),), rng)
 
 
-def _hidden(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Generator) -> tuple[Concealed, Setup]:
+def _that_holds(
+    name: str, setup: Setup, rng: np.random.Generator, draws: int = _DRAWS
+) -> tuple[Concealed, Exact, Exact]:
+    """An effect at a joint and of a size by chance, and the logs without it and with it.
+
+    Where the servo does not hold the machine with it, as with a lag as long as its own delays, it is drawn anew.
+
+    Raises:
+        FFGymError: if the machine holds with none of so many draws.
+    """
+    share = float(np.exp(rng.uniform(np.log(_SMALLEST), 0.0)))
+    drawn = concealed(name, setup.robot, rng, share)
+    hidden = replace(drawn, beside=_beside(drawn, setup))
+    plain = (setup.numbers, setup.view)
+    try:
+        without, exact = simulated(setup, [plain, hidden.on(plain)])
+    except FFGymError:
+        if draws == 1:
+            raise
+        return _that_holds(name, setup, rng, draws - 1)
+    return hidden, without, exact
+
+
+def _kind(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Generator) -> tuple[str, Setup]:
     """Kinds in an order by chance, each once in as many questions; columns that it needs are logged."""
     names = [name for name, kind in KINDS.items() if bool(kind.answer) == (row == "single")]
     turn, place = divmod(number, len(names))
@@ -90,9 +115,7 @@ def _hidden(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Gener
     if name not in possible(setup.robot, setup.columns):
         shown = possible(setup.robot, setup.columns)
         name = str(rng.choice([other for other in names if other in shown]))
-    share = float(np.exp(rng.uniform(np.log(_SMALLEST), 0.0)))
-    hidden = concealed(name, setup.robot, rng, share)
-    return replace(hidden, beside=_beside(hidden, setup)), setup
+    return name, setup
 
 
 def _beside(hidden: Concealed, setup: Setup) -> dict[str, float]:

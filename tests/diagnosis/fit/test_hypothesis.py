@@ -125,3 +125,17 @@ def test_how_long_a_session_takes_to_change_something_is_not_fitted_anew_where_r
     assert held == ["duration"]
     names = ["c", "c"] + [number.name for h in (drift, gap) for number in h.free()]
     assert [names[i] for i in Fit.judged.fget(found)] == [name for name in names if name != "duration"]
+
+
+@pytest.mark.parametrize(
+    ("name", "sizes", "is_unphysical"),
+    [
+        ("joint_stiffness", {"change": 14.3}, True),
+        ("joint_stiffness", {"change": -0.5}, False),
+        ("nonlinear_viscous", {"share": -1.4, "speed": 470.0}, False),  # of a recorded robot
+        ("torque_offset", {"offset": 300.0}, False),  # a large robot may
+    ],
+)
+def test_no_machine_has_a_spring_fifteen_times_as_stiff_as_described(name, sizes, is_unphysical):
+    values = {key: np.array(value) for key, value in sizes.items()}
+    assert Hypothesis(kind=EFFECTS[name], joint="j1", source=None, values=values).is_unphysical == is_unphysical

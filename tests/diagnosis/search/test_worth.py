@@ -55,6 +55,7 @@ def test_a_cause_must_hold_on_rows_that_it_was_not_fitted_to(monkeypatch, held_o
         module, "removed_by", lambda *fits: Removed(of_excess=0.9, of_all=0.5, excess=0.9, heard=1, best=0.9)
     )
     assert is_worth(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0), chance=0.0) == holds
+    assert not is_worth(None, None, fitted(10.0, 10.0), fitted(held_out, 5.0, is_unphysical=True), chance=0.0)
 
 
 @pytest.mark.parametrize(
@@ -87,9 +88,9 @@ def test_a_thousandth_of_what_is_plausible_is_no_cause_below_the_floor(effect, v
     assert is_sizeable(Hypothesis(kind=EFFECTS[effect], joint="j1", source=None, values=numbers)) == sizeable
 
 
-def fitted(total, left, joint="j1"):
+def fitted(total, left, joint="j1", is_unphysical=False):
     """Energy that is left on rows that were not used, and by a fit to all rows."""
-    newest = SimpleNamespace(joint=joint, free=lambda: [None])
+    newest = SimpleNamespace(joint=joint, free=lambda: [None], is_unphysical=is_unphysical)
     return SimpleNamespace(total=total, fit=SimpleNamespace(left=left, columns=({},)), hypothesis=newest)
 
 

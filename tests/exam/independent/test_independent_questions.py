@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.effects import EFFECTS
-from ffgym.exam.independent import setup
+from ffgym.errors import FFGymError
+from ffgym.exam.independent import question, setup
 from ffgym.exam.independent.hidden import KINDS, concealed, possible
 from ffgym.exam.independent.loudness import loudness
 from ffgym.exam.independent.machine import numbers_of
@@ -147,3 +148,22 @@ def test_noise_has_unit_size_and_the_memory_that_it_is_said_to_have(noise, memor
     values = _drawn((20000, 1), noise, 0.002, rng)[:, 0]
     assert np.std(values) == pytest.approx(1.0, abs=0.03)
     assert np.corrcoef(values[1:], values[:-1])[0, 1] == pytest.approx(memory, abs=0.03)
+
+
+def test_an_effect_with_which_a_machine_does_not_hold_is_drawn_anew(monkeypatch):
+    """A lag of the torque as long as the delays of its loop made a question end the exam."""
+    drawn, held = [], setup.simulated
+
+    def unstable_at_first(machine, machines):
+        drawn.append(machines)
+        if len(drawn) < 3:
+            raise FFGymError("The independent plant became unstable.")
+        return held(machine, machines)
+
+    monkeypatch.setattr(question, "simulated", unstable_at_first)
+    paper = handed_out("single", 3, seed=1, n=1, **SHORT)
+    assert len(drawn) == 3
+    assert len(paper.hidden) == len(paper.loudness) == 1
+    drawn.clear()
+    with pytest.raises(FFGymError, match="unstable"):
+        question._that_holds(paper.hidden[0].name, paper.setup, np.random.default_rng(0), 2)
