@@ -5,8 +5,6 @@ nominal machine that difference is known and taken off every residual; a machine
 would be read as a part of the effect.
 """
 
-from dataclasses import replace
-
 from ffgym.diagnosis.exact import exact_recordings
 from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.fit import Fit
@@ -32,7 +30,7 @@ def corrected(setting: Setting, found: Fit) -> Fit:
             return found
         own = log_of(log.robot, exact.recordings, like=log)
         bias = residual_rows(own, predicted(replay(own, machine)))
-        again = fit(replace(setting, bias=bias), found.hypotheses, begun=True)
+        again = fit(setting.with_bias(bias), found.hypotheses, begun=True)
     except FAILED:
         return found
     return again if again.left < found.left else found

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -93,6 +94,12 @@ class Setting:
     def stack(self) -> Stack:
         """The calibration's columns, weighted."""
         return stack_of(self.blocks, self.calibration, self.weights)
+
+    def with_bias(self, bias: Mapping[Channel, Array]) -> Self:
+        """With another bias; the stack, which depends on none, stays the same, as it is large."""
+        other = replace(self, bias=bias)
+        other.__dict__["stack"] = self.stack
+        return other
 
 
 def is_number_of(doubt: Doubt, hypothesis: Hypothesis, n_joints: int) -> bool:

@@ -59,7 +59,7 @@ def written(setting: Setting, fit: Fit, calibration: Calibration, train: BoolArr
         train: blocks that are fitted to, shape (B,); None is all of them.
     """
     chosen = np.ones(len(setting.blocks), dtype=np.bool_) if train is None else train
-    setting = replace(setting, bias=_bias_of(setting, fit))
+    setting = setting.with_bias(_bias_of(setting, fit))
     if calibration.refit is not None:
         return _refitted(setting, fit, calibration, chosen)
     return _by_priors(setting, fit, chosen)
