@@ -10,6 +10,7 @@ from ffgym.diagnosis.evidence.folds import Fold, half_folds
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import written
+from ffgym.diagnosis.heap import trim_heap
 from ffgym.diagnosis.residual import Channel
 from ffgym.types import Array, BoolArray
 
@@ -39,6 +40,7 @@ def held_out_gain(setting: Setting, nominal: Fit, found: Fit, calibration: Calib
     before = {channel: rows.copy() for channel, rows in nominal.residual.items()}
     after = {channel: rows.copy() for channel, rows in nominal.residual.items()}
     for fold in _folds(setting):
+        trim_heap()
         model = written(setting, found, calibration, fold.train)
         if model is None:
             return None

@@ -256,8 +256,8 @@ class Springs:
         """
         e, dt, shape, n = self.elastic, self.dt, torque.shape, len(self.elastic)
         found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))
-        by_load, by_place, by_rate = self._step(slice(None))
-        steps, every = np.concatenate([by_load, -by_place, -by_rate], axis=-1), slice(None) if n == shape[2] else e
+        steps, every = np.concatenate(self._step(slice(None)), axis=-1), slice(None) if n == shape[2] else e
+        np.negative(steps[..., n:], out=steps[..., n:])  # place and rate pull back
         push(0, start, np.zeros_like(start))
         moved = np.zeros((shape[1], 3 * n, 1))  # load, place and rate that the step before leads to
         load, x, rate = (moved[:, k * n : (k + 1) * n, 0] for k in range(3))

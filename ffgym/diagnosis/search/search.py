@@ -11,6 +11,7 @@ from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.fit import Fit, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place, machine_with
 from ffgym.diagnosis.fit.setting import Setting, values_of
+from ffgym.diagnosis.heap import trim_heap
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.causes import refitted, without_needless
 from ffgym.diagnosis.search.found import Found, Round, Tried
@@ -186,6 +187,7 @@ def _tried(
         places.add(start.place)
         best, where = max(best, float(ranking.score[i])), where or here
         report(f"fitting {start.label}", len(tried) / TRIED)
+        trim_heap()
         try:
             tried.append(slimmed(setting, judged_with(setting, (*fixed, start), now.fit), now.fit))
         except FAILED:
