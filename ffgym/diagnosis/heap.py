@@ -1,7 +1,7 @@
-"""Memory that was freed, given back to the system.
+"""Return of freed memory to the system.
 
-Trial models come and go by tens of megabytes beside columns that stay. The C library keeps what they leave between
-those, half a gigabyte of a long log, though a diagnosis must not need more than some.
+Trial models come and go by tens of megabytes beside columns that stay. The C library keeps the gaps that they leave,
+half a gigabyte of a long log, which counts towards the 3 GB that a diagnosis may need.
 """
 
 import ctypes

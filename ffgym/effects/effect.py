@@ -233,7 +233,7 @@ class ClockEffect(Effect):
         return late
 
     def in_step(self, values: Array, dt: float) -> Array:
-        """What was sampled where `values` (T, ...) were written, the opposite of `late`; the last is held."""
+        """Undo `late`: values (T, ...) at the instants at which they were sampled, `dt` [s] apart; the last is held."""
         t = np.arange(len(values)) * dt
         sampled: Array = CubicSpline(t, values)(np.clip(t + self.latency, 0.0, t[-1]))
         return sampled

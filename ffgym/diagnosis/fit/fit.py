@@ -49,8 +49,8 @@ class Fit:
         return len(self.priors.low) - len(self.columns)
 
     @property
-    def judged(self) -> IntArray:
-        """Places of columns that are fitted anew where rows are left out: all but durations of what a session changes.
+    def fold_columns(self) -> IntArray:
+        """Places of columns that are fitted anew in each fold: all but durations of what a session changes.
 
         The first recording of a session says how fast things changed; without it a duration is extrapolated along its
         slope, which tells nothing about the effect.

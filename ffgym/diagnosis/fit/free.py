@@ -35,11 +35,11 @@ class Free:
     """Whether it is the time in which a session changes something."""
 
 
-def free_number(p: Parameter, part: int | None, value: float) -> Free:
+def free_number(p: Parameter, part: int | None, value: float, *, of_session: bool = False) -> Free:
     """One number of a parameter at a value."""
     step, low, high = _span(p, value)
     nudge = _CYCLES_NUDGE * max(abs(value), 1.0) if p.role == "cycles" else _NUDGE * step
-    return Free(name=p.name, part=part, value=value, step=step, low=low, high=high, nudge=nudge)
+    return Free(name=p.name, part=part, value=value, step=step, low=low, high=high, nudge=nudge, of_session=of_session)
 
 
 def _span(p: Parameter, value: float) -> tuple[float, float, float]:

@@ -20,7 +20,7 @@ _IMPLAUSIBLE = 1.0
 not measured, and robots differ."""
 
 _UNPHYSICAL = 10.0
-"""The same from which on no machine has such a share; chosen: recorded machines reach four."""
+"""The same from which on no machine has such a share; chosen: those of recorded machines reach two."""
 
 _OTHER_WAVE = 0.3
 """Relative difference of two frequencies from which on they are two waves; harmonics are further apart."""
@@ -124,7 +124,7 @@ class Hypothesis:
             for part in range(3) if p.per == "vector" else (None,):
                 at = float(value if part is None else value[part])
                 of_session = "running" in self.kind.varies_with and p.unit == "s"
-                found.append(replace(free_number(p, part, at), of_session=of_session))
+                found.append(free_number(p, part, at, of_session=of_session))
         return found
 
     @property
@@ -165,7 +165,7 @@ class Hypothesis:
 
 
 def _widths_beyond(p: Parameter, value: Array) -> float:
-    """By how many widths of its plausible range a number lies beyond it; negative inside."""
+    """Widths of its plausible range by which a number lies beyond it; negative inside."""
     beyond = max(float(np.max(value)) - p.high, p.low - float(np.min(value)))
     return beyond / (p.high - p.low)
 

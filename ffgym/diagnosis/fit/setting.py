@@ -96,7 +96,7 @@ class Setting:
         return stack_of(self.blocks, self.calibration, self.weights)
 
     def with_bias(self, bias: Mapping[Channel, Array]) -> Self:
-        """With another bias; the stack, which depends on none, stays the same, as it is large."""
+        """Return the setting with another bias and the same stack, which depends on none and is large."""
         other = replace(self, bias=bias)
         other.__dict__["stack"] = self.stack
         return other

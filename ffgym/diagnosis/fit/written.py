@@ -20,8 +20,9 @@ from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import Replay, predicted
+from ffgym.diagnosis.replay.clocks import in_step
 from ffgym.diagnosis.residual import Channel
-from ffgym.effects import ClockEffect
+from ffgym.effects import Effect
 from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.types import Array, BoolArray
@@ -114,8 +115,8 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
         if tried is None or plain is None:
             return best
         added = tried.run.torque - plain.run.torque
-        clocks = [effect for effect in tried.machine.effects if isinstance(effect, ClockEffect)]
-        left = [_without_causes(setting, i, clocks, added[: setting.log.lengths[i], i]) for i in motions]
+        effects = tried.machine.effects
+        left = [_without_causes(setting, i, effects, added[: setting.log.lengths[i], i]) for i in motions]
         numbers = replace(setting.nominal, robot=calibration.refit(left))
         best = _replayed(setting, numbers, hypotheses)
         if best is None or last or not hypotheses:
@@ -128,19 +129,15 @@ def _refitted(setting: Setting, fit: Fit, calibration: Calibration, chosen: Bool
     return best
 
 
-def _without_causes(setting: Setting, motion: int, clocks: Sequence[ClockEffect], torque: Array) -> Recording:
+def _without_causes(setting: Setting, motion: int, effects: Sequence[Effect], torque: Array) -> Recording:
     """The recording of a motion in step with its positions, less a torque (T, N), motor side [N m]."""
     recording = setting.log.recordings[motion]
     link = recording.header.torque_semantics == "link_side"
     own = setting.log.robot.drive.joint_torque(torque) if link else torque
-    columns = {}
-    for j, joint in enumerate(recording.header.joints):
-        measured = recording[f"motor.effort.{joint}"]
-        for clock in clocks:
-            if "motor.effort" in clock.families:
-                measured = clock.in_step(measured, recording.dt)
-        columns[f"motor.effort.{joint}"] = measured - own[:, j]
-    return recording.with_columns(columns)
+    names = [f"motor.effort.{joint}" for joint in recording.header.joints]
+    measured = np.stack([recording[name] for name in names], axis=1)
+    rest = in_step(measured, "torque", effects, recording.dt) - own
+    return recording.with_columns({name: rest[:, j] for j, name in enumerate(names)})
 
 
 def _replayed(

@@ -33,7 +33,7 @@ def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float,
         dt: sample time [s].
         load: of the bristles at the first sample, as a share of what tears them off; 0 is relaxed.
     """
-    keep, gain = _between(friction, slip, dt)
+    keep, gain = _bristle_factors(friction, slip, dt)
     start = load * friction.stribeck_level(0.0 * slip[0]) / friction.bristle_stiffness
     bristle = first_order(keep, gain, start)
     return Bristles(
@@ -42,7 +42,7 @@ def along_speed(friction: LuGreParameters, slip: Array, speed: Array, dt: float,
     )
 
 
-def _between(friction: LuGreParameters, slip: Array, dt: float) -> tuple[Array, Array]:
+def _bristle_factors(friction: LuGreParameters, slip: Array, dt: float) -> tuple[Array, Array]:
     """Factors (keep, gain) that lead bristles from each sample to the next, shape (T - 1, M, N)."""
     keep, gain = friction.exact_bristle_factors(0.5 * (slip[1:] + slip[:-1]), dt)
     turns = slip[1:] * slip[:-1] < 0.0

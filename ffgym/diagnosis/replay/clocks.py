@@ -21,6 +21,14 @@ def late(values: Array, channel: str, effects: Sequence[Effect], log: Log) -> Ar
     return values
 
 
+def in_step(values: Array, channel: str, effects: Sequence[Effect], dt: float) -> Array:
+    """Measured values (T, ...) of a channel as they were sampled, beside positions of the same instants."""
+    for effect in effects:
+        if isinstance(effect, ClockEffect) and FAMILY.get(channel) in effect.families:
+            values = effect.in_step(values, dt)
+    return values
+
+
 def _late(values: Array, effect: ClockEffect, log: Log, n: int) -> Array:
     """One motion, whose padding stays."""
     written = values.copy()

@@ -32,6 +32,6 @@ def scored(setting: Setting, found: Fit) -> Tried:
 def left_out(setting: Setting, found: Fit, priors: Priors) -> Array:
     """Energy that a fit leaves in blocks that were left out, both splits in mean, shape (B,)."""
     halves, motions = half_folds(setting.blocks), motion_folds(setting.blocks)
-    left = [left_by_block(found.evidence, folds, found.judged, priors) for folds in (halves, motions) if folds]
+    left = [left_by_block(found.evidence, folds, found.fold_columns, priors) for folds in (halves, motions) if folds]
     mean: Array = np.mean(left, axis=0)
     return mean

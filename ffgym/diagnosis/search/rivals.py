@@ -75,7 +75,7 @@ def _oddity(tried: Tried) -> tuple[int, int]:
     return sum(h.implausible is not None for h in hypotheses), len({h.place for h in hypotheses})
 
 
-def _implausible(instead: Tried, fitted: Tried) -> str:
+def _implausible_size(instead: Tried, fitted: Tried) -> str:
     """A size that is not plausible beside a rival, but is with the cause; in words."""
     known = {h.place for h in fitted.fit.hypotheses if h.implausible is not None}
     odd = (h for h in reversed(instead.fit.hypotheses) if h.implausible is not None and h.place not in known)
@@ -110,7 +110,7 @@ class _Against:
         if tied and self.best.place in sure:
             tied, reason = False, "explains this wave as well, and no other wave of the cause"
         elif tied and self.instead is not None and _oddity(self.instead)[0] > _oddity(fitted)[0]:
-            tied, reason = False, f"explains as much, but would take a {_implausible(self.instead, fitted)}"
+            tied, reason = False, f"explains as much, but would take a {_implausible_size(self.instead, fitted)}"
         return Rival(
             effect=self.other.kind.name,
             joint=self.other.joint,

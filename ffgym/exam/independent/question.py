@@ -31,7 +31,7 @@ _SMALLEST = 0.05
 """Least size of an effect, as a share of the largest; log-uniform between."""
 
 _DRAWS = 20
-"""Times that an effect is drawn until the machine holds with it; chosen: mostly once."""
+"""Times that an effect is drawn at most until the loop is stable with it; chosen: once is mostly enough."""
 
 
 @final
@@ -77,20 +77,20 @@ def handed_out(row: Row, number: int, *, seed: int, **fixed: Any) -> Independent
         (exact,) = simulated(setup, [(setup.numbers, setup.view)])
         return _paper(row, number, setup, (), exact, (), rng)
     name, setup = _kind(row, number, seed, setup, rng)
-    hidden, without, exact = _that_holds(name, setup, rng)
+    hidden, without, exact = _draw_stable(name, setup, rng)
     error = hidden.size if hidden.kind.of_number else 0.0
     return _paper(row, number, setup, (hidden,), exact, (loudness(setup, without, exact, error=error),), rng)
 
 
-def _that_holds(
+def _draw_stable(
     name: str, setup: Setup, rng: np.random.Generator, draws: int = _DRAWS
 ) -> tuple[Concealed, Exact, Exact]:
-    """An effect at a joint and of a size by chance, and the logs without it and with it.
+    """Draw the joint and the size of an effect, and simulate the machine without it and with it.
 
-    Where the servo does not hold the machine with it, as with a lag as long as its own delays, it is drawn anew.
+    An effect with which the loop is unstable, as with a lag as long as its own delays, is drawn anew.
 
     Raises:
-        FFGymError: if the machine holds with none of so many draws.
+        FFGymError: if the loop is unstable with all of so many draws.
     """
     share = float(np.exp(rng.uniform(np.log(_SMALLEST), 0.0)))
     drawn = concealed(name, setup.robot, rng, share)
@@ -101,7 +101,7 @@ def _that_holds(
     except FFGymError:
         if draws == 1:
             raise
-        return _that_holds(name, setup, rng, draws - 1)
+        return _draw_stable(name, setup, rng, draws - 1)
     return hidden, without, exact
 
 

@@ -124,7 +124,7 @@ def test_how_long_a_session_takes_to_change_something_is_not_fitted_anew_where_r
     held = [number.name for h in (drift, gap) for number in h.free() if number.of_session]
     assert held == ["duration"]
     names = ["c", "c"] + [number.name for h in (drift, gap) for number in h.free()]
-    assert [names[i] for i in Fit.judged.fget(found)] == [name for name in names if name != "duration"]
+    assert [names[i] for i in Fit.fold_columns.fget(found)] == [name for name in names if name != "duration"]
 
 
 @pytest.mark.parametrize(

@@ -166,4 +166,4 @@ def test_an_effect_with_which_a_machine_does_not_hold_is_drawn_anew(monkeypatch)
     assert len(paper.hidden) == len(paper.loudness) == 1
     drawn.clear()
     with pytest.raises(FFGymError, match="unstable"):
-        question._that_holds(paper.hidden[0].name, paper.setup, np.random.default_rng(0), 2)
+        question._draw_stable(paper.hidden[0].name, paper.setup, np.random.default_rng(0), 2)
