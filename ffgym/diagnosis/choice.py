@@ -33,7 +33,8 @@ windings that differ. An angle that is wrong makes torques that grow with the sq
 at each resonance; they may be loud without a peak."""
 
 _LOUD = 1.1
-"""Energy over that of noise from which on something may have a period in it."""
+"""Energy over that of sensors' noise from which on something may have a period in it: with quiet sensors, a wave stands
+out long before it comes to what the floor allows a model to be wrong by."""
 
 _FAR = 3.0
 """Energy over that of noise from which on a joint's spring may be so wrong that slopes do not tell; chosen."""
@@ -76,7 +77,8 @@ class Choice:
     def _cycles(self, fit: Fit, rest: Mapping[Channel, Array], energies: Loudness) -> Cycles:
         """Frequencies per motor turn of each joint that what is left has, the strongest first."""
         setting = self._ready.setting
-        loud = {key for key, energy in energies.items() if energy > _LOUD}
+        share = self._ready.faultless.sensor_share
+        loud = {key for key, energy in energies.items() if energy > _LOUD * share(key, self._ready.floor)}
         residual = residual_of(setting.log, fit.run, rest, self._ready.floor)
         found: dict[str, list[float]] = {}
         for j, joint in enumerate(residual.robot.joints):

@@ -213,6 +213,13 @@ class Faultless:
             found[channel] = np.hypot(np.maximum(np.sqrt(energy), least * overall), self.least.get(channel, 0.0))
         return found
 
+    def sensor_share(self, component: tuple[Channel, int], floor: Mapping[Channel, Array]) -> float:
+        """Return the share of a floor's energy (M, C) that sensors leave; the rest allows for inexact models."""
+        channel, c = component
+        if channel not in self.least:
+            return 1.0
+        return float(1 - self.least[channel][c] ** 2 / np.mean(np.square(floor[channel][:, c])))
+
 
 def faultless_residuals(
     log: Log, own: Replay, bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator

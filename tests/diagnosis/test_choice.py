@@ -23,18 +23,30 @@ def test_a_peak_beside_what_turns_with_the_shaft_does_not_stand_for_it():
     assert _not_among({"j1": [2.0]}, {"j1": (1.839,)}) == {"j1": (2.0,)}
 
 
-@pytest.mark.parametrize(("loud", "tried"), [(("torque", 0), True), (("torque", 1), False), (("tool", 2), False)])
-def test_what_turns_with_the_shaft_is_tried_where_the_torque_of_its_joint_is_loud(monkeypatch, loud, tried):
+@pytest.mark.parametrize(
+    ("loud", "energy", "sensors", "tried"),
+    [
+        (("torque", 0), 50.0, 1.0, True),
+        (("torque", 0), 0.5, 1.0, False),
+        (("torque", 0), 0.5, 0.01, True),  # of quiet sensors
+        (("torque", 1), 50.0, 1.0, False),
+        (("tool", 2), 50.0, 1.0, False),
+    ],
+)
+def test_what_turns_with_the_shaft_is_tried_where_the_torque_of_its_joint_is_loud(
+    monkeypatch, loud, energy, sensors, tried
+):
     """Though nothing peaks there: the torque of an angle that is wrong turns its phase at each resonance."""
     robot = SimpleNamespace(joints=("j1", "j2"))
     monkeypatch.setattr(module, "residual_of", lambda *given: SimpleNamespace(robot=robot))
     monkeypatch.setattr(module, "components", lambda channel, robot: "xyz")
     flat = Spectrum(frequency=np.array([30.0, 40.0]), share=np.array([0.2, 0.1]))
     monkeypatch.setattr(module, "cycles_per_turn", lambda *given, **kind: flat)
-    ready = SimpleNamespace(setting=SimpleNamespace(log=None), floor=None)
-    cycles = Choice(ready, (), None)._cycles(SimpleNamespace(run=None), {}, {loud: 50.0})
+    faultless = SimpleNamespace(sensor_share=lambda component, floor: sensors)
+    ready = SimpleNamespace(setting=SimpleNamespace(log=None), floor=None, faultless=faultless)
+    cycles = Choice(ready, (), None)._cycles(SimpleNamespace(run=None), {}, {loud: energy})
     assert (1.0 in cycles["j1"] and 2.0 in cycles["j1"]) == tried
-    assert (30.0 in cycles["j1"]) == (loud != ("torque", 1))
+    assert (30.0 in cycles["j1"]) == (tried or loud == ("tool", 2))
 
 
 def test_other_springs_are_tried_once_on_elastic_joints_whose_torque_is_far_off(monkeypatch):

@@ -39,3 +39,10 @@ def test_what_a_model_foretells_above_the_band_of_motions_is_no_noise(row_dt):
     run = replay(log_of(paper.robot, paper.log), Machine.of(paper.robot))
     true = QUIET * TORQUE_NOISE * paper.robot.friction.coulomb
     assert np.median(noise_of(run).torque / true) < 2.0
+
+
+def test_of_the_floor_sensors_have_what_no_model_is_allowed_for():
+    faultless = Faultless(draws={}, least={"torque": np.array([3.0])})
+    floor = {"torque": np.full((2, 1), 5.0), "tool": np.ones((2, 3))}
+    assert faultless.sensor_share(("torque", 0), floor) == pytest.approx(16 / 25)
+    assert faultless.sensor_share(("tool", 2), floor) == 1.0
