@@ -7,7 +7,8 @@ import pytest
 
 from ffgym.diagnosis.answer.verdict import LOUD, _is_explained, stretched_shapes
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.search.rivals import _is_tied
+from ffgym.diagnosis.search import rivals
+from ffgym.diagnosis.search.rivals import _UNSURE, _inexactness, _is_tied
 from ffgym.effects import EFFECTS
 
 KEY = ("torque", 0)
@@ -22,10 +23,11 @@ def tried(left, numbers):
 
 def is_tied(best, other, *, numbers=(1, 1)):
     before = tried(np.full(100, 100.0), 0)
-    return _is_tied(before, tried(best, numbers[0]), tried(other, numbers[1]), np.random.default_rng(0))
+    return _is_tied(None, before, tried(best, numbers[0]), tried(other, numbers[1]), np.random.default_rng(0))
 
 
-def test_a_rival_that_is_better_in_half_of_all_blocks_ties():
+def test_a_rival_that_is_better_in_half_of_all_blocks_ties(monkeypatch):
+    monkeypatch.setattr(rivals, "_inexactness", lambda setting, best: 0.0)
     noise = np.random.default_rng(1).normal(size=100)
     assert is_tied(np.full(100, 10.0), 10.0 + 5 * noise, numbers=(1, 5))
     assert not is_tied(np.full(100, 10.0), 20.0 + 5 * noise)
@@ -37,6 +39,25 @@ def test_a_rival_that_is_better_in_half_of_all_blocks_ties():
 def test_a_rival_with_no_more_numbers_ties_if_an_inexact_equation_would_leave_as_much(more, numbers, ties):
     """Both leave the same more in every block, so that resamples are sure; 90 were to be explained in each."""
     assert is_tied(np.full(100, 10.0), np.full(100, 10.0 + more), numbers=numbers) == ties
+
+
+@pytest.mark.parametrize(("inexact", "ties"), [(99.0, False), (101.0, True)])
+def test_a_rival_with_as_many_numbers_ties_if_the_best_leaves_as_much_above_the_noise(monkeypatch, inexact, ties):
+    """It leaves 100 more of 9000; as a gear that errs beside a resolver, of which one leaves nothing but noise."""
+    monkeypatch.setattr(rivals, "_inexactness", lambda setting, best: inexact)
+    assert is_tied(np.full(100, 10.0), np.full(100, 11.0), numbers=(3, 3)) == ties
+    assert is_tied(np.full(100, 10.0), np.full(100, 11.0), numbers=(3, 2))
+    assert not is_tied(np.full(100, 10.0), np.full(100, 13.0), numbers=(3, 3))
+
+
+@pytest.mark.parametrize(("loud", "open_share"), [(0.4, _UNSURE), (1.0, _UNSURE), (1.5, 0.5)])
+def test_equations_are_as_inexact_as_what_the_best_leaves_where_it_acts(monkeypatch, loud, open_share):
+    weights = {KEY: np.array([[1.0, 0.0], [2.0, 1.0]]), ("tool", 2): np.ones((2, 2))}
+    setting = SimpleNamespace(weights=weights, blocks=SimpleNamespace(of_row=np.zeros((2, 2))))
+    monkeypatch.setattr(rivals, "without_calibration", lambda setting, fit: {})
+    monkeypatch.setattr(rivals, "loudness", lambda setting, rest: {KEY: loud, ("tool", 2): 50.0})
+    best = SimpleNamespace(fit=SimpleNamespace(columns=({KEY: np.ones((2, 2))},)))
+    assert _inexactness(setting, best) == pytest.approx(3 * open_share)
 
 
 @pytest.mark.parametrize(

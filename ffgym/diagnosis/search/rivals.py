@@ -20,7 +20,12 @@ TIED = 0.05
 
 ALIKE = 0.02
 """Share of what is above the noise by which a rival with no more numbers must explain less, whatever the resamples say:
-no equation is exact, and one that is this near is not ruled out by what it leaves."""
+no equation is exact, and one that is this near is not ruled out by what it leaves. Of a rival with as many numbers the
+best explanation shows how inexact equations are here: it need not leave more than that does above the noise."""
+
+_UNSURE = 0.05
+"""Share of the energy of noise by which the floor itself may be off; chosen: two draws of it differ by some per
+cent."""
 
 INSTEAD = 0.5
 """Share of what a cause removes where it acts that a rival must remove there too; less explains something else."""
@@ -132,12 +137,12 @@ def _against(
 ) -> _Against:
     share = _share(setting, before, best, other)
     others = [h for h in fitted.fit.hypotheses if not best.hypothesis.repeats(h)]
-    tied, instead = share >= INSTEAD and _is_tied(before, best, other, rng), None
+    tied, instead = share >= INSTEAD and _is_tied(setting, before, best, other, rng), None
     if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
         tied = False  # it was fitted beside it, explains no more, and has more numbers
     elif others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
         instead = _instead(setting, (*others, other.hypothesis), fitted)
-        tied = instead is not None and _is_tied(nominal, fitted, instead, rng)
+        tied = instead is not None and _is_tied(setting, nominal, fitted, instead, rng)
     elif tied and len(other.fit.hypotheses) == 1:
         instead = other
     lost = f"leaves {other.total / best.total:.3g} times the energy on rows that were not used"
@@ -171,11 +176,23 @@ def _share(setting: Setting, before: Tried, best: Tried, other: Tried) -> float:
     return removed(loud, by_other, where).of_excess / max(gone, 1e-9)
 
 
-def _is_tied(before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> bool:
+def _is_tied(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> bool:
     """Whether another explanation is as good, by resamples or as good as an inexact equation can tell."""
-    is_simpler = _numbers(other) <= _numbers(best)
-    is_near = other.total - best.total <= ALIKE * (before.total - best.total)
-    return _ties(best.left, other.left, rng) or (is_simpler and is_near)
+    if _ties(best.left, other.left, rng):
+        return True
+    allowed = ALIKE * (before.total - best.total)
+    if _numbers(other) == _numbers(best):
+        allowed = min(allowed, _inexactness(setting, best))
+    return _numbers(other) <= _numbers(best) and other.total - best.total <= allowed
+
+
+def _inexactness(setting: Setting, best: Tried) -> float:
+    """Energy above that of noise that an explanation leaves where its causes act, or that the floor leaves open."""
+    loud, total = loudness(setting, without_calibration(setting, best.fit)), 0.0
+    for key in touched(setting, list(best.fit.columns)):
+        rows = np.count_nonzero(np.broadcast_to(setting.weights[key], setting.blocks.of_row.shape))
+        total += max(loud[key] - 1.0, _UNSURE) * rows
+    return total
 
 
 def _numbers(tried: Tried) -> int:

@@ -33,11 +33,15 @@ def tried(name, joint, left, removes, cycles=None, beside=()):
 
 @pytest.fixture
 def judge(monkeypatch):
-    """Loudness, components and gains are those that candidates were made with; further fits are as told."""
+    """Loudness, components and gains are those that candidates were made with; further fits are as told.
+
+    Equations are as inexact as is allowed for.
+    """
     monkeypatch.setattr(module, "without_calibration", lambda setting, fit: fit)
     monkeypatch.setattr(module, "loudness", lambda setting, fit: {k: 11.0 - fit.removes.get(k, 0.0) for k in "ab"})
     monkeypatch.setattr(module, "touched", lambda setting, columns: {"a"})
     monkeypatch.setattr(module, "removed_by", lambda *found: SimpleNamespace(of_excess=0.5))
+    monkeypatch.setattr(module, "_inexactness", lambda setting, best: np.inf)
     again = {}
     monkeypatch.setattr(module, "judged_with", lambda setting, hypotheses, like: again[hypotheses[-1].kind.name])
     return again
