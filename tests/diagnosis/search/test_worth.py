@@ -11,6 +11,7 @@ from ffgym.diagnosis.fit.leftover import Removed
 from ffgym.diagnosis.search import worth as module
 from ffgym.diagnosis.search.worth import (
     CLEAR,
+    CLEARER,
     EXPLAINS,
     KNOWN,
     LEAKS,
@@ -60,15 +61,24 @@ def test_a_cause_must_hold_on_rows_that_it_was_not_fitted_to(monkeypatch, held_o
 
 
 @pytest.mark.parametrize(
-    ("held_out", "of_all", "enough"),
-    [(1.1 * CLEAR, 1.1 * MOSTLY, True), (0.9 * CLEAR, 1.1 * MOSTLY, False), (1.1 * CLEAR, 0.9 * MOSTLY, False)],
+    ("held_out", "of_all", "numbers", "enough"),
+    [
+        (1.1 * CLEAR, 1.1 * MOSTLY, 3, True),
+        (0.9 * CLEAR, 1.1 * MOSTLY, 3, False),
+        (1.1 * CLEARER, 0.9 * MOSTLY, 3, False),
+        (1.1 * CLEARER, 1.1 * EXPLAINS, 1, True),
+        (0.9 * CLEARER, 1.1 * EXPLAINS, 1, False),
+        (1.1 * CLEARER, 0.9 * EXPLAINS, 1, False),
+    ],
 )
-def test_a_cause_below_the_noise_floor_must_explain_most_of_what_is_there(monkeypatch, held_out, of_all, enough):
+def test_a_cause_below_the_noise_floor_must_explain_most_of_what_is_there_or_have_no_shape(
+    monkeypatch, held_out, of_all, numbers, enough
+):
     """The floor allows for what may be there: with quiet sensors, a tenth of it is."""
     gone = Removed(of_excess=1.0, of_all=of_all, excess=0.0, heard=1, best=1.0)
     monkeypatch.setattr(module, "removed_by", lambda *fits: gone)
     monkeypatch.setattr(module, "touched", lambda setting, columns: {TORQUES[0]})
-    before, after = fitted(100.0, 100.0), fitted(100.0 - held_out, 100.0 - held_out)
+    before, after = fitted(100.0, 100.0), fitted(100.0 - held_out, 100.0 - held_out, numbers=numbers)
     monkeypatch.setattr(module, "is_sizeable", lambda cause: True)
     setting = SimpleNamespace(certain=lambda component: 0.6)
     assert is_worth(setting, None, before, after, chance=1.0) == enough
@@ -89,9 +99,9 @@ def test_a_thousandth_of_what_is_plausible_is_no_cause_below_the_floor(effect, v
     assert is_sizeable(Hypothesis(kind=EFFECTS[effect], joint="j1", source=None, values=numbers)) == sizeable
 
 
-def fitted(total, left, joint="j1", is_unphysical=False):
+def fitted(total, left, joint="j1", is_unphysical=False, numbers=1):
     """Energy that is left on rows that were not used, and by a fit to all rows."""
-    newest = SimpleNamespace(joint=joint, free=lambda: [None], is_unphysical=is_unphysical)
+    newest = SimpleNamespace(joint=joint, free=lambda: [None] * numbers, is_unphysical=is_unphysical)
     return SimpleNamespace(total=total, fit=SimpleNamespace(left=left, columns=({},)), hypothesis=newest)
 
 
