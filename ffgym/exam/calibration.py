@@ -1,5 +1,6 @@
 """How well a robot's numbers are known: every machine of an exam differs from its description by that much."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -7,6 +8,8 @@ import numpy as np
 
 from ffgym.effects import Effect
 from ffgym.effects.measurement import ToolFrame
+from ffgym.exam.hidden import Hidden
+from ffgym.plant import Machine
 from ffgym.robot import RobotDescription
 from ffgym.types import Array
 
@@ -18,6 +21,18 @@ TORQUE_OFFSET = 0.01
 
 TOOL_OFFSET = 15e-6
 """Standard deviation of the place of the reflector along each axis [m]; chosen: a fit of a few hundred positions."""
+
+_SHARES_OF: Mapping[tuple[str, str], tuple[str, str]] = MappingProxyType(
+    {
+        ("coulomb_level", "change"): ("friction", "coulomb"),
+        ("viscous_level", "change"): ("friction", "viscous"),
+        ("presliding", "stiffness"): ("friction", "bristle_stiffness"),
+        ("presliding", "damping"): ("friction", "bristle_damping"),
+        ("joint_stiffness", "change"): ("drive", "joint_stiffness"),
+        ("rotor_inertia", "change"): ("drive", "rotor_inertia"),
+    }
+)
+"""Parameters of effects that are a share of a number of the description."""
 
 
 def miscalibrated(robot: RobotDescription, rng: np.random.Generator) -> RobotDescription:
@@ -53,3 +68,28 @@ def reflector_offset(robot: RobotDescription, rng: np.random.Generator) -> Effec
 def current_offset(robot: RobotDescription, rng: np.random.Generator) -> Array:
     """What current sensors show of no current, as torque, motor side [N m], shape (N,)."""
     return TORQUE_OFFSET * robot.friction.coulomb * rng.standard_normal(robot.n_joints)
+
+
+def errors_beside(hidden: Hidden, described: RobotDescription, machine: Machine, offset: Array) -> dict[str, float]:
+    """What errors of the description add to the numbers of an effect, by their names.
+
+    One number of the machine is off by both, and nobody can tell them apart.
+
+    Args:
+        hidden: the effect, as large as in the log.
+        described: the robot as it is told.
+        machine: the one that makes the log, without the effect.
+        offset: what its current sensors show of no current, as torque, motor side [N m], shape (N,).
+    """
+    numbers, found = hidden.numbers(described), {}
+    for name, value in numbers.items():
+        if value and (number := _SHARES_OF.get((hidden.effect.name, name))):
+            true, told = (getattr(getattr(robot, number[0]), number[1]) for robot in (machine.robot, described))
+            j = described.joints.index(hidden.joint)
+            found[name] = float((true[j] / told[j] - 1) * (1 + value))
+    if hidden.effect.name == "torque_offset":
+        found["offset"] = -float(offset[described.joints.index(hidden.joint)])  # the current says so much more
+    for other in machine.effects:
+        if other.name == hidden.effect.name:  # the reflector, the only effect that all machines have
+            found |= Hidden(effect=other, joint=hidden.joint).numbers(described)
+    return found

@@ -1,6 +1,7 @@
 """An effect that is hidden in a machine: how it is drawn, how large it is, and what an answer must say of it."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, final
 
 import numpy as np
@@ -30,6 +31,8 @@ class Hidden:
     effect: Effect
     joint: str
     """Empty for the machine as a whole."""
+    beside: Mapping[str, float] = field(default_factory=dict)
+    """What errors of the description add to its numbers: one number is off by both, and nobody can tell them apart."""
 
     @property
     def name(self) -> str:
@@ -66,7 +69,7 @@ class Hidden:
                 found[name] = float(value)
             else:
                 found |= {f"{name}.{part}": float(x) for part, x in zip(parts, value, strict=True)}
-        return found
+        return {name: value + self.beside.get(name, 0.0) for name, value in found.items()}
 
     def times(self, factor: float) -> "Hidden":
         """The same, smaller or larger; shapes stay."""

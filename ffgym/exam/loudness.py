@@ -27,6 +27,7 @@ from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.effects import Effect
+from ffgym.exam.calibration import errors_beside
 from ffgym.exam.case import Case, Row, protocol_of
 from ffgym.exam.hidden import Hidden
 from ffgym.exam.recording import log_of_case, recorded
@@ -184,6 +185,8 @@ def handed_out(case: Case) -> Paper:
         )
     log = log_of_case(case, case.with_hidden(sized))
     heard = tuple(1 + listener.energy(one.effect) for one in sized)
+    described, machine, offset = case.arm.robot, case.machine, case.current_offset
+    sized = tuple(replace(one, beside=errors_beside(one, described, machine, offset)) for one in sized)
     return Paper(case=replace(case, hidden=sized), log=tuple(log), loudness=heard)
 
 

@@ -1,15 +1,17 @@
 """Exams by seed: a question depends on its seed, row and number alone, and is what its row promises."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ffgym.effects import EFFECTS
 from ffgym.errors import FFGymError
-from ffgym.exam.calibration import SPREAD, miscalibrated
+from ffgym.exam.calibration import SPREAD, errors_beside, miscalibrated
 from ffgym.exam.case import ROWS
 from ffgym.exam.draw import COUNTS, LOUDEST, QUIETEST, draw_case
 from ffgym.exam.equations import OUTSIDERS, VARIANTS
-from ffgym.exam.hidden import drawn
+from ffgym.exam.hidden import Hidden, drawn
 
 
 def numbers(case):
@@ -113,3 +115,37 @@ def test_a_row_or_number_that_there_is_not_is_refused(arm):
         draw_case("easy", 0, seed=1, arm=arm)
     with pytest.raises(FFGymError, match="number"):
         draw_case("clean", -1, seed=1, arm=arm)
+
+
+@pytest.mark.parametrize(
+    ("effect", "parameter", "part", "number"),
+    [
+        ("coulomb_level", "change", "friction", "coulomb"),
+        ("viscous_level", "change", "friction", "viscous"),
+        ("presliding", "stiffness", "friction", "bristle_stiffness"),
+        ("joint_stiffness", "change", "drive", "joint_stiffness"),
+        ("rotor_inertia", "change", "drive", "rotor_inertia"),
+    ],
+)
+def test_the_true_size_of_a_number_is_by_how_much_the_machine_differs(effect, parameter, part, number, arm, irb4600):
+    """By the effect and by the error of the description, which nobody can tell apart."""
+    case = draw_case("clean", 1, seed=1012, arm=arm)
+    none = dict.fromkeys(EFFECTS[effect].parameters(), 0.0)  # of two numbers, the other is as described
+    hidden = Hidden(effect=EFFECTS[effect].on(irb4600, "j2", **none | {parameter: 0.1}), joint="j2")
+    told = replace(hidden, beside=errors_beside(hidden, irb4600, case.machine, case.current_offset)).numbers(irb4600)
+    true = hidden.effect.in_description(case.machine.robot)
+    off = getattr(getattr(true, part), number)[1] / getattr(getattr(irb4600, part), number)[1] - 1
+    assert told == none | {parameter: pytest.approx(off)}
+    assert abs(off - 0.1) > 1e-4
+
+
+def test_currents_and_the_reflector_are_off_beside_what_is_hidden(arm, irb4600):
+    case = draw_case("clean", 1, seed=1012, arm=arm)
+    for effect, values in (("torque_offset", {"offset": 0.05}), ("tool_frame", {"offset": np.array([0.0, 1e-3, 0.0])})):
+        joint = "j2" if effect == "torque_offset" else ""
+        hidden = Hidden(effect=EFFECTS[effect].on(irb4600, joint or None, **values), joint=joint)
+        found = errors_beside(hidden, irb4600, case.machine, case.current_offset)
+        if joint:
+            assert found == {"offset": -case.current_offset[1]}
+        else:
+            assert list(found.values()) == case.machine.effects[0].offset.tolist()
