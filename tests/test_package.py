@@ -97,6 +97,10 @@ def test_the_extra_all_covers_every_other_but_gpu():
     assert covered == EXTRAS - {"all", "gpu"}
 
 
+def test_the_command_is_installed_with_what_a_fit_of_masses_needs():
+    assert ("ffgym", {"identify"}, "cli") in list(requirements())
+
+
 def test_the_command_is_installed():
     (command,) = metadata.entry_points(group="console_scripts", name="ffgym")
     assert command.value == "ffgym.cli:main"
