@@ -31,6 +31,9 @@ _SHARPER = 2
 """Steps of the iteration that undoes the low-pass of the motion; chosen: lags of friction are gone after two, and the
 noise of the angles grows to three times itself at the edge of the band at most."""
 
+_TOGETHER = 1_000_000
+"""Most fine steps of all motions together that are replayed at once; chosen: some 2 GB for six axes that bend."""
+
 
 def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
     """One recording for each motion of a log, with the columns that its channels take.
@@ -42,13 +45,16 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
             edge of a wide band would be bias. Else the low-pass of the motion is undone.
     """
     parts = max(1, int(np.ceil(log.dt / _STEP - 1e-9)))
+    n_motions = len(log.recordings)
+    if n_motions > 1 and parts * len(log.q) * n_motions > _TOGETHER:
+        return [one for i in range(n_motions) for one in as_moved(log.motion(i), run, smooth=smooth)]
     few = _few(log.dt, parts)
     if few == parts or run.machine.resolver_effects:  # friction slips as motors truly move, which replays tell
         fine, few = replay(_finer(log, parts, smooth), run.machine, exact=True), parts
     else:
         bristles = _bristles(_finer(log, parts, smooth), run, parts // few)
         fine = replay(_finer(log, few, smooth), run.machine, bristles=bristles, exact=True)
-    return [_record(log, run, fine, few, i) for i in range(len(log.recordings))]
+    return [_record(log, run, fine, few, i) for i in range(n_motions)]
 
 
 def _few(dt: float, parts: int) -> int:

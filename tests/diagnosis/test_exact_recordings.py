@@ -132,3 +132,17 @@ def test_a_machine_under_another_controller_moves_as_measured(recording):
     assert np.abs(moved - measured)[100:-100].max() < 0.05
     ready = prepared(log_of(nominal().physical, [log]), nominal(), Calibration(), np.random.default_rng(0))
     assert not ready.simulated
+
+
+def test_motions_of_a_long_log_are_made_one_by_one_as_they_are_together(recording, monkeypatch):
+    """All at once they would take memory for every motion; the shorter one is padded either way."""
+    half = recording.slice(end=0.5 * float(recording.t[-1]))
+    log = log_of(nominal().physical, [recording, replace(half, header=replace(half.header, segment="half"))])
+    run, together = replay(log, nominal()), []
+    for most in (1_000_000, 1):
+        monkeypatch.setattr("ffgym.diagnosis.as_moved._TOGETHER", most)
+        together.append(as_moved(log, run))
+    for at_once, alone in zip(*together, strict=True):
+        assert at_once.columns.keys() == alone.columns.keys()
+        for name, values in at_once.columns.items():
+            np.testing.assert_array_equal(alone[name], values)

@@ -99,6 +99,30 @@ class Log:
         """The log without the channels that show more than torque."""
         return replace(self, tool=None, link=None, feedback=None, reference=None)
 
+    def motion(self, i: int) -> "Log":
+        """The log of one of its motions alone, padded as before."""
+        one = slice(i, i + 1)
+
+        def taken(values: Array | None) -> Array | None:
+            return None if values is None else values[:, one]
+
+        return replace(
+            self,
+            recordings=self.recordings[one],
+            started=self.started[one],
+            known=self.known[:, one],
+            q=self.q[:, one],
+            dq=self.dq[:, one],
+            ddq=self.ddq[:, one],
+            slip_dq=self.slip_dq[:, one],
+            torque=self.torque[:, one],
+            tool=taken(self.tool),
+            link=taken(self.link),
+            feedback=taken(self.feedback),
+            reference=None if self.reference is None else (self.reference[0][:, one], self.reference[1][:, one]),
+            temperature=taken(self.temperature),
+        )
+
 
 def log_of(
     robot: RobotDescription, recordings: Sequence[Recording], like: Log | None = None, cutoff: float | None = None
