@@ -5,6 +5,7 @@
 #               then a short exam of the diagnosis
 # make exam    both whole exams, some hours on 2 cores, onto their page docs/bench_diagnosis.md; goes on where it was
 #               interrupted; SEED=12 is another exam
+# make thesis  chapters 4 to 6 of the thesis simulated, every claim judged, onto reproduction.html; THESIS="--only chapter-4"
 # PYTHON=python3.12 chooses the interpreter of a new environment; CONSTRAINTS= installs the newest versions.
 
 PYTHON ?= python3
@@ -16,7 +17,7 @@ SEED ?= 7
 PYTEST := OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(JOBS) --dist worksteal
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check $(CONSTRAINTS)
 
-.PHONY: demo test test-all check bench exam format clean
+.PHONY: demo test test-all check bench exam thesis format clean
 
 demo: .venv/.demo
 	$(BIN)/ffgym demo
@@ -35,13 +36,16 @@ check: .venv/.dev
 
 bench: .venv/.dev
 	$(BIN)/python -m scripts.bench $(BENCH)
-	$(BIN)/ffgym bench-diagnosis --cases 1 --jobs 2
+	$(BIN)/python -m scripts.exam --cases 1 --jobs 2
 
 exam: .venv/.dev
-	$(BIN)/ffgym bench-diagnosis --seed $(SEED) --jobs 2 --out out/exam
+	$(BIN)/python -m scripts.exam --seed $(SEED) --jobs 2 --out out/exam
 	$(BIN)/python -m scripts.exam_page --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
-	$(BIN)/ffgym bench-diagnosis --exam independent --seed $(SEED) --jobs 2 --out out/exam
+	$(BIN)/python -m scripts.exam --exam independent --seed $(SEED) --jobs 2 --out out/exam
 	$(BIN)/python -m scripts.exam_page --exam independent --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
+
+thesis: .venv/.dev
+	$(BIN)/python -m scripts.thesis $(THESIS)
 
 format: .venv/.dev
 	$(BIN)/ruff format .

@@ -12,8 +12,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ffgym.errors import FFGymError
-from ffgym.files import write_json
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_json
 
 TRAINED = Path(__file__).with_name("trained")
 """Where they are."""

@@ -11,10 +11,11 @@ Run it:
     ffgym lffc --network extended --out network.npz
     ffgym demo --agents none bsn_static bsn_extended network.npz
 
-Logged while learning: mean squares of motor error and learning signal per joint, see `agents.learning.lffc`.
+Logged while learning: mean squares of motor error and learning signal per joint, see `ffgym.agents.learning.lffc`.
 
 Departures from the source: the torque is the one for the next sample, at the speed and acceleration there, since the
-drive reaches it then; outermost knots are repeated, and beyond them the last value stays (`agents.splines.basis`).
+drive reaches it then; outermost knots are repeated, and beyond them the last value stays
+(`ffgym.agents.splines.basis`).
 """
 
 from abc import abstractmethod
@@ -25,12 +26,12 @@ from typing import Any, ClassVar, Self, final
 import numpy as np
 from scipy.sparse import csr_array
 
-from agents.common.network import Network
-from agents.common.trials import Lesson
-from agents.splines.basis import SplineBasis
+from ffgym.agents.common.network import Network
+from ffgym.agents.common.trials import Lesson
+from ffgym.agents.splines.basis import SplineBasis
 from ffgym.control import Window
-from ffgym.errors import FFGymError, check_shape
-from ffgym.types import Array, IntArray
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array, IntArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -6,23 +6,24 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
 
-from agents.bspline import ExtendedBSN, StaticBSN
-from agents.common.law_files import load_law
-from agents.common.trials import SimulatedTrial, Trial
-from agents.elastic import elastic_law
-from agents.feedback_error import trained_mlp
-from agents.fitting.narx_fit import trained_narx
-from agents.fitting.residual_fit import trained_residual_torque
-from agents.iterative import motor_law, tool_law
-from agents.lugre import dynamic_lugre, static_lugre
-from agents.model import model_law
-from agents.oracle import oracle_law
-from agents.splines.recipes import trained_as_in_thesis, trained_with_prior
-from ffgym.control import FeedForwardLaw, NoCompensation, Reference
-from ffgym.errors import FFGymError, check_choice
-from ffgym.plant import Machine, load_machine
-from ffgym.provenance import installed
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.common.law_files import load_law
+from ffgym.agents.common.trials import SimulatedTrial, Trial
+from ffgym.agents.elastic import elastic_law
+from ffgym.agents.feedback_error import trained_mlp
+from ffgym.agents.fitting.narx_fit import trained_narx
+from ffgym.agents.fitting.residual_fit import trained_residual_torque
+from ffgym.agents.iterative import motor_law, tool_law
+from ffgym.agents.lugre import dynamic_lugre, static_lugre
+from ffgym.agents.model import model_law
+from ffgym.agents.oracle import oracle_law
+from ffgym.agents.splines.recipes import trained_as_in_thesis, trained_with_prior
+from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.provenance import installed
+from ffgym.paths import Reference
 from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation.plant import Machine, load_machine
 
 Track = Literal["causal", "causal, nominal parameters", "per task", "oracle"]
 """What a family may know: nothing but its trials; the nominal model too; trials of the very task; the truth."""

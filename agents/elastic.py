@@ -34,13 +34,14 @@ from typing import final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from agents.elasticity.existing_torque import given_torque, links_torque, wound_up, wound_up_sums
-from agents.elasticity.lead import Lead, error_of, lead_between
-from agents.elasticity.mean_friction import friction_along, step_friction
-from ffgym.control import CausalLaw, DynamicLuGreExact, Reference, Window
-from ffgym.errors import FFGymError, check_whole
+from ffgym.agents.elasticity.existing_torque import given_torque, links_torque, wound_up, wound_up_sums
+from ffgym.agents.elasticity.lead import Lead, error_of, lead_between
+from ffgym.agents.elasticity.mean_friction import friction_along, step_friction
+from ffgym.control import CausalLaw, DynamicLuGreExact, Window
+from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.types import Array
+from ffgym.paths import Reference
 from ffgym.robot import RigidArm, RobotDescription, robot_of
-from ffgym.types import Array
 
 
 def elastic_feedforward(parameters: RobotDescription | str | Path, *, compensate_friction: bool = True) -> "ElasticLaw":

@@ -5,23 +5,23 @@ from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 
-from agents.artefacts import Manifest, manifest_of, path_of
-from agents.catalogue import CATALOGUE, Entry, Setting
-from agents.common.law_files import load_law
-from agents.common.law_policy import LawPolicy
-from agents.common.shared_trials import learn_together
-from agents.common.trials import CountedTrial, RigTrial, Trial, measured
-from agents.model import model_law
-from agents.random_torque import RandomTorque
-from agents.residual.policy import load_policy
-from agents.submission import LOADERS
+from ffgym.agents.artefacts import Manifest, manifest_of, path_of
+from ffgym.agents.catalogue import CATALOGUE, Entry, Setting
+from ffgym.agents.common.law_files import load_law
+from ffgym.agents.common.law_policy import LawPolicy
+from ffgym.agents.common.shared_trials import learn_together
+from ffgym.agents.common.trials import CountedTrial, RigTrial, Trial, measured
+from ffgym.agents.model import model_law
+from ffgym.agents.random_torque import RandomTorque
+from ffgym.agents.residual.policy import load_policy
+from ffgym.agents.submission import LOADERS
 from ffgym.control import CausalLaw, FeedForwardLaw, Policy
 from ffgym.leaderboard.entrants import Entrant, Maker, Ready, Registry, one_by_one
 from ffgym.leaderboard.plants import DRAW, NOMINAL, TestPlant
 from ffgym.leaderboard.submission.entrant import entrant_of
 from ffgym.leaderboard.tasks import Task, references_of
 
-REGISTRY = Registry("agents.entrants:ENTRANTS", maker="agents.entrants:submitted")
+REGISTRY = Registry("ffgym.agents.entrants:ENTRANTS", maker="ffgym.agents.entrants:submitted")
 """Where other processes find them, and what makes an entrant of a submission."""
 SEEDS = (0, 1, 2, 3, 4)
 """Of every row that a seed changes."""

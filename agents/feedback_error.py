@@ -6,20 +6,21 @@ reference, in units of what breakaway torque f_s does (`ffgym.control.observatio
 
     u_lff / f_s = d + sum_h c_h tanh(w_h v + m_h a + b_h)
 
-Offline, an update is the one of LFFC (`agents.learning.lffc`): the network is fitted to what it said plus the rate
-times what the feedback still did. Online, thesis (3.13) and (3.15): every sample moves all weights down the gradient of
-its own squared error, in the order of time (`adapted_in_order`).
+Offline, an update is the one of LFFC (`ffgym.agents.learning.lffc`): the network is fitted to what it said plus the
+rate times what the feedback still did. Online, thesis (3.13) and (3.15): every sample moves all weights down the
+gradient of its own squared error, in the order of time (`adapted_in_order`).
 
 Run it:
 
     ffgym demo --agents none lugre_dynamic mlp_fel
     python -m scripts.forgetting
 
-Logged while learning: mean squares of motor error and learning signal per joint, see `agents.learning.lffc`.
+Logged while learning: mean squares of motor error and learning signal per joint, see `ffgym.agents.learning.lffc`.
 
 Departures from the source: one hidden layer instead of two, and only speed and acceleration as inputs, since the rigid
 feed-forward is the drive's own; the fit runs a fixed number of full-batch steps of Adam instead of back-propagation
-sample by sample, which is there for comparison (`agents.learning.forgetting`). Training needs torch, running does not.
+sample by sample, which is there for comparison (`ffgym.agents.learning.forgetting`). Training needs torch, running does
+not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -28,17 +29,17 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from agents.common.lessons import every_speed
-from agents.common.network import Network
-from agents.common.trials import Lesson, Trial
-from agents.fitting import mlp_training
-from agents.fitting.mlp_training import Examples
-from agents.splines.recipes import thesis_training
+from ffgym.agents.common.lessons import every_speed
+from ffgym.agents.common.network import Network
+from ffgym.agents.common.trials import Lesson, Trial
+from ffgym.agents.fitting import mlp_training
+from ffgym.agents.fitting.mlp_training import Examples
+from ffgym.agents.splines.recipes import thesis_training
 from ffgym.control import Window
 from ffgym.control.observation import Scales
-from ffgym.errors import FFGymError, check_shape, check_whole
+from ffgym.core.errors import FFGymError, check_shape, check_whole
+from ffgym.core.types import Array
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.types import Array
 
 N_HIDDEN = 16
 """Hidden neurons per motor. Chosen: as many as make a curve of friction, with some to spare."""

@@ -30,22 +30,23 @@ from types import MappingProxyType
 
 import numpy as np
 
-from agents.common.law_files import digest
-from agents.common.trials import Trial, performed
-from agents.elastic import elastic_law
-from agents.lugre import dynamic_lugre
-from agents.per_task.norm_optimal import NormOptimalStep
-from agents.per_task.practice import Practice, StateFile
-from agents.per_task.task_error import at_samples, circle_rms, rms, task_error
-from agents.per_task.task_torques import Task, TaskTorques, same_motion
-from agents.per_task.torque_response import TARGETS, Target, TorqueResponse
-from ffgym.control import FeedForwardLaw, NoCompensation, Reference
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.agents.common.law_files import digest
+from ffgym.agents.common.trials import Trial, performed
+from ffgym.agents.elastic import elastic_law
+from ffgym.agents.lugre import dynamic_lugre
+from ffgym.agents.per_task.norm_optimal import NormOptimalStep
+from ffgym.agents.per_task.practice import Practice, StateFile
+from ffgym.agents.per_task.task_error import at_samples, circle_rms, rms, task_error
+from ffgym.agents.per_task.task_torques import Task, TaskTorques, same_motion
+from ffgym.agents.per_task.torque_response import TARGETS, Target, TorqueResponse
+from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.types import Array, IntArray
+from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run
-from ffgym.simulation.simulate import Progress
-from ffgym.types import Array, IntArray
+from ffgym.simulation.run import Progress
 
 TRIALS = 10
 """Trials of the catalogue's members. Chosen: even from zero torque, every circle of the thesis then has a path error

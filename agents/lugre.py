@@ -16,9 +16,9 @@ Logged: nothing; the laws learn nothing. Departures from the source: the bristle
 from pathlib import Path
 
 from ffgym.control import DynamicLuGre, DynamicLuGreEuler, DynamicLuGreExact, StaticLuGre
-from ffgym.errors import check_choice
-from ffgym.friction import LuGreParameters
+from ffgym.core.errors import check_choice
 from ffgym.robot import RobotDescription, robot_of
+from ffgym.robot.friction import LuGreParameters
 
 DISCRETISATIONS = {"exact": DynamicLuGreExact, "euler": DynamicLuGreEuler}
 """How the bristles of the dynamic model are integrated."""

@@ -1,8 +1,8 @@
 r"""Model feed-forward: what a machine with physical effects needs, as far as a torque can give it.
 
-Idea: a diagnosis says which effects a machine has that its description lacks. Elastic feed-forward (`agents.elastic`)
-solves the flexible-joint equations along the reference; here they have the effects in them. With the torque tau_e that
-effects put on spring (s), link (l) and motor (m), all else as in `agents.elastic`,
+Idea: a diagnosis says which effects a machine has that its description lacks. Elastic feed-forward
+(`ffgym.agents.elastic`) solves the flexible-joint equations along the reference; here they have the effects in them.
+With the torque tau_e that effects put on spring (s), link (l) and motor (m), all else as in `ffgym.agents.elastic`,
 
 .. math:: K \Delta + d \dot\Delta = \tau_l + s, \quad \tau_l = \tau_s(q, \dot q, \ddot q) - l
 .. math:: u = \frac{\tau_l}{n} + J_m n (\ddot q + \ddot\Delta) + \tau_f(n (\dot q + \dot\Delta)) - m
@@ -16,9 +16,9 @@ A torque compensates what acts on motors, springs and links, and errors of the r
 a tracker that is elsewhere than believed, nor a base that gives way: `left_alone` says which effects these are. A gap
 between teeth is crossed within some samples, as a motor cannot jump.
 
-Source: as `agents.elastic`, and the equations of `ffgym.effects` (docs/effects). Departures: springs with effects bend
-as if at rest, then with the damping of the linear spring; an effect with memory on the motor sees the torque without
-its own share (a delay d is taken back to first order in d).
+Source: as `ffgym.agents.elastic`, and the equations of `ffgym.effects` (docs/effects). Departures: springs with effects
+bend as if at rest, then with the damping of the linear spring; an effect with memory on the motor sees the torque
+without its own share (a delay d is taken back to first order in d).
 
 Run it:
 
@@ -35,21 +35,21 @@ from typing import final
 
 import numpy as np
 
-from agents.effects.motors import Motors
-from agents.effects.past import Past, Start, unpacked
-from agents.effects.springs import Carried, Springs
-from agents.effects.states import Place, States
-from agents.elastic import ElasticLaw, elastic_law
-from agents.elasticity.existing_torque import given_torque, wound_up
-from agents.elasticity.lead import Lead, error_of
-from agents.elasticity.mean_friction import bristles_within, in_parts
+from ffgym.agents.effects.motors import Motors
+from ffgym.agents.effects.past import Past, Start, unpacked
+from ffgym.agents.effects.springs import Carried, Springs
+from ffgym.agents.effects.states import Place, States
+from ffgym.agents.elastic import ElasticLaw, elastic_law
+from ffgym.agents.elasticity.existing_torque import given_torque, wound_up
+from ffgym.agents.elasticity.lead import Lead, error_of
+from ffgym.agents.elasticity.mean_friction import bristles_within, in_parts
 from ffgym.control import CausalLaw, DynamicLuGreExact, Window
+from ffgym.core.types import Array
 from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
-from ffgym.plant import Machine, load_machine
-from ffgym.plant.sameness import check_same_controller
 from ffgym.robot import RigidArm
 from ffgym.robot.drive import Drive
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine, load_machine
+from ffgym.simulation.plant.sameness import check_same_controller
 
 _ROUNDS = 20
 """Of the search for the angle that a resolver reads as a given one, as in a plant."""

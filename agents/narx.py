@@ -1,27 +1,27 @@
 r"""NARX feed-forward: friction as a small recurrent network of past speeds and its own past outputs.
 
 Idea and source: thesis 6.2 with (6.19) and (6.20), which takes the first form from its reference [22]. Three sigmoid
-neurons per motor, an offset and no linear term; `ffgym.identification.narx.NarxModel` has the equation, and the
-regressors beyond the thesis. As feed-forward it is simulated on the reference speed: past outputs are its own, never
-measured ones.
+neurons per motor, an offset and no linear term; `ffgym.diagnosis.identification.narx.NarxModel` has the equation, and
+the regressors beyond the thesis. As feed-forward it is simulated on the reference speed: past outputs are its own,
+never measured ones.
 
 Run it:
 
     ffgym demo --agents none lugre_dynamic narx
 
-Logged: see `agents.fitting.supervised.Supervised`. How it is fitted, and what departs from the source:
-`agents.fitting.narx_fit`.
+Logged: see `ffgym.agents.fitting.supervised.Supervised`. How it is fitted, and what departs from the source:
+`ffgym.agents.fitting.narx_fit`.
 """
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Self, final
 
-from agents.common.law_files import StoredLaw
+from ffgym.agents.common.law_files import StoredLaw
 from ffgym.control import CausalLaw, Window
-from ffgym.errors import FFGymError
-from ffgym.identification.narx import ARRAYS, NarxModel, Regressors
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.narx import ARRAYS, NarxModel, Regressors
 
 
 @final

@@ -25,12 +25,12 @@ from typing import Any
 
 import numpy as np
 
-from agents.bspline import BSplineNetwork
-from agents.common.law_agent import LawAgent
+from ffgym.agents.bspline import BSplineNetwork
+from ffgym.agents.common.law_agent import LawAgent
 from ffgym.control import servo_torque
-from ffgym.errors import FFGymError, check_number, check_shape
+from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.types import Array
 from ffgym.robot import Servo
-from ffgym.types import Array
 
 RATE = 0.1
 """Share of u_p that goes into the weights at each sample; chosen, see docs/agents/online_lffc.md."""

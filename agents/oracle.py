@@ -1,14 +1,14 @@
 """Oracle: elastic feed-forward that knows the machine's true parameters; what no real controller can know.
 
-Idea: the same law as in `agents.elastic`, made with the true masses, springs, rotors and friction of the machine, where
-any other law has a nominal model. It shows what a model without error is worth; the rest is what the law itself leaves.
-It is shown beside the others and never ranked. Reading the truth is allowed here and nowhere else.
+Idea: the same law as in `ffgym.agents.elastic`, made with the true masses, springs, rotors and friction of the machine,
+where any other law has a nominal model. It shows what a model without error is worth; the rest is what the law itself
+leaves. It is shown beside the others and never ranked. Reading the truth is allowed here and nowhere else.
 
 Run it:
 
     ffgym demo --agents lugre_dynamic elastic oracle --parameters FILE
 
-Logged: nothing, nothing is learned. Departures from `agents.elastic`: none but the parameters.
+Logged: nothing, nothing is learned. Departures from `ffgym.agents.elastic`: none but the parameters.
 """
 
 from dataclasses import dataclass, field
@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from agents.common.law_agent import LawAgent, acting_in, attribute_of
-from agents.elastic import ElasticLaw, elastic_law
+from ffgym.agents.common.law_agent import LawAgent, acting_in, attribute_of
+from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.control import ObservationLayout
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.types import Array
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore

@@ -15,8 +15,9 @@ from zlib import crc32
 
 import numpy as np
 
-from ffgym.control import FeedForwardLaw, Reference
-from ffgym.types import Array
+from ffgym.control import FeedForwardLaw
+from ffgym.core.types import Array
+from ffgym.paths import Reference
 
 
 @final

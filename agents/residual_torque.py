@@ -6,9 +6,9 @@ model is the drive's own feed-forward, and the difference is friction before all
 
     u_lff = b . [s_1 ... s_W, v, a] + g(x),      x = [s_1 ... s_W, asinh(v / v_0) / asinh(v_max / v_0)]
 
-with slip elements s (`ffgym.friction.slip_elements`: what remembers the last reversal), motor speed v and acceleration
-a. The linear part is the mean of a Gaussian process, g its deviation from it: a sum of bells around some of the
-samples seen,
+with slip elements s (`ffgym.robot.friction.slip_elements`: what remembers the last reversal), motor speed v and
+acceleration a. The linear part is the mean of a Gaussian process, g its deviation from it: a sum of bells around some
+of the samples seen,
 
     g(x) = sum_i alpha_i exp(-|x - x_i|^2 / (2 l^2))
 
@@ -19,8 +19,8 @@ Run it:
 
     ffgym demo --agents none lugre_dynamic residual_gp
 
-Logged: see `agents.fitting.supervised.Supervised`. How it is fitted, and what departs from the source:
-`agents.fitting.residual_fit`.
+Logged: see `ffgym.agents.fitting.supervised.Supervised`. How it is fitted, and what departs from the source:
+`ffgym.agents.fitting.residual_fit`.
 """
 
 from collections.abc import Mapping
@@ -29,13 +29,13 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from agents.common.law_files import StoredLaw
-from agents.fitting.supervised import linear_features
+from ffgym.agents.common.law_files import StoredLaw
+from ffgym.agents.fitting.supervised import linear_features
 from ffgym.control import CausalLaw, Window
-from ffgym.errors import FFGymError, check_shape
-from ffgym.friction import slip_elements
-from ffgym.friction.slip_elements import WIDTHS
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array
+from ffgym.robot.friction import slip_elements
+from ffgym.robot.friction.slip_elements import WIDTHS
 
 KNEE = 0.01
 """v_0 / v_max: speeds are stretched below it and compressed above, since friction changes most near standstill. Chosen:

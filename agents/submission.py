@@ -5,18 +5,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from agents.catalogue import CATALOGUE, Setting, entry_of, law_named
-from agents.common.law_files import load_law, unpack
-from agents.common.law_policy import LawPolicy, causal
-from agents.residual.policy import KIND, load_policy
+from ffgym.agents.catalogue import CATALOGUE, Setting, entry_of, law_named
+from ffgym.agents.common.law_files import load_law, unpack
+from ffgym.agents.common.law_policy import LawPolicy, causal
+from ffgym.agents.residual.policy import KIND, load_policy
 from ffgym.control import FeedForwardLaw, Policy
-from ffgym.errors import FFGymError
-from ffgym.files import read_bytes
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_bytes
 from ffgym.robot import RobotDescription
 
 LOADERS: Mapping[str, str] = {
-    "law": "agents.submission",
-    "policy": "agents.submission",
+    "law": "ffgym.agents.submission",
+    "policy": "ffgym.agents.submission",
     "python": "ffgym.leaderboard.submission.python_agent",
 }
 """Module whose `load` makes an agent, by its kind."""

@@ -7,8 +7,8 @@ Rooms: `robot` (descriptions, models, kinematics, dynamics), `friction`, `paths`
 `recordings`, `metrics`, `studies`, `envs`, `report`, `cli`. docs/architecture.md says who may know whom.
 """
 
-from ffgym.errors import FFGymError as FFGymError
-from ffgym.registration import register as _register
-from ffgym.version import __version__ as __version__
+from ffgym.core.errors import FFGymError as FFGymError
+from ffgym.core.version import __version__ as __version__
+from ffgym.envs.registration import register as _register
 
 _register()

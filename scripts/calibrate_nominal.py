@@ -19,13 +19,13 @@ import tyro
 from scipy.optimize import least_squares
 
 from ffgym.control import NoCompensation
-from ffgym.errors import FFGymError
-from ffgym.metrics import path_errors
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.published import published_mm
+from ffgym.recordings.metrics import path_errors
 from ffgym.robot import RigidArm, RobotDescription, load_robot, resonances
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
-from ffgym.types import Array
 
 SPEEDS = (0.010, 0.040)
 PRIOR_WEIGHT = 0.4

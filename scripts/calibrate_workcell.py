@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from ffgym.files import write_json
+from ffgym.core.files import write_json
 from ffgym.robot import load_robot
 from ffgym.workcell import workcell
 from scripts.workcell.free import FREE, SPREAD

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import tyro
 
-from ffgym.files import write_text
+from ffgym.core.files import write_text
 from ffgym.logs.column_map.column import COLUMN_KEYS
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES
 from ffgym.logs.column_map.rewire import REWIRE_KEYS

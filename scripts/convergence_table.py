@@ -11,10 +11,10 @@ import mujoco
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from ffgym.plant import Plant, PlantState
+from ffgym.core.types import Array
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, load_robot, solve_path
+from ffgym.simulation.plant import Plant, PlantState
 from ffgym.studies import CircleStudy, circle_study
-from ffgym.types import Array
 
 STEPS = tuple(0.002 / 2**k for k in range(6))
 """Physics steps of the LuGre table [s]."""

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import tyro
 
-from ffgym.diagnosis.diagnose import examine
 from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
 from ffgym.diagnosis.log_rows import log_rows
+from ffgym.diagnosis.procedure import examine
 from ffgym.diagnosis.regimes import regime_map
 from ffgym.diagnosis.residual import Residual
 from ffgym.report import save_figure

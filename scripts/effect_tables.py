@@ -10,9 +10,9 @@ from pathlib import Path
 
 import tyro
 
+from ffgym.core.files import write_text
 from ffgym.effects import EFFECTS, Effect
-from ffgym.effects.parameter import Parameter
-from ffgym.files import write_text
+from ffgym.effects.parameters import Parameter
 from scripts.format_tables import with_tables
 
 _PER = {"joint": "joint", "pair": "pair of joints", "machine": "machine", "vector": "axis x, y, z"}

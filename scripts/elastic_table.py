@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from agents import dynamic_lugre
-from agents.elastic import ElasticLaw, elastic_feedforward, elastic_law
+from ffgym.agents import dynamic_lugre
+from ffgym.agents.elastic import ElasticLaw, elastic_feedforward, elastic_law
 from ffgym.control import FeedForwardLaw
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.studies import circle_study

@@ -9,9 +9,9 @@ from pathlib import Path
 import tyro
 
 import ffgym.envs
+from ffgym.core.files import write_json
 from ffgym.envs.fingerprint import fingerprint
-from ffgym.files import write_json
-from ffgym.registration import ENVIRONMENTS
+from ffgym.envs.registration import ENVIRONMENTS
 
 
 @dataclass(frozen=True)

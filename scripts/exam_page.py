@@ -1,6 +1,6 @@
 """Results of an exam of the diagnosis on its page: tables, picture and misses of docs/bench_diagnosis.md.
 
-`python -m scripts.exam_page --seed 2035` reads what `ffgym bench-diagnosis --seed 2035 --out exam` has kept, and with
+`python -m scripts.exam_page --seed 2035` reads what `python -m scripts.exam --seed 2035 --out exam` has kept, and with
 `--exam independent` the same of the second exam; `make exam` runs all of them.
 """
 
@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from ffgym.errors import FFGymError
-from ffgym.exam.case import Row
-from ffgym.exam.exams import EXAMS, ExamName
-from ffgym.exam.marks import Mark
-from ffgym.exam.results import read_marks
-from ffgym.exam.text import figures_text, misses_text, outcomes_text
+from ffgym.core.errors import FFGymError
 from ffgym.report import save_figure
-from ffgym.report.exam import outcomes_figure
 from scripts.convergence_table import renewed
+from scripts.exam.case import Row
+from scripts.exam.exams import EXAMS, ExamName
+from scripts.exam.marks import Mark
+from scripts.exam.report import outcomes_figure
+from scripts.exam.results import read_marks
+from scripts.exam.text import figures_text, misses_text, outcomes_text
 
 PAGE = Path(__file__).parents[1] / "docs" / "bench_diagnosis.md"
 _PARTS: Mapping[ExamName, str] = {"own": "exam", "independent": "independent"}
@@ -35,9 +35,9 @@ class Config:
     seed: int = 7
     """Of the exam."""
     exam: ExamName = "own"
-    """Which, see `ffgym bench-diagnosis`; the part of the page is marked `exam`, or `independent`."""
+    """Which, see `python -m scripts.exam`; the part of the page is marked `exam`, or `independent`."""
     out: Path = Path("exam")
-    """Folder in which `ffgym bench-diagnosis` has kept its marks."""
+    """Folder in which `python -m scripts.exam` has kept its marks."""
     commit: str = "not told"
     """Commit of the diagnosis that was examined."""
     page: Path = PAGE
@@ -52,13 +52,13 @@ def main(config: Config) -> str:
     which = "" if config.exam == "own" else f"--exam {config.exam} "
     if not marks:
         raise FFGymError(
-            f"{place}: holds no marks; run ffgym bench-diagnosis {which}--seed {config.seed} --out {config.out}."
+            f"{place}: holds no marks; run python -m scripts.exam {which}--seed {config.seed} --out {config.out}."
         )
     day = datetime.fromtimestamp(place.stat().st_mtime, UTC).date().isoformat()
     save_figure(outcomes_figure(marks), config.page.parent / "pictures" / f"{part}.png", DPI)
     text = "\n\n".join(
         [
-            f"`ffgym bench-diagnosis {which}--seed {config.seed} --jobs 2 --out exam`, {day}, diagnosis at commit "
+            f"`python -m scripts.exam {which}--seed {config.seed} --jobs 2 --out exam`, {day}, diagnosis at commit "
             f"{config.commit}: {_asked(marks, exam.counts)}.",
             figures_text(exam.table(marks)),
             f"![Each answer over loudness](pictures/{part}.png)",

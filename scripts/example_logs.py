@@ -11,20 +11,20 @@ from pathlib import Path
 import numpy as np
 import tyro
 
+from ffgym.core.files import write_bytes
+from ffgym.core.types import Array
 from ffgym.diagnosis.examples import EXAMPLE_ROBOT
 from ffgym.effects.drive import TorqueOffset
 from ffgym.effects.measurement import ToolFrame
-from ffgym.exam.calibration import TOOL_OFFSET, TORQUE_OFFSET, miscalibrated
-from ffgym.files import write_bytes
-from ffgym.plant import Climate
-from ffgym.protocols import plan_session, record
-from ffgym.protocols.diagnosis import Diagnosis
 from ffgym.recordings import Recording
 from ffgym.recordings.npz import HEADER_KEY
 from ffgym.robot import RigidArm, load_robot
-from ffgym.types import Array
+from ffgym.simulation.plant import Climate
+from ffgym.simulation.protocols import plan_session, record
+from ffgym.simulation.protocols.diagnosis import Diagnosis
 from ffgym.workcell import SealedMachine, Workcell, workcell
 from ffgym.workcell.equations import GearLosses, TorqueRipple
+from scripts.exam.calibration import TOOL_OFFSET, TORQUE_OFFSET, miscalibrated
 
 SAMPLE_TIME = 0.004
 """Sample time of the logs [s]: that of the thesis' robot."""

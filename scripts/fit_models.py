@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from shutil import copyfile
 
-from agents.artefacts import TRAINED, Manifest, described, manifest_of, merged, write_manifest
-from agents.entrants import FITTED
+from ffgym.agents.artefacts import TRAINED, Manifest, described, manifest_of, merged, write_manifest
+from ffgym.agents.entrants import FITTED
 from ffgym.cli.improve import Improve
+from ffgym.core.provenance import versions
 from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named
-from ffgym.provenance import versions
 from ffgym.recordings.folder import read_folder
 
 COMMAND = "python -m scripts.fit_models"

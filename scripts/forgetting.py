@@ -1,4 +1,4 @@
-"""What a perceptron forgets and B-splines do not: `agents.learning.forgetting` as a figure and two numbers per network.
+"""Measure what a perceptron forgets and B-splines do not (`ffgym.agents.learning.forgetting`), as figure and numbers.
 
 python -m scripts.forgetting --out forgetting.png
 """
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.learning.forgetting import SEEN_FROM, compare
+from ffgym.agents.learning.forgetting import SEEN_FROM, compare
 from ffgym.report import save_figure
 from ffgym.report.learning.forgetting_plot import forgetting_figure
 from ffgym.robot import load_robot

@@ -10,8 +10,8 @@ from pathlib import Path
 
 import tyro
 
-from ffgym.errors import FFGymError
-from ffgym.files import write_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_text
 from ffgym.robot.reading.capabilities import CAPABILITIES
 from ffgym.robot.reading.rule import OTHER_UNITS, Rule
 from ffgym.robot.reading.rules import RULES

@@ -14,20 +14,20 @@ from typing import Any
 import numpy as np
 import tyro
 
-from ffgym.files import check_writable, write_json, write_text
-from ffgym.friction import LuGreParameters
-from ffgym.identification import friction_torques, identify_friction
-from ffgym.identification.bristle_fit import NAMES
-from ffgym.protocols import Protocol, plan_session, record
-from ffgym.protocols.speed_ladder import SpeedLadder
-from ffgym.protocols.table_6_1 import Table61
-from ffgym.provenance import versions
+from ffgym.core.files import check_writable, write_json, write_text
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification import friction_torques, identify_friction
+from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.published import ESTIMATION_RECORDS
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, load_robot
+from ffgym.robot.friction import LuGreParameters
 from ffgym.simulation import Resolver, SimulatedRig, TorqueSensor
+from ffgym.simulation.protocols import Protocol, plan_session, record
+from ffgym.simulation.protocols.speed_ladder import SpeedLadder
+from ffgym.simulation.protocols.table_6_1 import Table61
 from ffgym.simulation.sensors import measure
-from ffgym.types import Array
 from scripts.convergence_table import renewed
 
 BEFORE: dict[str, float] = {

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from agents.elastic import elastic_law
-from agents.model import left_alone, model_law
+from ffgym.agents.elastic import elastic_law
+from ffgym.agents.model import left_alone, model_law
 from ffgym.effects import EFFECTS, Effect
-from ffgym.plant import Climate, Machine
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import SimulatedRig
+from ffgym.simulation.plant import Climate, Machine
 from ffgym.studies import CircleStudy, circle_study
 from scripts.convergence_table import renewed
 

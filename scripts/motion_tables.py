@@ -12,12 +12,12 @@ from typing import Any
 
 import tyro
 
-from ffgym.files import write_text
-from ffgym.motions.load import builtin_files
-from ffgym.motions.motion_file import HEAD
-from ffgym.motions.parts import PARTS, Part, entries
-from ffgym.motions.parts.part import is_required
+from ffgym.core.files import write_text
 from ffgym.paths.limits import MotionLimits
+from ffgym.paths.motions.load import builtin_files
+from ffgym.paths.motions.motion_file import HEAD
+from ffgym.paths.motions.parts import PARTS, Part, entries
+from ffgym.paths.motions.parts.part import is_required
 from scripts.format_tables import with_tables
 
 

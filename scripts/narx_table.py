@@ -13,10 +13,9 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from ffgym.files import check_writable, write_json, write_text
-from ffgym.provenance import versions
-from ffgym.reproduction.narx import spread
-from ffgym.reproduction.narx_extended import VALIDATING
+from ffgym.core.files import check_writable, write_json, write_text
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
 from ffgym.robot import load_robot
 from ffgym.studies.narx_study import (
     ESTIMATION,
@@ -32,8 +31,9 @@ from ffgym.studies.narx_study import (
     record_name,
     static_misfit,
 )
-from ffgym.types import Array
 from scripts.convergence_table import renewed
+from scripts.thesis.narx import spread
+from scripts.thesis.narx_extended import VALIDATING
 
 CANDIDATES = {each.name: each for each in (*PUBLISHED, *OTHERS, *EXTENDED)}
 

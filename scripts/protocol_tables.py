@@ -8,14 +8,14 @@ from pathlib import Path
 
 import tyro
 
-from ffgym.errors import FFGymError
-from ffgym.files import write_text
-from ffgym.motions.parts.part import is_required
-from ffgym.protocols import PROTOCOLS, Protocol
-from ffgym.protocols.motion_file import MotionFile
-from ffgym.protocols.protocol import settings
-from ffgym.protocols.stage import Stage
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_text
+from ffgym.paths.motions.parts.part import is_required
 from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation.protocols import PROTOCOLS, Protocol
+from ffgym.simulation.protocols.motion_file import MotionFile
+from ffgym.simulation.protocols.protocol import settings
+from ffgym.simulation.protocols.stage import Stage
 from scripts.format_tables import with_tables
 from scripts.motion_tables import default_text
 

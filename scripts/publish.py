@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from agents.artefacts import ANYWHERE, TRAINED, Artefact, Manifest, described, write_manifest
-from agents.entrants import RESIDUALS
-from agents.residual.plan import Training
-from agents.residual.policy import ResidualPolicy, load_policy
+from ffgym.agents.artefacts import ANYWHERE, TRAINED, Artefact, Manifest, described, write_manifest
+from ffgym.agents.entrants import RESIDUALS
+from ffgym.agents.residual.plan import Training
+from ffgym.agents.residual.policy import ResidualPolicy, load_policy
 from ffgym.cli.train_options import options_of
-from ffgym.errors import FFGymError, check_choice
-from ffgym.files import made_folder, read_bytes, write_bytes
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import made_folder, read_bytes, write_bytes
 
 POLICY = "policy.npz"
 _ABOUT = ("training", "origin", "versions")

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from ffgym.files import check_writable, read_text, write_json, write_text
-from ffgym.identification import LowPass
-from ffgym.identification.rigid_body import Filtering, RigidBodyFit, RigidBodyOptions, identify_rigid_body
-from ffgym.identification.rigid_body.terms import DEFAULT_TERMS
+from ffgym.core.files import check_writable, read_text, write_json, write_text
+from ffgym.core.provenance import versions
+from ffgym.diagnosis.identification import LowPass
+from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyFit, RigidBodyOptions, identify_rigid_body
+from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS
 from ffgym.logs import read_log
-from ffgym.provenance import versions
 from ffgym.published import EMPS_ASYMMETRIC, EMPS_SYMMETRIC, EmpsModel
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription, load_robot

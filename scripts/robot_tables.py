@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import tyro
 
-from ffgym.files import write_text
+from ffgym.core.files import write_text
+from ffgym.core.types import Array
 from ffgym.robot import RobotDescription, builtin_robots, load_robot
 from ffgym.robot.reading.quantity import Quantity
-from ffgym.types import Array
 
 
 @dataclass(frozen=True)

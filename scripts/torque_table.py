@@ -14,9 +14,9 @@ from typing import Any
 
 import tyro
 
-from ffgym.files import check_writable, write_json, write_text
+from ffgym.core.files import check_writable, write_json, write_text
+from ffgym.core.provenance import versions
 from ffgym.logs import read_log
-from ffgym.provenance import versions
 from ffgym.published import KR300_FRICTION
 from ffgym.report._matplotlib import check_figure, save_figure
 from ffgym.report.robot.torque_plot import torque_figure

@@ -7,12 +7,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from agents.residual.plan import Training
+from ffgym.agents.residual.plan import Training
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.train import Options, need_training
-from ffgym.errors import FFGymError
-from ffgym.executors import Executor
-from ffgym.files import made_folder
+from ffgym.core.errors import FFGymError
+from ffgym.core.executors import Executor
+from ffgym.core.files import made_folder
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Sweep(Options):
 
 def train_one(job: tuple[Training, Path]) -> tuple[int, float, str]:
     """Train; returns steps, reward per step at last, and the sha256 of the policy."""
-    from agents.residual.learning.training import train
+    from ffgym.agents.residual.learning.training import train
 
     trained = train(*job)
     return trained.env_steps, trained.curve[-1][1], trained.sha256

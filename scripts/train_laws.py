@@ -9,15 +9,15 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from agents.artefacts import TRAINED, Artefact, Manifest, described, manifest_of, merged, write_manifest
-from agents.catalogue import Setting, entry_of
-from agents.common.law_files import StoredLaw, save_law
-from agents.common.shared_trials import learn_together
-from agents.common.trials import CountedTrial, Trial, measured
+from ffgym.agents.artefacts import TRAINED, Artefact, Manifest, described, manifest_of, merged, write_manifest
+from ffgym.agents.catalogue import Setting, entry_of
+from ffgym.agents.common.law_files import StoredLaw, save_law
+from ffgym.agents.common.shared_trials import learn_together
+from ffgym.agents.common.trials import CountedTrial, Trial, measured
 from ffgym.control import FeedForwardLaw
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.provenance import versions
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, plant_named
-from ffgym.provenance import versions
 from ffgym.simulation import Rig
 
 LEARNERS = ("bsn_static", "bsn_extended", "bsn_extended_prior", "mlp_fel", "narx", "residual_gp")

@@ -2,9 +2,9 @@
 
 python -m scripts.tune --algorithm ppo --trials 30 --out tuned
 
-What is minimised is the mean of ln(RMS path error / that of the base) of `agents.residual.validation`, after a short
-training with each of `--seeds`, which has a learning-rate schedule of its own: what is rewarded is fast learning. A
-trial that fails counts as a bad one. A search that was stopped goes on with the same command, as if it had not been.
+What is minimised is the mean of ln(RMS path error / that of the base) of `ffgym.agents.residual.validation`, after a
+short training with each of `--seeds`, which has a learning-rate schedule of its own: what is rewarded is fast learning.
+A trial that fails counts as a bad one. A search that was stopped goes on with the same command, as if it had not been.
 """
 
 import json
@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 import tyro
 
-from agents.residual.plan import Training
-from agents.residual.validation import base_errors, validate
-from ffgym.claims import claimed
+from ffgym.agents.residual.plan import Training
+from ffgym.agents.residual.validation import base_errors, validate
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.train_options import options_of
-from ffgym.errors import FFGymError
-from ffgym.files import made_folder
+from ffgym.core.claims import claimed
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import made_folder
 from scripts.tuning.options import Tune, checked
 from scripts.tuning.record import FAILED, Trial, read_trials, write_trials
 from scripts.tuning.space import proposal
@@ -60,7 +60,7 @@ def main(config: Tune) -> dict[str, Any]:
 
 def objective(config: Tune, trainings: dict[str, Training], folder: Path, title: str) -> float:
     """Mean of ln(error / that of the base) over trainings, each in a folder of its own."""
-    from agents.residual.learning.training import train
+    from ffgym.agents.residual.learning.training import train
 
     values = []
     for name, training in trainings.items():
@@ -76,7 +76,7 @@ def check_runs(training: Training, plants: int) -> None:
     Raises:
         FFGymError: if the environment cannot be made, or the robot has no such places.
     """
-    from agents.residual.learning.environment import environment_of
+    from ffgym.agents.residual.learning.environment import environment_of
 
     environment_of(training, n_envs=1).close()
     own = (training.action_scale, training.preview)
@@ -87,7 +87,7 @@ def _search(config: Tune, training: Training) -> dict[str, Any]:
     """All that decides what a search finds, as JSON gives it back; more trials may follow."""
     import optuna
 
-    from agents.residual.learning.training import library_versions
+    from ffgym.agents.residual.learning.training import library_versions
 
     own = {name: value for name, value in training.document().items() if name not in ("bound", "seed")}
     given = {name: value for name, value in own["hyperparameters"].items() if name not in config.searched}

@@ -8,8 +8,8 @@ import hypothesis
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.envs.rendering.canvas import Canvas
-from ffgym.errors import FFGymError
 from ffgym.robot import RigidArm, RobotDescription, compile_model, load_robot, solve_path
 
 hypothesis.settings.register_profile("ffgym", deadline=None)  # the first example compiles a model

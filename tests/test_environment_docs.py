@@ -8,10 +8,10 @@ import gymnasium as gym
 import pytest
 
 from ffgym.envs import Settings
+from ffgym.envs.registration import ENVIRONMENTS
 from ffgym.envs.rewards import REWARDS
 from ffgym.envs.start import COMMON_OPTIONS
-from ffgym.plant import PlantDistribution
-from ffgym.registration import ENVIRONMENTS
+from ffgym.simulation.plant import PlantDistribution
 
 DOCS = Path(__file__).parent.parent / "docs"
 OVERVIEW = (DOCS / "environments" / "README.md").read_text(encoding="utf-8")

@@ -8,9 +8,9 @@ from importlib import metadata, resources
 import pytest
 
 import ffgym
-from ffgym.provenance import installed, versions
+from ffgym.core.provenance import installed, versions
 
-CORE = {"numpy", "scipy", "gymnasium", "mujoco", "threadpoolctl"}
+CORE = {"numpy", "scipy", "gymnasium", "mujoco", "threadpoolctl", "lazy-loader"}
 EXTRAS = {
     "rl",
     "plot",
@@ -22,7 +22,6 @@ EXTRAS = {
     "gp",
     "video",
     "cluster",
-    "gpu",
     "dev",
     "all",
     "paths",
@@ -50,20 +49,19 @@ OPTIONAL = (
 )
 MODULES = (
     "simulation",
+    "simulation.protocols",
     "studies",
     "envs",
-    "metrics",
     "recordings",
     "published",
-    "files",
+    "core.files",
+    "core.provenance",
     "cli",
     "cli.demo",
-    "provenance",
     "effects",
-    "identification",
+    "diagnosis.identification",
     "logs",
-    "protocols",
-    "quality",
+    "logs.quality",
     "workcell",
 )
 
@@ -92,9 +90,9 @@ def test_there_are_these_extras():
     assert set(metadata.metadata("ffgym").get_all("Provides-Extra")) == EXTRAS
 
 
-def test_the_extra_all_covers_every_other_but_gpu():
+def test_the_extra_all_covers_every_other():
     covered = set().union(*(extras for name, extras, extra in requirements() if extra == "all" and name == "ffgym"))
-    assert covered == EXTRAS - {"all", "gpu"}
+    assert covered == EXTRAS - {"all"}
 
 
 def test_the_command_is_installed_with_what_a_fit_of_masses_needs():
@@ -114,7 +112,7 @@ def test_the_package_contains_its_data(file):
 
 
 def test_versions_name_everything_that_can_change_a_number():
-    assert versions().keys() == {"ffgym", "python", *CORE - {"threadpoolctl"}}
+    assert versions().keys() == {"ffgym", "python", *CORE - {"threadpoolctl", "lazy-loader"}}
     assert versions()["ffgym"] == ffgym.__version__ == metadata.version("ffgym")
 
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from ffgym.control import CausalLaw, ObservationLayout, Window
-from ffgym.errors import FFGymError
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -12,21 +12,21 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from ffgym.control import FeedForwardLaw
-from ffgym.errors import FFGymError, check_choice
-from ffgym.files import check_writable, decode_arrays, encode_arrays, write_bytes
-from ffgym.provenance import versions
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import check_writable, decode_arrays, encode_arrays, write_bytes
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
 
 FORMAT = 1
 """Version of the file format; see docs/agents/files.md."""
 
 KINDS: dict[str, tuple[str, str]] = {
-    "bsn_static": ("agents.bspline", "StaticBSN"),
-    "bsn_extended": ("agents.bspline", "ExtendedBSN"),
-    "mlp_fel": ("agents.feedback_error", "MLP"),
-    "narx": ("agents.narx", "NARX"),
-    "residual_gp": ("agents.residual_torque", "ResidualTorque"),
-    "task_torques": ("agents.per_task.task_torques", "TaskTorques"),
+    "bsn_static": ("ffgym.agents.bspline", "StaticBSN"),
+    "bsn_extended": ("ffgym.agents.bspline", "ExtendedBSN"),
+    "mlp_fel": ("ffgym.agents.feedback_error", "MLP"),
+    "narx": ("ffgym.agents.narx", "NARX"),
+    "residual_gp": ("ffgym.agents.residual_torque", "ResidualTorque"),
+    "task_torques": ("ffgym.agents.per_task.task_torques", "TaskTorques"),
 }
 """Where the class of each kind of law is: module and name. A module is imported when a file asks for it."""
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from agents.common.law_agent import LawAgent
+from ffgym.agents.common.law_agent import LawAgent
 from ffgym.control import Agent, CausalLaw, FeedForwardLaw, ObservationLayout
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RobotDescription
 
 ACTION_SCALE = 200.0

@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 
-from ffgym.control import Reference
-from ffgym.errors import FFGymError
-from ffgym.paths import SPEEDS
+from ffgym.core.errors import FFGymError
+from ffgym.paths import SPEEDS, Reference
 from ffgym.robot import RigidArm
 from ffgym.studies import circle_references, sine_references
-from ffgym.studies.one_axis_study import FREQUENCIES
+from ffgym.studies.one_axis import FREQUENCIES
 
 
 def thesis_motions(arm: RigidArm) -> list[Reference]:

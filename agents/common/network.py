@@ -6,10 +6,10 @@ from typing import Self
 
 import numpy as np
 
-from agents.common.law_files import StoredLaw
-from agents.common.trials import Lesson
+from ffgym.agents.common.law_files import StoredLaw
+from ffgym.agents.common.trials import Lesson
 from ffgym.control import CausalLaw
-from ffgym.types import Array, BoolArray
+from ffgym.core.types import Array, BoolArray
 
 
 class Network(CausalLaw, StoredLaw):

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from agents.common.trials import Trial
+from ffgym.agents.common.trials import Trial
 from ffgym.recordings import Recording
 from ffgym.simulation import RECORD_DT, Rig, Run
 

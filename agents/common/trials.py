@@ -6,15 +6,15 @@ from typing import Literal
 
 import numpy as np
 
-from ffgym.control import Reference
 from ffgym.control.setpoints import torque_at_rows
-from ffgym.errors import FFGymError, check_choice
-from ffgym.metrics import motor_error
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array, BoolArray
+from ffgym.paths import Reference
 from ffgym.recordings import Recording
+from ffgym.recordings.metrics import motor_error
 from ffgym.robot import ModelOptions, RigidArm, Servo
 from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, SimulatedRig
 from ffgym.simulation.sensors import sensors_of
-from ffgym.types import Array, BoolArray
 
 Trial = Callable[[Sequence[Run], int], Sequence[Recording]]
 """Runs motions on a machine and returns what was recorded, one recording a run; the number counts trials from 0."""

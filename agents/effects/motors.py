@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.effects.states import Place, States
+from ffgym.agents.effects.states import Place, States
+from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect
 from ffgym.effects.along import samples
-from ffgym.types import Array
 
 ROUNDS = 5
 """Of the search for the command whose effects are a share of it: 0.1 to this power is below what matters."""

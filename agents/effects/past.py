@@ -5,9 +5,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from agents.effects.springs import Carried
-from agents.elasticity.lead import Lead
-from ffgym.types import Array
+from ffgym.agents.effects.springs import Carried
+from ffgym.agents.elasticity.lead import Lead
+from ffgym.core.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

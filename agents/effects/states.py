@@ -4,9 +4,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.effects import State
-from ffgym.plant import Climate, Machine
-from ffgym.types import Array
+from ffgym.simulation.plant import Climate, Machine
 
 AMBIENT = Climate()
 """What effects see of a machine whose climate nobody knows."""

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from agents.elasticity.lead import Lead
+from ffgym.agents.elasticity.lead import Lead
+from ffgym.core.types import Array
 from ffgym.robot import RigidArm
-from ffgym.types import Array
 
 
 def given_torque(

@@ -6,8 +6,8 @@ from math import factorial
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.drive import Drive
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ step after, weighted by the share that the sample has in the straight lines, giv
 import numpy as np
 
 from ffgym.control import DynamicLuGreExact
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 
 def step_friction(law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array, Array]:

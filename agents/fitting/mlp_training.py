@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray, IntArray
 
 if TYPE_CHECKING:
     from torch import Tensor
@@ -38,7 +38,7 @@ class Examples:
 
 
 def fitted(weights: Mapping[str, Array], examples: Examples) -> dict[str, Array]:
-    """Weights (see `agents.feedback_error.MLP`) after `N_STEPS` steps towards the least mean square error.
+    """Weights (see `ffgym.agents.feedback_error.MLP`) after `N_STEPS` steps towards the least mean square error.
 
     Raises:
         FFGymError: if torch is missing.

@@ -1,28 +1,29 @@
 """How a NARX network learns from trials: Levenberg-Marquardt on the one-step prediction of the torque they show.
 
-As thesis 6.2.3: prediction focus, three neurons, no linear term (`ffgym.identification.narx`). What is predicted is the
-torque that was missing along the realised motion (`agents.fitting.supervised`), which is friction before all.
+As thesis 6.2.3: prediction focus, three neurons, no linear term (`ffgym.diagnosis.identification.narx`). What is
+predicted is the torque that was missing along the realised motion (`ffgym.agents.fitting.supervised`), which is
+friction before all.
 
 Prediction is not simulation. At 4 ms the last torque is a fair guess of the next one, so that a network with y(k-1) can
 predict well and still drift once it runs on its own outputs (the thesis finds its models worse in simulation on other
 data). `Errors` shows both.
 
 Departures from the source: torque estimated from trials instead of data from a LuGre model; motions are weighted by
-their noise, as in `agents.fitting.residual_fit`; several random starts, of which the one is kept that *simulates* best
-along the trials, since the best in prediction may drift; 200 evaluations at most instead of 1000 iterations; sampled at
-the control step of 4 ms instead of 0.5 ms.
+their noise, as in `ffgym.agents.fitting.residual_fit`; several random starts, of which the one is kept that *simulates*
+best along the trials, since the best in prediction may drift; 200 evaluations at most instead of 1000 iterations;
+sampled at the control step of 4 ms instead of 0.5 ms.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from agents.common.lessons import every_speed
-from agents.common.trials import Trial
-from agents.fitting.supervised import MotorRecord, Supervised, learn
-from agents.narx import NARX
-from ffgym.control import Reference
-from ffgym.identification.narx import Samples, Structure, best_simulating
+from ffgym.agents.common.lessons import every_speed
+from ffgym.agents.common.trials import Trial
+from ffgym.agents.fitting.supervised import MotorRecord, Supervised, learn
+from ffgym.agents.narx import NARX
+from ffgym.diagnosis.identification.narx import Samples, Structure, best_simulating
+from ffgym.paths import Reference
 from ffgym.robot import RigidArm
 
 N_EVALUATIONS = 200

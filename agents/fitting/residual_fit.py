@@ -16,14 +16,14 @@ from types import ModuleType
 
 import numpy as np
 
-from agents.common.lessons import every_speed
-from agents.common.trials import Trial
-from agents.fitting.supervised import MotorRecord, Supervised, learn, least_squares, linear_features
-from agents.residual_torque import ResidualTorque, bell_features
-from ffgym.control import Reference
-from ffgym.errors import FFGymError, check_whole
+from ffgym.agents.common.lessons import every_speed
+from ffgym.agents.common.trials import Trial
+from ffgym.agents.fitting.supervised import MotorRecord, Supervised, learn, least_squares, linear_features
+from ffgym.agents.residual_torque import ResidualTorque, bell_features
+from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.types import Array, IntArray
+from ffgym.paths import Reference
 from ffgym.robot import RigidArm
-from ffgym.types import Array, IntArray
 
 N_TRIALS = 2
 """Chosen: a third changes the motor error by less than 5 % (docs/agents/residual_torque.md)."""

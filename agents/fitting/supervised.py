@@ -3,8 +3,8 @@
 A trial shows pairs of what a motor did and what torque that took beyond the drive's own feed-forward. They are labelled
 with the motion that was *realised*, not with the one that was asked for: before anything is learned a motor sticks
 where its reference reverses, and friction is a function of what it did. A law that is fitted to these pairs is run on
-the reference. Feedback error learning (`agents.learning.lffc`) pairs with the reference instead, and needs more trials
-for it.
+the reference. Feedback error learning (`ffgym.agents.learning.lffc`) pairs with the reference instead, and needs more
+trials for it.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,13 +13,14 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from agents.common.trials import Lesson, Trial, performed
-from ffgym.control import CausalLaw, FeedForwardLaw, NoCompensation, Reference
-from ffgym.errors import FFGymError, check_whole
-from ffgym.friction import slip_elements
+from ffgym.agents.common.trials import Lesson, Trial, performed
+from ffgym.control import CausalLaw, FeedForwardLaw, NoCompensation
+from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.types import Array, BoolArray
+from ffgym.paths import Reference
 from ffgym.recordings import Recording
+from ffgym.robot.friction import slip_elements
 from ffgym.simulation import Run
-from ffgym.types import Array, BoolArray
 
 NOISE_FLOOR = 1e-6
 """Smallest noise of a motion [N m]; far below what a servo resolves, and keeps the weight of a motion finite."""
@@ -111,7 +112,9 @@ def learn(
     """
     check_whole("n_trials", n_trials, low=1)
     if not references:
-        raise FFGymError("There is no motion to learn on: references is empty. Standard ones: agents.common.lessons.")
+        raise FFGymError(
+            "There is no motion to learn on: references is empty. Standard ones: ffgym.agents.common.lessons."
+        )
     law: FeedForwardLaw = NoCompensation()
     errors, noises = [], []
     for number in range(n_trials):

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from agents.common.trials import Lesson, Trial, performed
-from ffgym.control import Reference
-from ffgym.errors import FFGymError, check_number, check_shape
+from ffgym.agents.common.trials import Lesson, Trial, performed
+from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.types import Array
+from ffgym.paths import Reference
 from ffgym.simulation import Run
-from ffgym.types import Array
 
 STEEPNESS = 5.0
 """beta [s/rad], thesis 4.1, where the sign of static LuGre is smoothed by it."""

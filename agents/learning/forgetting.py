@@ -22,12 +22,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.bspline import StaticBSN
-from agents.feedback_error import MLP
+from ffgym.agents.bspline import StaticBSN
+from ffgym.agents.feedback_error import MLP
 from ffgym.control import StaticLuGre
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 TOP_SPEED = 10.0
 """Motor speed [rad/s], either way: about the fastest of the circles at p1."""
@@ -42,7 +42,7 @@ N_SAMPLES = 250
 N_SWEEPS = 20
 """Through the second stage; chosen, by then the splines have learned the change."""
 SPLINE_RATE = 0.1
-"""gamma of (3.15) for the B-splines, that of `agents.online_lffc`."""
+"""gamma of (3.15) for the B-splines, that of `ffgym.agents.online_lffc`."""
 MLP_RATE = 0.01
 """gamma of (3.15) for the perceptron; chosen, learns the change about as fast."""
 

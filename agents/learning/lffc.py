@@ -33,13 +33,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from agents.common.law_files import digest
-from agents.common.network import Network
-from agents.common.trials import SIGNALS, Lesson, Signal, Trial, performed
-from agents.learning.progress import Learning
-from agents.learning.progress_file import LearningFile
-from ffgym.control import Reference
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.agents.common.law_files import digest
+from ffgym.agents.common.network import Network
+from ffgym.agents.common.trials import SIGNALS, Lesson, Signal, Trial, performed
+from ffgym.agents.learning.progress import Learning
+from ffgym.agents.learning.progress_file import LearningFile
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.paths import Reference
 from ffgym.simulation import Run
 
 Watch = Callable[[Learning, int], None]

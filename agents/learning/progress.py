@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.common.network import Network
-from agents.common.trials import Lesson
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.agents.common.network import Network
+from ffgym.agents.common.trials import Lesson
+from ffgym.core.types import Array, BoolArray, IntArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,7 +49,7 @@ class Learning:
         return len(self.error)
 
     def after(self, lessons: Sequence[Lesson], *, rate: float, tolerance: float, patience: int) -> "Learning":
-        """After a trial of `network` that gave `lessons`; see `agents.learning.lffc` for the rule."""
+        """After a trial of `network` that gave `lessons`; see `ffgym.agents.learning.lffc` for the rule."""
         error = np.concatenate([self.error, [[_mean_square(lesson, lesson.error) for lesson in lessons]]])
         signal = np.concatenate([self.signal, [[_mean_square(lesson, lesson.signal) for lesson in lessons]]])
         cost = relative(error)

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from agents.common.law_files import FORMAT, pack, unpack
-from agents.common.network import Network
-from agents.learning.progress import Learning
-from ffgym.errors import FFGymError, check_shape
-from ffgym.files import check_writable, write_bytes
-from ffgym.provenance import versions
-from ffgym.types import Array
+from ffgym.agents.common.law_files import FORMAT, pack, unpack
+from ffgym.agents.common.network import Network
+from ffgym.agents.learning.progress import Learning
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.files import check_writable, write_bytes
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
 
 KIND = "learning"
 """Kind of the file, beside those of laws."""

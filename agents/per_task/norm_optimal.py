@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import LinAlgError, solve_discrete_are
 
-from agents.per_task.torque_response import TorqueResponse
-from ffgym.errors import FFGymError, check_number
-from ffgym.types import Array
+from ffgym.agents.per_task.torque_response import TorqueResponse
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

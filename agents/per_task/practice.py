@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.common.law_files import FORMAT, pack, unpack
-from ffgym.errors import FFGymError
-from ffgym.files import check_writable, write_bytes
-from ffgym.types import Array
+from ffgym.agents.common.law_files import FORMAT, pack, unpack
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import check_writable, write_bytes
+from ffgym.core.types import Array
 
 _KIND = "practice"
 """Kind of the state file, beside those of laws."""

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from agents.per_task.torque_response import Target
-from ffgym.control import Reference
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error, standstill_offset
+from ffgym.agents.per_task.torque_response import Target
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.paths import Reference
 from ffgym.recordings import Recording
-from ffgym.types import Array
+from ffgym.recordings.metrics import motor_error, standstill_offset
 
 
 def task_error(recording: Recording, reference: Reference, target: Target) -> Array:

@@ -6,10 +6,11 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from agents.common.law_files import StoredLaw
-from ffgym.control import CausalLaw, Reference, Window
-from ffgym.errors import FFGymError, check_shape
-from ffgym.types import Array, BoolArray
+from ffgym.agents.common.law_files import StoredLaw
+from ffgym.control import CausalLaw, Window
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array, BoolArray
+from ffgym.paths import Reference
 
 SAME = 1e-6
 """Two references are the same motion if their positions differ by less everywhere [rad], link side: a micrometre at a

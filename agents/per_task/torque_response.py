@@ -12,9 +12,9 @@ from typing import Literal
 import numpy as np
 from scipy.linalg import block_diag, expm
 
-from ffgym.errors import check_choice
+from ffgym.core.errors import check_choice
+from ffgym.core.types import Array
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.types import Array
 
 Target = Literal["motor", "tcp"]
 TARGETS: tuple[Target, ...] = ("motor", "tcp")

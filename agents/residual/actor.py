@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice, check_shape
-from ffgym.types import Array, BoolArray
+from ffgym.core.errors import FFGymError, check_choice, check_shape
+from ffgym.core.types import Array, BoolArray
 
 ACTIVATIONS: Mapping[str, Callable[[Array], Array]] = MappingProxyType(
     {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0.0)}

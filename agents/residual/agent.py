@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from agents.residual.actor import Actor
-from agents.residual.composition import Composition, Memory, chosen
-from agents.residual.crew import ActorCrew
-from ffgym.errors import FFGymError
-from ffgym.types import Array
+from ffgym.agents.residual.actor import Actor
+from ffgym.agents.residual.composition import Composition, Memory, chosen
+from ffgym.agents.residual.crew import ActorCrew
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

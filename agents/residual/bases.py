@@ -5,14 +5,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from agents.elastic import elastic_law
-from agents.lugre import dynamic_lugre, static_lugre
-from agents.model import model_law
+from ffgym.agents.elastic import elastic_law
+from ffgym.agents.lugre import dynamic_lugre, static_lugre
+from ffgym.agents.model import model_law
 from ffgym.control import CausalLaw
-from ffgym.errors import FFGymError, check_choice
-from ffgym.files import read_text
-from ffgym.plant.machine_file import parse_machine
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import read_text
 from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation.plant.machine_file import parse_machine
 
 MODEL = "model"
 """Base that needs the text of a machine file beside the robot."""
@@ -27,7 +27,7 @@ _MADE: Mapping[str, Callable[[RobotDescription], CausalLaw | None]] = MappingPro
 )
 
 BASES = (*_MADE, MODEL)
-"""Names of all of them, as in `agents.catalogue`."""
+"""Names of all of them, as in `ffgym.agents.catalogue`."""
 
 ACTION_SCALES: Mapping[str, float] = MappingProxyType(
     {"none": 30.0, "lugre_static": 30.0, "lugre_dynamic": 30.0, "elastic": 110.0, MODEL: 110.0}

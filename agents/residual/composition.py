@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from agents.common.law_agent import LawAgent
-from agents.residual.features import Features
+from ffgym.agents.common.law_agent import LawAgent
+from ffgym.agents.residual.features import Features
 from ffgym.control import CausalLaw, ObservationLayout
-from ffgym.errors import check_number
+from ffgym.core.errors import check_number
+from ffgym.core.types import Array, BoolArray
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from agents.residual.actor import Actor
-from ffgym.errors import FFGymError
-from ffgym.types import Array, BoolArray
+from ffgym.agents.residual.actor import Actor
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

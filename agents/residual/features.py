@@ -10,9 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from ffgym.control import ObservationLayout
-from ffgym.errors import FFGymError, check_whole
+from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 LIMIT = 10.0
 """Features are clipped to +-LIMIT."""

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from agents.residual.bases import ACTION_SCALES, base_law
-from agents.residual.features import AHEAD
-from agents.residual.hyperparameters import ALGORITHMS, Value, checked, hyperparameters
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.agents.residual.bases import ACTION_SCALES, base_law
+from ffgym.agents.residual.features import AHEAD
+from ffgym.agents.residual.hyperparameters import ALGORITHMS, Value, checked, hyperparameters
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.robot import ModelOptions, RobotDescription, compile_model, load_robot, physics_fingerprint
 
 ENVIRONMENT = "ffgym/CirclePath-v0"
@@ -25,9 +25,9 @@ class Training:
     """One training; equal trainings give equal policies on one machine."""
 
     algorithm: str = "ppo"
-    """One of `agents.residual.hyperparameters.ALGORITHMS`."""
+    """One of `ffgym.agents.residual.hyperparameters.ALGORITHMS`."""
     base: str = "elastic"
-    """Law below the policy, one of `agents.residual.bases.BASES`."""
+    """Law below the policy, one of `ffgym.agents.residual.bases.BASES`."""
     machine: str | None = field(default=None, repr=False)
     """Text of the machine file of the base 'model'."""
     robot: str = "irb4600_60_205"

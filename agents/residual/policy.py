@@ -26,17 +26,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from agents.common.law_files import FORMAT, pack, unpack
-from agents.residual.actor import Actor
-from agents.residual.agent import ResidualAgent
-from agents.residual.bases import base_law
-from agents.residual.composition import Composition
-from agents.residual.crew import ActorCrew, same_shape
-from agents.residual.features import AHEAD
+from ffgym.agents.common.law_files import FORMAT, pack, unpack
+from ffgym.agents.residual.actor import Actor
+from ffgym.agents.residual.agent import ResidualAgent
+from ffgym.agents.residual.bases import base_law
+from ffgym.agents.residual.composition import Composition
+from ffgym.agents.residual.crew import ActorCrew, same_shape
+from ffgym.agents.residual.features import AHEAD
 from ffgym.control import Agent, ObservationLayout, Policy
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.files import check_writable, write_bytes
-from ffgym.provenance import versions
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.files import check_writable, write_bytes
+from ffgym.core.provenance import versions
 from ffgym.robot import RobotDescription
 
 KIND = "residual_policy"
@@ -48,7 +48,7 @@ class ResidualPolicy:
     """A base law by name, and a network; `ffgym.control.Policy` describes how it is used."""
 
     base: str
-    """One of `agents.residual.bases.BASES`."""
+    """One of `ffgym.agents.residual.bases.BASES`."""
     machine: str | None = field(default=None, repr=False)
     """Text of the machine file that the base 'model' is made from."""
     actor: Actor = field(repr=False)

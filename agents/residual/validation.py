@@ -12,15 +12,15 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from agents.residual.actor import Actor, Layer
-from agents.residual.features import per_motor
-from agents.residual.plan import ENCODER_BITS, ENVIRONMENT
-from agents.residual.policy import ResidualPolicy
+from ffgym.agents.residual.actor import Actor, Layer
+from ffgym.agents.residual.features import per_motor
+from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT
+from ffgym.agents.residual.policy import ResidualPolicy
+from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.types import Array
 from ffgym.envs import Sensing
-from ffgym.errors import FFGymError, check_whole
-from ffgym.plant import PlantDistribution
 from ffgym.robot import load_robot
-from ffgym.types import Array
+from ffgym.simulation.plant import PlantDistribution
 
 POINTS = ((1.5, 0.0, 0.6), (1.4, 0.12, 0.6), (1.6, -0.12, 0.6))
 """Centres of circles [m]: between the corners p1 to p4 of the built-in robot's work area."""

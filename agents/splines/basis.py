@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.interpolate import BSpline
 
-from ffgym.errors import FFGymError, check_shape, check_whole
-from ffgym.types import Array, IntArray
+from ffgym.core.errors import FFGymError, check_shape, check_whole
+from ffgym.core.types import Array, IntArray
 
 FINE_KNOTS = 41
 """Knots in +-FINE_RANGE, thesis 5.1.1: friction bends there."""

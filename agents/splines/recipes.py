@@ -5,12 +5,12 @@ zero, and proposes first weights from a constant friction, and training over sev
 both.
 """
 
-from agents.bspline import BSplineNetwork, ExtendedBSN
-from agents.common.lessons import friction_motions, thesis_motions
-from agents.common.network import Network
-from agents.common.trials import Trial
-from agents.learning.coulomb_prior import CoulombPrior
-from agents.learning.lffc import LFFC
+from ffgym.agents.bspline import BSplineNetwork, ExtendedBSN
+from ffgym.agents.common.lessons import friction_motions, thesis_motions
+from ffgym.agents.common.network import Network
+from ffgym.agents.common.trials import Trial
+from ffgym.agents.learning.coulomb_prior import CoulombPrior
+from ffgym.agents.learning.lffc import LFFC
 from ffgym.robot import RigidArm
 
 

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from agents.bspline import BSplineNetwork
-from agents.common.trials import Signal, SimulatedTrial
-from agents.learning.lffc import LFFC
-from agents.stability.limits import LearningStability
-from ffgym.control import Reference
+from ffgym.agents.bspline import BSplineNetwork
+from ffgym.agents.common.trials import Signal, SimulatedTrial
+from ffgym.agents.learning.lffc import LFFC
+from ffgym.agents.stability.limits import LearningStability
+from ffgym.paths import Reference
 from ffgym.report.learning.learning_plot import LearningCurves
 
 

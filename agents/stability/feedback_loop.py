@@ -17,11 +17,11 @@ from typing import Self
 
 import numpy as np
 
-from agents.common.trials import SIGNALS, Signal
-from ffgym.errors import check_choice
-from ffgym.friction import LuGreParameters
+from ffgym.agents.common.trials import SIGNALS, Signal
+from ffgym.core.errors import check_choice
+from ffgym.core.types import Array
 from ffgym.robot import RigidArm, RobotDescription, Servo
-from ffgym.types import Array
+from ffgym.robot.friction import LuGreParameters
 
 _STATES = 6
 _ANGLE, _RATE, _INTEGRAL, _BRISTLE, _DEFLECTION, _DEFLECTION_RATE = range(_STATES)

@@ -9,14 +9,15 @@ from typing import Self
 import numpy as np
 from scipy.sparse import csr_array, diags_array, vstack
 
-from agents.bspline import BSplineNetwork
-from agents.common.trials import Signal
-from agents.stability.feedback_loop import FeedbackLoop, nominal_bristles
-from ffgym.control import Reference, Setpoints
+from ffgym.agents.bspline import BSplineNetwork
+from ffgym.agents.common.trials import Signal
+from ffgym.agents.stability.feedback_loop import FeedbackLoop, nominal_bristles
+from ffgym.control import Setpoints
 from ffgym.control.setpoints import torque_at_rows
-from ffgym.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.types import Array, BoolArray, ComplexArray, IntArray
+from ffgym.paths import Reference
 from ffgym.robot import RigidArm
-from ffgym.types import Array, BoolArray, ComplexArray, IntArray
 
 STABLE_GROWTH = 1.001
 """Growth per iteration that still counts as stable. Chosen: doubling takes 700 iterations, more than any training; and

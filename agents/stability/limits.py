@@ -6,9 +6,9 @@ Along a given motion, what the feedback has to give is nearly linear in the weig
     u_p(w) = u_p(0) - G B w, \qquad w_+ = w + \gamma N B^T u_p(w) = (I - \gamma L) w + const, \qquad L = N B^T G B
 
 B holds the splines along the motion, N is diagonal with one over the sum of each spline, and G is what added torque
-takes off the feedback (`agents.stability.feedback_loop`). A pattern of weights that is an eigenvector of L changes by
-the factor 1 - gamma lambda in each iteration. Learning is stable while no factor is larger than 1. Thesis 7.2 leaves
-this open.
+takes off the feedback (`ffgym.agents.stability.feedback_loop`). A pattern of weights that is an eigenvector of L
+changes by the factor 1 - gamma lambda in each iteration. Learning is stable while no factor is larger than 1. Thesis
+7.2 leaves this open.
 
 Run it:
 
@@ -27,14 +27,14 @@ from typing import Self
 
 import numpy as np
 
-from agents.bspline import BSplineNetwork
-from agents.common.trials import Signal
-from agents.stability.iteration_map import LearningMap, learning_maps
-from ffgym.control import Reference
-from ffgym.errors import check_number
+from ffgym.agents.bspline import BSplineNetwork
+from ffgym.agents.common.trials import Signal
+from ffgym.agents.stability.iteration_map import LearningMap, learning_maps
+from ffgym.core.errors import check_number
+from ffgym.core.types import Array
+from ffgym.paths import Reference
 from ffgym.robot import RigidArm
 from ffgym.simulation import RECORD_DT
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,9 +10,9 @@ from uuid import uuid4
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.errors import FFGymError
-from ffgym.files import check_writable
-from ffgym.provenance import installed
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import check_writable
+from ffgym.core.provenance import installed
 
 NEEDED = {".mp4": ("imageio", "imageio-ffmpeg"), ".gif": ("imageio", "pillow")}
 """Packages by suffix."""

@@ -3,14 +3,14 @@
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from agents.catalogue import CATALOGUE
+from ffgym.agents.catalogue import CATALOGUE
 from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
+from ffgym.core.files import write_json, write_text
 from ffgym.diagnosis import Diagnosis, examine
 from ffgym.diagnosis.document import diagnosis_document
 from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
 from ffgym.envs.rigs import is_workcell, rig_of
-from ffgym.files import write_json, write_text
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Rig, SimulatedRig

@@ -1,8 +1,8 @@
 """Robots of commands that need a description: of what only measures, there is none."""
 
+from ffgym.core.errors import FFGymError
 from ffgym.envs.rigs import is_workcell
 from ffgym.envs.workcell_circles import CONTROLLER
-from ffgym.errors import FFGymError
 from ffgym.robot import RobotDescription, load_robot
 
 

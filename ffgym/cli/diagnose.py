@@ -13,6 +13,8 @@ from ffgym.cli.diagnose_inputs import ROBOT, Nominal, draft_named, fit_nominal, 
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar, stages_bar
 from ffgym.cli.unused import given_options
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.files import made_folder, write_text
 from ffgym.diagnosis import Calibration, Diagnosis, Examined, examine
 from ffgym.diagnosis.closed_loop import LoopLevel, check_comparable, closed_loop_gain
 from ffgym.diagnosis.document import write_diagnosis
@@ -21,13 +23,11 @@ from ffgym.diagnosis.first_look import FirstLook
 from ffgym.diagnosis.held_out import HeldOut, held_out_levels
 from ffgym.diagnosis.search.search import MOST
 from ffgym.diagnosis.thinning import note_of
-from ffgym.errors import FFGymError, check_number, check_whole
-from ffgym.files import made_folder, write_text
 from ffgym.logs import write_corrected
-from ffgym.plant import Machine, load_machine, save_machine
-from ffgym.quality import accepted, judged
+from ffgym.logs.quality import accepted, judged
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription
+from ffgym.simulation.plant import Machine, load_machine, save_machine
 
 REPORT, DOCUMENT, NOMINAL, EXTENDED, NEXT = (
     *("report.html", "diagnosis.json"),

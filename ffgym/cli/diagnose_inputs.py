@@ -7,23 +7,23 @@ from pathlib import Path
 import numpy as np
 
 from ffgym.cli.descriptions import described_robot
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text, write_text
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
 from ffgym.diagnosis.nominal import fitted_nominal
 from ffgym.diagnosis.thinning import within_bound
 from ffgym.effects import Origin
-from ffgym.errors import FFGymError
-from ffgym.files import read_text, write_text
 from ffgym.logs import load_columns, read_logs
+from ffgym.logs.quality import conditioned_alike
 from ffgym.logs.read import corrected
-from ffgym.plant import Machine, load_machine
-from ffgym.plant.machine_file import is_machine_file, origins_of, robot_reference
-from ffgym.quality import conditioned_alike
 from ffgym.recordings import Recording, read_recording
 from ffgym.recordings.folder import read_folder, recording_files
 from ffgym.recordings.stored import SUFFIX, Stored
 from ffgym.robot import RobotDescription, RobotDraft, load_draft
 from ffgym.robot.template import completed_text
+from ffgym.simulation.plant import Machine, load_machine
+from ffgym.simulation.plant.machine_file import is_machine_file, origins_of, robot_reference
 
 ROBOT = "robot.toml"
 """Description of a robot that was made whole by stand-ins, beside the models that name it."""

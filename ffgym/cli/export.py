@@ -11,16 +11,16 @@ from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.unused import given_options
-from ffgym.errors import FFGymError
-from ffgym.export import ReferenceForm, export_model, export_run
-from ffgym.export.model import in_engine, missing_text
-from ffgym.export.reference_table import Angles, Sides
-from ffgym.files import check_vacant, write_json
-from ffgym.motions import load_motion
-from ffgym.plant import Machine, load_machine
-from ffgym.plant.machine_file import is_machine_file, known_robot
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import check_vacant, write_json
+from ffgym.paths.motions import load_motion
 from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
 from ffgym.simulation import RECORD_DT, Run, SimulatedRig
+from ffgym.simulation.export import ReferenceForm, export_model, export_run
+from ffgym.simulation.export.model import in_engine, missing_text
+from ffgym.simulation.export.reference_tables import Angles, Sides
+from ffgym.simulation.plant import Machine, load_machine
+from ffgym.simulation.plant.machine_file import is_machine_file, known_robot
 
 
 @dataclass(frozen=True)

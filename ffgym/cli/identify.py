@@ -14,10 +14,10 @@ from ffgym.cli.identify_outcome import Outcome
 from ffgym.cli.identify_rigid_body import identified_rigid_body
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.unused import given_options
-from ffgym.errors import FFGymError, check_number, check_whole
-from ffgym.files import write_json, write_text
-from ffgym.identification.bootstrap import LEVEL, RESAMPLES
-from ffgym.identification.parameter_file import parameter_text
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.files import write_json, write_text
+from ffgym.diagnosis.identification.parameter_file import parameter_text
+from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
 from ffgym.robot import load_draft, with_parameters
 
 What = Literal["friction", "rigid_body"]

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ffgym.cli.progress import progress_bar
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs import read_logs as read_motions
-from ffgym.quality import check_quality, conditioned_alike
+from ffgym.logs.quality import check_quality, conditioned_alike
 from ffgym.recordings import Recording
 from ffgym.recordings.folder import read_folder
 from ffgym.robot import RobotDescription

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 from ffgym.cli.identify_logs import LogSet
 from ffgym.cli.identify_outcome import Outcome
 from ffgym.cli.progress import progress_bar
-from ffgym.errors import check_number
-from ffgym.identification import LowPass
-from ffgym.identification.rigid_body import Filtering, RigidBodyOptions, identify_rigid_body, starting_robot
+from ffgym.core.errors import check_number
+from ffgym.diagnosis.identification import LowPass
+from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyOptions, identify_rigid_body, starting_robot
 from ffgym.robot import RobotDraft
 
 if TYPE_CHECKING:

@@ -5,17 +5,17 @@ from pathlib import Path
 
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar
+from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.files import write_json, write_text
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.search.search import MOST
 from ffgym.envs.rigs import is_workcell, rig_of
 from ffgym.envs.workcell_circles import CONTROLLER
-from ffgym.errors import FFGymError, check_whole
-from ffgym.files import write_json, write_text
 from ffgym.paths import SPEEDS
-from ffgym.plant import Machine, load_machine
-from ffgym.plant.machine_file import is_machine_file, origins_of, robot_reference
-from ffgym.protocols import load_protocols
 from ffgym.robot import load_robot
+from ffgym.simulation.plant import Machine, load_machine
+from ffgym.simulation.plant.machine_file import is_machine_file, origins_of, robot_reference
+from ffgym.simulation.protocols import load_protocols
 
 PAGE, NUMBERS = "improvement.html", "improvement.json"
 """What is written beside the rounds, with the page's pictures."""

@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from agents.catalogue import CATALOGUE, Setting, law_named, name_of_law
-from agents.common.trials import RigTrial
+from ffgym.agents.catalogue import CATALOGUE, Setting, law_named, name_of_law
+from ffgym.agents.common.trials import RigTrial
 from ffgym.cli.progress import progress_bar
-from ffgym.control import FeedForwardLaw, Reference
-from ffgym.errors import FFGymError
+from ffgym.control import FeedForwardLaw
+from ffgym.core.errors import FFGymError
+from ffgym.paths import Reference
 from ffgym.robot import RigidArm, with_parameters
 from ffgym.simulation import Rig, SimulatedRig
 

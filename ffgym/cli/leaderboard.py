@@ -9,12 +9,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from agents.entrants import ENTRANTS, REGISTRY
+from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar
-from ffgym.errors import FFGymError, check_choice, check_whole
-from ffgym.executors import Executor
-from ffgym.files import write_json, write_text
+from ffgym.core.errors import FFGymError, check_choice, check_whole
+from ffgym.core.executors import Executor
+from ffgym.core.files import write_json, write_text
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.entrants import Entrant, Registry, entrants_in
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, draw_name, plant_named

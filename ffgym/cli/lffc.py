@@ -5,26 +5,26 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from agents.bspline import BSplineNetwork, ExtendedBSN, StaticBSN
-from agents.common.law_files import save_law
-from agents.common.lessons import training_motions
-from agents.common.trials import RigTrial
-from agents.learning.coulomb_prior import CoulombPrior
-from agents.learning.lffc import LFFC, robot_seconds
-from agents.learning.progress import Learning, relative
-from agents.splines.basis import SplineBasis
-from agents.splines.recipes import thesis_training
-from agents.stability.limits import LearningStability
+from ffgym.agents.bspline import BSplineNetwork, ExtendedBSN, StaticBSN
+from ffgym.agents.common.law_files import save_law
+from ffgym.agents.common.lessons import training_motions
+from ffgym.agents.common.trials import RigTrial
+from ffgym.agents.learning.coulomb_prior import CoulombPrior
+from ffgym.agents.learning.lffc import LFFC, robot_seconds
+from ffgym.agents.learning.progress import Learning, relative
+from ffgym.agents.splines.basis import SplineBasis
+from ffgym.agents.splines.recipes import thesis_training
+from ffgym.agents.stability.limits import LearningStability
 from ffgym.cli.outputs import check_outputs
 from ffgym.cli.unused import given_options, refuse_unused
-from ffgym.control import Reference
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_json
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
 from ffgym.envs.rigs import is_workcell, rig_of
-from ffgym.errors import FFGymError
-from ffgym.files import write_json
-from ffgym.provenance import versions
+from ffgym.paths import Reference
 from ffgym.robot import RobotDescription
 from ffgym.simulation import RECORD_DT
-from ffgym.types import Array
 
 NETWORKS: dict[str, type[StaticBSN] | type[ExtendedBSN]] = {"static": StaticBSN, "extended": ExtendedBSN}
 """Networks by the word for them on the command line."""

@@ -9,15 +9,15 @@ import tyro
 from ffgym.cli.descriptions import described_robot
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar
-from ffgym.errors import FFGymError
-from ffgym.files import write_json, write_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_json, write_text
 from ffgym.logs import read_logs
-from ffgym.plant.machine_file import is_machine_file
-from ffgym.quality import QualityReport, check_quality
-from ffgym.quality.finding import Overall
-from ffgym.quality.wiring import Mistake, find_wiring
+from ffgym.logs.quality import QualityReport, check_quality
+from ffgym.logs.quality.finding import Overall
+from ffgym.logs.quality.wiring import Mistake, find_wiring
 from ffgym.recordings.folder import recording_files
 from ffgym.robot import RobotDescription, load_draft
+from ffgym.simulation.plant.machine_file import is_machine_file
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from pathlib import Path
 import tyro
 
 from ffgym.cli.outputs import check_outputs, provenance
-from ffgym.errors import FFGymError
-from ffgym.files import write_json, write_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_json, write_text
 from ffgym.logs import TextLayout, read_contents
 from ffgym.logs.draft import draft, listing
 from ffgym.logs.recognise import fitting_maps

@@ -8,8 +8,8 @@ from typing import Any
 import tyro
 
 from ffgym.cli.outputs import check_outputs, provenance
-from ffgym.errors import FFGymError, check_choice
-from ffgym.files import write_json
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import write_json
 from ffgym.logs import read_logs
 from ffgym.recordings import Recording, write_recording
 from ffgym.recordings.io import FORMATS

@@ -6,9 +6,9 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from ffgym.errors import FFGymError
-from ffgym.files import check_writable
-from ffgym.provenance import installed, versions
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import check_writable
+from ffgym.core.provenance import installed, versions
 
 
 def need_extra(who: str, *packages: str) -> None:

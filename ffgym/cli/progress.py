@@ -4,7 +4,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from ffgym.simulation.simulate import Progress
+from ffgym.simulation.run import Progress
 
 
 @contextmanager

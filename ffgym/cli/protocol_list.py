@@ -2,10 +2,10 @@
 
 from textwrap import fill
 
-from ffgym.errors import FFGymError
-from ffgym.protocols import PROTOCOLS
-from ffgym.protocols.stage import Stage
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
+from ffgym.simulation.protocols import PROTOCOLS
+from ffgym.simulation.protocols.stage import Stage
 
 
 def protocol_list(arm: RigidArm) -> str:

@@ -12,10 +12,13 @@ from ffgym.cli.progress import progress_bar
 from ffgym.cli.protocol_list import protocol_list
 from ffgym.cli.unused import given_options
 from ffgym.control import FeedForwardLaw
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.files import write_json
 from ffgym.envs.rigs import rig_of
-from ffgym.errors import FFGymError, check_number
-from ffgym.files import write_json
-from ffgym.protocols import (
+from ffgym.recordings.folder import INDEX
+from ffgym.robot import RobotDescription
+from ffgym.simulation import RECORD_DT, Rig, Sensor, SimulatedRig, TorqueSensor
+from ffgym.simulation.protocols import (
     Protocol,
     RecordedSession,
     SessionMotion,
@@ -24,10 +27,7 @@ from ffgym.protocols import (
     record_into,
     usual_sensors,
 )
-from ffgym.protocols.protocol import JointProtocol
-from ffgym.recordings.folder import INDEX
-from ffgym.robot import RobotDescription
-from ffgym.simulation import RECORD_DT, Rig, Sensor, SimulatedRig, TorqueSensor
+from ffgym.simulation.protocols.protocol import JointProtocol
 
 LISTED_ROBOT = "irb4600_60_205"
 """Robot that --list tells durations for, if none is named."""

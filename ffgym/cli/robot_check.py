@@ -8,7 +8,7 @@ import numpy as np
 import tyro
 
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
-from ffgym.files import write_json, write_text
+from ffgym.core.files import write_json, write_text
 from ffgym.robot import ModelOptions, RobotDraft, compile_model, load_draft, physics_fingerprint
 from ffgym.robot.template import propose
 from ffgym.studies.robot_check import RobotCheck, check_robot

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import tyro
 
-from ffgym.errors import FFGymError
-from ffgym.files import check_writable, read_text, write_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import check_writable, read_text, write_text
 from ffgym.robot import load_draft
 from ffgym.robot.reading.parse import parse_draft
 from ffgym.robot.template import filled_text, propose

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import tyro
 
-from ffgym.errors import FFGymError
-from ffgym.files import check_writable, write_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import check_writable, write_text
 from ffgym.robot.arm_file import read_arm
 from ffgym.robot.reading.parse import parse_draft
 from ffgym.robot.template import filled_text, propose, template

@@ -11,10 +11,10 @@ from ffgym.cli.laws import check_laws, make_laws, setting_for
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.unused import given_options
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import write_json, write_text
 from ffgym.envs.rigs import is_workcell, rig_of
-from ffgym.errors import FFGymError, check_choice
-from ffgym.files import write_json, write_text
-from ffgym.motions import Motion, load_motion
+from ffgym.paths.motions import Motion, load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import FORMATS
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription

@@ -6,17 +6,16 @@ from typing import Literal
 
 import numpy as np
 
-from agents.bspline import BSplineNetwork
-from agents.common.lessons import training_motions
-from agents.common.trials import SimulatedTrial
-from agents.splines.recipes import thesis_training
-from agents.stability.limits import LearningStability
+from ffgym.agents.bspline import BSplineNetwork
+from ffgym.agents.common.lessons import training_motions
+from ffgym.agents.common.trials import SimulatedTrial
+from ffgym.agents.splines.recipes import thesis_training
+from ffgym.agents.stability.limits import LearningStability
 from ffgym.cli.descriptions import described_robot
 from ffgym.cli.lffc import NETWORKS
 from ffgym.cli.unused import refuse_unused
-from ffgym.control import Reference
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.paths import SPEEDS
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.paths import SPEEDS, Reference
 from ffgym.robot import RigidArm
 from ffgym.simulation import RECORD_DT
 
@@ -87,7 +86,7 @@ class Stability:
             raise FFGymError(f"figure rates = {list(self.figure_rates)} must be one or more, ascending.")
 
     def _draw(self, network: BSplineNetwork, arm: RigidArm, motion: Reference, iterations: int, path: Path) -> None:
-        from agents.stability.check import learning_curves
+        from ffgym.agents.stability.check import learning_curves
         from ffgym.report import save_figure
         from ffgym.report.learning.learning_plot import learning_caption, learning_figure
 

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import tyro
 
-from agents.submission import LOADERS, submitted
+from ffgym.agents.submission import LOADERS, submitted
 from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.cli.progress import progress_bar
 from ffgym.cli.verify import claim_lines
-from ffgym.errors import FFGymError
-from ffgym.files import write_bytes, write_json
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_bytes, write_json
 from ffgym.leaderboard.plants import ROBOT
 from ffgym.leaderboard.submission.manifest import AgentSource, Track
 from ffgym.leaderboard.submission.pack import About, pack

@@ -4,14 +4,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from agents.residual.bases import base_named
-from agents.residual.hyperparameters import changed
-from agents.residual.plan import Training
+from ffgym.agents.residual.bases import base_named
+from ffgym.agents.residual.hyperparameters import changed
+from ffgym.agents.residual.plan import Training
 from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.cli.progress import progress_bar
-from ffgym.errors import FFGymError
-from ffgym.files import write_json
-from ffgym.provenance import installed
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_json
+from ffgym.core.provenance import installed
 
 PACKAGES = ("torch", "stable-baselines3", "sb3-contrib")
 """What training needs."""
@@ -100,7 +100,7 @@ class Train(Options):
         check_outputs({"--json": self.json})
         training = self.with_seed(self.seed)
         robot = training.known()
-        from agents.residual.learning.training import train
+        from ffgym.agents.residual.learning.training import train
 
         with progress_bar("training", "steps") as progress:
             trained = train(training, self.out, watch=progress)

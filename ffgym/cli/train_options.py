@@ -2,10 +2,10 @@
 
 import json
 
-from agents.residual.hyperparameters import Value, hyperparameters
-from agents.residual.plan import Training
+from ffgym.agents.residual.hyperparameters import Value, hyperparameters
+from ffgym.agents.residual.plan import Training
 from ffgym.cli.train import Options
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 
 def options_of(training: Training, base: str | None = None) -> list[str]:

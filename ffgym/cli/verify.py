@@ -7,11 +7,11 @@ from typing import Any
 
 import tyro
 
-from agents.submission import LOADERS
+from ffgym.agents.submission import LOADERS
 from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.cli.progress import progress_bar
-from ffgym.errors import FFGymError
-from ffgym.files import write_json
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_json
 from ffgym.leaderboard.plants import ROBOT
 from ffgym.leaderboard.submission.archive import read_archive
 from ffgym.leaderboard.submission.manifest import Claim

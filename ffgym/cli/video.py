@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from ffgym.cli._movie import check_movie, movie
 from ffgym.cli.outputs import check_outputs, provenance
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.files import write_json
-from ffgym.registration import ENVIRONMENTS
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.files import write_json
+from ffgym.core.types import Array
+from ffgym.envs.registration import ENVIRONMENTS
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 ACTION_SCALE = 8.0
 """Torque of an action of 1, in breakaway torques: enough for every law, so that none is clipped."""
@@ -125,7 +125,7 @@ class Video:
     def _machine(self, name: str) -> tuple[RobotDescription, dict[str, Any]]:
         """What the machine's controller knows of it, and the environment's arguments that say which machine it is."""
         from ffgym.envs.rigs import WORKCELL, is_workcell, rig_of
-        from ffgym.plant.machine_file import is_machine_file
+        from ffgym.simulation.plant.machine_file import is_machine_file
 
         robot = rig_of(name).robot
         if self.env == CIRCLES[1]:

@@ -7,9 +7,9 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.control.reference import Reference
-from ffgym.errors import FFGymError
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.paths.reference import Reference
 
 
 class FeedForwardLaw(ABC):

@@ -7,10 +7,10 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.control.feedforward import CausalLaw, Window
-from ffgym.control.reference import Reference
-from ffgym.errors import FFGymError, check_number, check_whole
-from ffgym.friction import LuGreParameters
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.types import Array
+from ffgym.paths.reference import Reference
+from ffgym.robot.friction import LuGreParameters
 
 
 @final

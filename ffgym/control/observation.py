@@ -6,9 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice, check_whole
+from ffgym.core.errors import FFGymError, check_choice, check_whole
+from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 BOUND = 100.0
 """Observations are clipped to +-BOUND; scaled as they are, that is beyond everything a robot in order does."""

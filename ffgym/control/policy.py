@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 from ffgym.control.observation import ObservationLayout
+from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 
 @runtime_checkable

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
+from ffgym.core.types import Array
 from ffgym.robot.parts import Servo
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

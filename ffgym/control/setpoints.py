@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import check_shape
-from ffgym.types import Array, IntArray
+from ffgym.core.errors import check_shape
+from ffgym.core.types import Array, IntArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,14 +11,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log.sampling import CUTOFF
 from ffgym.diagnosis.log.white import without_trembling
 from ffgym.diagnosis.replay import Replay, replay, servo_feedback
 from ffgym.diagnosis.replay.bristles import Bristles, along_speed
-from ffgym.identification import LowPass
 from ffgym.recordings import Recording
-from ffgym.types import Array
 
 _STEP = 2.5e-4
 """Longest step of the fine replay [s]; chosen: that of the engine for the fastest friction of the built-in robots."""

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import welch
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log.white import white_noise
 from ffgym.diagnosis.measured import counting_rows, residual_rows
@@ -18,8 +19,7 @@ from ffgym.diagnosis.patterns.rows import rows_of
 from ffgym.diagnosis.patterns.split_half import tried
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residuals import residual_of
-from ffgym.plant import Machine
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 HARMONICS = 8.0
 """Cut-off over the bandwidth of the motion: friction that turns round with a slow motion has its seventh harmonic

@@ -2,13 +2,13 @@
 
 import numpy as np
 
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.rigid_body.arm_terms import Bodies
+from ffgym.diagnosis.identification.rigid_body.base import base_parameters
+from ffgym.diagnosis.identification.rigid_body.link_motion import rigid_motion
+from ffgym.diagnosis.identification.rigid_body.motor_terms import RotorInertia
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.identification.rigid_body.arm_terms import Bodies
-from ffgym.identification.rigid_body.base import base_parameters
-from ffgym.identification.rigid_body.link_motion import rigid_motion
-from ffgym.identification.rigid_body.motor_terms import RotorInertia
-from ffgym.types import Array
 
 _TERMS = (Bodies(), RotorInertia())
 

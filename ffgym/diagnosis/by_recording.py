@@ -15,6 +15,7 @@ from datetime import date
 import numpy as np
 from scipy.stats import t as student
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.evidence.stack import Blocks
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import counting_rows
@@ -24,7 +25,6 @@ from ffgym.diagnosis.result import Drift
 from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.effects.friction import CoulombLevel, ViscousLevel
 from ffgym.recordings import Recording
-from ffgym.types import Array, BoolArray
 
 FEWEST = 4
 """Recordings below which a change with the days is not told from chance."""

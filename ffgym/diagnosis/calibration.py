@@ -6,6 +6,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.core.errors import check_number
+from ffgym.core.types import Array
 from ffgym.diagnosis.base_torques import base_torques
 from ffgym.diagnosis.lateness import late_columns
 from ffgym.diagnosis.replay import Replay
@@ -16,12 +18,10 @@ from ffgym.effects.effect import Side
 from ffgym.effects.friction import CoulombLevel, PreslidingStiffness, StribeckPeak, ViscousLevel
 from ffgym.effects.load import RotorInertia
 from ffgym.effects.measurement import ToolFrame
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.effects.transmission import JointStiffness
-from ffgym.errors import check_number
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 BOUND = 4.0
 """Standard deviations beyond which a calibration error is none: without a bound calibration swallows effects. Of the

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.leftover import Loudness, loudness, without_calibration
 from ffgym.diagnosis.patterns.cycles import cycles_per_turn
@@ -21,7 +22,6 @@ from ffgym.diagnosis.signatures.stiffness import stiffness_columns
 from ffgym.diagnosis.signatures.variant import Cycles
 from ffgym.effects import Effect
 from ffgym.effects.transmission import JointStiffness
-from ffgym.types import Array
 
 _LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("torque", 1))
 """Peaks of a joint's torque that are tried as the frequency of a periodic effect, of what has one amplitude and of what

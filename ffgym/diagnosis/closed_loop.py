@@ -11,19 +11,20 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.control import FeedForwardLaw, Reference
+from ffgym.control import FeedForwardLaw
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.diagnosis.failures import FAILED
+from ffgym.diagnosis.identification.signals import acting_torque
 from ffgym.diagnosis.log import Sampling
 from ffgym.diagnosis.log.reference import reference_of, roomy
-from ffgym.errors import FFGymError
-from ffgym.identification.signals import acting_torque
-from ffgym.metrics import motor_error
-from ffgym.plant import Machine
+from ffgym.paths import Reference
 from ffgym.recordings import Recording
+from ffgym.recordings.metrics import motor_error
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import Run, simulate
-from ffgym.simulation.simulate import Progress
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
+from ffgym.simulation.run import Progress
 
 UNITS = {"tracking error": "rad", "torque": "N m", "tool": "m"}
 """Quantities that are compared: reference minus motor angle, motor side; motor torque, motor side; tracked position."""

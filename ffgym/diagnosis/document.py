@@ -10,11 +10,11 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text, write_json
+from ffgym.core.typed_json import from_json, to_json
 from ffgym.diagnosis.residual import UNITS
 from ffgym.diagnosis.result import Diagnosis, Level
-from ffgym.errors import FFGymError
-from ffgym.files import read_text, write_json
-from ffgym.typed_json import from_json, to_json
 
 FORMAT = "ffgym-diagnosis"
 """What the entry `format` says."""

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array
 from ffgym.diagnosis.fitted_numbers import with_fitted_numbers
 from ffgym.diagnosis.result import Cause, Diagnosis, Number, Size
 from ffgym.effects import EFFECTS, Effect, Origin, Parameter
-from ffgym.errors import FFGymError, check_choice
-from ffgym.plant import Climate, Machine, save_machine
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Climate, Machine, save_machine
 
 _NAMED = 4
 """Motions that a source names."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 FAILED = (FFGymError, np.linalg.LinAlgError, FloatingPointError)
 """An arm that flies away, a simulation that becomes unstable, a machine that cannot be so; equations without solution;

@@ -20,7 +20,7 @@ from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.effects import Effect, ResolverEffect
-from ffgym.plant import Machine
+from ffgym.simulation.plant import Machine
 
 STANDS_OUT = 0.5
 """Share of the torque's residual above noise that an effect must explain to be spoken of: what explains less than half

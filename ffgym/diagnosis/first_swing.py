@@ -9,6 +9,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.fit.fit import evaluated
 from ffgym.diagnosis.fit.leftover import without_calibration
 from ffgym.diagnosis.fit.setting import Setting
@@ -17,7 +18,6 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.bending import changes
 from ffgym.diagnosis.signatures.parts import Parts, shown
 from ffgym.diagnosis.signatures.push import Push
-from ffgym.types import Array
 
 _CLEAR = 0.7
 """Energy of a motion's residual that is left without its swing, as a share of it, at most, if there was one; chosen

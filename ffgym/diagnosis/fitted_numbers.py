@@ -6,15 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array
 from ffgym.diagnosis.result import Number
 from ffgym.effects import EFFECTS, Effect
-from ffgym.errors import FFGymError, check_choice
-from ffgym.plant import Machine
 from ffgym.robot import RobotDescription
 from ffgym.robot.reading.parameters import GROUPS
 from ffgym.robot.reading.rule import JointFrame, si_units
 from ffgym.robot.reading.rules import RULES
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 _EFFECT = "effects"
 """First word of an entry that is a parameter of an effect."""

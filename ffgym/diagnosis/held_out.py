@@ -5,15 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import counting_rows, measured_rows, residual_rows
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.residual import UNITS, components
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.types import Array, BoolArray
+from ffgym.simulation.plant import Machine
 
 
 @dataclass(frozen=True, kw_only=True)

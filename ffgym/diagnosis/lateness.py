@@ -10,6 +10,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.diagnosis.signatures.parts import Parts
@@ -17,8 +18,7 @@ from ffgym.effects import ClockEffect, Effect
 from ffgym.effects.drive import TorqueDelay
 from ffgym.effects.effect import Side
 from ffgym.effects.measurement import TorqueClock
-from ffgym.effects.parameter import parameter
-from ffgym.types import Array
+from ffgym.effects.parameters import parameter
 
 OF_ROW = 0.05
 """Standard deviation of the time between torque and position of a row, in rows; chosen: columns that are said to be of

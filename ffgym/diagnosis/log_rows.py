@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
-from ffgym.types import Array, IntArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

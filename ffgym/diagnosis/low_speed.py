@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.log import Log
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, BoolArray
 
 SLOW = 0.01
 """Share of a joint's largest speed below which bristles decide the torque. On recorded robots of 300 kg, 0.02 rad/s:

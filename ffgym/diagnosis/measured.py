@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.low_speed import judged_rows
 from ffgym.diagnosis.residual import Channel
-from ffgym.errors import FFGymError
-from ffgym.types import Array, BoolArray
 
 LEAST = 2.0
 """Time [s] that all motions together must last: a block of a second to fit to, and another to judge by."""

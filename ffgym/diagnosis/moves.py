@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.regimes import DWELL, REST
-from ffgym.types import Array, BoolArray, IntArray
 
 
 def since_move(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.colour import Colour, colour_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.log.white import white_noise
@@ -17,7 +18,6 @@ from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tool_path
 from ffgym.diagnosis.residual import Channel
 from ffgym.recordings import Recording
-from ffgym.types import Array, BoolArray
 
 _ROUNDING = 1e-12
 """Relative differences of angles that are those of floating point."""

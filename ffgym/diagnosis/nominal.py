@@ -5,22 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.log.sampling import Sampling
-from ffgym.errors import FFGymError
-from ffgym.friction import LuGreParameters
-from ffgym.identification import LowPass
-from ffgym.identification.rigid_body import (
+from ffgym.diagnosis.identification import LowPass
+from ffgym.diagnosis.identification.rigid_body import (
     Filtering,
     RigidBodyFit,
     RigidBodyOptions,
     identify_rigid_body,
     starting_robot,
 )
-from ffgym.plant import Machine
+from ffgym.diagnosis.log.sampling import Sampling
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription, RobotDraft
+from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.template.proposals import PRESLIDING
+from ffgym.simulation.plant import Machine
 
 LEAST_SHARE = 0.1
 """Least standard deviation of fitted numbers, relative. An effect that is not in the model hides in its neighbours

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.evidence.stack import Values
 from ffgym.diagnosis.residual import Channel
-from ffgym.types import Array
 
 EVERYWHERE = 5.0
 """Usual misfit, in standard deviations of the noise, from which on a model misses everywhere; chosen."""

@@ -11,15 +11,15 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.log.reference import reference_of, roomy
 from ffgym.diagnosis.replay import Replay
-from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription
 from ffgym.simulation import Run, simulate
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 _SAME_TIME = 1e-4
 """Share of a sample period by which times of rows may differ and still be the same."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.stack import Values, blocks_of
@@ -30,10 +31,9 @@ from ffgym.diagnosis.signatures.variant import variants
 from ffgym.diagnosis.standing import misread_friction
 from ffgym.diagnosis.unknown_torque import doubt_rows, unknown_torque
 from ffgym.effects import Effect, State, TorqueEffect, Torques
-from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 _WARMER = 10.0
 """Change of temperature with which it is tried whether an effect depends on it [K]."""

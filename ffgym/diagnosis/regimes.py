@@ -6,11 +6,11 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.log_rows import LogRows, log_rows
 from ffgym.diagnosis.residual import Channel, Residual, components
-from ffgym.errors import FFGymError
-from ffgym.friction import LuGreParameters
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.robot.friction import LuGreParameters
 
 REST = 0.05
 """Motor speed below which a motor stands [rad/s]; chosen: above what noise of a resolver makes of standstill, and a

@@ -6,9 +6,9 @@ from typing import Literal
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.effects import State
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, BoolArray
 
 Channel = Literal["torque", "tool", "link", "servo"]
 """What is compared: `torque` of each motor over its measured motion, motor side [N m]; `tool`, tracked position against

@@ -5,13 +5,13 @@ from dataclasses import fields
 
 import numpy as np
 
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import counting_rows, measured_rows, valid_rows
 from ffgym.diagnosis.moves import since_move
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
 from ffgym.effects import State
-from ffgym.types import Array, IntArray
 
 
 def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Mapping[Channel, Array]) -> Residual:

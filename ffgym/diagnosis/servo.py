@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.replay import servo_feedback
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, BoolArray
 
 _NUMBERS = ("servo.position_gain", "servo.velocity_gain", "servo.integral_gain", "servo.control_dt")
 """Entries of a description without which its servo is a stand-in."""

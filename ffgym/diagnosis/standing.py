@@ -9,12 +9,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.noise import Noise, noisy
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.bristles import along_speed
 from ffgym.recordings import Recording
-from ffgym.types import Array
 
 DRAWS = 4
 """Draws of the reading's noise; from one to the next it differs by a seventh of its mean, where that is large."""

@@ -10,13 +10,13 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.evidence.stack import Values
+from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log.white import without_trembling
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.bristles import along_speed
 from ffgym.diagnosis.residual import Channel
-from ffgym.identification import LowPass
-from ffgym.types import Array
 
 _HALF = 0.5
 """Share of both bands that is tried beside them: friction that half a band hides is as large as what a whole one does,

@@ -5,9 +5,9 @@ from dataclasses import fields
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.effects.effect import TorqueEffect
 from ffgym.effects.state import State, Torques
-from ffgym.types import Array
 
 _STATE = tuple(f.name for f in fields(State))
 

@@ -19,12 +19,12 @@ import mujoco
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ffgym.effects.parameter import Parameter, declared
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array, BoolArray
+from ffgym.effects.parameters import Parameter, declared
 from ffgym.effects.state import ResolverError, State, Torques, no_memory
-from ffgym.errors import FFGymError, check_choice
 from ffgym.recordings import FAMILIES, Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, BoolArray
 
 Side = Literal["motor", "link", "tool", "controller"]
 

@@ -9,9 +9,9 @@ of which each effect by itself knows :math:`-(\tau_l + \tau_i)\, \partial e_i / 
 without it, two waves would make energy that one wave of the same shape does not.
 """
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.effects.effect import TorqueEffect
 from ffgym.effects.state import State
-from ffgym.types import Array, BoolArray
 
 
 class Leads:

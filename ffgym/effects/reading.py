@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array
 from ffgym.effects.catalogue import EFFECTS
 from ffgym.effects.effect import Effect
-from ffgym.effects.parameter import Parameter
-from ffgym.errors import FFGymError, check_choice
+from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
 from ffgym.robot.template.toml_text import text
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 
 @dataclass(slots=True, kw_only=True, eq=False)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.errors import FFGymError, check_shape
-from ffgym.types import Array, BoolArray
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array, BoolArray
 
 
 def checked_actions(actions: Any, shape: tuple[int, int], going: BoolArray | None) -> Array:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ffgym.core.types import Array, IntArray
 from ffgym.envs.motion import Columns, Motion
 from ffgym.envs.setpoint_table import SetpointTable
-from ffgym.types import Array, IntArray
 
 _KEEP_ROWS = 200_000
 """Motions that nobody follows any more are kept up to this number of rows in all: 50 MB, several times the thesis'

@@ -9,16 +9,15 @@ from typing import Any, Literal
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import cartesian_reference
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.types import Array
 from ffgym.envs.motion import Motion
 from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
-from ffgym.errors import FFGymError, check_choice, check_number, check_shape
-from ffgym.paths import RADII, SPEEDS, circle_test
+from ffgym.paths import RADII, SPEEDS, cartesian_reference, circle_test
 from ffgym.robot import RobotDescription, robot_of, solve_path
-from ffgym.types import Array
 
 Position = str | Sequence[float] | Array
 """Name of a position of the work area, or a point in the world [m], shape (3,)."""

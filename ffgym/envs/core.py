@@ -15,6 +15,8 @@ from gymnasium import spaces
 from ffgym.control.observation import BOUND, ObservationLayout
 from ffgym.control.servo import servo_torque
 from ffgym.control.setpoints import interpolate_motion, interpolate_torque
+from ffgym.core.errors import check_whole
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.bank import MotionBank
 from ffgym.envs.geometry import path_error
 from ffgym.envs.motion import Columns, Motion
@@ -25,10 +27,8 @@ from ffgym.envs.settings import Settings
 from ffgym.envs.stage import Observer, Transition
 from ffgym.envs.start import Start, Starts
 from ffgym.envs.tasks import Tasks
-from ffgym.errors import check_whole
-from ffgym.plant import Plant
 from ffgym.recordings import PHASE_KINDS
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.simulation.plant import Plant
 
 _POSITIONS = mujoco.mjtStage.mjSTAGE_POS.value
 _PHASES = np.array(PHASE_KINDS)

@@ -7,10 +7,10 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from ffgym.envs.layers import Agent
+from ffgym.control import Agent
+from ffgym.core.errors import FFGymError, check_choice, check_whole
+from ffgym.core.types import Array, BoolArray
 from ffgym.envs.single import TrackingEnv
-from ffgym.errors import FFGymError, check_choice, check_whole
-from ffgym.types import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,9 +15,9 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot import model_field
-from ffgym.types import Array
 
 DIGITS = 9
 """Digits of the model's numbers that count: processors differ in the sixteenth."""
@@ -94,7 +94,7 @@ def check(name: str) -> None:
         base, _, version = name.rpartition("-v")
         raise FFGymError(
             f"{name} is no longer what it was: {', '.join(changed)} changed. Results under this id would not compare: "
-            f"bump the version (register {base}-v{int(version) + 1} in ffgym/registration.py, say what changed in "
+            f"bump the version (register {base}-v{int(version) + 1} in ffgym/envs/registration.py, say what changed in "
             f"CHANGELOG.md), then run python -m scripts.env_fingerprints."
         )
 

@@ -7,18 +7,18 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import Reference
+from ffgym.core.errors import FFGymError
 from ffgym.envs.motion import Motion
 from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
-from ffgym.errors import FFGymError
-from ffgym.motions import load_motion
+from ffgym.paths import Reference
+from ffgym.paths.motions import load_motion
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, physics_fingerprint, robot_of
 
 Source = str | Path | Reference
-"""Name of a built-in motion, path to a file that `ffgym.motions.load_motion` reads, or a reference."""
+"""Name of a built-in motion, path to a file that `ffgym.paths.motions.load_motion` reads, or a reference."""
 
 ROBOT = "irb4600_60_205"
 """Robot where neither one nor a reference that brings one is given."""

@@ -2,16 +2,17 @@
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.envs.motion import Columns
-from ffgym.types import Array
 
 
 def path_error(tcp: Array, rows: Array, columns: Columns, centre: Array, normal: Array) -> Array:
     """Distance of the TCP from its path [m], shape (B,).
 
-    On a circle it is the distance to its nearest point, in its plane, as `ffgym.metrics.path_errors`; elsewhere the
-    part of TCP - reference across the direction of motion, all of it at rest. Where a motion tells how its path bends,
-    what the path leaves its tangent by, s^2 / 2 times the curvature, is taken off at the TCP's distance s along it.
+    On a circle it is the distance to its nearest point, in its plane, as `ffgym.recordings.metrics.path_errors`;
+    elsewhere the part of TCP - reference across the direction of motion, all of it at rest. Where a motion tells how
+    its path bends, what the path leaves its tangent by, s^2 / 2 times the curvature, is taken off at the TCP's distance
+    s along it.
 
     Args:
         tcp: without the offset at standstill [m], shape (B, 3).

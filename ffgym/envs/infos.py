@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, BoolArray, IntArray
 
 
 def masks_for(info: dict[str, Any], n: int) -> dict[str, BoolArray]:

@@ -8,16 +8,15 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.control import joint_reference
+from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.types import Array
 from ffgym.envs.motion import Motion
 from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks
 from ffgym.envs.vector import TrackingVectorEnv
-from ffgym.errors import FFGymError, check_number, check_shape
-from ffgym.paths import random_multisine
+from ffgym.paths import joint_reference, random_multisine
 from ffgym.robot import RobotDescription, robot_of
-from ffgym.types import Array
 
 PEAK_SPEEDS = (0.2, 20.0)
 """Range of the fastest motor speed of each joint [rad/s]: from presliding to the fastest motor of the circle test."""

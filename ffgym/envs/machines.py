@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
+from ffgym.core.errors import FFGymError
 from ffgym.envs.rigs import is_workcell, workcell_named
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine, load_machine
-from ffgym.plant.machine_file import is_machine_file
 from ffgym.robot import RobotDescription, robot_of
+from ffgym.simulation.plant import Machine, load_machine
+from ffgym.simulation.plant.machine_file import is_machine_file
 
 
 def machine_of(plant: Machine | RobotDescription | str | Path) -> Machine:

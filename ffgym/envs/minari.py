@@ -15,11 +15,11 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
 from ffgym.envs.episodes import Episode as Episode
 from ffgym.envs.episodes import collect as collect
-from ffgym.errors import FFGymError
-from ffgym.provenance import versions
-from ffgym.types import Array
 
 _ID = re.compile(r"([-_\w][-_\w/]*/)?[-_\w]+-v\d+")
 

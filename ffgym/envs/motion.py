@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.control import Reference, rigid_feedforward
-from ffgym.errors import FFGymError
-from ffgym.metrics import Circle, fit_circle
+from ffgym.control import rigid_feedforward
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
+from ffgym.paths import Reference
 from ffgym.recordings import PHASE_KINDS, Phase
+from ffgym.recordings.metrics import Circle, fit_circle
 from ffgym.robot import RigidArm
-from ffgym.types import Array, BoolArray
 
 SLOW = 1e-3
 """TCP speed [m/s] below which a path counts as straight: positions are known to 1e-10 m, so that curvatures computed

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
+from ffgym.core.errors import check_number, check_shape
 from ffgym.envs.motion import Motion
 from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
-from ffgym.errors import check_number, check_shape
 from ffgym.robot import RobotDescription, robot_of
-from ffgym.studies.one_axis_study import sine_reference
+from ffgym.studies.one_axis import sine_reference
 
 
 class SineTasks(Tasks):

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.types import Array, IntArray
 from ffgym.recordings import Recording
 from ffgym.simulation import RECORD_DT, Sensor
+from ffgym.simulation.run import record_stride
 from ffgym.simulation.sensors import measure
-from ffgym.simulation.simulate import record_stride
 from ffgym.simulation.trace import ReferenceRows, Trace, to_recording
-from ffgym.types import Array, IntArray
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore

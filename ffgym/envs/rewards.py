@@ -8,9 +8,9 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.control.servo import ServoTorque
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.types import Array, BoolArray
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, BoolArray
 
 STOP_STEPS = 250
 """An emergency stop costs as much as this many steps, 1 s, at the error at which it happened. Chosen: the error limit

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from ffgym.errors import FFGymError
-from ffgym.plant import load_machine
-from ffgym.plant.machine_file import is_machine_file, known_robot
+from ffgym.core.errors import FFGymError
 from ffgym.robot import ModelOptions, RigidArm, load_robot
 from ffgym.simulation import Rig, Sensor, SimulatedRig
+from ffgym.simulation.plant import load_machine
+from ffgym.simulation.plant.machine_file import is_machine_file, known_robot
 from ffgym.workcell import INSTANCES, Workcell, draw, workcell
 
 WORKCELL = "workcell:"

@@ -15,8 +15,8 @@ import gymnasium as gym
 import numpy as np
 from gymnasium.vector import AutoresetMode
 
-from ffgym.errors import FFGymError, check_choice
-from ffgym.types import Array, BoolArray
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array, BoolArray
 
 try:
     from stable_baselines3.common.monitor import Monitor

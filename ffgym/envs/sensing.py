@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import check_number, check_whole
-from ffgym.types import Array, BoolArray
+from ffgym.core.errors import check_number, check_whole
+from ffgym.core.types import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True)

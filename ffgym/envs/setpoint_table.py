@@ -3,8 +3,8 @@
 import numpy as np
 
 from ffgym.control.setpoints import interpolate_motion
-from ffgym.plant import Plant
-from ffgym.types import Array, IntArray
+from ffgym.core.types import Array, IntArray
+from ffgym.simulation.plant import Plant
 
 LARGEST = 64 * 2**20
 """Size beyond which nothing is kept [bytes]: room for all motions of the thesis' circle test."""

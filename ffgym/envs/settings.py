@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, check_whole
+from ffgym.core.types import Array
 from ffgym.envs.recorder import EpisodeRecorder
 from ffgym.envs.rendering import Rendering
 from ffgym.envs.rewards import Reward, reward_of
 from ffgym.envs.sensing import Sensing
-from ffgym.errors import FFGymError, check_choice, check_number, check_shape, check_whole
-from ffgym.plant import Machine, PlantDistribution
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine, PlantDistribution
 
 if TYPE_CHECKING:
     from ffgym.envs.layers import Layer

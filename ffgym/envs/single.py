@@ -8,10 +8,10 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from ffgym.control.observation import ObservationLayout
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array
 from ffgym.envs.arguments import check_seed
 from ffgym.envs.vector import TrackingVectorEnv
-from ffgym.errors import FFGymError, check_shape
-from ffgym.types import Array
 
 
 class TrackingEnv(gym.Env[Array, Array]):

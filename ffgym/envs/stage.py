@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from gymnasium import spaces
 
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, BoolArray, IntArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import IntArray
 from ffgym.envs.machines import machine_of
 from ffgym.envs.motion import Motion
 from ffgym.envs.rewards import Reward, reward_of
 from ffgym.envs.sensing import Sensing
 from ffgym.envs.settings import Settings, check_horizon, check_kind
 from ffgym.envs.tasks import Tasks
-from ffgym.errors import FFGymError, check_choice
-from ffgym.plant import Machine
-from ffgym.types import IntArray
+from ffgym.simulation.plant import Machine
 
 COMMON_OPTIONS = ("plant", "randomization", "reward", "sensing", "horizon")
 """What `reset(options=...)` may change for an episode in every environment."""

@@ -7,8 +7,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
 from ffgym.envs.motion import Motion
-from ffgym.errors import FFGymError
 from ffgym.robot import RigidArm, RobotDescription
 
 KEPT = 128

@@ -11,6 +11,8 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from ffgym.control.observation import ObservationLayout
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.arguments import autoreset_mode_of, checked_actions, options_for_each, reset_mask, seeds_for_each
 from ffgym.envs.core import TrackingCore
 from ffgym.envs.infos import finals, masks_for, score
@@ -19,8 +21,6 @@ from ffgym.envs.rendering import EpisodeRenderer, check_render_mode
 from ffgym.envs.settings import Settings
 from ffgym.envs.stage import Transition
 from ffgym.envs.tasks import Tasks
-from ffgym.errors import FFGymError
-from ffgym.types import Array, BoolArray, IntArray
 
 
 class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):

@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from agents.elastic import elastic_law
-from agents.lugre import dynamic_lugre
-from agents.model import model_law
+from ffgym.agents.elastic import elastic_law
+from ffgym.agents.lugre import dynamic_lugre
+from ffgym.agents.model import model_law
 from ffgym.control import FeedForwardLaw, NoCompensation
-from ffgym.identification import friction_torques, identify_friction
+from ffgym.diagnosis.identification import friction_torques, identify_friction
 from ffgym.improvement.rounds import Plan, Round
 from ffgym.recordings.folder import read_folder
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import Rig
-from ffgym.simulation.simulate import Progress
+from ffgym.simulation.run import Progress
 
 BASELINE = "lugre_dynamic"
 """Law that the gain is told against: dynamic LuGre with nominal parameters."""

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.improvement.contenders import BASELINE, Contender
 from ffgym.paths import RADII, SPEEDS
-from ffgym.protocols.diagnosis import CIRCLE
 from ffgym.robot import RobotDescription
 from ffgym.simulation import Rig
-from ffgym.simulation.simulate import Progress
+from ffgym.simulation.protocols.diagnosis import CIRCLE
+from ffgym.simulation.run import Progress
 from ffgym.studies import CircleStudy, circle_study
 
 HELD_OUT_RADII = tuple(radius for radius in RADII if radius != CIRCLE)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ffgym.improvement.contenders import BASELINE, MODEL
-from ffgym.improvement.improve import Improvement
+from ffgym.improvement.loop import Improvement
 from ffgym.improvement.text import change, verdict_of
 from ffgym.report import ReportFigure
 from ffgym.report.circles.paths_plot import paths_caption, paths_figure

@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.files import read_text, write_json, write_text
+from ffgym.core.provenance import versions
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.document import read_diagnosis, write_diagnosis
 from ffgym.diagnosis.extended import extended_machine, save_extended
@@ -15,17 +18,14 @@ from ffgym.diagnosis.result import Diagnosis
 from ffgym.diagnosis.search.search import MOST
 from ffgym.diagnosis.tuning import tuned
 from ffgym.effects import Origin
-from ffgym.errors import FFGymError, check_whole
-from ffgym.files import read_text, write_json, write_text
-from ffgym.plant import Machine, load_machine, save_machine
-from ffgym.plant.machine_file import origins_of
-from ffgym.protocols import Protocol, SessionMotion, load_protocols, plan_session, record_into
-from ffgym.provenance import versions
 from ffgym.recordings import Recording
 from ffgym.recordings.folder import read_folder
 from ffgym.robot import ModelOptions
 from ffgym.simulation import Rig
-from ffgym.simulation.simulate import Progress
+from ffgym.simulation.plant import Machine, load_machine, save_machine
+from ffgym.simulation.plant.machine_file import origins_of
+from ffgym.simulation.protocols import Protocol, SessionMotion, load_protocols, plan_session, record_into
+from ffgym.simulation.run import Progress
 
 PAUSE = 60.0
 """Between two sessions [s]; chosen: what it takes to start the next one."""

@@ -2,7 +2,7 @@
 
 from ffgym.improvement.contenders import BASELINE, MODEL
 from ffgym.improvement.gain import Score
-from ffgym.improvement.improve import Improvement
+from ffgym.improvement.loop import Improvement
 from ffgym.improvement.rounds import Round
 from ffgym.report.circles.comparison import percent
 from ffgym.report.circles.tables import Column, aligned, filled

@@ -5,17 +5,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from ffgym.claims import claimed
-from ffgym.errors import FFGymError
-from ffgym.executors import Executor
-from ffgym.files import made_folder, write_text
+from ffgym.core.claims import claimed
+from ffgym.core.errors import FFGymError
+from ffgym.core.executors import Executor
+from ffgym.core.files import made_folder, write_text
 from ffgym.leaderboard.entrants import Entrant, Registry, entrants_in
 from ffgym.leaderboard.evaluation.jobs import Wanted, evaluated, jobs_for
 from ffgym.leaderboard.evaluation.scoring import lost_cells
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.results import DIGITS, Outcome, Row, decode_row, encode_row, read_row
 from ffgym.leaderboard.tasks import SPLITS, references_of
-from ffgym.simulation.simulate import Progress
+from ffgym.simulation.run import Progress
 
 
 @dataclass(kw_only=True, eq=False)

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any, TypeAlias
 
 from ffgym.control import FeedForwardLaw, Policy
-from ffgym.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice
 from ffgym.leaderboard.plants import TestPlant
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import Task

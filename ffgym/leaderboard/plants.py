@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
 from ffgym.envs import Sensing
 from ffgym.envs.rigs import WORKCELL, is_workcell, rig_of
-from ffgym.errors import FFGymError
 from ffgym.leaderboard.tasks import Task, tasks_of
-from ffgym.plant import Machine, PlantDistribution
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Rig, Sensor, SimulatedRig
+from ffgym.simulation.plant import Machine, PlantDistribution
 
 ROBOT = "irb4600_60_205"
 """Robot of the leaderboard."""

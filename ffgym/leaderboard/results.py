@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from ffgym.core.errors import FFGymError, check_choice, check_number
+from ffgym.core.typed_json import from_json
 from ffgym.envs.rigs import is_workcell
-from ffgym.errors import FFGymError, check_choice, check_number
 from ffgym.leaderboard.plants import NOMINAL, draw_number
 from ffgym.leaderboard.tasks import SPLITS
-from ffgym.typed_json import from_json
 
 FORMAT = 1
 """Version of the file format; see docs/leaderboard/results.md."""
@@ -97,7 +97,7 @@ class Row:
     name: str
     title: str
     track: str
-    """What it may know; see `agents.catalogue.Track`."""
+    """What it may know; see `ffgym.agents.catalogue.Track`."""
     about: str
     """One or two sentences: what it does, and what it learned from."""
     page: str | None

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from zlib import crc32
 
-from ffgym.control import Reference
-from ffgym.errors import check_choice
-from ffgym.paths import RADII, SPEEDS
+from ffgym.core.errors import check_choice
+from ffgym.paths import RADII, SPEEDS, Reference
 from ffgym.robot import RigidArm
 from ffgym.studies import circle_references
 

@@ -4,7 +4,7 @@ from bisect import bisect_left
 
 import numpy as np
 
-from ffgym.types import Array, BoolArray
+from ffgym.core.types import Array, BoolArray
 
 _BACK = 0.01
 """Share of the rows that may go back in time; a clock that does so more often, or starts again, is none."""

@@ -6,12 +6,12 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.logs.column_map import Column
 from ffgym.logs.column_map.units import conversion
 from ffgym.logs.contents import Contents
 from ffgym.logs.si import to_si
-from ffgym.types import Array
 
 
 @final

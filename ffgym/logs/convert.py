@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import BoolArray
 from ffgym.logs.clock_order import increasing, order_note
 from ffgym.logs.clocks import Rows, rows_at_rate, rows_of
 from ffgym.logs.column_map import ColumnMap
@@ -14,7 +15,6 @@ from ffgym.logs.motions import Motion, motions_of
 from ffgym.logs.resampling import DONE, Resampled, resample
 from ffgym.logs.si import to_kept_side, to_si, user_units
 from ffgym.recordings import Header, Recording
-from ffgym.types import BoolArray
 
 
 def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> list[Recording]:

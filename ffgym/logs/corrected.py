@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ffgym.files import write_text
+from ffgym.core.files import write_text
 from ffgym.logs.column_map.load import load_columns, map_text
 from ffgym.logs.column_map.rewire import rewiring_table
 from ffgym.recordings.rewiring import Rewiring

@@ -7,12 +7,12 @@ from typing import final
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.logs.column_map import Column, ColumnMap
 from ffgym.logs.target import target_of
 from ffgym.recordings import Header
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 
 @final

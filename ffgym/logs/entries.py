@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import final
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs.column_map import Column, ColumnMap
 from ffgym.logs.contents import Contents
 from ffgym.logs.gather import Gathered, gather, source_names

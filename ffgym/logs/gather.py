@@ -8,7 +8,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs.column_map import Column
 from ffgym.logs.column_map.column import AXES
 from ffgym.logs.contents import Contents

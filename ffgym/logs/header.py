@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs.column_map import ColumnMap
 from ffgym.recordings import Header
 from ffgym.robot import RobotDescription, load_draft, log_header

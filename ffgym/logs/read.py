@@ -5,7 +5,7 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs.column_map import ColumnMap, load_columns
 from ffgym.logs.convert import recordings_of
 from ffgym.logs.drive_units import with_drive_units

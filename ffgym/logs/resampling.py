@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
 from ffgym.logs.column_map.column import Resample
-from ffgym.types import Array, BoolArray
 
 DONE = {
     "gaps": "samples of another clock, each put into the nearest row",

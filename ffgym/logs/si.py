@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.logs.column_map import Column
 from ffgym.logs.column_map.units import Conversion, conversion, si_of
 from ffgym.logs.contents import Contents
 from ffgym.logs.target import Target
 from ffgym.recordings import Header
-from ffgym.types import Array
 
 
 def to_si(values: NDArray[Any], column: Column, units: tuple[str, ...] | None, contents: Contents) -> Array:

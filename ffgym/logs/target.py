@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs.column_map import Column
 from ffgym.recordings import FAMILIES, Family, Header
 from ffgym.recordings.schema import USER_PREFIX, closest

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.paths.limits import AxisLimits, MotionLimits
 from ffgym.paths.moves import Speed
 from ffgym.paths.route import Course
-from ffgym.types import Array
 
 CURVE_SHARE = 0.8
 """Share of a joint's acceleration and jerk that constant speed along a curve may take; what it leaves is for changes of

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.types import Array
 from ffgym.paths.lead import LEADS, Lead
 from ffgym.paths.motion import CartesianPath, Segment, sample, standstill
-from ffgym.types import Array
 
 RADII = (0.001, 0.003, 0.005)
 """Radii of the test motion [m], thesis 2.2.5."""

@@ -10,8 +10,8 @@ from typing import final
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_shape
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.types import Array
 
 Derivatives = tuple[Array, Array, Array, Array]
 """Position and its first three derivatives by arc length, each of shape (T, D)."""

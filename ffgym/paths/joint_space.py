@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_shape
+from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.types import Array
 from ffgym.paths.circles import smooth_ramp
 from ffgym.paths.motion import JointPath, Segment, sample, standstill
-from ffgym.types import Array
 
 
 def joint_sine(

@@ -17,7 +17,7 @@ from typing import final
 import numpy as np
 from scipy.optimize import fsolve
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 BLEND = 0.5
 """Share of the lead's length that is clothoid; chosen: half keeps the small circle visible."""

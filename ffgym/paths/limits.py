@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_shape
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.types import Array
 
 ACCELERATION = 2.0
 """Default acceleration of the tool along its path [m/s^2]; chosen: a fifth of gravity, ordinary for process moves; the

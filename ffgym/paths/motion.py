@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.types import Array
 from ffgym.recordings import Phase, PhaseKind
-from ffgym.types import Array
 
 MAX_STEPS = 1e7
 """Longest motion [steps]: 11 h at 4 ms; beyond it a speed or a step is surely a slip, and memory runs out."""

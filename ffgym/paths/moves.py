@@ -6,9 +6,9 @@ from typing import final
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_rotation, check_shape
+from ffgym.core.errors import FFGymError, check_number, check_rotation, check_shape
+from ffgym.core.types import Array
 from ffgym.paths.motion import CartesianPath, JointPath
-from ffgym.types import Array
 
 FARTHEST = 1e3
 """Largest coordinate of a position [m]; beyond it one surely is in another unit, and paths are too long to examine."""

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.paths.bounds import Bounds
 from ffgym.paths.timing import Stretch
-from ffgym.types import Array
 
 VARIATION = 1.5
 """Ratio of the highest to the lowest speed bound beyond which a leg is halved; chosen: a third of the speed lost at

@@ -9,9 +9,9 @@ import numpy as np
 from scipy.interpolate import BPoly, CubicSpline, PPoly
 from scipy.optimize import minimize_scalar
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.paths.curves import Curve, Derivatives
-from ffgym.types import Array
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 _PIECES = 16

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.types import Array
 from ffgym.paths.joint_space import joint_path
 from ffgym.paths.motion import MAX_STEPS, JointPath, Segment, standstill
-from ffgym.types import Array
 
 FREQUENCIES = (0.3, 5.0)
 """Range of the sines [Hz]; chosen: around the 1 and 3 Hz of the thesis' one-axis test, below the first resonance."""

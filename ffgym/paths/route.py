@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.paths.curves import Curve, Derivatives, Part
 from ffgym.paths.moves import Speed
 from ffgym.paths.polynomial_curve import blend
 from ffgym.paths.turning import BlendedTurn, EvenTurn, Turned, Turning
-from ffgym.types import Array
 
 SMOOTH = 1e-4
 """Largest change of the tangent [rad], and relative change of curvature, over which a path runs on without a rounded

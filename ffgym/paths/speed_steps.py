@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.types import Array
 from ffgym.paths.circles import smooth_ramp
 from ffgym.paths.joint_space import joint_path
 from ffgym.paths.motion import JointPath, Segment, standstill
 from ffgym.recordings import PhaseKind
-from ffgym.types import Array
 
 PEAK = 0.3125
 """Way that a joint still goes before it turns, in a reversal from v to -v within T, in units of v T: the integral of

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from ffgym.errors import check_number
-from ffgym.types import Array
+from ffgym.core.errors import check_number
+from ffgym.core.types import Array
 
 _SLACK = 1e-9
 """Share of a stretch kept free where a junction speed is just reached, so that rounding cannot make it short."""

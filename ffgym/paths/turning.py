@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 Turned = tuple[Array, Array, Array]
 """Orientation (T, 3, 3), its rate by arc length and the rate of that, in world axes [rad/m, rad/m^2], (T, 3)."""

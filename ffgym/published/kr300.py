@@ -5,7 +5,7 @@ from typing import final
 
 import numpy as np
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 
 @final

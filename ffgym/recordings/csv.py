@@ -8,11 +8,11 @@ from array import array
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.files import csv_rows
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import csv_rows
+from ffgym.core.types import Array
 from ffgym.recordings.header import Header
 from ffgym.recordings.recording import Recording
-from ffgym.types import Array
 
 MAGIC = "# ffgym recording"
 """First line of every file that `encode` writes."""

@@ -5,8 +5,8 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text
 from ffgym.recordings.io import FORMATS, read_recording
 from ffgym.recordings.recording import Recording
 

@@ -4,7 +4,7 @@ import json
 from dataclasses import MISSING, asdict, dataclass, field, fields
 from typing import Any, Literal, Self, get_args
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice
 from ffgym.recordings.header_fields import (
     as_bits,
     as_coupling,

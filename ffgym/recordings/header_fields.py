@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.recordings.phase import Phase
 from ffgym.recordings.schema import USER_PREFIX
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_bytes, write_bytes
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_bytes, write_bytes
 from ffgym.recordings import csv, npz
 from ffgym.recordings.header import Header
 from ffgym.recordings.recording import Recording

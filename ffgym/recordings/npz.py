@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.files import decode_arrays, encode_arrays
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import decode_arrays, encode_arrays
 from ffgym.recordings.header import Header
 from ffgym.recordings.recording import Recording
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Self, get_args
 
-from ffgym.errors import FFGymError, check_choice, check_number
+from ffgym.core.errors import FFGymError, check_choice, check_number
 
 PhaseKind = Literal["standstill", "lead_in", "circle", "lead_out", "motion"]
 PHASE_KINDS: tuple[PhaseKind, ...] = get_args(PhaseKind)

@@ -8,12 +8,12 @@ from typing import Any, final
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array, BoolArray
 from ffgym.recordings.header import Header
 from ffgym.recordings.phase import PHASE_KINDS, Phase, PhaseKind, clipped
 from ffgym.recordings.schema import FAMILIES, USER_PREFIX, VALID, Family, family_named
 from ffgym.recordings.validation import check_phases, checked_columns, unit_of
-from ffgym.types import Array, BoolArray
 
 _READERS = {
     "one": "recording[{!r}]",

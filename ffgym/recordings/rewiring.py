@@ -7,11 +7,11 @@ from typing import Self, final
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
 from ffgym.recordings.phase import Phase, clipped
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import FAMILIES
-from ffgym.types import Array, BoolArray
 
 _WHOLE = 1e-3
 """Difference from a whole number of rows that a delay of whole rows may have: samples then move."""

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from types import MappingProxyType
 from typing import Literal
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 Side = Literal["motor", "link", "tool", "none"]
 """Where a quantity lives: before the gearbox, after it, at the tool, or nowhere in particular."""

@@ -8,12 +8,12 @@ from typing import Any, Self, final
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.recordings.header import Header
 from ffgym.recordings.io import read_recording
 from ffgym.recordings.npz import HEADER_KEY
 from ffgym.recordings.recording import Recording
-from ffgym.types import Array
 
 SUFFIX = ".npz"
 """Suffix of files whose columns can be read one at a time."""

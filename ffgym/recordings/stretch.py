@@ -6,11 +6,11 @@ from typing import Protocol
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.recordings.header import Header
 from ffgym.recordings.phase import clipped
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import VALID
-from ffgym.types import Array
 
 STRETCH = "stretch"
 """Key of `meta` in the header: its recording, where it begins there, and how long that is [s]."""

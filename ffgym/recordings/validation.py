@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.recordings.header import Header
 from ffgym.recordings.phase import Phase
 from ffgym.recordings.schema import FAMILIES, VALID, check_columns, family_named
-from ffgym.types import Array
 
 LATEST_TIME = 1e11
 """Largest timestamp [s], the year 5138 as seconds since 1970: anything above is in another unit."""

@@ -9,8 +9,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Literal
 
-from ffgym.errors import FFGymError, check_choice
-from ffgym.files import check_writable, write_bytes
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import check_writable, write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

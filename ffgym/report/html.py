@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.report._matplotlib import encode_figure, require_matplotlib
 from ffgym.report.circles.comparison import percent
 from ffgym.report.circles.figures import ReportFigure

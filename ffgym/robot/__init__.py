@@ -1,30 +1,5 @@
 """Robots: descriptions with the origin of every number, their MuJoCo models, kinematics and rigid dynamics."""
 
-from ffgym.robot.description import RobotDescription as RobotDescription
-from ffgym.robot.dynamics.arm import RigidArm as RigidArm
-from ffgym.robot.dynamics.elasticity import resonances as resonances
-from ffgym.robot.dynamics.elasticity import static_deflection as static_deflection
-from ffgym.robot.dynamics.motor_torque import MotorTorque as MotorTorque
-from ffgym.robot.dynamics.motor_torque import motor_torque as motor_torque
-from ffgym.robot.inverse_kinematics import pose_solutions as pose_solutions
-from ffgym.robot.inverse_kinematics import solve_path as solve_path
-from ffgym.robot.inverse_kinematics import solve_pose as solve_pose
-from ffgym.robot.logs import log_header as log_header
-from ffgym.robot.model.fingerprint import model_bytes as model_bytes
-from ffgym.robot.model.fingerprint import model_field as model_field
-from ffgym.robot.model.fingerprint import physics_fingerprint as physics_fingerprint
-from ffgym.robot.model.mjcf import mjcf_text as mjcf_text
-from ffgym.robot.model.spec import ModelOptions as ModelOptions
-from ffgym.robot.model.spec import build_spec as build_spec
-from ffgym.robot.model.spec import compile_model as compile_model
-from ffgym.robot.parts import Servo as Servo
-from ffgym.robot.reading.capabilities import CAPABILITIES as CAPABILITIES
-from ffgym.robot.reading.capabilities import Capability as Capability
-from ffgym.robot.reading.draft import RobotDraft as RobotDraft
-from ffgym.robot.reading.load import builtin_parameters as builtin_parameters
-from ffgym.robot.reading.load import builtin_robots as builtin_robots
-from ffgym.robot.reading.load import load_draft as load_draft
-from ffgym.robot.reading.load import load_robot as load_robot
-from ffgym.robot.reading.load import parse_robot as parse_robot
-from ffgym.robot.reading.load import robot_of as robot_of
-from ffgym.robot.reading.parameters import with_parameters as with_parameters
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

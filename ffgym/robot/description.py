@@ -5,13 +5,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
-from ffgym.errors import FFGymError, check_choice
-from ffgym.friction import LuGreParameters
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array
 from ffgym.robot.drive import Drive
+from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.parts import Kinematics, Links, Logs, Sensors, Servo, Spring, Tool, WorkArea, plain, rebuilt
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.robot.shapes import Geom
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -5,8 +5,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
-from ffgym.types import Array, BoolArray
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,9 +7,9 @@ from typing import Any, get_args
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array, BoolArray
 from ffgym.recordings.header import PositionSide, TorqueSemantics
-from ffgym.types import Array, BoolArray
 
 JOINT_TYPES = ("hinge", "slide")
 """What a joint can be."""

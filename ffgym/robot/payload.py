@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.parts import point_mass_inertia
-from ffgym.types import Array
 
 
 def with_payload(

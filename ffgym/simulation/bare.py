@@ -5,8 +5,8 @@ import time
 import numpy as np
 from mujoco import batch
 
+from ffgym.core.types import IntArray
 from ffgym.robot import ModelOptions, RobotDescription, compile_model
-from ffgym.types import IntArray
 
 
 def bare_rate(robot: RobotDescription, lengths: IntArray, threads: int) -> float:

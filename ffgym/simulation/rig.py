@@ -7,12 +7,12 @@ from typing import final
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
+from ffgym.simulation.plant import Machine
+from ffgym.simulation.run import RECORD_DT, Progress, Run, simulate
 from ffgym.simulation.sensors import Sensor
-from ffgym.simulation.simulate import RECORD_DT, Progress, Run, simulate
 
 
 class Rig(ABC):

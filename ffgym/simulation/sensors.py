@@ -7,10 +7,10 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.types import Array
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 TRUTH = ("friction.effort", "link.position", "link.velocity", "tcp.position", "temperature")
 """What no machine knows by itself: a measured recording has it only if a sensor measures it."""

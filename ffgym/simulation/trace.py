@@ -8,13 +8,14 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from ffgym.control import Reference, Setpoints, rigid_feedforward, servo_torque
+from ffgym.control import Setpoints, rigid_feedforward, servo_torque
 from ffgym.control.setpoints import torque_at_rows
-from ffgym.plant import Machine, Plant, PlantState
+from ffgym.core.types import Array
+from ffgym.core.version import __version__
+from ffgym.paths import Reference
 from ffgym.recordings import Header, Recording, clipped
 from ffgym.robot import RigidArm
-from ffgym.types import Array
-from ffgym.version import __version__
+from ffgym.simulation.plant import Machine, Plant, PlantState
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 DATA_VARIABLE = "FFGYM_DATA"
 """Environment variable with the folder of published recordings."""

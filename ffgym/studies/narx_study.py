@@ -12,13 +12,23 @@ from typing import Literal
 import numpy as np
 
 from ffgym.control import DynamicLuGreEuler
-from ffgym.errors import FFGymError, check_number, check_shape, check_whole
-from ffgym.friction import LuGreParameters
-from ffgym.friction.slip_elements import WIDTHS
-from ffgym.identification.narx import Errors, Focus, Misfit, NarxModel, Regressors, Samples, Structure, fitted, lags_of
-from ffgym.identification.narx.fit import N_EVALUATIONS
+from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.narx import (
+    Errors,
+    Focus,
+    Misfit,
+    NarxModel,
+    Regressors,
+    Samples,
+    Structure,
+    fitted,
+    lags_of,
+)
+from ffgym.diagnosis.identification.narx.fit import N_EVALUATIONS
 from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS
-from ffgym.types import Array
+from ffgym.robot.friction import LuGreParameters
+from ffgym.robot.friction.slip_elements import WIDTHS
 
 SAMPLE_TIME = 0.0005
 """T [s], thesis 6.2.2."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 from ffgym.control import FeedForwardLaw
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 Key = TypeVar("Key", bound=tuple[object, ...])
 """What results are filed under, e.g. law, position and speed."""

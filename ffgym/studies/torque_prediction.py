@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.identification.signals import LowPass, joint_motion, motor_effort
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.identification.signals import LowPass, joint_motion, motor_effort
 from ffgym.published import AsymmetricFriction
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription, motor_torque
-from ffgym.types import Array, BoolArray
 
 CUTOFF = 10.0
 """Cut-off of the low-pass filter [Hz]: above what planned motions hold, below the resonances of an industrial robot."""

@@ -3,8 +3,6 @@
 Nothing but `ffgym.envs`, `scripts` and `tests` may import it, so that methods know of it what they measure.
 """
 
-from ffgym.workcell.cell import SealedMachine as SealedMachine
-from ffgym.workcell.cell import Workcell as Workcell
-from ffgym.workcell.draws import draw as draw
-from ffgym.workcell.instances import INSTANCES as INSTANCES
-from ffgym.workcell.instances import workcell as workcell
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -6,12 +6,12 @@ from typing import NoReturn, Self, final
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, SimulatedRig
-from ffgym.simulation.simulate import Progress
+from ffgym.simulation.plant import Machine
+from ffgym.simulation.run import Progress
 
 _HIDDEN = ("friction.effort.", "link.position.", "link.velocity.")
 """Columns that no sensor of the workcell measures."""

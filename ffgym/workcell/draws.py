@@ -5,12 +5,12 @@ from types import MappingProxyType
 
 import numpy as np
 
+from ffgym.core.errors import check_whole
+from ffgym.core.types import Array
 from ffgym.effects import Effect
 from ffgym.effects.measurement import TrackerFrame
-from ffgym.errors import check_whole
-from ffgym.plant import Climate, LogUniform, PlantDistribution, Uniform
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Climate, LogUniform, PlantDistribution, Uniform
 from ffgym.workcell.cell import SealedMachine, Workcell
 from ffgym.workcell.equations import (
     ColdOil,

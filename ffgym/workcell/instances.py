@@ -2,7 +2,7 @@
 
 from functools import cache
 
-from ffgym.errors import check_choice
+from ffgym.core.errors import check_choice
 from ffgym.workcell.cell import Workcell
 from ffgym.workcell.reading import build, read_tree
 

@@ -1,7 +1,7 @@
 """Workcell files: a machine file with a payload, sensors, and the model that the controller has of the machine.
 
     [workcell]                       controller, and maybe `like`, another workcell that this one changes
-    [machine], [friction.*], ...     see ffgym.plant.machine_file; equations of the workcell count as effects
+    [machine], [friction.*], ...     see ffgym.simulation.plant.machine_file; equations of the workcell count as effects
     [payload.mass]                   a point mass at the TCP that nobody told the controller of
     [sensors.*]                      how well it is measured
 
@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array
 from ffgym.effects import EFFECTS
-from ffgym.errors import FFGymError, check_choice
-from ffgym.plant import with_payload
-from ffgym.plant.machine_file import parse_machine
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import LaserTracker, Resolver, Sensor, Thermometer, TorqueSensor
-from ffgym.types import Array
+from ffgym.simulation.plant import with_payload
+from ffgym.simulation.plant.machine_file import parse_machine
 from ffgym.workcell.cell import SealedMachine, Workcell
 from ffgym.workcell.equations import EQUATIONS
 

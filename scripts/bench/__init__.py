@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from ffgym.files import check_writable, write_json
-from ffgym.provenance import versions
+from ffgym.core.files import check_writable, write_json
+from ffgym.core.provenance import versions
 from ffgym.robot import compile_model, load_robot, physics_fingerprint
 from scripts.bench.agents import decision_ratios
 from scripts.bench.effects import effect_ratios

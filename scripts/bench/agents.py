@@ -7,10 +7,10 @@ from typing import Any
 import gymnasium as gym
 import numpy as np
 
-from agents import LawAgent
-from agents.catalogue import CATALOGUE, Setting, law_named
+from ffgym.agents import LawAgent
+from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
 from ffgym.control import CausalLaw
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import load_robot
 from ffgym.studies import sine_references
 from scripts.bench.turns import Ratio, take_turns

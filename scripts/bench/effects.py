@@ -5,8 +5,8 @@ import time
 import numpy as np
 
 from ffgym.effects import EFFECTS, Effect
-from ffgym.plant import Machine, Plant
 from ffgym.robot import RobotDescription, load_robot
+from ffgym.simulation.plant import Machine, Plant
 from scripts.bench.turns import Ratio, take_turns
 
 STEPS = 400

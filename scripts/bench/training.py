@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from ffgym.provenance import installed
+from ffgym.core.provenance import installed
 from scripts.bench.environments import CIRCLES
 from scripts.bench.turns import Ratio, take_turns
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import tyro
 
-from agents.residual.plan import Training
+from ffgym.agents.residual.plan import Training
 from ffgym.cli.train import Options, need_training
-from ffgym.errors import FFGymError, check_number, check_whole
-from ffgym.provenance import installed
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.provenance import installed
 from scripts.tuning.space import SPACES, Space
 
 

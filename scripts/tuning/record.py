@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_text, write_json
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text, write_json
 
 FAILED = 10.0
 """Value of a trial that failed: worse than any that learns, as of 22 000 times the error of the base; chosen."""
@@ -33,7 +33,7 @@ def read_trials(file: Path, search: Mapping[str, Any]) -> list[Trial]:
     Raises:
         FFGymError: if the file is of another search, or damaged.
     """
-    from agents.residual.learning.checkpoint import check_same
+    from ffgym.agents.residual.learning.checkpoint import check_same
 
     if not file.exists():
         return []

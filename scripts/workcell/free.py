@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 File = Literal["machine", "controller"]
 """What the machine is, or what its controller knows."""

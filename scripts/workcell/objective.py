@@ -6,17 +6,17 @@ from itertools import product
 
 import numpy as np
 
-from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, Reference, StaticLuGre
-from ffgym.friction import LuGreParameters
-from ffgym.metrics import path_errors
-from ffgym.paths import RADII
+from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, StaticLuGre
+from ffgym.core.types import Array
+from ffgym.paths import RADII, Reference
 from ffgym.published import published_mm
 from ffgym.recordings import Recording
+from ffgym.recordings.metrics import path_errors
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
+from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.reading.parameters import with_numbers
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
-from ffgym.types import Array
 from ffgym.workcell import Workcell
 from ffgym.workcell.reading import build
 from scripts.workcell.free import SPREAD, Trees, applied, table_at

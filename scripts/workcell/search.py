@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_text, write_json
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text, write_json
+from ffgym.core.types import Array
 from scripts.workcell.free import FREE, LOW, SPREAD
 from scripts.workcell.objective import Objective
 

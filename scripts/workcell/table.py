@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from agents.bspline import ExtendedBSN, StaticBSN
-from agents.common.lessons import training_motions
-from agents.common.trials import RigTrial
-from agents.splines.recipes import thesis_training
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.common.lessons import training_motions
+from ffgym.agents.common.trials import RigTrial
+from ffgym.agents.splines.recipes import thesis_training
 from ffgym.control import FeedForwardLaw
 from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import tomlkit
 
-from ffgym.files import write_text
-from ffgym.types import Array
+from ffgym.core.files import write_text
+from ffgym.core.types import Array
 from scripts.workcell.free import File, Trees, applied, changed_entries, table_at
 
 MACHINE = Path("ffgym/workcell/data/thesis.toml")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from agents.common.trials import Lesson
-from ffgym.control import Reference
+from ffgym.agents.common.trials import Lesson
+from ffgym.paths import Reference
 
 
 def lesson(reference: Reference, signal, motor_dq=None, motor_ddq=None, moving=None) -> Lesson:

@@ -5,13 +5,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from agents.bspline import StaticBSN
-from agents.common.law_files import save_law
-from agents.residual.actor import Actor, Layer
-from agents.residual.policy import ResidualPolicy, save_policy
-from agents.splines.basis import SplineBasis
-from agents.submission import SUBMITTED, load, submitted
-from ffgym.errors import FFGymError
+from ffgym.agents.bspline import StaticBSN
+from ffgym.agents.common.law_files import save_law
+from ffgym.agents.residual.actor import Actor, Layer
+from ffgym.agents.residual.policy import ResidualPolicy, save_policy
+from ffgym.agents.splines.basis import SplineBasis
+from ffgym.agents.submission import SUBMITTED, load, submitted
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.submission.manifest import AgentSource
 from ffgym.robot import load_robot
 from tests.leaderboard.submission_samples import ROBOT, packed, verifier

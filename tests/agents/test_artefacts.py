@@ -3,9 +3,9 @@ import shutil
 
 import pytest
 
-from agents.artefacts import TRAINED, manifest_of, merged, path_of
-from agents.entrants import ENTRANTS
-from ffgym.errors import FFGymError
+from ffgym.agents.artefacts import TRAINED, manifest_of, merged, path_of
+from ffgym.agents.entrants import ENTRANTS
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.plants import NOMINAL, plant_named
 
 NAMES = sorted(path.parent.name for path in TRAINED.glob("*/manifest.json"))

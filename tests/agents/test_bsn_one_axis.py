@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.bspline import ExtendedBSN, StaticBSN
-from agents.common.lessons import thesis_motions
-from agents.common.trials import SimulatedTrial
-from agents.learning.progress import relative
-from agents.splines.recipes import thesis_training
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.common.lessons import thesis_motions
+from ffgym.agents.common.trials import SimulatedTrial
+from ffgym.agents.learning.progress import relative
+from ffgym.agents.splines.recipes import thesis_training
 from ffgym.control import NoCompensation
 from ffgym.robot import RigidArm
 from ffgym.studies import one_axis_study

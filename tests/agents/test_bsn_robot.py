@@ -6,13 +6,13 @@ The quick version runs circles of 3 mm radius at two positions; the slow one the
 import numpy as np
 import pytest
 
-from agents.bspline import ExtendedBSN, StaticBSN
-from agents.common.trials import SimulatedTrial
-from agents.learning.coulomb_prior import CoulombPrior
-from agents.splines.recipes import thesis_training
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.common.trials import SimulatedTrial
+from ffgym.agents.learning.coulomb_prior import CoulombPrior
+from ffgym.agents.splines.recipes import thesis_training
 from ffgym.control import NoCompensation
-from ffgym.metrics import friction_miss
 from ffgym.paths import RADII
+from ffgym.recordings.metrics import friction_miss
 from ffgym.studies import CircleStudy, circle_references, circle_study, thesis_laws
 
 SLOW, FAST = 0.010, 0.040

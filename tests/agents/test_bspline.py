@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.bspline import ExtendedBSN, StaticBSN
-from agents.common.law_files import load_law, save_law
-from agents.splines.basis import SplineBasis
-from ffgym.errors import FFGymError
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.common.law_files import load_law, save_law
+from ffgym.agents.splines.basis import SplineBasis
+from ffgym.core.errors import FFGymError
 from ffgym.studies import sine_references
 from tests.agents.lesson_samples import lesson
 

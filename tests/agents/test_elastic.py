@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents import LawAgent
-from agents.elastic import ElasticLaw, elastic_feedforward, elastic_law
-from agents.elasticity.mean_friction import friction_along
-from ffgym.control import CausalLaw, DynamicLuGreExact, Window, joint_reference
+from ffgym.agents import LawAgent
+from ffgym.agents.elastic import ElasticLaw, elastic_feedforward, elastic_law
+from ffgym.agents.elasticity.mean_friction import friction_along
+from ffgym.control import CausalLaw, DynamicLuGreExact, Window
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.sb3 import make_sb3_env
-from ffgym.errors import FFGymError
-from ffgym.metrics import path_errors
-from ffgym.paths import constant_velocity, joint_sine
-from ffgym.plant.draws import with_payload
+from ffgym.paths import constant_velocity, joint_reference, joint_sine
+from ffgym.recordings.metrics import path_errors
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant.draws import with_payload
 from ffgym.studies import circle_references, circle_study
 
 SMALLEST = ("p2", 0.1)

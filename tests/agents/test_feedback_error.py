@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.catalogue import Setting
-from agents.common.trials import Lesson
-from agents.feedback_error import MLP
-from agents.learning.forgetting import compare
-from agents.learning.lffc import LFFC
+from ffgym.agents.catalogue import Setting
+from ffgym.agents.common.trials import Lesson
+from ffgym.agents.feedback_error import MLP
+from ffgym.agents.learning.forgetting import compare
+from ffgym.agents.learning.lffc import LFFC
 from ffgym.control import StaticLuGre
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.report.learning.forgetting_plot import forgetting_figure
 from ffgym.simulation import Run
 from ffgym.studies import sine_references
@@ -141,8 +141,8 @@ def test_running_needs_no_torch():
         "    def find_spec(self, name, path=None, target=None):\n"
         "        if name.partition('.')[0] == 'torch': raise ModuleNotFoundError(name)\n"
         "sys.meta_path.insert(0, NoTorch())\n"
-        "import agents, agents.catalogue, numpy as np\n"
-        "from agents.feedback_error import MLP\n"
+        "import agents, ffgym.agents.catalogue, numpy as np\n"
+        "from ffgym.agents.feedback_error import MLP\n"
         "from ffgym.robot import load_robot\n"
         "n = MLP.untrained(load_robot('one_axis'), np.random.default_rng(0))\n"
         "n.torque_at(np.ones(1), np.ones(1))\n"

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.catalogue import CATALOGUE, Setting, law_named
-from agents.common.trials import SimulatedTrial
-from agents.iterative import TRIALS, IterativeLearning
-from agents.per_task.task_error import rms, task_error
+from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
+from ffgym.agents.common.trials import SimulatedTrial
+from ffgym.agents.iterative import TRIALS, IterativeLearning
+from ffgym.agents.per_task.task_error import rms, task_error
 from ffgym.control import DynamicLuGreExact, StaticLuGre
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error, path_errors
+from ffgym.core.errors import FFGymError
+from ffgym.recordings.metrics import motor_error, path_errors
 from ffgym.robot import RigidArm
 from ffgym.simulation import Resolver, Run, sensors_of, simulate
 from ffgym.studies import circle_references, circle_study, sine_references

@@ -3,18 +3,17 @@
 import numpy as np
 import pytest
 
-from agents.catalogue import Setting, law_named, name_of_law
-from agents.elastic import ElasticLaw, elastic_law
-from agents.model import ModelLaw, left_alone, model_law
-from ffgym.control import joint_reference
+from ffgym.agents.catalogue import Setting, law_named, name_of_law
+from ffgym.agents.elastic import ElasticLaw, elastic_law
+from ffgym.agents.model import ModelLaw, left_alone, model_law
+from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS, NativeEffect, ResolverEffect, TorqueEffect
-from ffgym.errors import FFGymError
-from ffgym.exam.equations import VARIANTS
-from ffgym.paths import multisine
-from ffgym.plant import Climate, Machine, save_machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Climate, Machine, save_machine
 from ffgym.studies import circle_references
+from scripts.exam.equations import VARIANTS
 from tests.contract.test_agents import check_batch, check_samples, check_side_by_side
 from tests.effects.effect_samples import as_strong_as_plausible, without_effect
 from tests.robot.robot_samples import unusual

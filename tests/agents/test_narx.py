@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from agents.catalogue import Setting
-from agents.common.law_files import load_law, save_law
-from agents.fitting.narx_fit import learn_narx, samples_of
-from agents.fitting.supervised import MotorRecord
-from agents.narx import NARX
+from ffgym.agents.catalogue import Setting
+from ffgym.agents.common.law_files import load_law, save_law
+from ffgym.agents.fitting.narx_fit import learn_narx, samples_of
+from ffgym.agents.fitting.supervised import MotorRecord
+from ffgym.agents.narx import NARX
 from ffgym.control import Window
-from ffgym.errors import FFGymError
-from ffgym.identification.narx import Errors, NarxModel, Regressors, Structure
+from ffgym.core.errors import FFGymError
+from ffgym.diagnosis.identification.narx import Errors, NarxModel, Regressors, Structure
 from ffgym.simulation import Run
 from ffgym.studies import sine_references
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401 - registers the environments
-from agents import LawAgent, static_lugre
-from agents.bspline import ExtendedBSN, StaticBSN
-from agents.online_lffc import OnlineLFFC
-from ffgym.errors import FFGymError
+from ffgym.agents import LawAgent, static_lugre
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.online_lffc import OnlineLFFC
+from ffgym.core.errors import FFGymError
 
 OPTIONS = {"frequencies": [1.0], "preview": 1, "action_scale": 30}
 

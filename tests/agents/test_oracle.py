@@ -6,17 +6,17 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents import LawAgent
-from agents.catalogue import CATALOGUE, Setting
-from agents.elastic import elastic_feedforward
-from agents.oracle import OracleAgent, oracle_law
+from ffgym.agents import LawAgent
+from ffgym.agents.catalogue import CATALOGUE, Setting
+from ffgym.agents.elastic import elastic_feedforward
+from ffgym.agents.oracle import OracleAgent, oracle_law
 from ffgym.control import Window
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.sb3 import make_sb3_env
-from ffgym.errors import FFGymError
-from ffgym.metrics import path_errors
-from ffgym.plant.draws import PlantDistribution, with_payload
+from ffgym.recordings.metrics import path_errors
 from ffgym.robot import RigidArm
+from ffgym.simulation.plant.draws import PlantDistribution, with_payload
 from ffgym.studies import circle_references
 
 SHORT = {"positions": ["p1"], "speeds": [0.1], "radii": [0.003], "preview": 4, "action_scale": 60.0}

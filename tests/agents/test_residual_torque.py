@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.catalogue import Setting
-from agents.fitting.residual_fit import fitted, learn_residual_torque
-from agents.fitting.supervised import MotorRecord
-from agents.residual_torque import ResidualTorque
+from ffgym.agents.catalogue import Setting
+from ffgym.agents.fitting.residual_fit import fitted, learn_residual_torque
+from ffgym.agents.fitting.supervised import MotorRecord
+from ffgym.agents.residual_torque import ResidualTorque
 from ffgym.control import DynamicLuGreExact, NoCompensation, Window
-from ffgym.errors import FFGymError
-from ffgym.friction import slip_elements
-from ffgym.metrics import motor_error_rms
+from ffgym.core.errors import FFGymError
+from ffgym.recordings.metrics import motor_error_rms
+from ffgym.robot.friction import slip_elements
 from ffgym.simulation import Run
 from ffgym.studies import circle_references
 

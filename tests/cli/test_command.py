@@ -10,11 +10,11 @@ import pytest
 from ffgym.cli.demo import Demo
 from ffgym.cli.export import Export
 from ffgym.cli.main import COMMANDS, _command, main
+from ffgym.core.errors import FFGymError
+from ffgym.core.version import __version__
 from ffgym.diagnosis import Examined
 from ffgym.diagnosis.document import diagnosis_document
-from ffgym.errors import FFGymError
 from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
-from ffgym.version import __version__
 from tests.diagnosis.result_samples import full_diagnosis
 
 ROW_KEYS = {

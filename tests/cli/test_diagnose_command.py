@@ -12,9 +12,9 @@ from ffgym.cli.diagnose import Diagnose
 from ffgym.cli.main import main
 from ffgym.diagnosis.document import read_diagnosis
 from ffgym.effects import EFFECTS
-from ffgym.plant import Machine, load_machine, save_machine
 from ffgym.recordings import Recording, read_recording, write_recording
 from ffgym.robot import load_robot
+from ffgym.simulation.plant import Machine, load_machine, save_machine
 
 SHORT = """
 [[step]]

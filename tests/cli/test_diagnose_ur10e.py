@@ -11,9 +11,9 @@ from ffgym.cli.main import main
 from ffgym.diagnosis.document import read_diagnosis
 from ffgym.diagnosis.held_out import held_out_levels
 from ffgym.logs import read_log
-from ffgym.plant import load_machine
-from ffgym.quality import conditioned
+from ffgym.logs.quality import conditioned
 from ffgym.robot import load_draft
+from ffgym.simulation.plant import load_machine
 from tests.ur10e_samples import COLUMNS, DRIVES, FOLDER, needs_data
 
 JOINTS = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint")

@@ -4,7 +4,7 @@ from ffgym.cli.main import main
 from ffgym.diagnosis.document import read_diagnosis
 from ffgym.recordings import write_recording
 from ffgym.robot import load_robot
-from tests.quality.wiring.wiring_samples import clean, mistakes
+from tests.logs.quality.wiring.wiring_samples import clean, mistakes
 
 ROBOT = "two_link"
 

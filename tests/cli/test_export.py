@@ -79,7 +79,7 @@ ENDMODULE
 """
 """A program with a tool of its own that moves 5 mm."""
 
-PROGRAM = str(resources.files("ffgym.rapid") / "examples" / "thesis_circles.mod")
+PROGRAM = str(resources.files("ffgym.paths.rapid") / "examples" / "thesis_circles.mod")
 
 
 @pytest.mark.slow

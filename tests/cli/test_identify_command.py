@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.protocols import plan_session, record
-from ffgym.protocols.speed_ladder import SpeedLadder
-from ffgym.protocols.table_6_1 import Table61
 from ffgym.recordings import read_recording, write_recording
 from ffgym.robot import RigidArm, load_robot, with_parameters
 from ffgym.simulation import Resolver, SimulatedRig
+from ffgym.simulation.protocols import plan_session, record
+from ffgym.simulation.protocols.speed_ladder import SpeedLadder
+from ffgym.simulation.protocols.table_6_1 import Table61
 
 
 @pytest.fixture(scope="module")

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.plant import load_machine
 from ffgym.recordings import Recording, read_recording, write_recording
 from ffgym.robot import load_draft, load_robot, with_parameters
-from tests.identification.rigid_body.recorded_arms import recorded, rigid, swing
+from ffgym.simulation.plant import load_machine
+from tests.diagnosis.identification.rigid_body.recorded_arms import recorded, rigid, swing
 
 
 @pytest.fixture(scope="module")

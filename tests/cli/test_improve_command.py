@@ -6,7 +6,7 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.effects import EFFECTS
-from ffgym.plant import Machine, load_machine, save_machine
+from ffgym.simulation.plant import Machine, load_machine, save_machine
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.recordings import write_recording
-from tests.quality.quality_logs import clean_log
+from tests.logs.quality.quality_logs import clean_log
 
 
 @pytest.fixture

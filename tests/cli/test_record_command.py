@@ -6,12 +6,12 @@ import re
 import numpy as np
 import pytest
 
-import ffgym.protocols.recording_folder as recording_folder
+import ffgym.simulation.protocols.recording_folder as recording_folder
 from ffgym.cli.main import main
 from ffgym.effects import EFFECTS
-from ffgym.plant import Machine, save_machine
-from ffgym.protocols import PROTOCOLS
 from ffgym.recordings import read_folder, read_recording
+from ffgym.simulation.plant import Machine, save_machine
+from ffgym.simulation.protocols import PROTOCOLS
 
 STEPS = """
 [[step]]

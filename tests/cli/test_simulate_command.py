@@ -69,7 +69,7 @@ def test_a_program_on_the_built_in_robot_gives_recordings_numbers_page_and_table
 
 
 def test_the_recording_is_that_of_simulate_and_the_numbers_say_where_they_come_from(here, arm, irb4600):
-    from ffgym.motions import load_motion
+    from ffgym.paths.motions import load_motion
 
     assert run("irb4600_60_205", "circles", "--feedforward", "none", "--out", "c.csv", "--json", "c.json") == 0
     reference = load_motion(arm, "circles").reference

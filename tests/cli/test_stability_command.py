@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from agents.bspline import StaticBSN
-from agents.common.law_files import load_law
-from agents.stability.limits import LearningStability
+from ffgym.agents.bspline import StaticBSN
+from ffgym.agents.common.law_files import load_law
+from ffgym.agents.stability.limits import LearningStability
 from ffgym.cli.main import main
 from ffgym.robot import RigidArm
 from ffgym.studies import sine_references

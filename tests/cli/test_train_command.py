@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from agents.residual.policy import load_policy
+from ffgym.agents.residual.policy import load_policy
 from ffgym.cli import train as under_test
 from ffgym.cli.main import main
 from ffgym.cli.train import Train

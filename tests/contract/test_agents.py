@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401 - registers the environments
-from agents import LawAgent
-from agents.catalogue import CATALOGUE, Setting, law_named
-from agents.common.law_files import StoredLaw, load_law, save_law
+from ffgym.agents import LawAgent
+from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
+from ffgym.agents.common.law_files import StoredLaw, load_law, save_law
 from ffgym.control import CausalLaw, Window
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error
+from ffgym.recordings.metrics import motor_error
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references, sine_references

@@ -6,13 +6,12 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
+from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS, ModelEffect, effects_toml, read_effects
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import Climate, Machine, Plant
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import builtin_robots, load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Climate, Machine, Plant
 from tests.effects.effect_samples import as_strong_as_plausible, without_effect
 
 BY_NAME = pytest.mark.parametrize("effect", list(EFFECTS.values()), ids=list(EFFECTS))

@@ -5,12 +5,11 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401 - registers the environments
-from agents.catalogue import CATALOGUE, Setting
+from ffgym.agents.catalogue import CATALOGUE, Setting
 from ffgym.cli.laws import setting_for
-from ffgym.control import joint_reference
-from ffgym.identification.bristle_fit import NAMES
-from ffgym.identification.parameter_file import fitted_quantity, parameter_text
-from ffgym.paths import joint_sine
+from ffgym.diagnosis.identification.bristle_fit import NAMES
+from ffgym.diagnosis.identification.parameter_file import fitted_quantity, parameter_text
+from ffgym.paths import joint_reference, joint_sine
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Run, SimulatedRig
 from ffgym.studies import sine_references

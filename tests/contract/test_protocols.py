@@ -5,11 +5,11 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
-from ffgym.protocols import PROTOCOLS
-from ffgym.protocols.stage import FASTEST
+from ffgym.core.errors import FFGymError
 from ffgym.robot import motor_torque
-from tests.protocols.protocol_samples import CASES, ROBOTS, arm_of, described, protocol_for, schedule_of
+from ffgym.simulation.protocols import PROTOCOLS
+from ffgym.simulation.protocols.stage import FASTEST
+from tests.simulation.protocols.protocol_samples import CASES, ROBOTS, arm_of, described, protocol_for, schedule_of
 
 CANNOT = {("circles", robot) for robot in ROBOTS if described(robot).work_area is None}
 """Protocols that a robot has no means for: circles need a work area."""

@@ -12,16 +12,16 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import ffgym  # noqa: F401 - registers the environments
-from agents.catalogue import CATALOGUE, Setting, law_named
+from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
 from ffgym.cli.main import main
 from ffgym.control import NoCompensation
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error
-from ffgym.motions import list_motions, load_motion
-from ffgym.plant import Plant, PlantDistribution
+from ffgym.core.errors import FFGymError
+from ffgym.paths.motions import list_motions, load_motion
 from ffgym.recordings import read_recording, write_recording
+from ffgym.recordings.metrics import motor_error
 from ffgym.robot import RigidArm, builtin_robots, load_robot, resonances
 from ffgym.simulation import Run, sensors_of, simulate
+from ffgym.simulation.plant import Plant, PlantDistribution
 from ffgym.studies import circle_references, sine_references
 
 ROBOTS = builtin_robots()

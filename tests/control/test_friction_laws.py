@@ -9,16 +9,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.integrate import solve_ivp
 
-from ffgym.control import (
-    DynamicLuGreEuler,
-    DynamicLuGreExact,
-    NoCompensation,
-    StaticLuGre,
-    Window,
-    joint_reference,
-)
-from ffgym.errors import FFGymError
-from ffgym.paths import joint_sine
+from ffgym.control import DynamicLuGreEuler, DynamicLuGreExact, NoCompensation, StaticLuGre, Window
+from ffgym.core.errors import FFGymError
+from ffgym.paths import joint_reference, joint_sine
 from ffgym.studies import circle_references
 
 EXACT_AGREES = {"1 Hz": 1e-4, "3 Hz": 2e-3, "10 mm/s": 2e-4, "40 mm/s": 2e-3, "100 mm/s": 0.03}

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from ffgym.control import Setpoints
 from ffgym.control.setpoints import torque_at_rows
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 DT = 0.004
 numbers = st.floats(-100, 100, allow_subnormal=False)

@@ -8,8 +8,8 @@ from math import exp
 
 import numpy as np
 
-from ffgym.control import joint_reference, rigid_feedforward
-from ffgym.paths import multisine
+from ffgym.control import rigid_feedforward
+from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Header, Recording
 from ffgym.robot import RigidArm
 

@@ -4,10 +4,10 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
 from ffgym.effects import State
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 DT = 0.008
 NOISE = {"torque": 0.01, "servo": 0.01, "tool": 5e-6, "link": 2e-6}

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis import diagnose
-from ffgym.errors import FFGymError
-from ffgym.quality import check_quality
+from ffgym.logs.quality import check_quality
 from ffgym.recordings import Recording
-from tests.quality.defects import DEFECTS
-from tests.quality.quality_logs import clean_log, described
-from tests.quality.test_defects import applicable
+from tests.logs.quality.defects import DEFECTS
+from tests.logs.quality.quality_logs import clean_log, described
+from tests.logs.quality.test_defects import applicable
 
 ROBOT, MOTION = "two_link", "multisine"
 

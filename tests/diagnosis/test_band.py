@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.diagnosis.band import LEAST, comparison_cutoff, motion_bandwidth
 from ffgym.diagnosis.log import log_of
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording
 from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine
 
 FREQUENCIES = [0.2, 0.5]
 

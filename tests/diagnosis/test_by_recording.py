@@ -5,17 +5,16 @@ from datetime import date, timedelta
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.diagnosis.by_recording import days_of, drifts
 from ffgym.diagnosis.evidence.stack import blocks_of
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.effects import EFFECTS
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine
 
 DAYS = (0, 10, 20, 30, 40, 50)
 

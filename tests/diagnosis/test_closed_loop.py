@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import DynamicLuGreExact, joint_reference
+from ffgym.control import DynamicLuGreExact
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.closed_loop import closed_loop_gain
 from ffgym.effects import EFFECTS
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording
 from ffgym.simulation import Run, sensors_of, simulate
+from ffgym.simulation.plant import Machine
 
 
 @pytest.fixture(scope="module")

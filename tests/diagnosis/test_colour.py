@@ -5,9 +5,9 @@ import pytest
 
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.colour import colour_of
+from ffgym.diagnosis.identification import LowPass
 from ffgym.effects import EFFECTS
-from ffgym.identification import LowPass
-from ffgym.plant import Machine
+from ffgym.simulation.plant import Machine
 from tests.diagnosis.continuous_axis import recorded, red_noise, sines
 
 DT, CUTOFF, LOW_PASS = 0.001, 40.0, LowPass(cutoff=100.0)

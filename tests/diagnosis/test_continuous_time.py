@@ -13,8 +13,8 @@ from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.servo import FOREIGN, UNKNOWN
-from ffgym.plant import Machine
 from ffgym.recordings import Recording
+from ffgym.simulation.plant import Machine
 from tests.diagnosis.continuous_axis import Gains, recorded, sines
 from tests.diagnosis.replay.replay_samples import nominal
 from tests.diagnosis.replay.replay_samples import recorded as simulated

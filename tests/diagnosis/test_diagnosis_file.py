@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.document import LEVELS, diagnosis_document, parse_diagnosis, read_diagnosis, write_diagnosis
 from ffgym.diagnosis.result import Diagnosis
-from ffgym.errors import FFGymError
 from tests.diagnosis.result_samples import full_diagnosis
 
 PAGE = Path(__file__).parents[2] / "docs" / "diagnosis_json.md"

@@ -8,16 +8,15 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401 - registers the environments
-from ffgym.control import joint_reference
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.extended import extended_machine, save_extended
 from ffgym.diagnosis.result import Cause, Diagnosis, Size
 from ffgym.effects import EFFECTS
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import Climate, Machine, load_machine
-from ffgym.plant.machine_file import known_robot, origins_of, robot_reference
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions, load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Climate, Machine, load_machine
+from ffgym.simulation.plant.machine_file import known_robot, origins_of, robot_reference
 from tests.diagnosis.result_samples import full_diagnosis
 
 OPTIONS = ModelOptions(looks=False)

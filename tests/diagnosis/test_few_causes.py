@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis import examine
 from ffgym.effects import EFFECTS
 from ffgym.envs.rigs import rig_of
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine, save_machine
-from ffgym.protocols import load_protocols, plan_session, record_into
 from ffgym.recordings.folder import read_folder
+from ffgym.simulation.plant import Machine, save_machine
+from ffgym.simulation.protocols import load_protocols, plan_session, record_into
 
 HIDDEN = {"cogging": {"amplitude": 0.05, "cycles": 6.0, "phase": 0.4}, "asymmetry": {"coulomb": 0.2, "viscous": 0.0}}
 

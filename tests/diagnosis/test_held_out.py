@@ -3,14 +3,13 @@
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.held_out import held_out_levels
 from ffgym.effects import EFFECTS
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording
 from ffgym.simulation import Resolver, Run, TorqueSensor, simulate
+from ffgym.simulation.plant import Machine
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
 """An effect is hidden in a machine, and the diagnosis of its log must find it: six axes, errors of calibration, noise.
 
-The same on hundreds of logs, by any seed, is `ffgym bench-diagnosis`.
+The same on hundreds of logs, by any seed, is `python -m scripts.exam`.
 """
 
 from dataclasses import replace
@@ -10,11 +10,11 @@ import pytest
 
 from ffgym.diagnosis import Memory, diagnose
 from ffgym.effects import EFFECTS
-from ffgym.exam.draw import draw_case
-from ffgym.exam.equations import OUTSIDERS, VARIANTS
-from ffgym.exam.hidden import Hidden
-from ffgym.exam.marks import finds, outcome
-from ffgym.exam.recording import log_of_case
+from scripts.exam.draw import draw_case
+from scripts.exam.equations import OUTSIDERS, VARIANTS
+from scripts.exam.hidden import Hidden
+from scripts.exam.marks import finds, outcome
+from scripts.exam.recording import log_of_case
 
 SEED = 2026
 """Of the errors of calibration and the noise."""

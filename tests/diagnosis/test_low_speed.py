@@ -10,9 +10,9 @@ from ffgym.diagnosis.low_speed import SLOW, judged_rows, knows_low_speed
 from ffgym.diagnosis.patterns.rows import rows_of
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.residuals import residual_of
-from ffgym.plant import Machine
 from ffgym.robot import load_robot
-from tests.identification.rigid_body.recorded_arms import recorded, rigid, swing
+from ffgym.simulation.plant import Machine
+from tests.diagnosis.identification.rigid_body.recorded_arms import recorded, rigid, swing
 
 
 @pytest.fixture(scope="module")

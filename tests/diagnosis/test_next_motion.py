@@ -11,8 +11,8 @@ from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search.found import Round
 from ffgym.effects import EFFECTS
-from ffgym.plant import Machine
 from ffgym.robot import load_robot
+from ffgym.simulation.plant import Machine
 
 ROBOT = load_robot("two_link")
 

@@ -9,9 +9,9 @@ from ffgym.diagnosis import noise as module
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.noise import Faultless, noise_of
 from ffgym.diagnosis.replay import replay
-from ffgym.exam.independent.question import handed_out
-from ffgym.exam.independent.sensors import QUIET, TORQUE_NOISE, Columns
-from ffgym.plant import Machine
+from ffgym.simulation.plant import Machine
+from scripts.exam.independent.question import handed_out
+from scripts.exam.independent.sensors import QUIET, TORQUE_NOISE, Columns
 
 
 @pytest.mark.parametrize(("channel", "least"), [("torque", 0.3), ("servo", 1.0)])

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.diagnose import examine
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.held_out import held_out_levels
 from ffgym.diagnosis.nominal import LEAST_SHARE, filtering_for, fitted_nominal
-from ffgym.errors import FFGymError
+from ffgym.diagnosis.procedure import examine
 from ffgym.robot import RigidArm, load_draft, load_robot, motor_torque
-from tests.identification.rigid_body.recorded_arms import mistaken, recorded, rigid, swing
+from tests.diagnosis.identification.rigid_body.recorded_arms import mistaken, recorded, rigid, swing
 
 
 @pytest.fixture(scope="module")

@@ -10,20 +10,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.diagnose import examine
 from ffgym.diagnosis.extended import save_extended
 from ffgym.diagnosis.held_out import held_out_levels
 from ffgym.diagnosis.nominal import fitted_nominal
+from ffgym.diagnosis.procedure import examine
 from ffgym.effects import EFFECTS
 from ffgym.logs import read_log, read_logs
-from ffgym.paths import multisine
-from ffgym.plant import Machine, load_machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording
 from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine, load_machine
 
 needs_data = pytest.mark.skipif(
     not os.environ.get("FFGYM_DATA"), reason="set FFGYM_DATA to the folder with the published recordings"

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.log_rows import log_rows
 from ffgym.diagnosis.profiles import VARIABLES, profiles
 from ffgym.diagnosis.regimes import REGIMES, motion_map, regime_map
-from ffgym.errors import FFGymError
 from tests.diagnosis.residual_samples import made_up
 
 

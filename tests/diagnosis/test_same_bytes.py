@@ -10,16 +10,15 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits  # type: ignore[import-untyped]
 
-from ffgym.control import joint_reference
 from ffgym.diagnosis import Memory, diagnose, examine
 from ffgym.diagnosis.document import diagnosis_document
 from ffgym.diagnosis.one_thread import on_one_thread
 from ffgym.effects import EFFECTS
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.recordings.io import write_recording
 from ffgym.robot import load_robot
 from ffgym.simulation import Resolver, Run, TorqueSensor, simulate
+from ffgym.simulation.plant import Machine
 
 
 def logs(robot, *effects, seed):

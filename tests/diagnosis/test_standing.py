@@ -12,9 +12,9 @@ from ffgym.diagnosis.noise import encoder_steps, faultless_residuals
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.standing import misread_friction
-from ffgym.exam.recording import recorded
-from ffgym.plant import Machine
-from ffgym.protocols import load_protocols
+from ffgym.simulation.plant import Machine
+from ffgym.simulation.protocols import load_protocols
+from scripts.exam.recording import recorded
 
 BLOCK = 60
 """Rows of a mean [8 ms each]: torque noise of one row is an eighth of itself there."""

@@ -5,18 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis import examine
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.document import diagnosis_document, parse_diagnosis
 from ffgym.diagnosis.extended import extended_machine, save_extended
 from ffgym.diagnosis.held_out import held_out_levels
 from ffgym.effects import EFFECTS
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import Machine, load_machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions, load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine, load_machine
 
 KNOWN = Calibration.of_share(0.03)
 

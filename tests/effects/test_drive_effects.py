@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
+from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import Machine, Plant
+from ffgym.paths import joint_reference, multisine
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine, Plant
 from tests.effects.effect_samples import state_of, torques_at
 
 DT = 0.00025

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ffgym.effects import EFFECTS
-from ffgym.protocols import PROTOCOLS
+from ffgym.simulation.protocols import PROTOCOLS
 from scripts.effect_tables import page, table
 
 ROOT = Path(__file__).parents[2]

@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.effects import EFFECTS, TorqueEffect, torques_along
 from ffgym.effects.along import samples
-from ffgym.paths import multisine
+from ffgym.paths import joint_reference, multisine
 from ffgym.simulation import Run, simulate
 from tests.effects.effect_samples import as_strong_as_plausible, state_of
 

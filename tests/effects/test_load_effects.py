@@ -2,12 +2,11 @@
 
 import numpy as np
 
-from ffgym.control import joint_reference
 from ffgym.effects import EFFECTS
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine
 from tests.effects.effect_samples import state_of
 
 

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.effects import EFFECTS
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine
 
 
 @pytest.fixture(scope="module")

@@ -5,14 +5,13 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ffgym.control import joint_reference
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.examples import example_logs
 from ffgym.effects import EFFECTS, torques_along
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import Machine, Plant
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine, Plant
 from tests.effects.effect_samples import as_strong_as_plausible, state_of, torques_at
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401  (registers the environments)
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import builtin_robots, load_robot
 
 

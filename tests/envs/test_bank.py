@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.envs import bank
 from ffgym.envs.bank import MotionBank
 from ffgym.envs.motion import Columns, Motion
-from ffgym.paths import random_multisine
+from ffgym.paths import joint_reference, random_multisine
 from ffgym.robot import RigidArm
 
 

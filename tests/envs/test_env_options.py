@@ -7,8 +7,8 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from ffgym.plant import LogUniform, PlantDistribution, Uniform
 from ffgym.robot import load_robot
+from ffgym.simulation.plant import LogUniform, PlantDistribution, Uniform
 from tests.envs.env_samples import CIRCLE, JOINTS, ONE_AXIS, plant_state
 
 SAME_STEP = {"autoreset_mode": "SameStep"}

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from ffgym.control import NoCompensation
+from ffgym.core.errors import FFGymError
 from ffgym.envs import (
     EpisodeRecorder,
     History,
@@ -16,7 +17,6 @@ from ffgym.envs import (
     Residual,
     Sensing,
 )
-from ffgym.errors import FFGymError
 from tests.envs.env_samples import CIRCLE, FAST_SERVO, JOINTS, ONE_AXIS, OTHER_GEAR, Remembering
 
 ARGUMENTS = {

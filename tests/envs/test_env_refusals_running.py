@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ffgym.control import NoCompensation, StaticLuGre
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder, History, Hold, LowPass, Residual, Sensing
-from ffgym.errors import FFGymError
-from ffgym.plant import PlantDistribution, Uniform
+from ffgym.simulation.plant import PlantDistribution, Uniform
 from tests.envs.env_samples import CIRCLE, FAST_SERVO, JOINTS, ONE_AXIS, OTHER_GEAR, Remembering, plant_state
 
 MANY_SPEEDS = {"frequency": 3.0, "amplitude": 500.0}

@@ -4,9 +4,9 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from ffgym.control import DynamicLuGreExact, NoCompensation, StaticLuGre, joint_reference
+from ffgym.control import DynamicLuGreExact, NoCompensation, StaticLuGre
 from ffgym.envs import EpisodeRecorder, Residual
-from ffgym.paths import joint_sine
+from ffgym.paths import joint_reference, joint_sine
 from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401  (registers the environments)
-from ffgym.control import StaticLuGre, cartesian_reference, joint_reference
+from ffgym.control import StaticLuGre
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder, Residual
 from ffgym.envs.motion import Motion
-from ffgym.errors import FFGymError
-from ffgym.metrics import Contour
-from ffgym.motions import load_motion
-from ffgym.paths import circle_test, joint_sine
+from ffgym.paths import cartesian_reference, circle_test, joint_reference, joint_sine
+from ffgym.paths.motions import load_motion
+from ffgym.recordings.metrics import Contour
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Run, simulate
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ffgym.control import FeedForwardLaw
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder, LowPass, MotorError, Residual
-from ffgym.errors import FFGymError
 
 ONE_AXIS = "ffgym/OneAxis-v0"
 

@@ -4,10 +4,10 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
 from ffgym.envs.rigs import rig_of
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine, save_machine, with_payload
+from ffgym.simulation.plant import Machine, save_machine, with_payload
 
 
 @pytest.fixture

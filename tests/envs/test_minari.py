@@ -6,10 +6,10 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.provenance import versions
 from ffgym.envs import History, Sensing
 from ffgym.envs.minari import collect, write_dataset
-from ffgym.errors import FFGymError
-from ffgym.provenance import versions
 
 CIRCLES = "ffgym/CirclePath-v0"
 

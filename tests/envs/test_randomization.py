@@ -4,7 +4,7 @@ import gymnasium as gym
 import numpy as np
 
 from ffgym.envs import EpisodeRecorder
-from ffgym.plant import LogUniform, PlantDistribution
+from ffgym.simulation.plant import LogUniform, PlantDistribution
 from tests.envs.env_samples import CIRCLE, ONE_AXIS, plant_state
 
 SETTINGS = {"randomization": PlantDistribution(), "horizon": 3, "autoreset_mode": "SameStep"}

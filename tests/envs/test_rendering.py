@@ -10,9 +10,9 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import ffgym  # noqa: F401  (registers the environments)
+from ffgym.core.errors import FFGymError
 from ffgym.envs import CirclePathVectorEnv, Hold
 from ffgym.envs.rendering import Rendering
-from ffgym.errors import FFGymError
 
 SMALL = Rendering(width=192, height=108)
 MOTIONS = {

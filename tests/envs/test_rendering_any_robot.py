@@ -10,8 +10,8 @@ import ffgym  # noqa: F401  (registers the environments)
 from ffgym.effects import EFFECTS
 from ffgym.envs.rendering import Rendering
 from ffgym.envs.rendering.gauge import Dial, Ruler
-from ffgym.plant import Machine
 from ffgym.robot import builtin_robots, load_robot
+from ffgym.simulation.plant import Machine
 
 SMALL = Rendering(width=192, height=108)
 

@@ -6,10 +6,10 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder, FeedbackEffort, MotorError, PathError, RelativePathError, Reward
 from ffgym.envs.rewards import REWARDS, STOP_STEPS
-from ffgym.errors import FFGymError
-from ffgym.metrics import path_errors
+from ffgym.recordings.metrics import path_errors
 from tests.envs.env_samples import CIRCLE, JOINTS, ONE_AXIS, actions_for
 
 SHORT_CIRCLE = {"position": "p2", "speed": 0.1, "radii": (0.001, 0.003)}

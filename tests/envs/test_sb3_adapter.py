@@ -11,12 +11,12 @@ from stable_baselines3.common.evaluation import evaluate_policy  # noqa: E402
 from stable_baselines3.common.monitor import Monitor  # noqa: E402
 from stable_baselines3.common.vec_env import DummyVecEnv, VecNormalize  # noqa: E402
 
-from agents import LawAgent  # noqa: E402
+from ffgym.agents import LawAgent  # noqa: E402
 from ffgym.control import DynamicLuGreExact, StaticLuGre  # noqa: E402
+from ffgym.core.errors import FFGymError  # noqa: E402
 from ffgym.envs import EpisodeRecorder, History, Hold  # noqa: E402
 from ffgym.envs.sb3 import SB3VecEnv, make_sb3_env  # noqa: E402
-from ffgym.errors import FFGymError  # noqa: E402
-from ffgym.metrics import motor_error, path_errors  # noqa: E402
+from ffgym.recordings.metrics import motor_error, path_errors  # noqa: E402
 from ffgym.studies import circle_study, one_axis_study  # noqa: E402
 
 ONE_AXIS = "ffgym/OneAxis-v0"

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from gymnasium.vector import AutoresetMode
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from tests.envs.env_samples import CIRCLE, JOINTS, ONE_AXIS, actions_for, assert_same_info, plant_state, synchronous
 
 N, STEPS = 3, 60

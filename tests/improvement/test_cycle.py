@@ -5,18 +5,17 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from agents.lugre import dynamic_lugre
-from agents.model import model_law
-from ffgym.control import joint_reference
+from ffgym.agents.lugre import dynamic_lugre
+from ffgym.agents.model import model_law
 from ffgym.diagnosis import diagnose
 from ffgym.effects import EFFECTS
 from ffgym.improvement import Plan
 from ffgym.improvement.rounds import improved
-from ffgym.metrics import motor_error_rms
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
+from ffgym.recordings.metrics import motor_error_rms
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, SimulatedRig, sensors_of
+from ffgym.simulation.plant import Machine
 
 NUMBERS = {"torque_offset"}
 """Effects that stand for numbers which are fitted beside causes: the zero point of the torque signal."""

@@ -8,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.result import Diagnosis, SeparatingMotion
 from ffgym.effects import EFFECTS
-from ffgym.errors import FFGymError
 from ffgym.improvement import Plan, format_improvement, improve, render_improvement
 from ffgym.improvement.contenders import BASELINE, MODEL
 from ffgym.improvement.rounds import improved
-from ffgym.plant import Machine, load_machine
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig, sensors_of
+from ffgym.simulation.plant import Machine, load_machine
 from tests.diagnosis.test_extended import cause
 
 SHORT = '[[step]]\nprotocol = "table_6_1"\nrecords = [14]\nleast = 0.3\njoints = ["j1"]\n'

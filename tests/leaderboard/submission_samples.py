@@ -2,7 +2,7 @@
 
 import json
 
-from agents.submission import LOADERS
+from ffgym.agents.submission import LOADERS
 from ffgym.leaderboard.submission.archive import decode_archive, encode_archive
 from ffgym.leaderboard.submission.limits import Limits
 from ffgym.leaderboard.submission.manifest import MANIFEST, AgentSource, digest_of

@@ -9,17 +9,17 @@ from types import MappingProxyType
 
 import pytest
 
-from agents.entrants import ENTRANTS, REGISTRY
-from ffgym.claims import claimed
+from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.control import NoCompensation
-from ffgym.errors import FFGymError
-from ffgym.executors import Executor
+from ffgym.core.claims import claimed
+from ffgym.core.errors import FFGymError
+from ffgym.core.executors import Executor
+from ffgym.core.provenance import installed
 from ffgym.leaderboard.board import Board, simulated_seconds
 from ffgym.leaderboard.entrants import Entrant, Ready, Registry, one_by_one
 from ffgym.leaderboard.evaluation import jobs
 from ffgym.leaderboard.results import decode_row, encode_row, read_row
 from ffgym.leaderboard.tasks import references_of
-from ffgym.provenance import installed
 
 HERE = Executor(jobs=1)
 

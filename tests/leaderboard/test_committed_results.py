@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from agents.entrants import ENTRANTS, REGISTRY
-from ffgym.executors import Executor
+from ffgym.agents.entrants import ENTRANTS, REGISTRY
+from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.comparison.samples import DRAWS, GROUPS
 from ffgym.leaderboard.comparison.standings import standings

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from agents.catalogue import CATALOGUE, Setting
-from agents.common.law_policy import LawPolicy
-from agents.entrants import ENTRANTS, REGISTRY
-from ffgym.errors import FFGymError
+from ffgym.agents.catalogue import CATALOGUE, Setting
+from ffgym.agents.common.law_policy import LawPolicy
+from ffgym.agents.entrants import ENTRANTS, REGISTRY
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, Ready
 from ffgym.leaderboard.evaluation.closed_loop import fly
 from ffgym.leaderboard.evaluation.jobs import TOGETHER, Job, Starter, jobs_for, outcomes_of, run_job

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.statistics import (
     Interval,
     difference,

@@ -50,9 +50,9 @@ def test_an_honest_agent_answers_for_all_robots_and_remembers():
         ("", "import ffgym.simulation", "tried to import ffgym.simulation"),
         ("from ffgym.studies import in_mm", "pass", "tried to import ffgym.studies"),
         (
-            "import contextlib\nwith contextlib.suppress(BaseException):\n    from ffgym.exam import draw",
+            "import contextlib\nwith contextlib.suppress(BaseException):\n    from scripts.exam import draw",
             "pass",
-            "tried to import ffgym.exam",
+            "tried to import scripts.exam",
         ),
         (
             "import importlib, sys",
@@ -116,7 +116,7 @@ def test_what_an_agent_must_not_do_is_said_in_words(event, arguments, tried, tmp
         ("open", (os.devnull, "w", os.O_WRONLY)),
         ("os.listdir", (None,)),
         ("import", ("ffgym.control", None, [], [], [])),
-        ("import", ("agents.elastic", None, [], [], [])),
+        ("import", ("ffgym.agents.elastic", None, [], [], [])),
         ("compile", (b"", "<string>")),
     ],
 )

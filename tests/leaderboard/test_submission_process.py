@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import ffgym
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.submission import process as processes
 from ffgym.leaderboard.submission import worker
 from ffgym.leaderboard.submission.refusal import LONGEST, Refused

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.submission import load
+from ffgym.agents.submission import load
 from ffgym.control import ObservationLayout
-from ffgym.files import decode_arrays, encode_arrays
+from ffgym.core.files import decode_arrays, encode_arrays
 from ffgym.leaderboard.evaluation.closed_loop import fly
 from ffgym.leaderboard.evaluation.scoring import cells_of
 from ffgym.leaderboard.plants import plant_named

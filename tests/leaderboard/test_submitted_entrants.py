@@ -4,11 +4,11 @@ import gc
 
 import pytest
 
-from agents.entrants import REGISTRY, submitted
+from ffgym.agents.entrants import REGISTRY, submitted
 from ffgym.cli.main import main
 from ffgym.control import ObservationLayout
-from ffgym.errors import FFGymError
-from ffgym.executors import Executor
+from ffgym.core.errors import FFGymError
+from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.entrants import Registry, entrants_in
 from ffgym.leaderboard.evaluation.closed_loop import environment_for

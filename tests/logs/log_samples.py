@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs import ColumnMap, parse_columns
 
 N_ROWS = 7

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from log_samples import CLOCK, LOG, N_ROWS, POSITION, arrays, column_map, refused, write_npz
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs import Contents, builtin_columns, load_columns, parse_columns, read_log
 from ffgym.logs.column_map.column import _READERS, COLUMN_KEYS, Column
 from ffgym.logs.column_map.column_map import LOG_KEYS

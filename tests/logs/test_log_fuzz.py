@@ -11,7 +11,7 @@ import scipy.io
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs import read_contents
 
 N_FILES = 40

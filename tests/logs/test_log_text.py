@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from log_samples import refused
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs import TextLayout
 from ffgym.logs.formats.text import read_text_table
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from path_differences import check_curve
 from path_samples import vectors
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths.curves import Arc, Line, Part, Still, arc_about, arc_through
 
 few = settings(max_examples=30)

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_differences import central
 
-from ffgym.errors import FFGymError
-from ffgym.paths.multisine import multisine, schroeder_phases
+from ffgym.core.errors import FFGymError
+from ffgym.paths.multisines import multisine, schroeder_phases
 from ffgym.paths.speed_steps import SpeedStep, speed_ladder, speed_steps, triangle
 
 few = settings(max_examples=20)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_samples import magnitudes, vectors
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths import circle_test
 from ffgym.paths.lead import HalfCircle
 

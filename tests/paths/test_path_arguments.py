@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths import circle_test, constant_velocity, joint_sine
 
 NAN, INF = np.nan, np.inf

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_samples import magnitudes
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths.bounds import CURVE_SHARE, MARGIN, Bounds, axis_bounds, tool_bounds
 from ffgym.paths.curves import Arc, Line, Still
 from ffgym.paths.limits import JOINT_ACCELERATION, JOINT_JERK, AxisLimits, MotionLimits

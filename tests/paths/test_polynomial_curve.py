@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from path_differences import check_curve, unit
 from path_samples import vectors
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths.curves import Line, Part, arc_through
 from ffgym.paths.polynomial_curve import blend, spline_through
 

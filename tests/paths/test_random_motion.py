@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths import random_multisine
 from ffgym.paths.random_motion import FREQUENCIES
 

@@ -10,7 +10,7 @@ from path_differences import central
 from path_samples import vectors
 from scipy.spatial.transform import Rotation
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths.curves import Line, Part, arc_about
 from ffgym.paths.moves import Speed
 from ffgym.paths.route import Leg, corner_angle, meets, rounded

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from path_samples import magnitudes
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths.timing import Stretch, _profile, _reachable, junction_speeds, time_law
 
 many = settings(max_examples=100)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import FAMILIES, PHASE_KINDS, Header, Phase, Recording
 from ffgym.recordings.schema import VALID
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from recording_samples import columns, header, phases, recording, recordings, refused
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import FAMILIES, Phase, Recording
 
 

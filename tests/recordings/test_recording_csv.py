@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from recording_samples import header, read_or_refused, recording, refused
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.recordings.csv import MAGIC, decode, encode
 
 GOOD = encode(recording())

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import Header, Recording, read_folder, write_recording
 
 

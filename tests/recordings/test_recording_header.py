@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from recording_samples import header, json_dicts, json_values, read_or_refused, recordings, refused
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import Header, Phase, Recording
 
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from recording_samples import columns, header, read_or_refused, recording, refused
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.recordings.npz import decode, encode
 
 GOOD = encode(recording())

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from recording_samples import JOINTS, columns, header, refused
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import FAMILIES, Recording
 from ffgym.recordings.schema import check_columns, family_named
 

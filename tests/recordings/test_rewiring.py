@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs import parse_columns, read_log, write_corrected
 from ffgym.recordings import Header, Recording, Rewire, Rewiring, write_recording
 

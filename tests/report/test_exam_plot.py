@@ -2,10 +2,10 @@
 
 import pytest
 
-from ffgym.errors import FFGymError
-from ffgym.exam.marks import Mark, Truth
-from ffgym.report.exam import outcomes_figure
-from ffgym.report.exam.outcomes_plot import GOOD, PART, SILENT, TIE, WRONG, summed_up
+from ffgym.core.errors import FFGymError
+from scripts.exam.marks import Mark, Truth
+from scripts.exam.report import outcomes_figure
+from scripts.exam.report.outcomes_plot import GOOD, PART, SILENT, TIE, WRONG, summed_up
 
 
 def mark(row="single", outcome="right", verdict="named", loudness=20.0, number=0):

@@ -6,8 +6,8 @@ import pytest
 from matplotlib import rcParams
 from matplotlib.colors import to_hex
 
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error, motor_error_rms, relative_rms
+from ffgym.core.errors import FFGymError
+from ffgym.recordings.metrics import motor_error, motor_error_rms, relative_rms
 from ffgym.report import circle_figures, one_axis_figures, save_figure
 from ffgym.report._matplotlib import encode_figure
 from ffgym.report.circles.bars import motor_error_figure

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.report.learning.learning_plot import LearningCurves, learning_caption, learning_figure
 
 

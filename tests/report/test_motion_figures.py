@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ffgym.control import DynamicLuGreExact, NoCompensation, joint_reference
-from ffgym.metrics import Contour
-from ffgym.paths import joint_sine
+from ffgym.control import DynamicLuGreExact, NoCompensation
+from ffgym.paths import joint_reference, joint_sine
+from ffgym.recordings.metrics import Contour
 from ffgym.report import format_motion, render_motion_page
 from ffgym.report.motion.page import motion_figures
 from ffgym.report.motion.thinning import POINTS, peaks_kept

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from ffgym.control import NoCompensation
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.report import circle_figures, findings, one_axis_figures, render_report, write_report
 from ffgym.report.circles.page import provenance
 from ffgym.studies import circle_study, one_axis_study

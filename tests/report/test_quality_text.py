@@ -1,6 +1,6 @@
 """The text of the quality gate: each problem is told once."""
 
-from ffgym.quality import Finding, QualityReport
+from ffgym.logs.quality import Finding, QualityReport
 from ffgym.report.quality.text import format_quality
 
 

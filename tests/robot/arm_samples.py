@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ffgym.friction import LuGreParameters
 from ffgym.robot import RobotDescription
 from ffgym.robot.drive import Drive
+from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.parts import Kinematics, Links, Sensors, Servo, Tool, WorkArea
 
 X, Y, Z = np.eye(3)

@@ -4,9 +4,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from ffgym.control import NoCompensation, joint_reference
-from ffgym.metrics import motor_error
-from ffgym.paths import joint_sine
+from ffgym.control import NoCompensation
+from ffgym.paths import joint_reference, joint_sine
+from ffgym.recordings.metrics import motor_error
 from ffgym.robot import RigidArm, compile_model, load_robot, motor_torque
 from ffgym.simulation import Run, simulate
 

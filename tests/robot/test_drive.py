@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import compile_model, parse_robot
 from ffgym.robot.drive import Drive
 from ffgym.robot.reading.quantity import parse_quantity

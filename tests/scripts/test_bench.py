@@ -6,7 +6,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents.catalogue import CATALOGUE
+from ffgym.agents.catalogue import CATALOGUE
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run
 from ffgym.studies import circle_references, thesis_laws

@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm
 from ffgym.robot import with_parameters

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 
-from ffgym.errors import FFGymError
-from ffgym.exam.draw import COUNTS
-from ffgym.exam.results import write_marks
+from ffgym.core.errors import FFGymError
+from scripts.exam.draw import COUNTS
+from scripts.exam.results import write_marks
 from scripts.exam_page import PAGE, Config, main
 from tests.report.test_exam_plot import mark
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
-from ffgym.quality import check_quality
+from ffgym.logs.quality import check_quality
 from ffgym.recordings.npz import decode
 from ffgym.robot import load_robot
 from ffgym.workcell import SealedMachine

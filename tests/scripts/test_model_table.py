@@ -2,9 +2,9 @@
 
 import re
 
-from agents.model import left_alone
+from ffgym.agents.model import left_alone
 from ffgym.effects import EFFECTS
-from ffgym.plant import Machine
+from ffgym.simulation.plant import Machine
 from scripts.model_table import PAGE, Config, main, strong
 
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import tyro
 
-from agents.artefacts import TRAINED, manifest_of, path_of
-from agents.residual.actor import Actor, Layer
-from agents.residual.hyperparameters import changed
-from agents.residual.plan import Training
-from agents.residual.policy import ResidualPolicy, load_policy, save_policy
+from ffgym.agents.artefacts import TRAINED, manifest_of, path_of
+from ffgym.agents.residual.actor import Actor, Layer
+from ffgym.agents.residual.hyperparameters import changed
+from ffgym.agents.residual.plan import Training
+from ffgym.agents.residual.policy import ResidualPolicy, load_policy, save_policy
 from ffgym.cli.train_options import options_of
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from scripts.publish import Config, command_of, main
 from scripts.train import Sweep
 

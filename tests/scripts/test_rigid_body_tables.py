@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from scripts.rigid_body_tables import Config, main
 
 PAGE = Path(__file__).parents[2] / "docs" / "rigid_body_identification.md"

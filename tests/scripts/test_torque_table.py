@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from scripts.torque_table import Config, main
 
 PAGE = Path(__file__).parents[2] / "docs" / "torque_prediction.md"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from ffgym.errors import FFGymError
-from ffgym.executors import Executor
+from ffgym.core.errors import FFGymError
+from ffgym.core.executors import Executor
 from scripts.train import Sweep, main, train_one
 from tests.agents.residual.residual_samples import SMALL
 

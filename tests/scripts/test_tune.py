@@ -10,10 +10,10 @@ import sys
 import pytest
 import tyro
 
-from ffgym.claims import claimed
 from ffgym.cli.train import Train
-from ffgym.errors import FFGymError
-from ffgym.files import write_bytes
+from ffgym.core.claims import claimed
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import write_bytes
 from scripts import tune
 from scripts.tune import main
 from scripts.tuning import options

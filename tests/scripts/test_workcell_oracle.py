@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from agents.entrants import ENTRANTS, REGISTRY
-from ffgym.claims import claimed
-from ffgym.errors import FFGymError
-from ffgym.executors import Executor
+from ffgym.agents.entrants import ENTRANTS, REGISTRY
+from ffgym.core.claims import claimed
+from ffgym.core.errors import FFGymError
+from ffgym.core.executors import Executor
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.plants import THESIS_WORKCELL
 from ffgym.leaderboard.results import read_row

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from ffgym.control import DynamicLuGreExact, NoCompensation, StaticLuGre
-from ffgym.control.reference import Reference
-from ffgym.errors import FFGymError
-from ffgym.plant import Plant
+from ffgym.core.errors import FFGymError
+from ffgym.paths.reference import Reference
 from ffgym.recordings import Phase
 from ffgym.simulation import LaserTracker, Resolver, Run, simulate
+from ffgym.simulation.plant import Plant
 from ffgym.studies import circle_references
-from tests.plant.driving import controls
+from tests.simulation.plant.driving import controls
 
 SENSORS = (Resolver(bits=16), LaserTracker(noise=20e-6, period=0.001))
 

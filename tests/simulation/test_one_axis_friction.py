@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.signal import find_peaks
 
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error
+from ffgym.core.errors import FFGymError
+from ffgym.recordings.metrics import motor_error
 from ffgym.studies import one_axis_study
-from ffgym.studies.one_axis_study import SETTLED
+from ffgym.studies.one_axis import SETTLED
 
 FREQUENCIES = (1.0, 3.0)
 WINDOW = 0.06

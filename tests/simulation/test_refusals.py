@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from ffgym.control import DynamicLuGreEuler, DynamicLuGreExact, NoCompensation, StaticLuGre
-from ffgym.errors import FFGymError
-from ffgym.plant import Plant
+from ffgym.core.errors import FFGymError
 from ffgym.robot import ModelOptions
 from ffgym.simulation import LaserTracker, Resolver, Run, simulate
+from ffgym.simulation.plant import Plant
 from ffgym.studies import circle_references
 
 

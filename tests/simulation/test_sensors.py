@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
-from ffgym.plant import Climate, Machine
+from ffgym.core.errors import FFGymError
 from ffgym.simulation import LaserTracker, Resolver, Run, Thermometer, TorqueSensor, sensors_of, simulate
+from ffgym.simulation.plant import Climate, Machine
 from ffgym.simulation.sensors import TRUTH
 from ffgym.studies import circle_references
 

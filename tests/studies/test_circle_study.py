@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.control import NoCompensation, StaticLuGre
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error_rms, path_errors
+from ffgym.core.errors import FFGymError
+from ffgym.recordings.metrics import motor_error_rms, path_errors
 from ffgym.robot import ModelOptions, RigidArm, compile_model, physics_fingerprint
 from ffgym.studies import circle_references, circle_study, thesis_laws
 

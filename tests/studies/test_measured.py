@@ -2,7 +2,7 @@
 
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.studies.measured import measured_folder
 
 

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import DynamicLuGreExact, NoCompensation, joint_reference
-from ffgym.errors import FFGymError
-from ffgym.metrics import contour_errors, motor_error, motor_error_rms
-from ffgym.paths import constant_velocity, joint_sine
+from ffgym.control import DynamicLuGreExact, NoCompensation
+from ffgym.core.errors import FFGymError
+from ffgym.paths import constant_velocity, joint_reference, joint_sine
 from ffgym.paths.joint_space import joint_path
 from ffgym.paths.motion import standstill
+from ffgym.recordings.metrics import contour_errors, motor_error, motor_error_rms
 from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation import Run, SimulatedRig, sensors_of, simulate
 from ffgym.studies import circle_references, motion_study

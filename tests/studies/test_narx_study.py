@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.studies.narx_study import (
     ESTIMATION,
     EXTENDED,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from ffgym.control import NoCompensation, StaticLuGre
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error
+from ffgym.core.errors import FFGymError
+from ffgym.recordings.metrics import motor_error
 from ffgym.studies import one_axis_study
-from ffgym.studies.one_axis_study import AMPLITUDE, DURATION, FREQUENCIES, SETTLED
+from ffgym.studies.one_axis import AMPLITUDE, DURATION, FREQUENCIES, SETTLED
 
 
 @pytest.fixture(scope="module")

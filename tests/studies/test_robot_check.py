@@ -7,12 +7,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ffgym.errors import FFGymError
-from ffgym.plant import Plant
+from ffgym.core.errors import FFGymError
 from ffgym.robot import ModelOptions, RigidArm, RobotDraft, builtin_robots, load_draft, resonances
+from ffgym.simulation.plant import Plant
 from ffgym.studies.robot_check import check_robot, skeleton
 from ffgym.studies.robot_check.doubts import doubts_about
-from ffgym.studies.robot_check.skeleton import poses_in_range, tips
+from ffgym.studies.robot_check.draft import poses_in_range, tips
 
 IRB = "irb4600_60_205"
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import NoCompensation, joint_reference
-from ffgym.errors import FFGymError
-from ffgym.paths import joint_sine
+from ffgym.control import NoCompensation
+from ffgym.core.errors import FFGymError
+from ffgym.paths import joint_reference, joint_sine
 from ffgym.published import KR300_FRICTION
 from ffgym.recordings import Header, Recording
 from ffgym.robot import RigidArm, load_robot, motor_torque

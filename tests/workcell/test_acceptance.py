@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from ffgym.metrics import path_errors
 from ffgym.paths import RADII
 from ffgym.published import published_mm
+from ffgym.recordings.metrics import path_errors
 from ffgym.robot import ModelOptions
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references, circle_study, thesis_laws

@@ -1,20 +1,21 @@
 """Friction that was identified on the workcell makes a better feed-forward than what its controller knew before.
 
 The question that thesis 6.1.3 leaves open, for joint 1 alone and with a physics step of 1 ms, so that it takes seconds.
-`ffgym reproduce --only reidentified` answers it for all joints; a slow test of the reproduction holds its verdicts.
+`python -m scripts.thesis --only reidentified` answers it for all joints; a slow test of the reproduction holds its
+verdicts.
 """
 
 import numpy as np
 import pytest
 
 from ffgym.control import DynamicLuGreExact
-from ffgym.identification import friction_torques, identify_friction
-from ffgym.metrics import motor_error_rms
-from ffgym.protocols import plan_session, record
-from ffgym.protocols.speed_ladder import SpeedLadder
-from ffgym.protocols.table_6_1 import Table61
+from ffgym.diagnosis.identification import friction_torques, identify_friction
+from ffgym.recordings.metrics import motor_error_rms
 from ffgym.robot import ModelOptions
 from ffgym.simulation import SimulatedRig
+from ffgym.simulation.protocols import plan_session, record
+from ffgym.simulation.protocols.speed_ladder import SpeedLadder
+from ffgym.simulation.protocols.table_6_1 import Table61
 from ffgym.studies import circle_study
 from ffgym.workcell import workcell
 

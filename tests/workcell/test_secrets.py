@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 import ffgym
-from agents.oracle import OracleAgent
-from ffgym.control import joint_reference
+from ffgym.agents.oracle import OracleAgent
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import PlantDistribution
+from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import write_recording
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import PlantDistribution
 from ffgym.workcell import INSTANCES, workcell
 
 ROOT = Path(ffgym.__file__).parents[1]

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.effects import EFFECTS, State
-from ffgym.paths import multisine
-from ffgym.plant import Climate, Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Climate, Machine
 from ffgym.workcell.equations import (
     EQUATIONS,
     ColdOil,

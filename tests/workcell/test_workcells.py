@@ -6,12 +6,11 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from ffgym.control import Reference, joint_reference
-from ffgym.errors import FFGymError
-from ffgym.paths import multisine
-from ffgym.plant import Plant
+from ffgym.core.errors import FFGymError
+from ffgym.paths import Reference, joint_reference, multisine
 from ffgym.robot import ModelOptions, load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Plant
 from ffgym.workcell import INSTANCES, draw, workcell
 from ffgym.workcell.reading import build, merged, read_tree
 

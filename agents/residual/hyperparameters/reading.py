@@ -7,8 +7,8 @@ from importlib import resources
 from types import MappingProxyType
 from typing import Any
 
-from agents.residual.actor import ACTIVATIONS
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.agents.residual.actor import ACTIVATIONS
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 
 Value = float | int | str | tuple[int, ...]
 """Of a hyper-parameter."""

@@ -10,15 +10,15 @@ from stable_baselines3.common.noise import ActionNoise
 from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from torch import nn
 
-from agents.residual.learning.environment import ResidualVecEnv
-from agents.residual.learning.networks import (
+from ffgym.agents.residual.learning.environment import ResidualVecEnv
+from ffgym.agents.residual.learning.networks import (
     ResidualActorCritic,
     ResidualRecurrentActorCritic,
     ResidualSACPolicy,
     ResidualTQCPolicy,
 )
-from agents.residual.plan import Training
-from ffgym.types import Array
+from ffgym.agents.residual.plan import Training
+from ffgym.core.types import Array
 
 _ACTIVATIONS: dict[str, type[nn.Module]] = {"tanh": nn.Tanh, "relu": nn.ReLU}
 

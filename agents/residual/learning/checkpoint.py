@@ -13,8 +13,8 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.buffers import ReplayBuffer
 
-from ffgym.errors import FFGymError
-from ffgym.files import decode_arrays, encode_arrays, new_folder, read_bytes, read_text, write_bytes, write_json
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import decode_arrays, encode_arrays, new_folder, read_bytes, read_text, write_bytes, write_json
 
 HEADER = "checkpoint.json"
 _PREFIX = "segment_"

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from stable_baselines3.common.callbacks import BaseCallback
 
-from agents.residual.plan import Training
+from ffgym.agents.residual.plan import Training
 
 Points = tuple[tuple[int, float], ...]
 """Steps, mean reward per step since the point before."""

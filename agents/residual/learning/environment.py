@@ -6,14 +6,14 @@ import numpy as np
 from gymnasium import spaces
 from stable_baselines3.common.vec_env import VecEnvWrapper
 
-from agents.residual.bases import base_law
-from agents.residual.composition import Composition, Seen, chosen
-from agents.residual.features import LIMIT
-from agents.residual.plan import ENCODER_BITS, ENVIRONMENT, POSITION, Training
+from ffgym.agents.residual.bases import base_law
+from ffgym.agents.residual.composition import Composition, Seen, chosen
+from ffgym.agents.residual.features import LIMIT
+from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT, POSITION, Training
+from ffgym.core.types import Array
 from ffgym.envs import Sensing
 from ffgym.envs.sb3 import SB3VecEnv, make_sb3_env
-from ffgym.plant import PlantDistribution
-from ffgym.types import Array
+from ffgym.simulation.plant import PlantDistribution
 
 
 class ResidualVecEnv(VecEnvWrapper):

@@ -6,16 +6,16 @@ import numpy as np
 import torch
 from torch import nn
 
-from agents.residual.actor import LSTM, Actor, Layer
-from agents.residual.learning.networks import PerMotor
-from ffgym.errors import FFGymError
-from ffgym.types import Array
+from ffgym.agents.residual.actor import LSTM, Actor, Layer
+from ffgym.agents.residual.learning.networks import PerMotor
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 
 _ACTIVATIONS = {nn.Tanh: "tanh", nn.ReLU: "relu"}
 
 
 def actor_of(policy: Any) -> Actor:
-    """The actor of a policy of `agents.residual.learning.networks`: what `predict` does when it does not explore.
+    """The actor of a policy of `ffgym.agents.residual.learning.networks`: what `predict` does when it does not explore.
 
     Raises:
         FFGymError: if its networks are of another form.

@@ -20,17 +20,17 @@ import torch
 from stable_baselines3.common.base_class import BaseAlgorithm
 from stable_baselines3.common.logger import Logger, configure
 
-from agents.residual.learning.algorithms import algorithm_of
-from agents.residual.learning.checkpoint import check_same, read_newest, write_checkpoint
-from agents.residual.learning.curve import Curve, Points
-from agents.residual.learning.environment import ResidualVecEnv, environment_of
-from agents.residual.learning.export import actor_of
-from agents.residual.plan import Training
-from agents.residual.policy import ResidualPolicy, encode_policy, load_policy
-from ffgym.claims import claimed
-from ffgym.errors import FFGymError
-from ffgym.files import made_folder, read_bytes, read_text, write_bytes, write_json
-from ffgym.provenance import installed, versions
+from ffgym.agents.residual.learning.algorithms import algorithm_of
+from ffgym.agents.residual.learning.checkpoint import check_same, read_newest, write_checkpoint
+from ffgym.agents.residual.learning.curve import Curve, Points
+from ffgym.agents.residual.learning.environment import ResidualVecEnv, environment_of
+from ffgym.agents.residual.learning.export import actor_of
+from ffgym.agents.residual.plan import Training
+from ffgym.agents.residual.policy import ResidualPolicy, encode_policy, load_policy
+from ffgym.core.claims import claimed
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import made_folder, read_bytes, read_text, write_bytes, write_json
+from ffgym.core.provenance import installed, versions
 
 POLICY, NUMBERS = "policy.npz", "training.json"
 """What is written when a training is done."""

@@ -8,7 +8,7 @@ from ffgym.diagnosis.low_speed import knows_low_speed
 from ffgym.diagnosis.result import Unjudged
 from ffgym.diagnosis.search.found import Found
 from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, TrackerEffect
-from ffgym.plant import Machine
+from ffgym.simulation.plant import Machine
 
 LEAST_SPAN = {"temperature": 5.0, "running": 120.0}
 """Span that a log must have of what an effect varies with: temperature [K], and time since switching on [s]; chosen:

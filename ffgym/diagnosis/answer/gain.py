@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.evidence.folds import Fold, half_folds
 from ffgym.diagnosis.fit.fit import Fit
@@ -12,7 +13,6 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import written
 from ffgym.diagnosis.heap import trim_heap
 from ffgym.diagnosis.residual import Channel
-from ffgym.types import Array, BoolArray
 
 FOLDS = 3
 """Groups of motions that are left out in turn; each takes a fit, and a replay of all motions."""

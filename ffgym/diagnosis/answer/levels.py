@@ -4,11 +4,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.measured import counting_rows, measured_rows
 from ffgym.diagnosis.residual import UNITS, Channel, components
 from ffgym.diagnosis.result import Level
-from ffgym.types import Array, BoolArray
 
 
 def levels(

@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import SeparatingMotion
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.separation import separating_motion
-from ffgym.plant import Machine
 from ffgym.robot import RigidArm
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 
 def next_motion(

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.fit.fit import Fit
@@ -11,7 +12,6 @@ from ffgym.diagnosis.lateness import OF_ROW, is_row_offset
 from ffgym.diagnosis.result import Cause, Size
 from ffgym.effects import EFFECTS
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 RESAMPLES = 200
 """Resamples of blocks; quantiles of 5 and 95 % are then known to a per cent or two."""

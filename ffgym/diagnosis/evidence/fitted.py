@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.evidence.folds import Fold
 from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
-from ffgym.types import Array, BoolArray, IntArray
 
 
 def left_by_block(

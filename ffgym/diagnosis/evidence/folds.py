@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import BoolArray
 from ffgym.diagnosis.evidence.stack import Blocks
-from ffgym.types import BoolArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

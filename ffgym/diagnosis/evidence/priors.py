@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

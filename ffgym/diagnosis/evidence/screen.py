@@ -18,11 +18,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.evidence.folds import Fold
 from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
-from ffgym.types import Array, BoolArray, IntArray
 
 _WIDE = 10.0
 """Standard deviation of a candidate's parameter in its steps: as good as free, but not without end."""

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.optimize import lsq_linear
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 _PATIENCE = 6
 """Rounds without fewer parameters at fault in which all of them are exchanged at once, which is fast but may go in

@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import Calibration, Doubt, doubts_of
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence, Stack, stack_of
@@ -24,8 +25,7 @@ from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.effects import NativeEffect
-from ffgym.plant import Machine
-from ffgym.types import Array, BoolArray
+from ffgym.simulation.plant import Machine
 
 _STEPS = 25
 """Steps at most; chosen: a six-axis arm whose numbers are off by 5 % takes about ten."""

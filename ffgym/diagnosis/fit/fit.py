@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.stack import Evidence
@@ -16,9 +18,7 @@ from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
-from ffgym.types import Array, IntArray
+from ffgym.simulation.plant import Machine
 
 _FAR = 3.0
 """Practical steps that a number may move in one round."""

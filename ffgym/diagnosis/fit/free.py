@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.diagnosis.signatures.variant import step_of
-from ffgym.effects.parameter import Parameter
+from ffgym.effects.parameters import Parameter
 
 _CYCLES = 0.05
 """Step of a frequency as a share of itself; a frequency is looked for before, and only refined here."""

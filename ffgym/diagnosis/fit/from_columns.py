@@ -5,12 +5,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.signatures.column import Column
-from ffgym.effects.parameter import Parameter
-from ffgym.errors import FFGymError
+from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 
 def hypothesis_of(columns: Sequence[Column], sizes: Array, robot: RobotDescription) -> Hypothesis:

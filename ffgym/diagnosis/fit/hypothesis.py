@@ -6,14 +6,14 @@ from typing import Any, Self
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.diagnosis.fit.free import Free, free_number
 from ffgym.diagnosis.result import label_of
 from ffgym.effects import Effect
-from ffgym.effects.parameter import Parameter
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
+from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 _IMPLAUSIBLE = 1.0
 """Widths of its plausible range by which a size must lie beyond it to be held against a hypothesis: ranges are chosen,

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.types import Array
 
 _TOUCHED = 0.01
 """Share of a column's energy per row that counts, weighted by the noise, from which on it touches a component."""

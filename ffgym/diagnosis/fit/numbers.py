@@ -5,14 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.effects.friction import StribeckPeak
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, BoolArray
+from ffgym.simulation.plant import Machine
 
 _ROUNDING = 1e-12
 """By which a breakaway torque is more than the Coulomb torque at least, as a share of it: sums are rounded."""

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.fit import Fit, evaluated, left_by, trial_of, with_tangents
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.setting import Setting
-from ffgym.types import Array
 
 _ROUNDS = 4
 """Gauss-Newton steps at most."""

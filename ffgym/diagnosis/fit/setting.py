@@ -7,6 +7,7 @@ from typing import Self
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
@@ -15,8 +16,7 @@ from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.plant import Machine
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 HELD = 1e-6
 """Standard deviations within which a calibration error is held; bounds must lie apart."""

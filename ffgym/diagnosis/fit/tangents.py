@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.exchange import exchanged
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
+from ffgym.simulation.plant import Machine
 
 
 def tangents(

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import Evidence
@@ -23,9 +24,8 @@ from ffgym.diagnosis.replay import Replay, predicted
 from ffgym.diagnosis.replay.clocks import in_step
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import Effect
-from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.types import Array, BoolArray
+from ffgym.simulation.plant import Machine
 
 _ROUNDS = 2
 """Times that all is fitted and replayed; the second changes what is left by less than a per cent."""

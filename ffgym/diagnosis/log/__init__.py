@@ -1,5 +1,5 @@
 """Recordings made ready to be replayed."""
 
-from ffgym.diagnosis.log.log import Log as Log
-from ffgym.diagnosis.log.log import log_of as log_of
-from ffgym.diagnosis.log.sampling import Sampling as Sampling
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ffgym.identification.signals import motor_effort
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.signals import motor_effort
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 _GAP = 5
 """Sample periods of the tracker over which its position is interpolated; chosen: a lost sample or some."""

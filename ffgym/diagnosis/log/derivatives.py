@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.fft import dct, dst
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 
 def derivatives(angle: Array, dt: float) -> tuple[Array, Array]:

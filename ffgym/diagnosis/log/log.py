@@ -5,17 +5,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.identification import LowPass
+from ffgym.diagnosis.identification.signals import acting_torque, check_fits, joint_motion
 from ffgym.diagnosis.log import columns
 from ffgym.diagnosis.log.derivatives import derivatives
 from ffgym.diagnosis.log.sampling import Sampling
 from ffgym.diagnosis.log.white import white_noise, without_trembling
-from ffgym.errors import FFGymError
-from ffgym.identification import LowPass
-from ffgym.identification.signals import acting_torque, check_fits, joint_motion
 from ffgym.recordings import Recording
 from ffgym.recordings.stretch import started
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, BoolArray
 
 _SAME_PERIOD = 0.01
 """Relative difference of sample periods up to which recordings count as sampled alike."""

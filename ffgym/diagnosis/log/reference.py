@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ffgym.control import Reference
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 _FEWEST = 4
 """Set-points that a smooth curve takes."""

@@ -8,11 +8,12 @@ import numpy as np
 from scipy.signal import firwin
 from scipy.sparse import csr_array, diags_array
 
-from ffgym.identification import LowPass
-from ffgym.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.identification import LowPass
 
 MOTION_CUTOFF = 100.0
-"""Low-pass of the motor angle before it is differentiated [Hz]; that of `ffgym.identification`: reversals take 7 ms."""
+"""Low-pass of the motor angle before it is differentiated [Hz]; that of `ffgym.diagnosis.identification`: reversals
+take 7 ms."""
 
 CUTOFF = 40.0
 """Low-pass of what is compared [Hz]: above the resonances of industrial robots, 5 to 30 Hz, and thesis 6.1.2."""

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.stats import chi2
 
-from ffgym.identification import LowPass
-from ffgym.types import Array
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification import LowPass
 
 _LEAST = 0.05
 """Share of the band that is taken to be seen at least, however high the low-pass."""

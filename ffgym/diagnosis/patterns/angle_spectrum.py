@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.patterns.candidate import PRIOR_ROWS
 from ffgym.diagnosis.patterns.spectrum import PADDING, Spectrum
-from ffgym.types import Array, BoolArray, IntArray
 
 CELLS = 16
 """Cells of the angle in one cycle; a value at the edge of its cell then counts for 0.98 of itself."""

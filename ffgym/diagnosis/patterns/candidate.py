@@ -4,9 +4,9 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.patterns.rows import Rows
 from ffgym.diagnosis.result import PatternKind
-from ffgym.types import Array, BoolArray
 
 PRIOR_ROWS = 3.0
 """Rows of zero that are added to the fit of each column, so that one seen in few rows says little; chosen: far less

@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from ffgym.core.errors import check_choice
 from ffgym.diagnosis.patterns.periodic import Amplitude, PerTurn
 from ffgym.diagnosis.patterns.rows import rows_of
 from ffgym.diagnosis.patterns.spectrum import Spectrum
 from ffgym.diagnosis.residual import Channel, Residual, components
-from ffgym.errors import check_choice
 
 
 def cycles_per_turn(

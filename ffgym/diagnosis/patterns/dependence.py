@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import gumbel_r
 
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.patterns.functions import Variable
 from ffgym.diagnosis.patterns.rows import Rows
-from ffgym.types import Array, IntArray
 
 MOST_ROWS = 400
 """Rows that are compared with each other; chosen: their pairs take a millisecond per shuffle."""

@@ -6,6 +6,7 @@ from itertools import permutations
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.patterns.candidate import Fixed, Periodic, fit
 from ffgym.diagnosis.patterns.dependence import dependence
 from ffgym.diagnosis.patterns.functions import friction_of, functions_of, functions_of_time
@@ -16,7 +17,6 @@ from ffgym.diagnosis.patterns.wandering import wandering
 from ffgym.diagnosis.patterns.words import message, variable_of
 from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.result import Pattern
-from ffgym.types import Array
 
 FALSE_ALARMS = 0.01
 """Probability that noise alone gives any pattern in any channel."""

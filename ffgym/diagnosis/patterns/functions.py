@@ -5,10 +5,10 @@ from typing import Literal, final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.patterns.candidate import Fixed
 from ffgym.diagnosis.patterns.rows import Rows
 from ffgym.diagnosis.result import PatternKind
-from ffgym.types import Array
 
 Variable = Literal[
     "angle",

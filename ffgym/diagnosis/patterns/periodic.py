@@ -5,13 +5,13 @@ from typing import Literal, final
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.patterns.angle_spectrum import Turning, angle_spectrum, passed
 from ffgym.diagnosis.patterns.candidate import Periodic
 from ffgym.diagnosis.patterns.rows import Rows
 from ffgym.diagnosis.patterns.spectrum import Spectrum, refined
 from ffgym.diagnosis.patterns.time_spectrum import time_spectrum
 from ffgym.diagnosis.result import PatternKind
-from ffgym.types import Array, BoolArray
 
 Amplitude = Literal["constant", "torque", "sign", "speed squared"]
 """What the amplitude goes with: nothing, the motor torque, the sign of the speed, or its square."""

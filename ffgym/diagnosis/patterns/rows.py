@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
-from ffgym.types import Array, BoolArray, IntArray
 
 BLOCK = 12
 """Rows that are one observation in a test; chosen: rows are a third of the period of the filter's cut-off apart, so

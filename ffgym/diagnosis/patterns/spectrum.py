@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.patterns.candidate import fit
-from ffgym.types import Array
 
 PADDING = 4
 """Transforms are so much longer than the data; a peak between two frequencies then keeps 0.95 of its energy."""

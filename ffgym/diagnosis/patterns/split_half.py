@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.patterns.candidate import Fixed, Periodic, fit
 from ffgym.diagnosis.patterns.rows import Rows
-from ffgym.types import Array, BoolArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

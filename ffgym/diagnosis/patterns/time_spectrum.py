@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.fft import next_fast_len, rfft
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.patterns.rows import Rows
 from ffgym.diagnosis.patterns.spectrum import PADDING, Spectrum
-from ffgym.types import Array, BoolArray
 
 
 def time_spectrum(rows: Rows, values: Array, train: BoolArray, *, low: float, high: float) -> Spectrum:

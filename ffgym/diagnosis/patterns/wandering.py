@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.patterns.dependence import Dependence
 from ffgym.diagnosis.patterns.rows import Rows
 from ffgym.diagnosis.patterns.split_half import symmetric_test
-from ffgym.types import Array
 
 APART = 2
 """Blocks that are compared are so far apart; next to each other they share what the low-pass spreads."""

@@ -1,8 +1,5 @@
 """Measured motors drive a model."""
 
-from ffgym.diagnosis.replay.channels import predicted as predicted
-from ffgym.diagnosis.replay.channels import servo_feedback as servo_feedback
-from ffgym.diagnosis.replay.channels import tool_path as tool_path
-from ffgym.diagnosis.replay.channels import tracked as tracked
-from ffgym.diagnosis.replay.replay import Replay as Replay
-from ffgym.diagnosis.replay.replay import replay as replay
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,7 +7,7 @@ the same order, without.
 import numpy as np
 from scipy.linalg.lapack import dtbtrs
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 _AT_ONCE = 256
 """Samples of springs that are solved for at once; chosen: their matrix stays in a cache of the processor."""

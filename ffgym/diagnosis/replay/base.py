@@ -13,14 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.link_terms import LinkTerms, link_terms
 from ffgym.diagnosis.replay.springs import Springs
 from ffgym.effects.transmission.base_flexibility import BaseFlexibility
-from ffgym.plant import Machine
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.robot.dynamics.arm import RIGID
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 _AXES = 3
 

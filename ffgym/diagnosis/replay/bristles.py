@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.replay.banded import first_order
-from ffgym.friction import LuGreParameters
-from ffgym.types import Array
+from ffgym.robot.friction import LuGreParameters
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

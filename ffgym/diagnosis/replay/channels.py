@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.control import servo_torque
+from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.clocks import late
-from ffgym.diagnosis.replay.replay import Replay
+from ffgym.diagnosis.replay.rows import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import TrackerEffect
-from ffgym.plant import Machine
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 
 def predicted(run: Replay) -> dict[Channel, Array]:

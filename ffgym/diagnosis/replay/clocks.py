@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.effects import ClockEffect
 from ffgym.effects.effect import Effect
-from ffgym.types import Array
 
 FAMILY = {"torque": "motor.effort", "link": "link.position"}
 """Family of columns that each channel is read from."""

@@ -4,12 +4,12 @@ from dataclasses import fields, replace
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.replay.springs import Deflection, Springs, between, resting, straight
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.along import samples, torques_along
 from ffgym.effects.leads import Leads
-from ffgym.plant import Machine
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 
 def arm_effects(machine: Machine) -> list[TorqueEffect]:

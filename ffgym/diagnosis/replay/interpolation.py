@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.sparse import csr_array
 
-from ffgym.types import Array, IntArray
+from ffgym.core.types import Array, IntArray
 
 _POINTS = 4
 """Evaluations about a sample that it is interpolated from: those of a cubic."""

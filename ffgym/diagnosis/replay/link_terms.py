@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.replay.interpolation import along, places_of
 from ffgym.robot import RigidArm
-from ffgym.types import Array, IntArray
 
 _PERIOD = 0.004
 """Time between evaluations [s]; chosen: the usual control period, in which no pose changes by much."""

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay.bristles import Bristles
 from ffgym.diagnosis.replay.springs import Deflection
 from ffgym.effects import State, Torques
-from ffgym.plant import Climate, Machine
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Climate, Machine
 
 
 def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:

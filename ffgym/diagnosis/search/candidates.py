@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.evidence.screen import Candidate
 from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.signatures.column import Column, together
 from ffgym.diagnosis.signatures.variant import step_of
-from ffgym.types import Array, IntArray
 
 _WIDE = 10.0
 """Standard deviation of a candidate's parameter in practical steps: as good as free, but not without end."""

@@ -3,12 +3,12 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.evidence.fitted import left_by_block
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.priors import Priors
@@ -12,7 +13,6 @@ from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.refine import fit
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.search.found import Tried
-from ffgym.types import Array
 
 
 def judged_with(

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.evidence.fitted import fitted
 from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
 from ffgym.diagnosis.evidence.screen import screen
@@ -16,7 +17,6 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.signatures.variant import STEP
 from ffgym.robot import RobotDescription
-from ffgym.types import Array, IntArray
 
 _RIDGE = 1e-4
 """Share of a column's energy that a linear fit pays for using it: numbers that cancel each other along a log, as the

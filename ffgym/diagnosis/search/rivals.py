@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place
 from ffgym.diagnosis.fit.leftover import loudness, removed, touched, without_calibration
@@ -13,7 +14,6 @@ from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.found import Round, Tried
 from ffgym.diagnosis.search.judge import judged_with
 from ffgym.diagnosis.search.worth import removed_by
-from ffgym.types import Array
 
 TIED = 0.05
 """A rival ties if it is at least as good in this share of resamples."""

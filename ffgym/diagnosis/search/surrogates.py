@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import BOUND
 from ffgym.diagnosis.evidence.stack import Blocks, Values
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.types import Array
 
 DRAWS = 60
 """Draws of noise; the largest score of any candidate in each gives the threshold."""

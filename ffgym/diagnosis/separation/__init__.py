@@ -1,3 +1,5 @@
 """What to record next: the motion that tells rival causes apart."""
 
-from ffgym.diagnosis.separation.choose import separating_motion as separating_motion
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -6,6 +6,8 @@ from itertools import combinations
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
@@ -13,11 +15,9 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import SeparatingMotion
 from ffgym.diagnosis.separation.expected import Foreseen, foresee, planned_log
 from ffgym.diagnosis.separation.proposals import Proposal, proposals
-from ffgym.errors import FFGymError
-from ffgym.plant import Climate, Machine
-from ffgym.protocols import SessionMotion, plan_session
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Climate, Machine
+from ffgym.simulation.protocols import SessionMotion, plan_session
 
 SURE = 20.0
 """Log-likelihood ratio that a session should give; chosen: three times the logarithm of the number of effects and

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
@@ -25,11 +26,10 @@ from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.exchange import exchanged
 from ffgym.diagnosis.signatures.parts import Parts
-from ffgym.plant import Machine
-from ffgym.protocols import SessionMotion, record
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
+from ffgym.simulation.protocols import SessionMotion, record
 
 _SAMPLE_DT = 0.004
 """Sample time of what is foreseen [s]; chosen: up to 25 Hz is enough to choose a motion by."""

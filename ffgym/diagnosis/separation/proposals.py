@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ffgym.effects import Effect
-from ffgym.protocols.catalogue import PROTOCOLS
-from ffgym.protocols.protocol import Protocol
 from ffgym.robot import RobotDescription
 from ffgym.robot.template.toml_text import text
+from ffgym.simulation.protocols.catalogue import PROTOCOLS
+from ffgym.simulation.protocols.protocol import Protocol
 
 
 @dataclass(frozen=True, kw_only=True)

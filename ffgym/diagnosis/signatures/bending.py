@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.springs import COARSE
 from ffgym.diagnosis.signatures.push import Push
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

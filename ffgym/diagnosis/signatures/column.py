@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.failures import FAILED
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.signatures.bending import changes
@@ -12,7 +13,6 @@ from ffgym.diagnosis.signatures.parts import Parts, clock_parts, replayed_parts,
 from ffgym.diagnosis.signatures.push import Push, misread_on, misread_push, only_joint, push_of
 from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
-from ffgym.types import Array
 
 _TOGETHER = 24
 """Pushes on the springs that are solved for at once; chosen: more gain little, and each array of them takes 50 MB for

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.signatures.bending import changes
 from ffgym.diagnosis.signatures.parts import Parts, clock_parts, replayed_parts, shown
@@ -9,8 +10,7 @@ from ffgym.diagnosis.signatures.push import Push, moved, of_numbers
 from ffgym.effects import ClockEffect, ModelEffect, NativeEffect, TorqueEffect, Torques, TrackerEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect
-from ffgym.plant import Machine
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 
 def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:

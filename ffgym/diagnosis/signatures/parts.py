@@ -4,13 +4,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.replay.clocks import late
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.bending import Change
 from ffgym.effects import Effect
-from ffgym.plant import Machine
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 Parts = Mapping[tuple[Channel, int], Array]
 """By channel and component, shape (R, M) each; what is not there does not change."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.log.derivatives import derivatives_of_motions
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.bristles import along_speed
@@ -15,9 +16,8 @@ from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.effects import NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.effects.effect import Effect
-from ffgym.friction import LuGreParameters
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
+from ffgym.robot.friction import LuGreParameters
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

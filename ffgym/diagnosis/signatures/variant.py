@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.effects import Effect
-from ffgym.effects.parameter import Parameter
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
+from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 STEP = 0.3
 """Step as a share of what is plausible; chosen: large against rounding, small against where effects bend."""

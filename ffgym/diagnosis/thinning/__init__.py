@@ -1,6 +1,5 @@
 """Long logs, of which a diagnosis uses stretches."""
 
-from ffgym.diagnosis.thinning.bound import affordable as affordable
-from ffgym.diagnosis.thinning.thinned import note_of as note_of
-from ffgym.diagnosis.thinning.thinned import thin as thin
-from ffgym.diagnosis.thinning.thinned import within_bound as within_bound
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.thinning.coarse import Coarse, MotionRegressor
-from ffgym.quality.runs import stretches
-from ffgym.types import Array, BoolArray
+from ffgym.logs.quality.runs import stretches
 
 CELL = 1.0
 """Length of a cell [s]; chosen: a block of the evidence."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.thinning.cells import CELL, Cells
-from ffgym.types import Array, BoolArray, IntArray
 
 LENGTH = 10
 """Cells of a stretch: 10 s, as the motions of the protocol `diagnosis` last. Of longer ones there would be fewer, and

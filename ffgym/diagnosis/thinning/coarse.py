@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.recordings.stretch import Source
-from ffgym.types import Array, BoolArray
 
 POSITION = "motor.position"
 """Family that says how joints move; other families follow it."""

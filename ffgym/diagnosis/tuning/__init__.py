@@ -1,3 +1,5 @@
 """All numbers of a description, fitted to recordings together."""
 
-from ffgym.diagnosis.tuning.fit import tuned as tuned
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -18,6 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import BOUND
 from ffgym.diagnosis.evidence.solve import bounded
 from ffgym.diagnosis.evidence.stack import BLOCK, blocks_of
@@ -32,13 +33,12 @@ from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.diagnosis.tuning.numbers import PRECISION, as_described, distance, with_numbers
 from ffgym.effects.drive import TorqueOffset
-from ffgym.plant import Machine
 from ffgym.recordings import Recording
-from ffgym.types import Array
+from ffgym.simulation.plant import Machine
 
 CUTOFFS = (5.0, CUTOFF)
 """Low-passes of what is compared, one after the other [Hz]: below the resonances of industrial robots, as for rigid
-bodies (`ffgym.identification.rigid_body`), then as in a diagnosis."""
+bodies (`ffgym.diagnosis.identification.rigid_body`), then as in a diagnosis."""
 
 PASSES = 2
 """Times that all is fitted and then weighed anew, at each of them."""

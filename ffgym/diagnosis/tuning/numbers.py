@@ -6,6 +6,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import LinkMass
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.signatures.variant import STEP
@@ -13,10 +14,9 @@ from ffgym.effects import Effect, NativeEffect
 from ffgym.effects.effect import Side
 from ffgym.effects.friction import CoulombLevel, PreslidingStiffness, ViscousLevel
 from ffgym.effects.load import RotorInertia
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.effects.transmission import JointStiffness
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 SPREAD = 2.0
 """Standard deviation of a number, in plausible ranges of its effect, which are those of identified robots; chosen."""

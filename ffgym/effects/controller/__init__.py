@@ -1,3 +1,5 @@
 """What the machine's controller does otherwise than documented."""
 
-from ffgym.effects.controller.servo_gains import ServoGains as ServoGains
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

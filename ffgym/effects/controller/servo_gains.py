@@ -3,10 +3,10 @@
 from dataclasses import dataclass, replace
 from typing import ClassVar, final
 
+from ffgym.core.types import Array
 from ffgym.effects.effect import NativeEffect, Side
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 
 @final

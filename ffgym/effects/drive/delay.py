@@ -6,11 +6,11 @@ from typing import ClassVar, final
 import numpy as np
 from scipy.signal import lfilter
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
-from ffgym.errors import FFGymError
-from ffgym.types import Array
 
 LENGTH = 40
 """Commands that are remembered: 9.5 ms at a physics step of 0.25 ms, far more than a servo bears."""

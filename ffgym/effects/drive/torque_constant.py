@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
+from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
-from ffgym.types import Array
 
 
 @final

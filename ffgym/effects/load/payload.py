@@ -3,12 +3,12 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.effects.effect import NativeEffect, Side
-from ffgym.effects.parameter import parameter
-from ffgym.errors import FFGymError
+from ffgym.effects.parameters import parameter
 from ffgym.robot import RobotDescription
 from ffgym.robot.payload import with_payload
-from ffgym.types import Array
 
 
 @final

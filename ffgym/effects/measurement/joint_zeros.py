@@ -3,12 +3,12 @@
 from dataclasses import dataclass, replace
 from typing import ClassVar, final
 
+from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TrackerEffect
 from ffgym.effects.measurement.tool_position import with_tool_at
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.types import Array
 
 
 @final

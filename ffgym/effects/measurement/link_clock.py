@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
+from ffgym.core.types import Array
 from ffgym.effects.effect import ClockEffect, Side
-from ffgym.effects.parameter import parameter
-from ffgym.types import Array
+from ffgym.effects.parameters import parameter
 
 
 @final

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
+from ffgym.core.types import Array
 from ffgym.recordings import Recording
-from ffgym.types import Array
 
 
 def with_tool_at(recording: Recording, seen: Callable[[Array], Array]) -> Recording:

@@ -6,12 +6,12 @@ from typing import ClassVar, final
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TrackerEffect
 from ffgym.effects.measurement.tool_position import with_tool_at
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 
 @final

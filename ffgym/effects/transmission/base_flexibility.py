@@ -6,10 +6,10 @@ from typing import ClassVar, final
 import mujoco
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.effects.effect import ModelEffect, Side
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 RADIUS = 0.3
 """Radius of gyration of the base [m], which descriptions leave out as it stands still; chosen: half of its width. The

@@ -6,10 +6,10 @@ from typing import ClassVar, final
 import numpy as np
 from scipy.signal import lfilter
 
+from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
-from ffgym.types import Array
 
 
 @final

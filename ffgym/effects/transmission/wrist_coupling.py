@@ -5,11 +5,11 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
-from ffgym.effects.parameter import parameter
+from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
-from ffgym.errors import FFGymError
-from ffgym.types import Array
 
 
 @final

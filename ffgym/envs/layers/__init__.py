@@ -6,11 +6,6 @@ vector environment, in every autoreset mode and in the SB3 adapter. (Gymnasium's
 `make_vec` takes none for an environment that is a vector environment by nature.)
 """
 
-from ffgym.control import Agent as Agent
-from ffgym.envs.layers.filters import Hold as Hold
-from ffgym.envs.layers.filters import LowPass as LowPass
-from ffgym.envs.layers.history import History as History
-from ffgym.envs.layers.layer import Layer as Layer
-from ffgym.envs.layers.layer import Passing as Passing
-from ffgym.envs.layers.layer import stacked as stacked
-from ffgym.envs.layers.residual import Residual as Residual
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

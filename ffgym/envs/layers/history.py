@@ -7,11 +7,11 @@ from typing import Any, final
 import numpy as np
 from gymnasium import spaces
 
+from ffgym.core.errors import check_whole
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
 from ffgym.envs.layers.layer import Layer, Passing
 from ffgym.envs.stage import Stage, Transition
-from ffgym.errors import check_whole
-from ffgym.types import Array, BoolArray, IntArray
 
 
 @final

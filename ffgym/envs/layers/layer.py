@@ -4,10 +4,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
 from ffgym.envs.stage import Stage, Transition
-from ffgym.errors import FFGymError
-from ffgym.types import Array, BoolArray, IntArray
 
 
 class Layer(ABC):

@@ -7,13 +7,13 @@ from typing import Any, final
 import numpy as np
 
 from ffgym.control import Agent, FeedForwardLaw
+from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
 from ffgym.envs.layers.layer import Layer, Passing
 from ffgym.envs.motion import Motion
 from ffgym.envs.stage import Stage, Transition
 from ffgym.envs.tasks import KEPT
-from ffgym.errors import FFGymError, check_number, check_shape
-from ffgym.types import Array, BoolArray, IntArray
 
 
 @final

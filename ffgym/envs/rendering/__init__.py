@@ -1,5 +1,5 @@
 """Pictures of episodes. Nothing here loads OpenGL before a picture is asked for."""
 
-from ffgym.envs.rendering.options import Rendering as Rendering
-from ffgym.envs.rendering.options import check_render_mode as check_render_mode
-from ffgym.envs.rendering.renderer import EpisodeRenderer as EpisodeRenderer
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from ffgym.core.types import Array, IntArray
 from ffgym.envs.motion import Motion
 from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.canvas import Caption, Panel
@@ -14,7 +15,6 @@ from ffgym.envs.rendering.options import Rendering
 from ffgym.envs.rendering.paper import Sheet, round_down
 from ffgym.envs.rendering.tool_view import REFERENCE, TRAIL
 from ffgym.envs.rendering.view import View
-from ffgym.types import Array, IntArray
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore

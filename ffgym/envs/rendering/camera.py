@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 FIELD_OF_VIEW = np.deg2rad(30.0)
 """Full angle of the perspective camera along the shorter side."""

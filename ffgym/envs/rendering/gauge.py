@@ -5,10 +5,10 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.marks import Curve, Mark
 from ffgym.envs.rendering.paper import GREY, round_down
-from ffgym.types import Array
 
 TICK = np.deg2rad(15.0)
 """Between two ticks of a dial [rad]."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import mujoco
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 _ANY = ("", "enable", "enabled", "on", "true", "1")
 _OFF = ("disable", "disabled", "off", "false", "0")

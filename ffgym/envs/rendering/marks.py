@@ -7,7 +7,7 @@ from typing import final
 import mujoco
 import numpy as np
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 Colour = tuple[float, float, float, float]
 """Red, green, blue and opacity, 0 to 1."""

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 
 LARGEST = 4096
 """Largest width and height [pixel]; software OpenGL draws no larger ones."""

@@ -5,9 +5,9 @@ from typing import final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.marks import Colour, Curve, Mark, Plate
-from ffgym.types import Array
 
 WHITE: Colour = (0.97, 0.97, 0.96, 1.0)
 GREY: Colour = (0.80, 0.81, 0.83, 1.0)

@@ -6,15 +6,15 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import IntArray
 from ffgym.envs.rendering.axis_view import AxisView
 from ffgym.envs.rendering.canvas import Canvas
 from ffgym.envs.rendering.tool_view import ToolView
 from ffgym.envs.rendering.trails import Trails
 from ffgym.envs.rendering.view import View
 from ffgym.envs.rendering.viewer import Sight, Window
-from ffgym.errors import FFGymError
 from ffgym.robot import ModelOptions
-from ffgym.types import IntArray
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore

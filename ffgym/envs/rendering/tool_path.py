@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.motion import Motion
 from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.paper import round_down
-from ffgym.types import Array, BoolArray, IntArray
 
 FREE_RADIUS = 0.03
 """Half of what the close-up shows of a motion without circles [m]."""

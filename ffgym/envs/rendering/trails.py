@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.types import Array, IntArray
+from ffgym.core.types import Array, IntArray
 
 
 class Trails:

@@ -7,11 +7,11 @@ from typing import TypeAlias, final
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.types import Array
 from ffgym.leaderboard.plants import DRAW, NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.results import Cell, Outcome, Row
 from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS
-from ffgym.types import Array
 
 DRAWS = "draws"
 """Group of all drawn plants."""

@@ -6,6 +6,7 @@ from typing import final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.leaderboard.comparison.samples import Grid, Sample, outcomes_on
 from ffgym.leaderboard.comparison.statistics import (
     Interval,
@@ -18,7 +19,6 @@ from ffgym.leaderboard.comparison.statistics import (
     resamples,
 )
 from ffgym.leaderboard.results import Row
-from ffgym.types import Array
 
 
 @final

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import final
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice
 from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS, Grid, grid_of, group_of, lacking, sample_of
 from ffgym.leaderboard.comparison.scores import Difference, Score, Scored, compared, score_of
 from ffgym.leaderboard.results import Row

@@ -22,8 +22,8 @@ from zlib import crc32
 import numpy as np
 from scipy import stats
 
-from ffgym.errors import FFGymError
-from ffgym.types import Array, IntArray
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, IntArray
 
 TRIM = 0.25
 """Share of values that an interquartile mean leaves out at either end."""

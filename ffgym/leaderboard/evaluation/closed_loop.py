@@ -11,15 +11,15 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from ffgym.control import Agent, Batchable, ObservationLayout, Policy
+from ffgym.core.types import Array, BoolArray
 from ffgym.envs import EpisodeRecorder
 from ffgym.envs.core import TrackingCore
 from ffgym.leaderboard.plants import TestPlant
 from ffgym.leaderboard.tasks import Task, noise_seed
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
+from ffgym.simulation.run import Progress
 from ffgym.simulation.sensors import measure
-from ffgym.simulation.simulate import Progress
-from ffgym.types import Array, BoolArray
 
 TIMED = 100
 """Decisions that are timed for one robot alone; chosen: their median moves by some per cent from run to run."""

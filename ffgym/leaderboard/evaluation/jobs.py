@@ -6,14 +6,14 @@ from itertools import groupby
 
 import numpy as np
 
-from ffgym.executors import Executor
+from ffgym.core.executors import Executor
+from ffgym.core.provenance import versions
 from ffgym.leaderboard.entrants import Ready, Registry, entrant_named
 from ffgym.leaderboard.evaluation.closed_loop import fly, inference_time
 from ffgym.leaderboard.evaluation.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.plants import DRAW, TestPlant, plant_named
 from ffgym.leaderboard.results import Outcome
 from ffgym.leaderboard.tasks import Task, noise_seed, references_of
-from ffgym.provenance import versions
 from ffgym.recordings import Recording
 from ffgym.simulation import Run
 

@@ -2,8 +2,8 @@
 
 from ffgym.leaderboard.results import Cell, Trail
 from ffgym.leaderboard.tasks import Task
-from ffgym.metrics import deviation_along
 from ffgym.recordings import Recording
+from ffgym.recordings.metrics import deviation_along
 from ffgym.studies import circle_scores, in_mm
 
 PICTURED = ("p2", 0.003)

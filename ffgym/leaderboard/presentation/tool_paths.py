@@ -7,12 +7,12 @@ from typing import final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ffgym.errors import check_shape
+from ffgym.core.errors import check_shape
+from ffgym.core.types import Array
 from ffgym.leaderboard.plants import THESIS_WORKCELL
 from ffgym.leaderboard.presentation.svg import COLOURS, number, polyline
 from ffgym.leaderboard.results import Row, Trail
 from ffgym.report.circles.paths_plot import MAGNIFICATIONS
-from ffgym.types import Array
 
 _POINTS = 150
 """Points drawn of one path at most, enough for a line without corners at this size."""

@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.leaderboard.submission.checks import check_first_actions
 from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.submission.runs import Contract
-from ffgym.types import Array
 
 
 def check_alone(

@@ -9,8 +9,8 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_bytes
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_bytes
 from ffgym.leaderboard.submission.refusal import Refused
 
 LARGEST = 64 * 2**20

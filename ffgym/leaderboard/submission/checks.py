@@ -4,8 +4,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.files import decode_arrays
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import decode_arrays
+from ffgym.core.types import Array
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.submission.archive import check_arrays, sha256_of
 from ffgym.leaderboard.submission.manifest import ACTIONS, MANIFEST, Claim, Manifest
@@ -14,7 +15,6 @@ from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.tasks import Task
 from ffgym.robot import load_robot
 from ffgym.studies import in_mm
-from ffgym.types import Array
 
 SCORE_TOLERANCE = 1e-4
 """Relative difference of errors that is allowed. On one machine they are the same bit for bit. Another processor rounds

@@ -9,7 +9,8 @@ from typing import Any
 from weakref import finalize
 
 from ffgym.control import Agent, ObservationLayout
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.leaderboard.entrants import Entrant, Ready, one_by_one
 from ffgym.leaderboard.plants import TestPlant
 from ffgym.leaderboard.submission.archive import decode_archive, read_archive, sha256_of
@@ -20,7 +21,6 @@ from ffgym.leaderboard.submission.process import AgentProcess
 from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.tasks import Task
 from ffgym.robot import RobotDescription
-from ffgym.types import Array
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 """Of a row, as its result file is named after it."""

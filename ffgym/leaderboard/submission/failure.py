@@ -4,7 +4,7 @@ import os
 import traceback
 from pathlib import Path
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 
 def failure_text(error: BaseException, folder: Path) -> str:

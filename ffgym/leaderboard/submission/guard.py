@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.submission.judge import HIDDEN, Judge
 
 Refuse = Callable[[str], None]

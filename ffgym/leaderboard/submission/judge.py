@@ -10,10 +10,10 @@ import ffgym
 HIDDEN = (
     "ffgym.workcell",
     "ffgym.envs",
-    "ffgym.exam",
+    "scripts.exam",
     "ffgym.cli",
     "ffgym.improvement",
-    "ffgym.reproduction",
+    "scripts.thesis",
     "ffgym.report",
     "ffgym.leaderboard",
     "scripts",

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from typing import Any, Literal, get_args
 
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.leaderboard.results import Cell
 from ffgym.leaderboard.submission.refusal import Refused
 

@@ -5,7 +5,9 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
-from ffgym.files import encode_arrays
+from ffgym.core.files import encode_arrays
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.submission import plan as plans
 from ffgym.leaderboard.submission.alone import check_alone
@@ -23,9 +25,7 @@ from ffgym.leaderboard.submission.runs import (
     run,
     silent,
 )
-from ffgym.provenance import versions
 from ffgym.robot import load_robot
-from ffgym.types import Array
 
 _NO_ACTIONS = encode_arrays({})
 

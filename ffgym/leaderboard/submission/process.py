@@ -14,7 +14,8 @@ from typing import Any, Self
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.types import Array
 from ffgym.leaderboard.submission.launch import PACKAGE, launch
 from ffgym.leaderboard.submission.limits import Limits
 from ffgym.leaderboard.submission.manifest import AgentSource
@@ -31,7 +32,6 @@ from ffgym.leaderboard.submission.protocol import (
 from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.submission.watchdog import Watchdog
 from ffgym.robot import load_robot
-from ffgym.types import Array
 
 _CHECK = "agent"
 

@@ -12,8 +12,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.types import Array, BoolArray
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
 
 JSON: Final = b"J"
 """An order, or its answer."""

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from ffgym.control import Agent, ObservationLayout
-from ffgym.errors import FFGymError
-from ffgym.files import read_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text
+from ffgym.core.provenance import installed
 from ffgym.leaderboard.submission import judge
-from ffgym.provenance import installed
 from ffgym.robot import RobotDescription
 
 LIBRARIES: Mapping[str, str] = {

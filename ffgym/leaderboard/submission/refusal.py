@@ -1,6 +1,6 @@
 """Why a submission is not accepted."""
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 LONGEST = 500
 """Letters of a reason."""

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ffgym.control import Agent, ObservationLayout
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.leaderboard.evaluation.closed_loop import Flight, fly
 from ffgym.leaderboard.evaluation.scoring import cells_of
 from ffgym.leaderboard.plants import plant_named
@@ -16,8 +17,7 @@ from ffgym.leaderboard.submission.manifest import Claim
 from ffgym.leaderboard.submission.refusal import Refused
 from ffgym.leaderboard.tasks import Task
 from ffgym.robot import RobotDescription
-from ffgym.simulation.simulate import Progress
-from ffgym.types import Array
+from ffgym.simulation.run import Progress
 
 Stage = Callable[[str, str], AbstractContextManager[Progress | None]]
 """Context of a piece of work by its title and unit, which shows how far it is."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from ffgym.control import Agent
+from ffgym.core.types import Array
 from ffgym.leaderboard.evaluation.closed_loop import Flight
 from ffgym.leaderboard.submission import plan as plans
 from ffgym.leaderboard.submission.alone import check_alone
@@ -32,7 +33,6 @@ from ffgym.leaderboard.submission.runs import (
 )
 from ffgym.leaderboard.tasks import Task
 from ffgym.robot import load_robot
-from ffgym.types import Array
 
 CHECKS: Mapping[str, str] = {
     "archive": "a readable ZIP file of a few plain files, small, with nothing outside of it",

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from ffgym.control import Agent, ObservationLayout
-from ffgym.errors import FFGymError, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.types import Array, BoolArray
 from ffgym.leaderboard.submission import guard
 from ffgym.leaderboard.submission.failure import failure_text
 from ffgym.leaderboard.submission.judge import HIDDEN
@@ -33,7 +34,6 @@ from ffgym.leaderboard.submission.protocol import (
     unpack_observations,
 )
 from ffgym.robot import RobotDescription, load_robot
-from ffgym.types import Array, BoolArray
 
 _LOOKS_EVERY = 0.5
 """[s]."""

@@ -1,7 +1,5 @@
 """Column maps: what the arrays of a file mean, as a small TOML file."""
 
-from ffgym.logs.column_map.column import Column as Column
-from ffgym.logs.column_map.column_map import ColumnMap as ColumnMap
-from ffgym.logs.column_map.load import builtin_columns as builtin_columns
-from ffgym.logs.column_map.load import load_columns as load_columns
-from ffgym.logs.column_map.load import parse_columns as parse_columns
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Literal, final
 
-from ffgym.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.recordings.schema import closest
 
 Resample = Literal["", "gaps", "linear", "hold"]

@@ -6,8 +6,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text
 from ffgym.logs.column_map.column import Column, parse_column
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES, ColumnMap
 from ffgym.logs.column_map.rewire import parse_rewiring

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from ffgym.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_number
 from ffgym.recordings.rewiring import Rewire, Rewiring
 from ffgym.recordings.schema import FAMILIES, closest
 

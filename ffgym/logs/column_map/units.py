@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_number
 from ffgym.robot.reading.rule import OTHER_UNITS
 
 _TURN = 2 * np.pi

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 
 @contextmanager

@@ -8,8 +8,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_bytes, read_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_bytes, read_text
 from ffgym.logs.contents import NUMBERS, Contents
 from ffgym.logs.formats.damage import one_error
 from ffgym.logs.formats.parquet import contents_of

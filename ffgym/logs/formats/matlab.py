@@ -7,7 +7,7 @@ import numpy as np
 from scipy.io import loadmat
 from scipy.sparse import issparse
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs.contents import NUMBERS, TEXT, Contents
 from ffgym.logs.formats.damage import one_error
 from ffgym.logs.formats.matlab_tags import check_mat5

@@ -4,7 +4,7 @@ import struct
 import zlib
 from collections.abc import Iterator
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 _HEADER = 128
 """Bytes of text and version before the first element."""

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.errors import FFGymError
-from ffgym.files import decode_arrays
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import decode_arrays
 from ffgym.logs.contents import Contents
 
 TIME_SERIES = frozenset({"times", "data", "signal_mapping"})

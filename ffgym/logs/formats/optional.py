@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.logs.contents import Contents
 
 

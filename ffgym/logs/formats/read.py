@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_bytes
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_bytes
 from ffgym.logs.contents import Contents
 from ffgym.logs.formats.json_table import read_json
 from ffgym.logs.formats.matlab import read_mat

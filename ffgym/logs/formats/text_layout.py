@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Self, final
 
-from ffgym.errors import FFGymError, check_whole
+from ffgym.core.errors import FFGymError, check_whole
 from ffgym.recordings.schema import closest
 
 LAYOUT_KEYS: Mapping[str, str] = MappingProxyType(

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.metrics import motor_error_rms
+from ffgym.core.types import Array
+from ffgym.recordings.metrics import motor_error_rms
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import CircleStudy
-from ffgym.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

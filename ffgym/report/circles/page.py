@@ -6,8 +6,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from ffgym.files import check_writable, write_text
-from ffgym.provenance import versions
+from ffgym.core.files import check_writable, write_text
+from ffgym.core.provenance import versions
 from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, nearness, reduction
 from ffgym.report.circles.figures import circle_figures, one_axis_figures
 from ffgym.report.circles.findings import PARTLY, REPRODUCED, findings

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.metrics import Circle, circle_deviation, fit_circle, standstill_offset
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
 from ffgym.paths.circles import Plane, plane_of
 from ffgym.recordings import Phase, Recording
+from ffgym.recordings.metrics import Circle, circle_deviation, fit_circle, standstill_offset
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import CircleStudy
-from ffgym.types import Array, BoolArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,11 +6,11 @@ from typing import final
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.regimes import ResidualMap, motion_map
 from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.result import Diagnosis
-from ffgym.errors import FFGymError
 
 STANDS_OUT = 1.5
 """Residual over noise floor of a whole log from which a component is shown; chosen: half as much again as noise."""

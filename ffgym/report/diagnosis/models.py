@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.residual import MotionResidual, Residual
 from ffgym.report.identification.stribeck_plot import MEASURED, NEW, OLD
-from ffgym.types import Array
 
 NOMINAL, EXTENDED = "nominal model", "extended model"
 """What models are called in pictures."""

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.log_rows import LogRows, log_rows
 from ffgym.diagnosis.patterns import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
@@ -14,7 +15,6 @@ from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.diagnosis.joint_units import fine_scale_of
 from ffgym.report.diagnosis.models import LOOKS
 from ffgym.report.motion.thinning import peaks_kept
-from ffgym.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.diagnosis.residual import Residual
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.diagnosis.models import LOOKS, NOMINAL
 from ffgym.report.motion.tool_path_plot import round_factor, sights_of
-from ffgym.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

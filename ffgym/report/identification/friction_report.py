@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ffgym.identification import FrictionIdentification, FrictionTorque, Validation
+from ffgym.diagnosis.identification import FrictionIdentification, FrictionTorque, Validation
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

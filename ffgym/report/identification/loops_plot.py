@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ffgym.friction import LuGreParameters
-from ffgym.identification import FrictionTorque, predicted_friction
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification import FrictionTorque, predicted_friction
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.identification.stribeck_plot import MEASURED, NEW, OLD
-from ffgym.types import Array
+from ffgym.robot.friction import LuGreParameters
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ffgym.identification.narx import Samples
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.narx import Samples
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import law_styles
 from ffgym.studies.narx_study import ESTIMATION, VALIDATION, NarxFit
-from ffgym.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

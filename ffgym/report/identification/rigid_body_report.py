@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.identification.rigid_body import RigidBodyFit, TorqueErrors
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.rigid_body import RigidBodyFit, TorqueErrors
 from ffgym.recordings import Recording
-from ffgym.types import Array
 
 SURE = 0.9
 """Share of the data from which a number is theirs."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ffgym.identification.rigid_body import RigidBodyFit, TorqueErrors
+from ffgym.diagnosis.identification.rigid_body import RigidBodyFit, TorqueErrors
 from ffgym.report.circles.tables import Column, aligned, filled, shortened
 from ffgym.report.identification.rigid_body_report import SURE, RigidBodyReport, Row, body_rows, parameter_rows
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ffgym.identification import Estimate, JointFriction
+from ffgym.diagnosis.identification import Estimate, JointFriction
 from ffgym.report.circles.tables import Column, aligned, filled
 from ffgym.report.identification.friction_report import FrictionReport
 

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from ffgym.core.types import Array
 from ffgym.report._matplotlib import house_style, new_figure
-from ffgym.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array, ComplexArray
 from ffgym.report._matplotlib import house_style, new_figure
-from ffgym.types import Array, ComplexArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

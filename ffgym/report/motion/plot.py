@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.metrics import Contour, motor_error
+from ffgym.core.types import Array
 from ffgym.recordings import Recording
+from ffgym.recordings.metrics import Contour, motor_error
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import law_styles
 from ffgym.report.motion.thinning import peaks_kept
 from ffgym.studies import MotionResult, MotionStudy
-from ffgym.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

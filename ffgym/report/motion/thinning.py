@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.types import Array, IntArray
+from ffgym.core.types import Array, IntArray
 
 POINTS = 2000
 """Points of a line that are drawn: twice the pixels of a figure's width."""

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.metrics import Contour
+from ffgym.core.types import Array
 from ffgym.paths.circles import plane_of
+from ffgym.recordings.metrics import Contour
 from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import MotionStudy
-from ffgym.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

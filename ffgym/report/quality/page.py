@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from ffgym.quality import QualityReport
+from ffgym.logs.quality import QualityReport
 from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.html import embedded, provenance_lines, render
 from ffgym.report.quality.plot import limits_caption, limits_figure

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ffgym.quality import Finding, QualityReport
+from ffgym.logs.quality import Finding, QualityReport
 from ffgym.report._matplotlib import house_style, new_figure
 
 if TYPE_CHECKING:

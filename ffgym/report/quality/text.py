@@ -1,6 +1,6 @@
 """What the quality gate found in a recording, as text for a terminal."""
 
-from ffgym.quality import Finding, QualityReport
+from ffgym.logs.quality import Finding, QualityReport
 from ffgym.report.circles.tables import filled
 
 _WORDS = {

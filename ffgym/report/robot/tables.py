@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot import CAPABILITIES
 from ffgym.robot.inverse_kinematics import MAX_CONDITION
 from ffgym.robot.reading.quantity import ORIGINS
 from ffgym.robot.reading.rules import RULES
 from ffgym.studies.robot_check import POSES, Place, RobotCheck
-from ffgym.types import Array
 
 _SHOWN_MODES = 3
 """Resonances that a table shows, the lowest ones: those that feed-forward meets."""

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from ffgym.errors import check_choice
+from ffgym.core.errors import check_choice
+from ffgym.core.types import Array
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.robot.shapes import Geom
-from ffgym.types import Array
 
 Kind = Literal["mjcf", "urdf"]
 

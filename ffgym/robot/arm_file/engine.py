@@ -8,7 +8,7 @@ from pathlib import Path
 
 import mujoco
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot.arm_file.mesh_files import WAY_OUT, without_mesh
 
 _WAYS_OUT = (

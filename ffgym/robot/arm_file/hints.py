@@ -3,10 +3,10 @@
 import mujoco
 import numpy as np
 
+from ffgym.core.types import IntArray
 from ffgym.robot.arm_file.arm_file import JointHints
 from ffgym.robot.arm_file.chain import Chain
 from ffgym.robot.arm_file.source import Source
-from ffgym.types import IntArray
 
 
 def joint_hints(model: mujoco.MjModel, chain: Chain, source: Source) -> tuple[JointHints, ...]:

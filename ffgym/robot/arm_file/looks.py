@@ -5,10 +5,10 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.arm_file.chain import BASE
 from ffgym.robot.arm_file.measure import Pose
 from ffgym.robot.shapes import Geom, Mesh
-from ffgym.types import Array
 
 _KINDS = {
     mujoco.mjtGeom.mjGEOM_SPHERE.value: "sphere",

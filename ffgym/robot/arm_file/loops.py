@@ -2,7 +2,7 @@
 
 import mujoco
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot.arm_file.chain import BASE, Chain
 
 _BODIES = (mujoco.mjtEq.mjEQ_CONNECT.value, mujoco.mjtEq.mjEQ_WELD.value)

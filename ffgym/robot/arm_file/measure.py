@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot.arm_file.arm_file import NamedFrame
 from ffgym.robot.arm_file.chain import BASE, TYPES, Chain
-from ffgym.types import Array
 
 _PLACES = ("xanchor", "xaxis", "xpos", "xmat", "xipos", "ximat", "geom_xpos", "geom_xmat", "site_xpos", "site_xmat")
 """What kinematics compute, in MuJoCo's words."""

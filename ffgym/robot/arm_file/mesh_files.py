@@ -5,7 +5,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 READABLE = (".stl", ".obj", ".msh")
 """Formats that MuJoCo reads."""

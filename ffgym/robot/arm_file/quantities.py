@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from ffgym.errors import check_shape
+from ffgym.core.errors import check_shape
+from ffgym.core.types import Array
 from ffgym.robot.arm_file.arm_file import ArmFile, JointHints, Kind
 from ffgym.robot.arm_file.measure import Pose, geometry, masses
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.robot.reading.rule import JointFrame, si_units
 from ffgym.robot.reading.rules import RULES
-from ffgym.types import Array
 
 UNLIMITED = 2 * np.pi
 """Range of a hinge without limits, to both sides [rad]: one turn, what cables along an arm usually bear."""

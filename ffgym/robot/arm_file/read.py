@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from types import MappingProxyType
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot.arm_file.arm_file import ArmFile, Kind
 from ffgym.robot.arm_file.chain import choose_chain
 from ffgym.robot.arm_file.engine import compiled, engine_errors

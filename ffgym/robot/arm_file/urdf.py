@@ -7,7 +7,7 @@ from xml.etree import ElementTree as ET
 
 import mujoco
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice
 from ffgym.robot.arm_file.chain import HELD
 from ffgym.robot.arm_file.source import Source
 from ffgym.robot.arm_file.urdf_inertias import replace_zero_inertias

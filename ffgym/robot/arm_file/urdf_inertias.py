@@ -4,10 +4,10 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot.arm_file.xml_numbers import number
 from ffgym.robot.parts import point_mass_inertia
-from ffgym.types import Array
 
 _ENTRIES = {"ixx": (0, 0), "iyy": (1, 1), "izz": (2, 2), "ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}
 

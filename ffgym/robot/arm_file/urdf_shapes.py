@@ -8,10 +8,10 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot.arm_file.mesh_files import READABLE, find_mesh
 from ffgym.robot.arm_file.xml_numbers import number, numbers
-from ffgym.types import Array
 
 _GREY = (0.7, 0.7, 0.7, 1.0)
 """Colour of shapes without one."""

@@ -4,8 +4,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 
 
 def numbers(element: ET.Element, attribute: str, what: str, default: tuple[float, ...]) -> Array:

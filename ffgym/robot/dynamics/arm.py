@@ -6,11 +6,11 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.dynamics.chain import chain_to_site
 from ffgym.robot.model.spec import ModelOptions, compile_model
-from ffgym.types import Array
 
 RIGID = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
 """What is left of a model where only its links are looked at."""

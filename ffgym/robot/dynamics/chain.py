@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

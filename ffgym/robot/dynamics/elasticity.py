@@ -4,9 +4,9 @@ from typing import Literal
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
-from ffgym.types import Array
 
 _TOLERANCE = 1e-14
 """Change of deflection [rad] at which the iteration stops: rounding of angles of order 1 rad."""

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from ffgym.errors import check_shape
+from ffgym.core.errors import check_shape
+from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

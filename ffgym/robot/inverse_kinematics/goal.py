@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_rotation, check_rotations, check_shape
+from ffgym.core.errors import FFGymError, check_rotation, check_rotations, check_shape
+from ffgym.core.types import Array, IntArray
 from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.rotation import rotation_error
-from ffgym.types import Array, IntArray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,7 +8,7 @@ turns all that lies behind it, so that with i the first and l the last of two jo
 
 import numpy as np
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 
 def jacobian_slope(jacobian: Array, force: Array) -> Array:

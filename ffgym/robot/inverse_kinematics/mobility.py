@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
-from ffgym.types import Array
 
 MAX_CONDITION = 1e3
 """Jacobian condition number that counts as a singularity; the built-in robot has 8-10 in its work area."""

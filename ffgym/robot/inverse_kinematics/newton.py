@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
 from ffgym.robot.inverse_kinematics.posture import Posture
-from ffgym.types import Array, BoolArray
 
 TOLERANCE = 1e-10
 """Largest pose error left, [m] and [rad]: a thousandth of the resolver step at the TCP."""

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
 from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION
@@ -10,7 +11,6 @@ from ffgym.robot.inverse_kinematics.newton import LARGEST_STEP, newton
 from ffgym.robot.inverse_kinematics.poses import first_pose
 from ffgym.robot.inverse_kinematics.posture import Posture
 from ffgym.robot.inverse_kinematics.refusals import check_possible, unreachable
-from ffgym.types import Array
 
 _BLOCK = 256
 

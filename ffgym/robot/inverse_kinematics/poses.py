@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array, BoolArray
 from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
 from ffgym.robot.inverse_kinematics.mobility import any_poses
@@ -10,7 +11,6 @@ from ffgym.robot.inverse_kinematics.newton import newton
 from ffgym.robot.inverse_kinematics.posture import Posture
 from ffgym.robot.inverse_kinematics.refusals import check_possible, point_text, unreachable
 from ffgym.robot.parts import LIMIT_ROUNDING
-from ffgym.types import Array, BoolArray
 
 _RESTARTS = 50
 _SPREAD = 0.5

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.jacobian_rates import jacobian_rates, jacobian_slope
 from ffgym.robot.inverse_kinematics.mobility import mobility
-from ffgym.types import Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.newton import solve_twist
 from ffgym.robot.inverse_kinematics.posture import Posture
-from ffgym.types import Array
 
 
 def joint_rates(arm: RigidArm, q: Array, seed: Array, twist: Array, twist_rate: Array) -> tuple[Array, Array]:

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.inverse_kinematics.goal import Goal
 from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION, any_poses, mobility
 from ffgym.robot.inverse_kinematics.newton import ROUNDING
-from ffgym.types import Array
 
 
 def check_possible(arm: RigidArm, goal: Goal) -> None:

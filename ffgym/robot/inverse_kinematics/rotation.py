@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.types import Array
+from ffgym.core.types import Array
 
 
 def rotation_error(wanted: Array, actual: Array) -> Array:

@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot.model.fingerprint import physics_fingerprint
 from ffgym.robot.model.mjcf_elements import (
     actuator_element,

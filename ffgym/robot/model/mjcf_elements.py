@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 _ATTRIBUTES = {
     "joint": "name type pos axis ref range limited margin stiffness springref damping armature frictionloss group",

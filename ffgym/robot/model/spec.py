@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from ffgym.errors import check_number
+from ffgym.core.errors import check_number
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.model.looks import add_looks
 from ffgym.robot.model.motors import add_actuators

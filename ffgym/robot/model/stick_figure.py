@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.shapes import Geom
-from ffgym.types import Array
 
 THICKNESS = 0.02
 """Radius of a rod over the length of the whole chain; chosen: as slender as an arm with its castings."""

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_rotation
-from ffgym.friction import LuGreParameters
+from ffgym.core.errors import FFGymError, check_rotation
 from ffgym.robot.drive import Drive
+from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.parts import Kinematics, Links, Sensors, Servo, Tool, WorkArea
 
 FLANGE = ("flange.rotation", "tool.tcp")

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot.reading.rules import RULES
 
 _GEOMETRY = ("kinematics.position", "kinematics.axis", "kinematics.range")

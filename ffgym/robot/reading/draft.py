@@ -6,7 +6,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.parts import Logs, Spring
 from ffgym.robot.reading.assemble import assemble, begun
@@ -14,7 +15,6 @@ from ffgym.robot.reading.capabilities import CAPABILITIES, POSITIONS, capability
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.robot.reading.rules import RULES
 from ffgym.robot.shapes import Geom
-from ffgym.types import Array
 
 NO_LIMIT = 1e6
 """Stand-in for peak torques [N m]: more than any drive gives, so that none is taken for saturated."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ffgym.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice
 from ffgym.robot.arm_file import flange_at, read_arm
 from ffgym.robot.parts import JOINT_TYPES
 from ffgym.robot.reading.quantity import Quantity

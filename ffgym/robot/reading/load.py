@@ -3,8 +3,8 @@
 from importlib import resources
 from pathlib import Path
 
-from ffgym.errors import FFGymError, check_choice
-from ffgym.files import read_text
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import read_text
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.parameters import (

@@ -6,14 +6,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ffgym.errors import FFGymError
-from ffgym.files import read_text
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text
+from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.quantity import Quantity, parse_quantity
 from ffgym.robot.reading.rule import JointFrame
 from ffgym.robot.reading.rules import RULES
-from ffgym.types import Array
 
 GROUPS = {"friction": "friction", "drive": "drive", "links": "bodies", "tool": "tool"}
 """What a parameter file may hold, and the part of the description it goes to: physics that can be identified. Geometry,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot.parts import Logs, Spring
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.head import parse_head

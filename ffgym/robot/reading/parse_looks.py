@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from ffgym.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.robot.reading.tables import table_of
 from ffgym.robot.shapes import Geom
 

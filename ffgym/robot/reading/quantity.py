@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.types import Array
 from ffgym.robot.reading.rule import JointFrame, Rule, gear_factors, si_units, unit_factors
-from ffgym.types import Array
 
 ORIGINS = ("sourced", "derived", "chosen", "fitted")
 """How a number came to be; `fitted` is written by a script or an identification, which keeps the number it

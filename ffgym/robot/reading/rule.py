@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError
-from ffgym.types import Array
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 
 OTHER_UNITS = {
     "rad": {"deg": np.pi / 180},

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 
 
 def table_of(path: str, value: Any) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft, stand_ins
 from ffgym.robot.reading.parameters import GROUPS
@@ -13,7 +14,6 @@ from ffgym.robot.reading.rules import RULES
 from ffgym.robot.template.fill import filled_text
 from ffgym.robot.template.proposals import Proposal
 from ffgym.robot.template.toml_text import text
-from ffgym.types import Array
 
 _SOURCE = "stand-in: nobody said it; what depends on it means nothing"
 

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.arm_file import ArmFile, JointHints
 from ffgym.robot.reading.rule import LINK
 from ffgym.robot.template.proposals import Proposal
-from ffgym.types import Array
 
 _HINTS: Mapping[str, tuple[Callable[[JointHints], float | None], str | None, str]] = {
     "kinematics.max_speed": (lambda hint: hint.speed, LINK, "speed limits"),

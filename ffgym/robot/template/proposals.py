@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.rules import RULES
-from ffgym.types import Array
 
 STATIC_SHARE = 1.05
 """Breakaway over Coulomb torque; the thesis' joint has 0.5634 / 0.5367."""

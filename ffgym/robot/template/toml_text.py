@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot.reading.rule import LINK, JointFrame, Rule, si_units
 from ffgym.robot.template.proposals import Proposal
-from ffgym.types import Array
 
 MARK = "#? "
 """Begins the lines of an entry that waits for numbers; without it they are TOML."""

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ffgym.robot import RobotDescription
-from ffgym.studies.robot_check.skeleton import skeleton
+from ffgym.studies.robot_check.draft import skeleton
 
 _FAR = 1.5
 """Centre of mass from its joint, in lengths of the longest link: beyond it, it lies outside any usual link."""

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.robot.dynamics.motor_torque import motor_torque
-from ffgym.studies.circle_study import circle_references
-from ffgym.types import Array
+from ffgym.studies.circles import circle_references
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ffgym.core.types import Array, BoolArray
 from ffgym.robot import RigidArm, RobotDescription, resonances
 from ffgym.studies.robot_check.loads import inertia_of, margin_of
 from ffgym.studies.robot_check.places import rest_place
-from ffgym.types import Array, BoolArray
 
 _INERTIA_RATIO = (1e-3, 1e3)
 """Link over rotor inertia at the motor. Built robots have 0.03 to 20; a rotor in kg cm^2 is off by 1e4."""

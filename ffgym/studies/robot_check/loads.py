@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.studies.robot_check.skeleton import poses_in_range
-from ffgym.types import Array
+from ffgym.studies.robot_check.draft import poses_in_range
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

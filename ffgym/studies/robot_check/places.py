@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot import RigidArm, RobotDescription, solve_pose
-from ffgym.studies.robot_check.skeleton import poses_in_range, skeleton, tips
-from ffgym.types import Array
+from ffgym.studies.robot_check.draft import poses_in_range, skeleton, tips
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

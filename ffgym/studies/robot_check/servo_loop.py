@@ -6,10 +6,10 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.errors import FFGymError
-from ffgym.plant import Plant
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
 from ffgym.robot import ModelOptions, RobotDescription
-from ffgym.types import Array
+from ffgym.simulation.plant import Plant
 
 _OPTIONS = ModelOptions(friction=False, looks=False)
 """Friction only damps small motions, so that a loop that is stable without it is stable with it, unless the step is too

@@ -3,13 +3,13 @@
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from typing import Any
 
+from ffgym.core.types import Array
 from ffgym.robot import CAPABILITIES, Capability, RigidArm, RobotDraft, resonances
 from ffgym.studies.robot_check.circle_use import CircleUse, circle_use
 from ffgym.studies.robot_check.doubts import doubts_about
 from ffgym.studies.robot_check.loads import Gravity, Inertia, Margin, gravity_of, inertia_of, margin_of
 from ffgym.studies.robot_check.places import Place, Reach, places_of, reach_of, rest_place
 from ffgym.studies.robot_check.servo_loop import ServoLoop, servo_loop
-from ffgym.types import Array
 
 _SMALL_MARGIN = 2.0
 """Gain margin below which a servo counts as tight; the rule of thumb of 6 dB."""

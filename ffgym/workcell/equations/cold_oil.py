@@ -5,10 +5,10 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.effect import Side
-from ffgym.effects.parameter import parameter
-from ffgym.types import Array
+from ffgym.effects.parameters import parameter
 
 _POLE = -105.0
 """Temperature [degC] in Vogel's law at which oil would be solid; typical of mineral gear oils (ISO VG 150 to 320)."""

@@ -5,11 +5,11 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.effect import Side
-from ffgym.effects.parameter import parameter
-from ffgym.friction.slip_elements import advanced
-from ffgym.types import Array
+from ffgym.effects.parameters import parameter
+from ffgym.robot.friction.slip_elements import advanced
 
 _YIELDS = np.array([0.25, 0.5, 1.0])
 """Where elements break loose, in units of the last one; chosen: evenly spread in the logarithm."""

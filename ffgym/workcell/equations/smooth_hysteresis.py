@@ -5,10 +5,10 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.effect import Side
-from ffgym.effects.parameter import parameter
-from ffgym.types import Array
+from ffgym.effects.parameters import parameter
 
 
 @final

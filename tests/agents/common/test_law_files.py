@@ -9,10 +9,10 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from agents.common import law_files
-from agents.common.law_files import StoredLaw, load_law, pack, save_law, unpack
+from ffgym.agents.common import law_files
+from ffgym.agents.common.law_files import StoredLaw, load_law, pack, save_law, unpack
 from ffgym.control import CausalLaw
-from ffgym.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_shape
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from agents.common.lessons import every_speed, friction_motions, thesis_motions, training_motions
-from ffgym.errors import FFGymError
+from ffgym.agents.common.lessons import every_speed, friction_motions, thesis_motions, training_motions
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 
 

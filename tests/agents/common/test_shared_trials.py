@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
 
-from agents.common.shared_trials import learn_together
-from agents.common.trials import RigTrial
+from ffgym.agents.common.shared_trials import learn_together
+from ffgym.agents.common.trials import RigTrial
 from ffgym.control import NoCompensation
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, SimulatedRig
 from ffgym.simulation.sensors import Resolver
-from ffgym.studies.one_axis_study import sine_reference
+from ffgym.studies.one_axis import sine_reference
 
 
 @pytest.fixture(scope="module")

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from agents.common.trials import SIGNALS, Lesson, SimulatedTrial, learning_signal, performed
-from ffgym.control import NoCompensation, StaticLuGre, joint_reference
-from ffgym.errors import FFGymError
-from ffgym.paths import joint_sine
+from ffgym.agents.common.trials import SIGNALS, Lesson, SimulatedTrial, learning_signal, performed
+from ffgym.control import NoCompensation, StaticLuGre
+from ffgym.core.errors import FFGymError
+from ffgym.paths import joint_reference, joint_sine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Resolver, Run
 from ffgym.studies import circle_references

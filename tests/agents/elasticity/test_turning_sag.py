@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from agents.elastic import elastic_law
-from ffgym.motions import load_motion
+from ffgym.agents.elastic import elastic_law
+from ffgym.paths.motions import load_motion
 from ffgym.robot import RigidArm, static_deflection
 from ffgym.simulation import Run, simulate
 

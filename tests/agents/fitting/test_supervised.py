@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from agents.catalogue import Setting
-from agents.fitting.supervised import MotorRecord, learn
+from ffgym.agents.catalogue import Setting
+from ffgym.agents.fitting.supervised import MotorRecord, learn
 from ffgym.control import CausalLaw
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.simulation import Run
 from ffgym.studies import circle_references, sine_references
 

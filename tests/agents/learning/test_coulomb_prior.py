@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.bspline import ExtendedBSN
-from agents.common.lessons import thesis_motions
-from agents.common.trials import SimulatedTrial
-from agents.learning.coulomb_prior import STEEPNESS, CoulombPrior
-from ffgym.errors import FFGymError
+from ffgym.agents.bspline import ExtendedBSN
+from ffgym.agents.common.lessons import thesis_motions
+from ffgym.agents.common.trials import SimulatedTrial
+from ffgym.agents.learning.coulomb_prior import STEEPNESS, CoulombPrior
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 from tests.agents.lesson_samples import lesson
 

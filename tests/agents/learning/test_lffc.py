@@ -10,15 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.bspline import ExtendedBSN, StaticBSN
-from agents.common.law_files import pack, unpack
-from agents.common.trials import Lesson, SimulatedTrial, learning_signal
-from agents.learning.lffc import LFFC, robot_seconds
-from agents.learning.progress import Learning, relative
-from ffgym.control import joint_reference
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error
-from ffgym.paths import joint_sine
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.common.law_files import pack, unpack
+from ffgym.agents.common.trials import Lesson, SimulatedTrial, learning_signal
+from ffgym.agents.learning.lffc import LFFC, robot_seconds
+from ffgym.agents.learning.progress import Learning, relative
+from ffgym.core.errors import FFGymError
+from ffgym.paths import joint_reference, joint_sine
+from ffgym.recordings.metrics import motor_error
 from ffgym.robot import RigidArm
 
 SHORT = 1.0
@@ -195,10 +194,10 @@ def test_a_killed_process_loses_no_more_than_its_last_trial(trial, sines, learne
     script = textwrap.dedent(f"""
         import os, signal
         from pathlib import Path
-        from agents.bspline import StaticBSN
-        from agents.learning.lffc import LFFC
-        from agents.common.trials import SimulatedTrial
-        from ffgym.control import joint_reference
+        from ffgym.agents.bspline import StaticBSN
+        from ffgym.agents.learning.lffc import LFFC
+        from ffgym.agents.common.trials import SimulatedTrial
+        from ffgym.paths import joint_reference
         from ffgym.paths import joint_sine
         from ffgym.robot import RigidArm, load_robot
         robot = load_robot("one_axis")
@@ -256,7 +255,7 @@ def test_more_iterations_can_be_asked_for_later_but_not_fewer(state, trial, sine
 
 
 def test_a_law_is_no_state_of_learning(trial, sines, tmp_path):
-    from agents.common.law_files import save_law
+    from ffgym.agents.common.law_files import save_law
 
     path = save_law(tmp_path / "law.npz", StaticBSN.zero(1))
     with pytest.raises(FFGymError, match="kind 'bsn_static', not of learning"):

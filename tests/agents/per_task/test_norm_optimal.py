@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from agents.per_task.norm_optimal import NormOptimalStep
-from agents.per_task.torque_response import TorqueResponse
-from ffgym.errors import FFGymError
+from ffgym.agents.per_task.norm_optimal import NormOptimalStep
+from ffgym.agents.per_task.torque_response import TorqueResponse
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 
 SAMPLES, REST = 60, 12_000

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from agents.per_task.task_error import at_samples, circle_rms, rms, task_error
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error, path_errors, standstill_offset
+from ffgym.agents.per_task.task_error import at_samples, circle_rms, rms, task_error
+from ffgym.core.errors import FFGymError
+from ffgym.recordings.metrics import motor_error, path_errors, standstill_offset
 from ffgym.simulation import LaserTracker, Run, simulate
 from ffgym.studies import circle_references
 

@@ -6,13 +6,13 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents import LawAgent
-from agents.common.law_files import load_law, save_law
-from agents.per_task.task_torques import Task, TaskTorques
+from ffgym.agents import LawAgent
+from ffgym.agents.common.law_files import load_law, save_law
+from ffgym.agents.per_task.task_torques import Task, TaskTorques
 from ffgym.control import Window
+from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error
+from ffgym.recordings.metrics import motor_error
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
 

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from agents.per_task.task_torques import Task, TaskTorques
-from agents.per_task.torque_response import TorqueResponse
-from ffgym.control import joint_reference
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error
-from ffgym.paths import joint_sine
+from ffgym.agents.per_task.task_torques import Task, TaskTorques
+from ffgym.agents.per_task.torque_response import TorqueResponse
+from ffgym.core.errors import FFGymError
+from ffgym.paths import joint_reference, joint_sine
+from ffgym.recordings.metrics import motor_error
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references

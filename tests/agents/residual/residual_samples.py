@@ -4,10 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from agents.residual.actor import LSTM, Actor, Layer
-from agents.residual.hyperparameters import ALGORITHMS, changed
-from agents.residual.plan import Training
-from agents.residual.policy import ResidualPolicy
+from ffgym.agents.residual.actor import LSTM, Actor, Layer
+from ffgym.agents.residual.hyperparameters import ALGORITHMS, changed
+from ffgym.agents.residual.plan import Training
+from ffgym.agents.residual.policy import ResidualPolicy
 
 _ON = ("n_envs=2", "n_steps=8", "batch_size=8", "segment_steps=16", "n_epochs=2")
 _OFF = ("n_envs=2", "learning_starts=8", "batch_size=8", "segment_steps=16", "buffer_size=40", "gradient_steps=2")

@@ -6,11 +6,11 @@ import torch
 from gymnasium import spaces
 from torch import nn
 
-from agents.residual.actor import LSTM, Actor
-from agents.residual.learning.algorithms import algorithm_of
-from agents.residual.learning.environment import environment_of
-from agents.residual.learning.export import actor_of
-from ffgym.errors import FFGymError
+from ffgym.agents.residual.actor import LSTM, Actor
+from ffgym.agents.residual.learning.algorithms import algorithm_of
+from ffgym.agents.residual.learning.environment import environment_of
+from ffgym.agents.residual.learning.export import actor_of
+from ffgym.core.errors import FFGymError
 from tests.agents.residual.residual_samples import random_actor, tiny
 
 CASES = [("ppo", True), ("ppo", False), ("recurrent_ppo", False), ("sac", True), ("sac", False), ("tqc", True)]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import torch
 
-from agents.residual.hyperparameters import ALGORITHMS
-from agents.residual.learning.algorithms import algorithm_of
-from agents.residual.learning.checkpoint import read_newest, write_checkpoint
-from agents.residual.learning.environment import environment_of
+from ffgym.agents.residual.hyperparameters import ALGORITHMS
+from ffgym.agents.residual.learning.algorithms import algorithm_of
+from ffgym.agents.residual.learning.checkpoint import read_newest, write_checkpoint
+from ffgym.agents.residual.learning.environment import environment_of
 from tests.agents.residual.residual_samples import tiny
 
 

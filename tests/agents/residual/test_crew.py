@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from agents.common.law_policy import LawPolicy
-from agents.residual.crew import ActorCrew
+from ffgym.agents.common.law_policy import LawPolicy
+from ffgym.agents.residual.crew import ActorCrew
 from ffgym.control import Batchable, NoCompensation, ObservationLayout
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.evaluation.closed_loop import fly
 from ffgym.leaderboard.evaluation.scoring import cells_of
 from ffgym.leaderboard.plants import plant_named
@@ -62,7 +62,7 @@ def test_policies_fly_together_as_each_does_alone():
 def test_a_crew_is_made_once_for_all(irb4600, layout, monkeypatch):
     first = policy_of()
     assert isinstance(first, Batchable)
-    monkeypatch.setattr("agents.residual.policy.base_law", counted := Counted())
+    monkeypatch.setattr("ffgym.agents.residual.policy.base_law", counted := Counted())
     agent = first.batched_with([policy_of(seed=6), policy_of(seed=7)], irb4600, layout)
     assert len(agent.actor.actors) == 3
     assert counted.calls == 1

@@ -5,9 +5,9 @@ from importlib import resources
 
 import pytest
 
-from agents.residual.hyperparameters import ALGORITHMS, changed, checked, hyperparameters
-from agents.residual.plan import Training
-from ffgym.errors import FFGymError
+from ffgym.agents.residual.hyperparameters import ALGORITHMS, changed, checked, hyperparameters
+from ffgym.agents.residual.plan import Training
+from ffgym.core.errors import FFGymError
 
 
 def text_of(algorithm):

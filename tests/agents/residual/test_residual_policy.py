@@ -8,16 +8,16 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from agents.common.law_agent import LawAgent
-from agents.common.law_files import pack, unpack
-from agents.elastic import elastic_feedforward
-from agents.residual.actor import Layer
-from agents.residual.bases import BASES, base_law, base_named
-from agents.residual.learning.environment import environment_of
-from agents.residual.policy import encode_policy, load_policy, save_policy
-from agents.residual.validation import base_errors, validate
+from ffgym.agents.common.law_agent import LawAgent
+from ffgym.agents.common.law_files import pack, unpack
+from ffgym.agents.elastic import elastic_feedforward
+from ffgym.agents.residual.actor import Layer
+from ffgym.agents.residual.bases import BASES, base_law, base_named
+from ffgym.agents.residual.learning.environment import environment_of
+from ffgym.agents.residual.policy import encode_policy, load_policy, save_policy
+from ffgym.agents.residual.validation import base_errors, validate
 from ffgym.control import Agent, ObservationLayout, Policy
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from tests.agents.residual.residual_samples import policy_of, tiny
 
 CIRCLE = "ffgym/CirclePath-v0"
@@ -43,12 +43,12 @@ def test_a_policy_comes_back_bit_for_bit(tmp_path):
 def test_running_a_policy_needs_neither_torch_nor_environments(tmp_path):
     path = save_policy(tmp_path / "policy.npz", policy_of())
     code = (
-        "import sys; from agents.residual.policy import load_policy; from ffgym.robot import load_robot\n"
+        "import sys; from ffgym.agents.residual.policy import load_policy; from ffgym.robot import load_robot\n"
         "from ffgym.control import ObservationLayout\n"
         f"policy, robot = load_policy({str(path)!r}), load_robot('irb4600_60_205')\n"
         "layout = ObservationLayout(robot, policy.preview, policy.action_scale * robot.friction.static)\n"
         "policy.agent(robot, layout)\n"
-        "bad = ('torch', 'stable_baselines3', 'ffgym.envs', 'ffgym.workcell', 'agents.catalogue')\n"
+        "bad = ('torch', 'stable_baselines3', 'ffgym.envs', 'ffgym.workcell', 'ffgym.agents.catalogue')\n"
         "print([name for name in bad if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)

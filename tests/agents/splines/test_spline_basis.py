@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.splines.basis import SplineBasis, thesis_knots
-from ffgym.errors import FFGymError
+from ffgym.agents.splines.basis import SplineBasis, thesis_knots
+from ffgym.core.errors import FFGymError
 
 bases = st.builds(
     lambda start, steps, order: SplineBasis(knots=start + np.cumsum(steps), order=order),

@@ -6,16 +6,16 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from agents.bspline import StaticBSN
-from agents.common.trials import SIGNALS, learning_signal
-from agents.stability.feedback_loop import FeedbackLoop, nominal_bristles
-from ffgym.control import DynamicLuGreExact, FeedForwardLaw, joint_reference
+from ffgym.agents.bspline import StaticBSN
+from ffgym.agents.common.trials import SIGNALS, learning_signal
+from ffgym.agents.stability.feedback_loop import FeedbackLoop, nominal_bristles
+from ffgym.control import DynamicLuGreExact, FeedForwardLaw
 from ffgym.control.setpoints import torque_at_rows
-from ffgym.errors import FFGymError
-from ffgym.paths import joint_sine
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.paths import joint_reference, joint_sine
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run, simulate
-from ffgym.types import Array
 
 
 @pytest.fixture(scope="module")

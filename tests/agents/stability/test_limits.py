@@ -8,15 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
-from agents.bspline import ExtendedBSN, StaticBSN
-from agents.common.trials import Lesson, SimulatedTrial
-from agents.stability import iteration_map
-from agents.stability.check import learning_curves
-from agents.stability.iteration_map import STABLE_GROWTH, LearningMap
-from agents.stability.limits import LearningStability
-from ffgym.control import Reference, joint_reference
-from ffgym.errors import FFGymError
-from ffgym.paths import joint_sine
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.common.trials import Lesson, SimulatedTrial
+from ffgym.agents.stability import iteration_map
+from ffgym.agents.stability.check import learning_curves
+from ffgym.agents.stability.iteration_map import STABLE_GROWTH, LearningMap
+from ffgym.agents.stability.limits import LearningStability
+from ffgym.core.errors import FFGymError
+from ffgym.paths import Reference, joint_reference, joint_sine
 from ffgym.paths.joint_space import joint_path
 from ffgym.paths.motion import standstill
 from ffgym.robot import RigidArm

@@ -9,7 +9,7 @@ from ffgym.diagnosis.answer.sizes import INEXACT, WIDENED, causes_of
 from ffgym.diagnosis.extended import extended_machine
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.effects import EFFECTS
-from ffgym.plant import Machine
+from ffgym.simulation.plant import Machine
 
 BLOCKS = 80
 NORMAL = 1.645

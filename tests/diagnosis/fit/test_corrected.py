@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
@@ -11,10 +10,10 @@ from ffgym.diagnosis.fit.refine import fit
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.prepare import prepared
 from ffgym.effects import EFFECTS
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions
 from ffgym.simulation import Resolver, Run, TorqueSensor, simulate
+from ffgym.simulation.plant import Machine
 
 TRUE = {"presliding": {"stiffness": 1.5, "damping": 0.0}, "torque_clock": {"latency": 0.006}}
 

@@ -9,8 +9,8 @@ from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.fit.numbers import with_numbers
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.effects import EFFECTS
-from ffgym.plant import Machine
 from ffgym.robot import load_robot
+from ffgym.simulation.plant import Machine
 
 
 def doubt(name, parameter, joint, sigma=0.05):

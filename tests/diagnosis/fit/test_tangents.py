@@ -8,7 +8,7 @@ from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.replay.channels import predicted
-from ffgym.diagnosis.replay.replay import replay
+from ffgym.diagnosis.replay.rows import replay
 from ffgym.effects import EFFECTS
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 

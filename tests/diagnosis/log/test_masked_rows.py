@@ -5,7 +5,7 @@ import pytest
 
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import counting_rows, valid_rows
-from tests.quality.quality_logs import clean_log, described
+from tests.logs.quality.quality_logs import clean_log, described
 
 SHOULDER, ELBOW = 0, 1
 FIRST, LAST = 4000, 4010

@@ -6,7 +6,7 @@ import pytest
 
 from ffgym.diagnosis import diagnose
 from ffgym.recordings import Recording
-from tests.quality.quality_logs import clean_log, described
+from tests.logs.quality.quality_logs import clean_log, described
 
 ROBOT, MOTION = "one_axis", "multisine"
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.patterns import cycles_per_turn
-from ffgym.errors import FFGymError
 from tests.diagnosis.patterns.pattern_samples import ELBOW, SHOULDER, only, residual_with
 
 

@@ -5,14 +5,13 @@ from functools import cache
 
 import numpy as np
 
-from ffgym.control import joint_reference
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import predicted, replay
-from ffgym.paths import multisine
-from ffgym.plant import Climate, Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.robot import load_robot
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Climate, Machine
 
 WARM = Climate(ambient=20.0, rise=np.array([25.0]), time_constant=1200.0, running_since=3600.0)
 SAMPLE_DT = 0.002

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.replay.bristles import along_speed
-from ffgym.friction import LuGreParameters
+from ffgym.robot.friction import LuGreParameters
 
 _ROWS, _BETWEEN = 0.1, 200
 """Time between two rows of a log of 10 Hz [s], and fine steps in it."""

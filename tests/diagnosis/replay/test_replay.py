@@ -13,7 +13,7 @@ from ffgym.diagnosis.replay.springs import COARSE
 from ffgym.diagnosis.replay.states import state_of
 from ffgym.effects import EFFECTS, TorqueEffect
 from ffgym.effects.along import torques_along
-from ffgym.plant import Machine
+from ffgym.simulation.plant import Machine
 from tests.diagnosis.replay.replay_samples import left, nominal, recorded, small, with_effect
 
 

@@ -7,7 +7,7 @@ from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.replay.springs import COARSE
 from ffgym.effects import EFFECTS
-from ffgym.exam.equations import VARIANTS
+from scripts.exam.equations import VARIANTS
 from tests.diagnosis.replay.replay_samples import nominal, recorded, with_effect
 
 AMPLITUDE, PHASE = 2e-4, 0.6

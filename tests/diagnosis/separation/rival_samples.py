@@ -10,10 +10,10 @@ from ffgym.diagnosis.log.sampling import Sampling
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.effects import EFFECTS
-from ffgym.effects.parameter import Parameter
-from ffgym.plant import Machine
+from ffgym.effects.parameters import Parameter
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import LaserTracker, Resolver, TorqueSensor
+from ffgym.simulation.plant import Machine
 
 SAMPLE_DT = 0.004
 _NOISE = 0.002

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from ffgym.cli.main import main
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.separation import separating_motion
 from ffgym.diagnosis.separation.choose import LONGEST, SURE, WARMING
 from ffgym.diagnosis.separation.proposals import proposals
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
-from ffgym.protocols import load_protocols, plan_session, record
 from ffgym.recordings import read_folder
 from ffgym.robot import load_robot
 from ffgym.simulation import SimulatedRig
+from ffgym.simulation.plant import Machine
+from ffgym.simulation.protocols import load_protocols, plan_session, record
 from tests.diagnosis.separation.rival_samples import SAMPLE_DT, arm_of, cause, log_ratio, noise_of, sensors_of
 
 RIGID = (("stribeck_peak", "dwell_stiction"), ("torque_delay", "rotor_inertia"))

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from ffgym.effects import EFFECTS
-from ffgym.plant import Machine
-from ffgym.protocols import plan_session, usual_sensors
-from ffgym.protocols.diagnosis import Diagnosis
 from ffgym.recordings.npz import HEADER_KEY
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine
+from ffgym.simulation.protocols import plan_session, usual_sensors
+from ffgym.simulation.protocols.diagnosis import Diagnosis
 
 HOUR, DT = 3600.0, 0.001
 

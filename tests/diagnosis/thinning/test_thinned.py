@@ -5,18 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import joint_reference
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.thinning import affordable, bound, note_of, thin, within_bound
 from ffgym.diagnosis.thinning.cells import cells_of
 from ffgym.diagnosis.thinning.coarse import MotionRegressor, coarse
 from ffgym.effects import EFFECTS
-from ffgym.paths import multisine
-from ffgym.plant import Machine
+from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording, write_recording
 from ffgym.recordings.stored import Stored
 from ffgym.recordings.stretch import started
 from ffgym.simulation import Run, simulate
+from ffgym.simulation.plant import Machine
 
 DT = 0.004
 

@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.tuning import tuned
 from ffgym.diagnosis.tuning.numbers import Breakaway
 from ffgym.effects import EFFECTS
-from ffgym.errors import FFGymError
-from ffgym.plant import Machine
-from ffgym.protocols import load_protocols, plan_session
-from ffgym.protocols.record import record
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig, sensors_of
+from ffgym.simulation.plant import Machine
+from ffgym.simulation.protocols import load_protocols, plan_session
+from ffgym.simulation.protocols.sessions import record
 
 
 @pytest.fixture(scope="module")

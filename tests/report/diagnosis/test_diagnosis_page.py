@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.result import Diagnosis, Size
-from ffgym.errors import FFGymError
 from ffgym.report.diagnosis import DiagnosisReport, format_diagnosis, render_diagnosis_page
 from ffgym.report.diagnosis.words import VERDICTS, rivals_of
 from ffgym.robot import load_robot

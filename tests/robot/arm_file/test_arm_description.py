@@ -8,9 +8,9 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from ffgym.control import StaticLuGre, joint_reference
-from ffgym.errors import FFGymError
-from ffgym.paths import joint_sine
+from ffgym.control import StaticLuGre
+from ffgym.core.errors import FFGymError
+from ffgym.paths import joint_reference, joint_sine
 from ffgym.robot import ModelOptions, compile_model, load_draft, load_robot, parse_robot, physics_fingerprint
 from ffgym.robot.arm_file import JointHints, read_arm
 from ffgym.robot.reading.parse import parse_draft

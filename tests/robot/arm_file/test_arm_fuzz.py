@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot.arm_file import ArmFile, read_arm
 from tests.robot.arm_file.arm_file_samples import ARMS, FILES
 

@@ -5,7 +5,7 @@ import re
 import mujoco
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot.arm_file import read_arm
 from tests.robot.arm_file.arm_file_samples import FILES, write_stl
 from tests.robot.arm_file.broken_arms import (

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from ffgym.control import cartesian_reference
-from ffgym.paths import circle_test
+from ffgym.paths import cartesian_reference, circle_test
 from ffgym.robot import RigidArm, solve_path
 from ffgym.robot.inverse_kinematics import rotation_error, solve_twist
 

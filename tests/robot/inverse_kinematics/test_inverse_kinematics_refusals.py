@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import Reference, cartesian_reference, joint_reference
-from ffgym.errors import FFGymError
-from ffgym.paths import circle_test, constant_velocity, joint_sine
+from ffgym.core.errors import FFGymError
+from ffgym.paths import Reference, cartesian_reference, circle_test, constant_velocity, joint_reference, joint_sine
 from ffgym.robot import RigidArm, solve_path
 
 

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ffgym.control import cartesian_reference
-from ffgym.errors import FFGymError
-from ffgym.paths import circle_test
+from ffgym.core.errors import FFGymError
+from ffgym.paths import cartesian_reference, circle_test
 from ffgym.robot import RigidArm, pose_solutions, solve_path, solve_pose
 from tests.robot.arm_samples import ARMS, make_arm
 from tests.robot.tool_motions import joint_motion, tool_path

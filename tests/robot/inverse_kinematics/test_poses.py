@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm, pose_solutions, solve_path, solve_pose
 from ffgym.robot.inverse_kinematics import rotation_error
 from tests.robot.arm_samples import ARMS, make_arm

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ffgym.control import cartesian_reference
+from ffgym.paths import cartesian_reference
 from ffgym.robot import RigidArm, solve_pose
 from ffgym.robot.inverse_kinematics import joint_rates, rotation_error
 from ffgym.robot.inverse_kinematics.mobility import mobility

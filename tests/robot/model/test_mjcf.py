@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import ModelOptions, build_spec, builtin_robots, load_robot, mjcf_text, physics_fingerprint
 from ffgym.robot.model.mjcf_elements import text
 from ffgym.robot.shapes import Geom, Mesh

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.control import NoCompensation, StaticLuGre, cartesian_reference, joint_reference, rigid_feedforward
-from ffgym.errors import FFGymError
-from ffgym.metrics import motor_error_rms
-from ffgym.paths import CartesianPath, constant_velocity, joint_sine
+from ffgym.control import NoCompensation, StaticLuGre, rigid_feedforward
+from ffgym.core.errors import FFGymError
+from ffgym.paths import CartesianPath, cartesian_reference, constant_velocity, joint_reference, joint_sine
 from ffgym.recordings import Phase
+from ffgym.recordings.metrics import motor_error_rms
 from ffgym.robot import ModelOptions, RigidArm, compile_model, parse_robot, resonances
 from ffgym.simulation import Run, simulate
 from tests.robot.toml_entries import entry, small_motors

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import tomlkit
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm, load_robot, parse_robot, resonances
 from ffgym.robot.reading import draft
 from ffgym.robot.reading.capabilities import CAPABILITIES, capability, needed_by

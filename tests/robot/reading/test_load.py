@@ -6,7 +6,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import builtin_robots, load_robot, parse_robot
 from ffgym.robot.reading.quantity import ORIGINS
 from ffgym.robot.reading.rules import RULES

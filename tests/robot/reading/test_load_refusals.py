@@ -12,7 +12,7 @@ import tomlkit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import RobotDescription, builtin_robots, parse_robot
 from ffgym.robot.model.spec import ModelOptions, compile_model
 

@@ -6,7 +6,7 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from ffgym.errors import FFGymError
+from ffgym.core.errors import FFGymError
 from ffgym.robot import compile_model, physics_fingerprint, with_parameters
 from ffgym.robot.reading.load import builtin_parameters, builtin_robots, load_draft, load_robot
 

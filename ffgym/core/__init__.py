@@ -1,0 +1,4 @@
+"""What every room may use: errors, files that appear whole or not at all, provenance, executors, typed JSON.
+
+Nothing here knows of robots; what a room needs alone stays in that room.
+"""

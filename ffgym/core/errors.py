@@ -1,0 +1,108 @@
+"""One exception for everything a caller can get wrong, and the checks that raise it."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ffgym.core.types import Array
+
+
+class FFGymError(ValueError):
+    """A request that cannot be met; the message names the thing, its value, what is valid and the way out."""
+
+
+def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:
+    """Return `value` as a finite float64 array of `shape`, where None stands for any length.
+
+    Raises:
+        FFGymError: if it is not numeric, has another shape, or holds NaN or infinity.
+    """
+    try:
+        if np.asarray(value).dtype.kind in "USc":
+            raise TypeError("text and complex numbers are none")
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise FFGymError(f"{name} must be numbers, got {value!r}.") from error
+    wanted = tuple(shape)
+    if array.ndim != len(wanted) or any(w is not None and w != s for w, s in zip(wanted, array.shape, strict=True)):
+        text = "(" + ", ".join("any" if w is None else str(w) for w in wanted) + ")"
+        raise FFGymError(f"{name} has shape {array.shape}, must be {text}.")
+    if not np.all(np.isfinite(array)):
+        index = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise FFGymError(f"{name} must be finite, but entry {index} is {array[index]}.")
+    return array
+
+
+def check_rotation(name: str, value: Any) -> Array:
+    """Return `value` as a rotation matrix, shape (3, 3).
+
+    Raises:
+        FFGymError: if it is none.
+    """
+    matrix = check_shape(name, value, (3, 3))
+    bounded = np.all(np.abs(matrix) < 2)  # so that the product cannot overflow
+    if not bounded or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6) or np.linalg.det(matrix) < 0:
+        raise FFGymError(f"{name} = {matrix.tolist()} is not a rotation matrix.")
+    return matrix
+
+
+def check_rotations(name: str, value: Any, count: int) -> Array:
+    """Return `value` as rotation matrices, shape (count, 3, 3).
+
+    Raises:
+        FFGymError: if one of them is none.
+    """
+    matrices = check_shape(name, value, (count, 3, 3))
+    bounded = np.clip(matrices, -2.0, 2.0)  # so that no product can overflow
+    off = np.abs(bounded @ bounded.swapaxes(1, 2) - np.eye(3)).max(axis=(1, 2)) > 1e-6
+    wrong = np.flatnonzero(off | (np.linalg.det(bounded) < 0))
+    if wrong.size:
+        raise FFGymError(f"{name}[{wrong[0]}] = {matrices[wrong[0]].tolist()} is not a rotation matrix.")
+    return matrices
+
+
+def check_number(
+    name: str, value: Any, *, unit: str = "", low: float = -np.inf, high: float = np.inf, open_low: bool = False
+) -> float:
+    """Return `value` as a float within [low, high], or (low, high] with `open_low`.
+
+    Raises:
+        FFGymError: if it is not a finite number in the range.
+    """
+    suffix = f" {unit}" if unit else ""
+    try:
+        if isinstance(value, str | bool):
+            raise TypeError("text and truth values are none")
+        number = float(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise FFGymError(f"{name} must be a number{f' in {unit}' if unit else ''}, got {value!r}.") from error
+    if not np.isfinite(number):
+        raise FFGymError(f"{name} must be finite, got {number}{suffix}.")
+    if number < low or number > high or (open_low and number == low):
+        bracket = "(" if open_low else "["
+        raise FFGymError(f"{name} = {number}{suffix} is out of range, must be in {bracket}{low}, {high}]{suffix}.")
+    return number
+
+
+def check_whole(name: str, value: Any, *, unit: str = "", low: int, high: int | None = None) -> int:
+    """Return `value` as an int within [low, high].
+
+    Raises:
+        FFGymError: if it is not a whole number in the range.
+    """
+    number = check_number(name, value, unit=unit, low=low, high=np.inf if high is None else high)
+    if number != round(number):
+        raise FFGymError(f"{name} = {number} must be a whole number.")
+    return round(number)
+
+
+def check_choice(name: str, value: str, available: Sequence[str]) -> str:
+    """Return `value` if it is one of `available`.
+
+    Raises:
+        FFGymError: if not; the message lists what is available.
+    """
+    if value not in available:
+        raise FFGymError(f"Unknown {name} {value!r}. Available: {', '.join(sorted(available))}.")
+    return value

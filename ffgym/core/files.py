@@ -1,0 +1,215 @@
+"""Files that appear whole or not at all."""
+
+import io
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+
+TEMPORARY = ".ffgym-{}.tmp"
+"""Name of what is written beside its place, until it is moved there."""
+
+
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Check before long work that `path` can be written after it.
+
+    Raises:
+        FFGymError: if its folder does not exist or is not writable, or it is a folder itself, or no name of a file.
+    """
+    target = Path(path)
+    folder = target.absolute().parent
+    try:
+        if target.is_dir():
+            raise FFGymError(f"{path}: is a folder, must be a file.")
+        if not folder.is_dir():
+            raise FFGymError(f"{path}: the folder {folder} does not exist; create it, or choose another place.")
+        for place in (folder, target):
+            if place.exists() and not os.access(place, os.W_OK):
+                raise FFGymError(f"{path}: {place} is not writable; choose another place, or allow writing.")
+    except OSError as error:  # of a name that is too long, or a folder that may not be entered
+        raise FFGymError(f"{path}: cannot be written: {error.strerror}; choose another name or place.") from error
+
+
+def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+    """Write `data` beside `path` and move it there; whatever interrupts this, no half file is left.
+
+    Raises:
+        FFGymError: if the file cannot be written; an old file of that name stays as it was.
+    """
+    target = Path(os.path.realpath(path))  # through a link, as an ordinary write does
+    temporary = target.with_name(TEMPORARY.format(uuid4().hex))
+    try:
+        with open(temporary, "xb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        if target.exists():
+            shutil.copymode(target, temporary)
+        os.replace(temporary, target)
+    except OSError as error:
+        raise FFGymError(
+            f"{path}: cannot be written: {error.strerror}. The folder must exist, be writable and have space left."
+        ) from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+
+
+def read_bytes(path: str | os.PathLike[str]) -> bytes:
+    """Bytes of a file that is not empty.
+
+    Raises:
+        FFGymError: if there is no such file, it is a folder, empty, or cannot be read.
+    """
+    place = Path(path)
+    try:
+        data = place.read_bytes()
+    except FileNotFoundError as error:
+        raise FFGymError(f"{place}: no such file. Check the path; it is relative to {Path.cwd()}.") from error
+    except IsADirectoryError as error:
+        raise FFGymError(f"{place}: is a folder, must be a file. Name a recording in it.") from error
+    except OSError as error:
+        raise FFGymError(f"{place}: cannot be read: {error.strerror}.") from error
+    if not data:
+        raise FFGymError(f"{place}: the file is empty. Copy or record it again.")
+    return data
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Text of a UTF-8 file, without byte order mark.
+
+    Raises:
+        FFGymError: if it cannot be read, or is no UTF-8 text.
+    """
+    try:
+        return Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
+    except UnicodeDecodeError as error:
+        raise FFGymError(
+            f"{path}: is not UTF-8 text: byte {error.start} is {error.object[error.start]:#04x}."
+        ) from error
+    except ValueError as error:  # a name that holds a null character
+        raise FFGymError(f"{str(path)!r} is no name of a file: {error}.") from error
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a UTF-8 file, as `write_bytes`."""
+    write_bytes(path, text.encode("utf-8"))
+
+
+def check_vacant(path: str | os.PathLike[str]) -> None:
+    """Check before long work that `new_folder` can make `path` after it.
+
+    Raises:
+        FFGymError: if something is there that is no empty folder, or the folder around it is missing or not writable.
+    """
+    target = Path(os.path.realpath(path))
+    if target.exists() and not (target.is_dir() and not any(target.iterdir())):
+        raise FFGymError(f"{path}: exists already, and nothing is overwritten; choose another place, or remove it.")
+    check_writable(target / "file" if target.exists() else target)
+
+
+@contextmanager
+def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a folder to write into, which is at `path` when the block ends without an error, and nowhere otherwise.
+
+    Raises:
+        FFGymError: if something is at `path` that is no empty folder, or the folder cannot be written.
+    """
+    check_vacant(path)
+    target = Path(os.path.realpath(path))
+    temporary = target.with_name(TEMPORARY.format(uuid4().hex))
+    try:
+        temporary.mkdir()
+        yield temporary
+        if target.exists():
+            target.rmdir()  # it is empty
+        temporary.rename(target)
+    except FFGymError as error:  # of a file in the folder: tell its name as the user knows it
+        raise FFGymError(str(error).replace(str(temporary), str(path))) from error
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be written: {error.strerror}. There must be space left.") from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+@contextmanager
+def made_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Yield a folder, made if there is none; if the block ends with an error, what was made and is empty goes again.
+
+    Raises:
+        FFGymError: if it cannot be made.
+    """
+    target = Path(path)
+    missing: list[Path] = []
+    try:
+        try:
+            missing = [folder for folder in (target, *target.parents) if not folder.exists()]
+            target.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FFGymError(f"{path}: cannot be made a folder: {error.strerror}; choose another place.") from error
+        yield target
+    except BaseException:
+        for folder in missing:
+            with suppress(OSError):  # it holds something, or was not made
+                folder.rmdir()
+        raise
+
+
+def csv_rows(values: Array) -> str:
+    """Lines of a CSV file for the rows of `values` (R, C); numbers have the fewest digits that give back every bit."""
+    return "".join(",".join(map(repr, row.tolist())) + "\n" for row in values)
+
+
+def write_json(path: str | os.PathLike[str], value: Any) -> None:
+    """Write a JSON file, as `write_bytes`.
+
+    Raises:
+        FFGymError: if the value has no JSON form (NaN and infinity have none), or the file cannot be written.
+    """
+    try:
+        text = json.dumps(value, indent=1, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise FFGymError(f"{path}: the result has no JSON form: {error}.") from error
+    write_text(path, text + "\n")
+
+
+def encode_arrays(arrays: Mapping[str, Any]) -> bytes:
+    """Bytes of an NPZ file with these arrays; equal arrays in the same order give equal bytes."""
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, **dict(arrays))
+    return buffer.getvalue()
+
+
+def decode_arrays(data: bytes) -> dict[str, Any]:
+    """Arrays in the bytes of an NPZ file.
+
+    Raises:
+        FFGymError: if it is damaged, holds a name twice, or something that is no array.
+    """
+    try:
+        with np.load(io.BytesIO(data), allow_pickle=False) as file:
+            names = list(file.files)
+            arrays = {name: file[name] for name in names}
+    except Exception as error:  # zipfile, zlib and numpy raise a dozen types for damaged bytes
+        kind = type(error).__name__  # and not its text: numpy's advises to load what may run as a program
+        raise FFGymError(
+            f"Damaged, cut short, not NPZ, or with a password or Python objects in it ({kind}). Copy or make it again."
+        ) from error
+    if len(arrays) < len(names):
+        twice = sorted({name for name in names if names.count(name) > 1})
+        raise FFGymError(f"The NPZ file holds {', '.join(twice)} more than once. Keep one entry of each name.")
+    for name, array in arrays.items():
+        if not isinstance(array, np.ndarray):
+            raise FFGymError(f"The NPZ entry {name!r} is not an array. Remove it, or make the file again.")
+    return arrays

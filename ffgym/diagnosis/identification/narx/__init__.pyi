@@ -1,0 +1,11 @@
+from .fit import Focus as Focus
+from .fit import Structure as Structure
+from .fit import best_simulating as best_simulating
+from .fit import fitted as fitted
+from .model import ARRAYS as ARRAYS
+from .model import NarxModel as NarxModel
+from .regressors import Regressors as Regressors
+from .regressors import lags_of as lags_of
+from .samples import Errors as Errors
+from .samples import Misfit as Misfit
+from .samples import Samples as Samples

@@ -1,0 +1,144 @@
+"""Fits of NARX networks by Levenberg-Marquardt from random weights, thesis 6.2.3."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ffgym.core.errors import FFGymError, check_choice, check_whole
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.narx.model import NarxModel, joint_models
+from ffgym.diagnosis.identification.narx.problems import Prediction, Problem, Simulation, split
+from ffgym.diagnosis.identification.narx.regressors import Regressors
+from ffgym.diagnosis.identification.narx.samples import Samples, check_alike
+
+Focus = Literal["prediction", "simulation"]
+"""What errors are minimised: one step ahead, as in the thesis, or in free run."""
+
+FOCUSES: tuple[Focus, ...] = ("prediction", "simulation")
+
+N_EVALUATIONS = 1000
+"""Residual evaluations at most; thesis 6.2.3 allows as many iterations."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Structure:
+    """Regressors and size; the default is thesis (6.20)."""
+
+    regressors: Regressors = field(default_factory=Regressors)
+    n_neurons: int = 3
+    """Thesis 6.2.1."""
+
+    def __post_init__(self) -> None:
+        check_whole("n_neurons", self.n_neurons, low=1)
+
+    @property
+    def n_weights(self) -> int:
+        """Parameters K of one motor: w, b, c and d of `NarxModel`."""
+        return self.n_neurons * (self.regressors.count + 2) + 1
+
+
+def fitted(
+    records: Sequence[Samples],
+    structure: Structure,
+    rng: np.random.Generator,
+    *,
+    focus: Focus = "prediction",
+    n_evaluations: int = N_EVALUATIONS,
+) -> NarxModel:
+    """Network from one start per motor.
+
+    Args:
+        records: motions to fit to.
+        structure: regressors and size.
+        rng: draws the first weights.
+        focus: "simulation" goes on from the fit of "prediction"; without past outputs they are the same.
+        n_evaluations: residual evaluations at most, of each focus.
+
+    Raises:
+        FFGymError: if there is no record, records do not fit together, they have fewer scored samples than a motor has
+            weights, or a number is out of range.
+    """
+    check_alike(records)
+    _check_enough(records, structure)
+    check_choice("focus", focus, FOCUSES)
+    check_whole("n_evaluations", n_evaluations, low=1)
+    model = _minimised(_random(records, rng, structure), records, Prediction.of, n_evaluations)
+    if focus == "simulation" and structure.regressors.output_lags:
+        model = _minimised(model, records, Simulation.of, n_evaluations)
+    return model
+
+
+def best_simulating(
+    records: Sequence[Samples],
+    structure: Structure,
+    rng: np.random.Generator,
+    n_starts: int,
+    *,
+    focus: Focus = "prediction",
+    n_evaluations: int = N_EVALUATIONS,
+) -> NarxModel:
+    """Of `n_starts` fits the one that simulates best on `records`, motor by motor: the best in prediction may drift.
+
+    Raises:
+        FFGymError: as `fitted`.
+    """
+    check_whole("n_starts", n_starts, low=1)
+    fits = [fitted(records, structure, rng, focus=focus, n_evaluations=n_evaluations) for _ in range(n_starts)]
+    costs = np.array([_simulation_cost(model, records) for model in fits])
+    return joint_models(fits, costs.argmin(axis=0))
+
+
+def _check_enough(records: Sequence[Samples], structure: Structure) -> None:
+    n = sum(int(record.scored.sum()) for record in records)
+    if n < structure.n_weights:
+        raise FFGymError(
+            f"{n} scored samples are too few for a NARX network of {structure.n_weights} weights per motor. Score more "
+            "samples, or take fewer neurons or regressors."
+        )
+
+
+def _random(records: Sequence[Samples], rng: np.random.Generator, structure: Structure) -> NarxModel:
+    """Weights before a fit: slopes of about the size of the regressors, as those are of size 1."""
+    n = records[0].torque.shape[1]
+    speed = np.max([np.abs(record.motor_dq).max(axis=0) for record in records], axis=0)
+    torque = np.max([np.sqrt(np.mean(record.torque**2, axis=0)) for record in records], axis=0)
+    shape = (n, structure.n_neurons, structure.regressors.count)
+    return NarxModel(
+        input_weights=2.0 * rng.normal(size=shape),
+        biases=rng.normal(size=shape[:2]),
+        output_weights=rng.normal(size=shape[:2]),
+        offset=np.zeros(n),
+        speed_scale=np.where(speed > 0, speed, 1.0),  # a motor that stands still has no size
+        torque_scale=np.where(torque > 0, torque, 1.0),
+        regressors=structure.regressors,
+        dt=records[0].dt,
+    )
+
+
+def _minimised(
+    start: NarxModel,
+    records: Sequence[Samples],
+    problems: Callable[[NarxModel, Sequence[Samples]], Sequence[Problem]],
+    n_evaluations: int,
+) -> NarxModel:
+    """The network from `start` with the least squares of a problem, motor by motor."""
+    h, found = start.biases.shape[1], []
+    for joint, problem in enumerate(problems(start, records)):
+        first = _packed(start, joint)
+        found.append(least_squares(problem.residual, first, problem.jacobian, method="lm", max_nfev=n_evaluations).x)
+    w, b, c, d = (np.array(part) for part in zip(*(split(parameters, h) for parameters in found), strict=True))
+    return replace(start, input_weights=w, biases=b, output_weights=c, offset=d)
+
+
+def _packed(model: NarxModel, joint: int) -> Array:
+    parts = (model.input_weights, model.biases, model.output_weights, model.offset)
+    return np.concatenate([np.ravel(part[joint]) for part in parts])
+
+
+def _simulation_cost(model: NarxModel, records: Sequence[Samples]) -> Array:
+    """Mean square of the simulation error in units of the noise, shape (N,)."""
+    parts = [((model.simulated(r.motor_dq) - r.torque)[r.scored] / r.noise) ** 2 for r in records]
+    return np.asarray(np.concatenate(parts).mean(axis=0))

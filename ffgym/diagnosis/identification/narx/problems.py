@@ -1,0 +1,192 @@
+"""What Levenberg-Marquardt minimises for one motor: errors of prediction or of free-run simulation, with slopes.
+
+Parameters of a motor are one vector, K = H R + 2 H + 1: w row by row, then b, c and d of `NarxModel`.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import tanh
+from operator import mul
+from typing import final
+
+import numpy as np
+from scipy.linalg.lapack import dtbtrs
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.identification.narx.model import NarxModel, sigmoid
+from ffgym.diagnosis.identification.narx.samples import Samples
+
+STEEPEST = 1e100
+"""Largest slope that is passed on: those of a network that amplifies its own errors overflow in a long motion. Chosen
+far beyond any that leads somewhere, and small enough to be squared."""
+
+
+class Problem(ABC):
+    """Errors of one motor, weighted, S scored samples, and their derivative by its parameters."""
+
+    @abstractmethod
+    def residual(self, parameters: Array) -> Array:
+        """Weighted errors (S,) at parameters (K,)."""
+
+    @abstractmethod
+    def jacobian(self, parameters: Array) -> Array:
+        """Their derivative (S, K)."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prediction(Problem):
+    """Errors one step ahead; past outputs are the measured ones."""
+
+    phi: Array
+    """Regressors of all records, shape (S, R)."""
+    target: Array
+    """Torque in units of its scale, shape (S,)."""
+    weight: Array
+    """Scale of the torque over the noise of its record, shape (S,)."""
+    n_neurons: int
+
+    @classmethod
+    def of(cls, start: NarxModel, records: Sequence[Samples]) -> list["Prediction"]:
+        """One problem per motor."""
+        phi = np.concatenate([start.phi(r.motor_dq, r.torque)[r.scored] for r in records])
+        target = np.concatenate([r.torque[r.scored] / start.torque_scale for r in records])
+        weight = np.concatenate([np.tile(start.torque_scale / r.noise, (r.scored.sum(), 1)) for r in records])
+        return [
+            cls(phi=phi[:, joint], target=target[:, joint], weight=weight[:, joint], n_neurons=start.biases.shape[1])
+            for joint in range(start.n_joints)
+        ]
+
+    def residual(self, parameters: Array) -> Array:
+        """See base class."""
+        w, b, c, d = split(parameters, self.n_neurons)
+        return np.asarray(self.weight * (sigmoid(self.phi @ w.T + b) @ c + d - self.target))
+
+    def jacobian(self, parameters: Array) -> Array:
+        """See base class."""
+        return self.weight[:, None] * slopes(parameters, self.phi, self.n_neurons)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drive:
+    """One motion of one motor, to simulate and to compare with."""
+
+    inputs: Array
+    """Regressors that follow from the speed, shape (T, n_inputs)."""
+    target: Array
+    """Torque in units of its scale, shape (T,)."""
+    scored: BoolArray
+    """Samples that count, shape (T,)."""
+    weight: float
+    """Scale of the torque over its noise."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Simulation(Problem):
+    r"""Errors in free run; past outputs are the network's own.
+
+    The derivative of y(k) then holds those of its past outputs,
+
+    .. math:: s(k) = \partial g / \partial \theta + \sum_j \partial g / \partial y(k - j) \; s(k - j)
+
+    which is a banded triangular system of equations in all s(k).
+    """
+
+    drives: tuple[Drive, ...]
+    lags: IntArray
+    """Of past outputs [samples], one or more."""
+    n_neurons: int
+
+    @classmethod
+    def of(cls, start: NarxModel, records: Sequence[Samples]) -> list["Simulation"]:
+        """One problem per motor."""
+        inputs = [start.inputs(record.motor_dq) for record in records]
+        lags = np.array(start.regressors.output_lags, dtype=np.intp)
+        return [
+            cls(
+                drives=tuple(
+                    Drive(
+                        inputs=each[:, joint],
+                        target=record.torque[:, joint] / start.torque_scale[joint],
+                        scored=record.scored,
+                        weight=float(start.torque_scale[joint] / record.noise[joint]),
+                    )
+                    for each, record in zip(inputs, records, strict=True)
+                ),
+                lags=lags,
+                n_neurons=start.biases.shape[1],
+            )
+            for joint in range(start.n_joints)
+        ]
+
+    def residual(self, parameters: Array) -> Array:
+        """See base class."""
+        return np.concatenate(
+            [
+                drive.weight * (self._simulated(parameters, drive.inputs) - drive.target)[drive.scored]
+                for drive in self.drives
+            ]
+        )
+
+    def jacobian(self, parameters: Array) -> Array:
+        """See base class."""
+        parts = []
+        for drive in self.drives:
+            outputs = self._simulated(parameters, drive.inputs)
+            phi = np.hstack([drive.inputs, _past(outputs, self.lags)])
+            parts.append(drive.weight * self._through_time(parameters, phi)[drive.scored])
+        return np.concatenate(parts)
+
+    def _simulated(self, parameters: Array, inputs: Array) -> Array:
+        """Output (T,) in units of its scale; none at first, as in `NarxModel.simulated`."""
+        w, b, c, d = split(parameters, self.n_neurons)
+        n_inputs, lags = inputs.shape[1], self.lags.tolist()
+        driven, fed_back, gains = (inputs @ w[:, :n_inputs].T + b).tolist(), w[:, n_inputs:].tolist(), c.tolist()
+        outputs = [0.0] * (max(lags) + 1)
+        for row in driven[1:]:  # plain floats: a call of NumPy costs more than a neuron
+            past, total = [outputs[-lag] for lag in lags], float(d)
+            for gain, inside, weights in zip(gains, row, fed_back, strict=True):
+                total += gain * (0.5 + 0.5 * tanh(0.5 * (inside + sum(map(mul, weights, past)))))
+            outputs.append(total)
+        return np.array(outputs[max(lags) :])
+
+    def _through_time(self, parameters: Array, phi: Array) -> Array:
+        """Derivative s (T, K) of the output in free run, along which regressors are phi (T, R)."""
+        w, b, c, _ = split(parameters, self.n_neurons)
+        active = sigmoid(phi @ w.T + b)
+        gains = (active * (1 - active) * c) @ w[:, -len(self.lags) :]
+        bands = np.zeros((self.lags.max() + 1, len(phi)))
+        bands[0] = 1.0
+        for lag, gain in zip(self.lags, gains.T, strict=True):
+            bands[lag, : len(phi) - lag] = -gain[lag:]
+        direct = slopes(parameters, phi, self.n_neurons)
+        direct[0] = 0.0  # the first output is none, whatever the weights
+        found, _ = dtbtrs(bands, direct, uplo="L", diag="U")  # without pivots, so that it may overflow but not fail
+        return np.nan_to_num(np.clip(found, -STEEPEST, STEEPEST))
+
+
+def _past(outputs: Array, lags: IntArray) -> Array:
+    """Outputs (T,) at each lag, shape (T, lags); zero before the first."""
+    return np.stack([np.concatenate([np.zeros(lag), outputs])[: len(outputs)] for lag in lags], axis=1)
+
+
+def split(parameters: Array, n_neurons: int) -> tuple[Array, Array, Array, Array]:
+    """Parameters (K,) of one motor as w (H, R), b (H,), c (H,), d."""
+    h = n_neurons
+    return (
+        parameters[: -2 * h - 1].reshape(h, -1),
+        parameters[-2 * h - 1 : -h - 1],
+        parameters[-h - 1 : -1],
+        parameters[-1],
+    )
+
+
+def slopes(parameters: Array, phi: Array, n_neurons: int) -> Array:
+    """Derivative of the output by the parameters at regressors (T, R), shape (T, K)."""
+    w, b, c, _ = split(parameters, n_neurons)
+    active = sigmoid(phi @ w.T + b)
+    slope = active * (1 - active) * c
+    by_w = (slope[:, :, None] * phi[:, None, :]).reshape(len(phi), -1)
+    return np.hstack([by_w, slope, active, np.ones((len(phi), 1))])

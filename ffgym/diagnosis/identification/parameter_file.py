@@ -1,0 +1,90 @@
+"""What was identified, as a parameter file that every robot of that kind accepts, each number with its source."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.robot import RobotDescription
+from ffgym.robot.reading.parameters import GROUPS
+from ffgym.robot.reading.quantity import Quantity
+from ffgym.robot.reading.rule import JointFrame, si_units
+from ffgym.robot.reading.rules import RULES
+from ffgym.robot.template.toml_text import names, text
+
+
+def fitted_quantity(
+    robot: RobotDescription,
+    path: str,
+    value: Array,
+    source: str,
+    origin: tuple[str, ...] = ("fitted",),
+    interval: Array | None = None,
+) -> Quantity:
+    """A number that replaces one of the description, which it keeps as its prior.
+
+    Args:
+        robot: whose description is fitted.
+        path: the entry, e.g. 'friction.coulomb'.
+        value: SI units, on the side on which descriptions keep it.
+        source: what it was fitted to, and how.
+        origin: 'fitted', for the whole entry or per joint beside 'derived' ones.
+        interval: where each number is, shape (..., 2), 0 and inf where that is not known; None says nothing.
+    """
+    rule, joints = RULES[path], JointFrame(types=robot.kinematics.types, gear_ratio=robot.drive.gear_ratio)
+    before = robot.quantities.get(path)
+    return Quantity(
+        value=np.asarray(value, dtype=np.float64),
+        unit=", ".join(si_units(rule, rule.side, joints)),
+        side=rule.side,
+        origin=origin,
+        source=source,
+        prior=entry_of(robot, path),
+        prior_source=before.source if before is not None else f"description of {robot.name}",
+        interval=interval,
+    )
+
+
+def entry_of(robot: RobotDescription, path: str) -> Array:
+    """Numbers of one entry of a description, e.g. 'friction.coulomb'."""
+    group, name = path.split(".")
+    return np.asarray(getattr(getattr(robot, GROUPS[group]), name), dtype=np.float64)
+
+
+def parameter_text(
+    robot: RobotDescription, quantities: Mapping[str, Quantity], title: str, description: str | None = None
+) -> str:
+    """Text of a parameter file, TOML; numbers keep every bit.
+
+    Args:
+        robot: whose numbers they are.
+        quantities: entries of the file.
+        title: of the file.
+        description: path of the robot's description from the folder of the file; None for a built-in robot.
+    """
+    head = ["[parameters]", f"robot = {text(robot.name)}", f"title = {text(title)}"]
+    head += [] if description is None else [f"description = {text(description)}"]
+    entries = [[f"[{path}]", *_lines(quantity)] for path, quantity in quantities.items()]
+    return "\n\n".join("\n".join(lines) for lines in [head, *entries]) + "\n"
+
+
+def _lines(quantity: Quantity) -> list[str]:
+    units = quantity.unit.split(", ")
+    lines = [
+        f"value = {_numbers(quantity.value.tolist())}",
+        f"unit = {text(units[0]) if len(units) == 1 else names(units)}",
+        f"origin = {text(quantity.origin[0]) if len(quantity.origin) == 1 else names(quantity.origin)}",
+        f"source = {text(quantity.source)}",
+    ]
+    if quantity.side is not None:
+        lines.insert(2, f"side = {text(quantity.side)}")
+    if quantity.prior is not None and quantity.prior_source is not None:
+        lines += [f"prior = {_numbers(quantity.prior.tolist())}", f"prior_source = {text(quantity.prior_source)}"]
+    if quantity.interval is not None:
+        lines.append(f"interval = {_numbers(quantity.interval.tolist())}")
+    return lines
+
+
+def _numbers(value: Any) -> str:
+    return f"[{', '.join(map(_numbers, value))}]" if isinstance(value, list) else repr(float(value))

@@ -1,0 +1,140 @@
+"""How sure an estimate is: intervals from resampled blocks of rows."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.types import Array, BoolArray, IntArray
+
+LEVEL = 0.9
+"""Default probability of an interval."""
+
+RESAMPLES = 400
+"""Default number of resamples: the ends of a 90 % interval then scatter by a tenth of its half width."""
+
+Estimator = Callable[[Array], Array]
+"""From how often each block counts, shape (n_blocks,), to parameters, shape (P,). Ones give the estimate itself."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Blocks:
+    """Rows of data in blocks that are long against what correlates them, and the strata that blocks are drawn from."""
+
+    of_row: IntArray
+    """Block of each row, shape (T,); -1 for rows that are in none."""
+    stratum: IntArray
+    """Stratum of each block, e.g. its record or its speed, shape (n_blocks,). No stratum is lost in a resample."""
+
+    def __post_init__(self) -> None:
+        if not len(self.stratum):
+            raise FFGymError("There are no rows to estimate from, so there are no blocks to resample.")
+
+    @property
+    def n_blocks(self) -> int:
+        """Number of blocks."""
+        return len(self.stratum)
+
+    @property
+    def n_resampled(self) -> int:
+        """Number of blocks that are not alone in their stratum, so that resamples differ in them."""
+        counts = np.bincount(self.stratum)
+        return int(counts[counts > 1].sum())
+
+    @classmethod
+    def cut(cls, strata: Sequence[BoolArray], dt: float, duration: float) -> "Blocks":
+        """Cut runs of rows into blocks.
+
+        Args:
+            strata: rows of each stratum, shape (T,) each, disjoint; a run is rows that follow one another.
+            dt: sample period [s].
+            duration: of a block [s]; a run is cut into equal blocks of about this, at least one.
+        """
+        length = max(1, round(check_number("block duration", duration, unit="s", low=0.0, open_low=True) / dt))
+        of_row: IntArray = np.full(len(strata[0]) if strata else 0, -1, dtype=np.intp)
+        stratum: list[int] = []
+        for s, rows in enumerate(strata):
+            for start, stop in runs(rows):
+                count = max(1, round((stop - start) / length))
+                of_row[start:stop] = len(stratum) + np.arange(stop - start) * count // (stop - start)
+                stratum += [s] * count
+        return cls(of_row=of_row, stratum=np.array(stratum, dtype=np.intp))
+
+    @classmethod
+    def joined(cls, parts: Sequence["Blocks"]) -> "Blocks":
+        """Blocks of data sets one after the other; strata of different sets differ."""
+        rows, strata, blocks, count = [], [], 0, 0
+        for part in parts:
+            rows.append(np.where(part.of_row >= 0, part.of_row + blocks, -1))
+            strata.append(part.stratum + count)
+            blocks, count = blocks + part.n_blocks, count + int(part.stratum.max()) + 1
+        return cls(of_row=np.concatenate(rows), stratum=np.concatenate(strata))
+
+    def sums(self, values: Array) -> Array:
+        """Sums of `values` (T, ...) over the rows of each block, shape (n_blocks, ...)."""
+        inside = self.of_row >= 0
+        total = np.zeros((self.n_blocks, *values.shape[1:]))
+        np.add.at(total, self.of_row[inside], values[inside])
+        return total
+
+    def draw(self, rng: np.random.Generator) -> Array:
+        """How often each block counts in one resample, shape (n_blocks,).
+
+        From each stratum of n blocks n - 1 are drawn with replacement and count n / (n - 1) times, so that the variance
+        of a mean is that of the data, not (n - 1) / n of it; the one block of a stratum of one always counts once.
+
+        Reference:
+            Rao & Wu (1988), Journal of the American Statistical Association 83, 231-241.
+        """
+        counts = np.ones(self.n_blocks)
+        for s in np.unique(self.stratum):
+            own = np.flatnonzero(self.stratum == s)
+            if len(own) > 1:
+                n = len(own)
+                counts[own] = rng.multinomial(n - 1, np.full(n, 1 / n)) * (n / (n - 1))
+        return counts
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Intervals:
+    """Where parameters lie with probability `level`, shape (P,) each."""
+
+    low: Array
+    high: Array
+    level: float
+
+
+def bootstrap(estimate: Estimator, blocks: Blocks, rng: np.random.Generator, n_resamples: int = RESAMPLES) -> Array:
+    """Estimates from resampled blocks, shape (n_resamples, P).
+
+    Args:
+        estimate: from how often each block counts to parameters.
+        blocks: of the rows that were estimated from.
+        rng: draws the blocks.
+        n_resamples: how many resamples.
+    """
+    count = check_whole("n_resamples", n_resamples, low=2)
+    return np.stack([estimate(blocks.draw(rng)) for _ in range(count)])
+
+
+def intervals(estimate: Array, resampled: Array, level: float = LEVEL) -> Intervals:
+    """Percentile intervals of parameters.
+
+    Args:
+        estimate: parameters, shape (P,); an interval always holds it.
+        resampled: what `bootstrap` gives, shape (B, P).
+        level: probability.
+
+    Reference:
+        Kuensch (1989), Annals of Statistics 17(3), for blocks; Davison & Hinkley (1997), Bootstrap Methods, ch. 5.
+    """
+    level = check_number("level", level, low=0.0, high=1.0, open_low=True)
+    low, high = np.quantile(resampled, [(1 - level) / 2, (1 + level) / 2], axis=0)
+    return Intervals(low=np.minimum(low, estimate), high=np.maximum(high, estimate), level=level)
+
+
+def runs(rows: BoolArray) -> list[tuple[int, int]]:
+    """First row, and the row after the last, of each run of True in `rows` (T,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]]).astype(np.int8)))
+    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]

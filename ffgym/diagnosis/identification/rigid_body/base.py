@@ -1,0 +1,127 @@
+r"""Base parameters: the combinations of inertial parameters, rotors and friction that torque can tell at all.
+
+Many parameters act on no motor, or only together with others: of a first link that turns about the vertical axis,
+torque tells one number of ten, and that together with its rotor. A column of the equations that is a combination of
+those before it, whatever the motion, is left out, and its parameter joins theirs:
+
+.. math:: \tau = W_1 x_1 + W_2 x_2, \quad W_2 = W_1 C \quad\Rightarrow\quad \tau = W_1 (x_1 + C x_2)
+
+Reference:
+    Gautier (1991), Journal of Robotic Systems 8(4), 485-506.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.identification.rigid_body.term import Motion, Term
+from ffgym.robot import RobotDescription
+
+_STATES = 40
+"""Random states for each parameter that there is; chosen: rows enough that none is dependent by chance."""
+
+_REVERSAL = 0.1
+"""Time [s] in which random accelerations reach the speed limit; chosen: of the order of an industrial robot's."""
+
+_RANK = 1e-8
+"""Share of a column that must be its own; columns that depend on others have 1e-14, others 1e-4 and more."""
+
+_SHOWN = 1e-6
+"""Smallest coefficient of a combination, between columns of unit size, that is no rounding."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BaseParameters:
+    """Combinations of K parameters that torque can tell, B of them."""
+
+    own: IntArray
+    """The parameter that each is called after, shape (B,)."""
+    combination: Array
+    """Coefficients of all parameters in each, shape (B, K)."""
+    labels: tuple[str, ...]
+    """Names of the K parameters."""
+
+    def values(self, parameters: Array) -> Array:
+        """Base parameters (..., B) of parameters (..., K)."""
+        return parameters @ self.combination.T
+
+    def text(self, i: int, digits: int = 4) -> str:
+        """Combination i in words, e.g. 'upper.I_zz + 1.44 lower.mass'."""
+        parts = [self.labels[self.own[i]]]
+        for k in np.flatnonzero(self.combination[i]):
+            if k != self.own[i]:
+                factor = self.combination[i, k]
+                parts.append(f"{'-' if factor < 0 else '+'} {abs(factor):.{digits}g} {self.labels[k]}")
+        return " ".join(parts)
+
+
+def base_parameters(robot: RobotDescription, terms: Sequence[Term], seed: int = 0) -> BaseParameters:
+    """Base parameters of an arm, from random states within its joint limits.
+
+    Args:
+        robot: geometry, gravity, gears.
+        terms: what is there to identify.
+        seed: of the states; the result does not depend on it.
+    """
+    motion = _random_motion(robot, terms, seed)
+    columns = np.concatenate([part for term in terms for part in term.columns(robot, motion)], axis=1)
+    matrix = columns.swapaxes(1, 2).reshape(-1, columns.shape[1])
+    size = np.linalg.norm(matrix, axis=0)
+    unit = matrix / np.where(size > 0, size, 1.0)
+    own = _independent(unit)
+    others = np.setdiff1d(np.flatnonzero(size > 0), own)
+    combination = np.zeros((len(own), len(size)))
+    combination[np.arange(len(own)), own] = 1.0
+    if len(others):
+        shared = np.linalg.lstsq(unit[:, own], unit[:, others], rcond=None)[0]
+        shared[np.abs(shared) < _SHOWN] = 0.0
+        combination[:, others] = shared * size[others] / size[own][:, None]
+    return BaseParameters(
+        own=own, combination=combination, labels=tuple(label for term in terms for label in term.labels(robot))
+    )
+
+
+def condition_number(columns: Array, counts: BoolArray, base: BaseParameters) -> float:
+    """Condition number of the equations of a motion for base parameters, columns at unit size; inf if one is silent.
+
+    Args:
+        columns: of all parameters, (R, K, N), each motor's torque in units of its noise or size.
+        counts: rows that count for each motor, (R, N).
+        base: the combinations.
+    """
+    matrix = columns[:, base.own].swapaxes(1, 2)[counts]
+    size = np.linalg.norm(matrix, axis=0)
+    return float(np.linalg.cond(matrix / size)) if np.all(size > 0) and len(matrix) >= len(size) else np.inf
+
+
+def _random_motion(robot: RobotDescription, terms: Sequence[Term], seed: int) -> Motion:
+    """Independent random states: positions within limits, speeds up to the limits, and what reaches them in 0.1 s."""
+    rng = np.random.default_rng(seed)
+    count = _STATES * sum(len(term.labels(robot)) for term in terms)
+    low, high = robot.kinematics.range.T
+    speed = robot.kinematics.max_speed
+    shape = (count, robot.n_joints)
+    dq, ddq = rng.uniform(-speed, speed, shape), rng.uniform(-speed, speed, shape) / _REVERSAL
+    drive = robot.drive
+    return Motion(
+        q=rng.uniform(low, high, shape),
+        dq=dq,
+        ddq=ddq,
+        motor_dq=drive.motor_angle(dq),
+        motor_ddq=drive.motor_angle(ddq),
+    )
+
+
+def _independent(unit: Array) -> IntArray:
+    """Columns of a matrix, at unit size, that are no combination of those before them (Gram-Schmidt, twice)."""
+    basis = np.zeros((len(unit), 0))
+    own = []
+    for k, column in enumerate(unit.T):
+        rest = column - basis @ (basis.T @ column)
+        rest -= basis @ (basis.T @ rest)
+        if np.linalg.norm(rest) > _RANK:
+            own.append(k)
+            basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
+    return np.array(own, dtype=np.intp)

@@ -1,0 +1,146 @@
+r"""Coordinates in which a fit is done: every parameter relative to a reference, bodies by their pseudo-inertia.
+
+A body with pseudo-inertia J and reference :math:`J_0 = C C^T` has the ten entries of the symmetric matrix
+:math:`Z = C^{-1} J C^{-T}`, which is 1 at the reference. Off-diagonal entries count :math:`\sqrt 2`, so that the
+squared distance to the reference is :math:`\| C^{-1} (J - J_0) C^{-T} \|_F^2`: it has no unit, does not depend on the
+frame of the body, and agrees to second order with the distance along geodesics of positive definite matrices. J is that
+of a body if and only if Z is positive definite.
+
+Reference:
+    Lee, Wensing, Park (2020), IEEE Transactions on Robotics 36(3), 837-852, eq. (24): constant pullback of the metric.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.identification.rigid_body.arm_terms import Bodies
+from ffgym.diagnosis.identification.rigid_body.bodies import pseudo_inertia
+from ffgym.diagnosis.identification.rigid_body.term import Term
+from ffgym.robot import RobotDescription
+
+THINNEST = 0.01
+"""Least second moment of a reference body against its largest, in any direction: descriptions have flat plates and
+rods, which are at the edge of what is a body, and would be held there."""
+
+UPPER = np.triu_indices(4)
+"""Rows and columns of the ten entries of a symmetric matrix (4, 4), as coordinates hold them."""
+
+WEIGHTS = np.where(UPPER[0] == UPPER[1], 1.0, np.sqrt(2.0))
+"""What each of them counts."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Coordinates:
+    """Affine map between parameters x (K,) in their units and coordinates y (K,) without unit."""
+
+    labels: tuple[str, ...]
+    to_parameters: Array
+    """x = T y, shape (K, K)."""
+    reference: Array
+    """y of the description, shape (K,)."""
+    is_held: BoolArray
+    """Whether a coordinate is held near the reference as firmly as is chosen, or only so that it is determined at all,
+    shape (K,)."""
+    bodies: tuple[IntArray, ...]
+    """Coordinates of each body, ten each: upper triangle of Z row by row."""
+    least: Array
+    """Smallest value of each coordinate, shape (K,)."""
+
+    @property
+    def n(self) -> int:
+        """Number of parameters K."""
+        return len(self.reference)
+
+    def only(self, kept: BoolArray) -> "Coordinates":
+        """Some of the coordinates, `kept` (K,); those of a body stay together."""
+        index = np.cumsum(kept) - 1
+        return Coordinates(
+            labels=tuple(label for label, keep in zip(self.labels, kept, strict=True) if keep),
+            to_parameters=self.to_parameters[np.ix_(kept, kept)],
+            reference=self.reference[kept],
+            is_held=self.is_held[kept],
+            least=self.least[kept],
+            bodies=tuple(index[body] for body in self.bodies),
+        )
+
+    def parameters(self, y: Array) -> Array:
+        """Parameters (..., K) of coordinates (..., K)."""
+        return y @ self.to_parameters.T
+
+    def spreads(self, spread: float) -> Array:
+        """How far each coordinate may be from the reference, shape (K,), for held ones the given `spread`."""
+        return np.where(self.is_held, spread, 1.0)
+
+    def z(self, y: Array) -> list[Array]:
+        """The matrix Z of each body, (4, 4) each."""
+        return [_symmetric(y[body]) for body in self.bodies]
+
+    def least_eigenvalue(self, y: Array) -> float:
+        """Smallest eigenvalue of Z over all bodies; infinite if there are none."""
+        return min((float(np.linalg.eigvalsh(z)[0]) for z in self.z(y)), default=np.inf)
+
+
+def coordinates_of(robot: RobotDescription, terms: tuple[Term, ...], scales: Array) -> Coordinates:
+    """Coordinates for the parameters of `terms`.
+
+    Args:
+        robot: description, which the reference is of.
+        terms: what is fitted.
+        scales: sizes of the parameters that are not held near the description, shape (K,).
+    """
+    maps, reference, bodies, start = [], [], [], 0
+    for term in terms:
+        described = term.described(robot)
+        own = np.arange(start, start + len(described))
+        if isinstance(term, Bodies):
+            maps += [_body_map(body) for body in described.reshape(-1, 10)]
+            bodies += list(own.reshape(-1, 10))
+            reference.append(np.tile(_IDENTITY, len(described) // 10))
+        else:
+            sizes = described if term.is_held else scales[own]
+            maps.append(np.diag(sizes))
+            reference.append(described / sizes)
+        start += len(described)
+    return Coordinates(
+        labels=tuple(label for term in terms for label in term.labels(robot)),
+        to_parameters=block_diag(*maps),
+        reference=np.concatenate(reference),
+        is_held=np.concatenate([np.full(len(term.labels(robot)), term.is_held) for term in terms]),
+        least=np.concatenate([np.full(len(term.labels(robot)), term.least) for term in terms]),
+        bodies=tuple(bodies),
+    )
+
+
+def _body_map(own: Array) -> Array:
+    """Matrix (10, 10) from the entries of Z to the parameters of a body, with the body `own` (10,) as reference."""
+    basis = np.array([_entries(m) for m in pseudo_inertia(np.eye(10))]).T  # entries of J of each parameter
+    root = np.linalg.cholesky(_thick(pseudo_inertia(own)))
+    spread = np.array([_entries(root @ _symmetric(unit) @ root.T) for unit in np.eye(10)]).T
+    return np.linalg.solve(basis, spread)
+
+
+def _thick(pseudo: Array) -> Array:
+    """Pseudo-inertia (4, 4) of a body that is nowhere thinner than THINNEST."""
+    mass, moment = pseudo[3, 3], pseudo[:3, 3]
+    spread, axes = np.linalg.eigh(pseudo[:3, :3] - np.outer(moment, moment) / mass)
+    thick = pseudo.copy()
+    thick[:3, :3] += (axes * (np.maximum(spread, THINNEST * spread[2]) - spread)) @ axes.T
+    return thick
+
+
+def _entries(symmetric: Array) -> Array:
+    """The ten entries of a symmetric matrix (4, 4), off-diagonal ones times the square root of 2."""
+    return symmetric[UPPER] * WEIGHTS
+
+
+def _symmetric(entries: Array) -> Array:
+    """Symmetric matrix (4, 4) of its ten entries."""
+    matrix = np.zeros((4, 4))
+    matrix[UPPER] = entries / WEIGHTS
+    return matrix + np.triu(matrix, 1).T
+
+
+_IDENTITY = _entries(np.eye(4))

@@ -1,0 +1,131 @@
+"""What an identification found: parameters, how sure they are, who says so, and what they predict."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.identification.parameter_file import entry_of, fitted_quantity
+from ffgym.diagnosis.identification.resampling import Intervals, intervals
+from ffgym.diagnosis.identification.rigid_body.arm_terms import Bodies
+from ffgym.diagnosis.identification.rigid_body.base import BaseParameters
+from ffgym.diagnosis.identification.rigid_body.doubts import doubts_about
+from ffgym.diagnosis.identification.rigid_body.observation import Equations, Filtering, equations_of
+from ffgym.diagnosis.identification.rigid_body.term import Term
+from ffgym.diagnosis.identification.rigid_body.torque_errors import TorqueErrors, torque_errors
+from ffgym.diagnosis.identification.rigid_body.trade_off import TradeOff
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.robot.reading.quantity import Quantity
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RigidBodyFit:
+    """Parameters of a rigid arm, K of them, from recordings."""
+
+    robot: RobotDescription
+    """The description that the fit is near."""
+    terms: tuple[Term, ...]
+    filtering: Filtering
+    segments: tuple[str, ...]
+    """Names of the recordings."""
+    described: Array
+    """Shape (K,)."""
+    estimate: Array
+    """Shape (K,)."""
+    in_file: Array
+    """The best parameters without the terms that no description holds, which stay as described, shape (K,)."""
+    resampled: Array
+    """Estimates from resampled recordings and descriptions drawn within the spread, shape (B, K)."""
+    level: float
+    """Probability of intervals."""
+    shares: Array
+    """How much of each parameter the data say, from 0, all the description, to 1, all the data, shape (K,)."""
+    fitted: BoolArray
+    """False for friction terms and offsets that the motion does not tell from others: they stay as described, (K,)."""
+    trade_off: TradeOff
+    """How far masses and rotors may be from the description, and why."""
+    base: BaseParameters
+    """Combinations that torque can tell at all."""
+    base_shares: Array
+    """How much of each combination the data say, shape (B,)."""
+    condition: float
+    """Condition number of the weighted equations for base parameters, columns at unit size."""
+    errors: TorqueErrors
+    """On the recordings that were fitted."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return self.base.labels
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the parameters, motor side for rotors and friction."""
+        return tuple(unit for term in self.terms for unit in term.units(self.robot))
+
+    @property
+    def not_excited(self) -> tuple[str, ...]:
+        """Names of the parameters that were dropped."""
+        return tuple(label for label, fitted in zip(self.labels, self.fitted, strict=True) if not fitted)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What speaks against the fit, in sentences."""
+        return doubts_about(self.robot, self.errors, self.trade_off)
+
+    @property
+    def intervals(self) -> Intervals:
+        """Of the parameters."""
+        return intervals(self.estimate, self.resampled, self.level)
+
+    @property
+    def base_intervals(self) -> Intervals:
+        """Of the base parameters."""
+        return intervals(self.base.values(self.estimate), self.base.values(self.resampled), self.level)
+
+    def of(self, label: str) -> float:
+        """One parameter by name."""
+        return float(self.estimate[self.labels.index(label)])
+
+    @property
+    def identified(self) -> RobotDescription:
+        """The robot with `in_file` in place of its own numbers."""
+        robot = self.robot
+        for term, values in self._by_term(self.in_file):
+            robot = term.applied(robot, values)
+        return robot
+
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """What a parameter file holds of it, by entry."""
+        found, segments = self.identified, ", ".join(map(repr, self.segments))
+        source = (
+            f"rigid-body fit to {segments}; masses and rotors held near the prior, relative standard deviation "
+            f"{self.trade_off.chosen:g}"
+        )
+        paths = [path for term in self.terms for path in term.entries(self.robot)]
+        return {path: fitted_quantity(self.robot, path, entry_of(found, path), source) for path in paths}
+
+    def validate(self, recordings: Sequence[Recording]) -> TorqueErrors:
+        """Errors on recordings that were not fitted.
+
+        Raises:
+            FFGymError: if one does not fit the robot or the filters.
+        """
+        return torque_errors(self.equations(recordings), self.estimate, self.in_file)
+
+    def equations(self, recordings: Sequence[Recording]) -> Equations:
+        """Equations of recordings, filtered as those that were fitted; joints bend under the bodies that were found.
+
+        Raises:
+            FFGymError: if one does not fit the robot or the filters.
+        """
+        bodies = next((values for term, values in self._by_term(self.estimate) if isinstance(term, Bodies)), None)
+        return equations_of(self.robot, recordings, self.terms, self.filtering, bodies)
+
+    def _by_term(self, parameters: Array) -> list[tuple[Term, Array]]:
+        """Terms with those of `parameters` (K,) that are theirs."""
+        counts = [len(term.labels(self.robot)) for term in self.terms]
+        return list(zip(self.terms, np.split(parameters, np.cumsum(counts)[:-1]), strict=True))

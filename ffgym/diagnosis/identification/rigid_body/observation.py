@@ -1,0 +1,161 @@
+"""Recordings as linear equations: filtered columns of all parameters beside filtered motor torque."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.ndimage import minimum_filter1d
+
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.identification.resampling import Blocks
+from ffgym.diagnosis.identification.rigid_body.arm_terms import Bodies
+from ffgym.diagnosis.identification.rigid_body.link_motion import elastic_motion, rigid_motion
+from ffgym.diagnosis.identification.rigid_body.term import Motion, Term
+from ffgym.diagnosis.identification.rigid_body.terms import TERMS
+from ffgym.diagnosis.identification.signals import LowPass, acting_torque, joint_motion
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+
+_ROWS_PER_CUTOFF = 2.5
+"""Rows kept per period of the cut-off of the parallel filter; Gautier's rule, 0.8 of half the new sample rate."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Filtering:
+    """How recordings become equations."""
+
+    motion: LowPass = field(default_factory=lambda: LowPass(cutoff=40.0, order=4))
+    """Of motor angles, before they are differentiated."""
+    parallel: LowPass = field(default_factory=lambda: LowPass(cutoff=5.0, order=4))
+    """Of both sides of the equations. Planned motions lie below; what lies above, ripple and the resonances of an
+    industrial robot from some 8 Hz on, is not explained by its bodies."""
+    moving: float = 0.02
+    """Motor speed over gear ratio [rad/s or m/s] below which a row does not count: bristles decide the torque there."""
+    block: float = 1.0
+    """Length [s] of the blocks that are resampled for intervals; long against what correlates errors."""
+
+    def __post_init__(self) -> None:
+        check_number("moving", self.moving, unit="rad/s", low=0.0)
+        check_number("block", self.block, unit="s", low=0.0, open_low=True)
+
+    def stride(self, dt: float) -> int:
+        """Rows of a recording, sampled every `dt` [s], for one that is kept."""
+        return max(1, int(1 / (_ROWS_PER_CUTOFF * self.parallel.cutoff * dt)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Equations:
+    """Linear equations for K parameters, R rows for each of N motors."""
+
+    robot: RobotDescription
+    terms: tuple[Term, ...]
+    columns: Array
+    """Shape (R, K, N)."""
+    torque: Array
+    """What the terms explain: motor torque less that of terms that stay as described, motor side [N m], (R, N)."""
+    measured: Array
+    """Motor torque, motor side [N m], shape (R, N)."""
+    t: Array
+    """Time of each row on the clock of its recording [s], shape (R,)."""
+    counts: BoolArray
+    """Whether a row counts for a motor: it moves, and the filters know what is around, shape (R, N)."""
+    blocks: Blocks
+    """What is resampled; each recording is a stratum."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return tuple(label for term in self.terms for label in term.labels(self.robot))
+
+    def residual(self, parameters: Array) -> Array:
+        """Measured minus predicted torque [N m], shape (R, N)."""
+        return self.torque - np.einsum("rkn,k->rn", self.columns, parameters)
+
+
+def equations_of(
+    robot: RobotDescription,
+    recordings: Sequence[Recording],
+    terms: Sequence[Term],
+    filtering: Filtering | None = None,
+    bodies: Array | None = None,
+) -> Equations:
+    """Equations of all recordings, one below the other.
+
+    Motor angles are low-passed and differentiated; torque and the columns of all parameters then go through one more
+    filter together, which changes no parameter, and every so many rows are kept.
+
+    Args:
+        robot: the robot that was recorded.
+        recordings: with `motor.position` and `motor.effort`.
+        terms: what the torque is made of; terms that are left out are as described.
+        filtering: None takes the defaults.
+        bodies: inertial parameters that bend elastic joints, shape (10 B,); None takes the description's.
+
+    Raises:
+        FFGymError: if there is no recording, or one does not fit the robot or the filters.
+
+    Reference:
+        Gautier (1997), IEEE Int. Conf. on Robotics and Automation, 2278-2283 (filtering in parallel).
+    """
+    if not recordings:
+        raise FFGymError("There is nothing to identify from: no recordings.")
+    filtering = filtering or Filtering()
+    bodies = Bodies().described(robot) if bodies is None else bodies
+    parts = [_part(robot, recording, tuple(terms), filtering, bodies) for recording in recordings]
+    return Equations(
+        robot=robot,
+        terms=tuple(terms),
+        columns=np.concatenate([part.columns for part in parts]),
+        torque=np.concatenate([part.torque for part in parts]),
+        measured=np.concatenate([part.measured for part in parts]),
+        t=np.concatenate([part.t for part in parts]),
+        counts=np.concatenate([part.counts for part in parts]),
+        blocks=Blocks.joined([part.blocks for part in parts]),
+    )
+
+
+def _part(
+    robot: RobotDescription, recording: Recording, terms: tuple[Term, ...], filtering: Filtering, bodies: Array
+) -> Equations:
+    """Equations of one recording."""
+    dt, parallel = recording.dt, filtering.parallel
+    rigid = rigid_motion(robot, *joint_motion(robot, recording, filtering.motion))
+    motion = elastic_motion(robot, rigid, bodies, dt)
+    kept = slice(None, None, filtering.stride(dt))
+    columns = [_filtered(part, parallel, dt)[kept] for term in terms for part in term.columns(robot, motion)]
+    measured = torque = acting_torque(robot, recording)
+    for term in TERMS:
+        if term not in terms and np.any(term.described(robot)):
+            torque = torque - term.torque(robot, motion, term.described(robot))
+    counts = _counting(robot, motion, recording.valid, filtering, dt)[kept]
+    rows = np.ones(len(counts), dtype=np.bool_)
+    return Equations(
+        robot=robot,
+        terms=terms,
+        columns=np.concatenate(columns, axis=1),
+        torque=parallel(torque, dt)[kept],
+        measured=parallel(measured, dt)[kept],
+        t=recording.t[kept],
+        counts=counts,
+        blocks=Blocks.cut([rows], dt * filtering.stride(dt), filtering.block),
+    )
+
+
+def _filtered(columns: Array, low_pass: LowPass, dt: float) -> Array:
+    """Columns (T, K, N) through a filter; those that are 0 throughout stay so at no cost."""
+    filtered = np.zeros_like(columns)
+    used = np.any(columns, axis=0)
+    filtered[:, used] = low_pass(columns[:, used], dt)
+    return filtered
+
+
+def _counting(robot: RobotDescription, motion: Motion, valid: BoolArray, filtering: Filtering, dt: float) -> BoolArray:
+    """Rows that count, (T, N): motors move and are `valid` as far as the parallel filter reaches; ends are far."""
+    speed = np.abs(motion.motor_dq / robot.drive.gear_ratio)
+    reach = 2 * round(1 / (filtering.parallel.cutoff * dt)) + 1  # a period of the cut-off, on either side
+    good = (speed > filtering.moving) & valid
+    counts: BoolArray = minimum_filter1d(good.astype(np.int8), reach, axis=0) > 0
+    ends = max(low_pass.end_rows(dt) for low_pass in (filtering.motion, filtering.parallel))
+    counts[:ends], counts[len(counts) - ends :] = False, False
+    return counts

@@ -1,0 +1,165 @@
+"""The weighted least squares of all motors, as sums over blocks of rows, so that any blocks are solved fast."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.identification.rigid_body.consistency import ConsistentLeastSquares
+from ffgym.diagnosis.identification.rigid_body.coordinates import Coordinates, coordinates_of
+from ffgym.diagnosis.identification.rigid_body.observation import Equations
+
+_WEIGHTINGS = 3
+"""Times that the weights are computed anew from what is left; the third changes them by less than a percent."""
+
+LOOSE = 10.0
+"""Spread with which the errors are found that the weights are of: the data alone, where they say anything."""
+
+_LEAST_NOISE = 1e-6
+"""Smallest error of a motor's equations against its torque: noise-free data have none, which no weight could be of."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Problem:
+    r"""Weighted equations in coordinates y, as what is left of the rows of each block b in units of `noise`.
+
+    .. math:: y^T A_b y - 2 b_b^T y + c_b
+    """
+
+    coordinates: Coordinates
+    noise: Array
+    """RMS error of each motor's equations [N m], shape (N,); the weights are its inverses."""
+    normal: Array
+    """A_b, shape (n_blocks, K, K)."""
+    right: Array
+    """b_b, shape (n_blocks, K)."""
+    square: Array
+    """c_b, shape (n_blocks,)."""
+    rows: int
+    """Equations that count, of all motors and blocks."""
+    solver: ConsistentLeastSquares
+    """For the coordinates; one serves many problems, since it takes long to build."""
+
+    def solve(self, counts: Array, spread: float, reference: Array | None = None) -> Array:
+        """The best coordinates (K,) near a reference.
+
+        Args:
+            counts: how often each block counts, shape (n_blocks,).
+            spread: how far coordinates that are held may be from the reference: a standard deviation.
+            reference: shape (K,); None is the description.
+        """
+        reference = self.coordinates.reference if reference is None else reference
+        prior = self.coordinates.spreads(spread) ** -2.0
+        normal = np.tensordot(counts, self.normal, axes=1) + np.diag(prior)
+        return self.solver.solve(normal, counts @ self.right + prior * reference)
+
+    def losses(self, y: Array) -> Array:
+        """Squared error of the rows of each block, in units of the noise, shape (n_blocks,)."""
+        return np.einsum("bkl,k,l->b", self.normal, y, y) - 2 * self.right @ y + self.square
+
+    def shares(self, spread: float) -> Array:
+        """How much of each coordinate the data say, from 0, all the reference, to 1, all the data; shape (K,).
+
+        It is the diagonal of the resolution matrix (A + P)^-1 A, with P the inverse squared spreads.
+        """
+        normal = self.normal.sum(axis=0)
+        prior = np.diag(self.coordinates.spreads(spread) ** -2.0)
+        return np.diag(np.linalg.solve(normal + prior, normal)).copy()
+
+    def shares_of(self, combination: Array, spread: float) -> Array:
+        """How much of combinations of parameters, (B, K), the data say: the share of their variance that they take."""
+        normal, prior = self.normal.sum(axis=0), self.coordinates.spreads(spread) ** 2.0
+        rows = combination @ self.coordinates.to_parameters
+        left = np.linalg.inv(normal + np.diag(1 / prior))
+        shares: Array = 1 - np.einsum("bk,kl,bl->b", rows, left, rows) / (rows**2 @ prior)
+        return shares
+
+    def only(self, kept: BoolArray) -> "Problem":
+        """The problem for some coordinates, `kept` (K,); the others stay at the reference."""
+        if kept.all():
+            return self
+        out, coordinates = ~kept, self.coordinates.only(kept)
+        fixed = self.coordinates.reference[out]
+        given = self.normal[:, :, out] @ fixed
+        return replace(
+            self,
+            coordinates=coordinates,
+            solver=ConsistentLeastSquares(coordinates),
+            normal=self.normal[:, kept][:, :, kept],
+            right=(self.right - given)[:, kept],
+            square=self.square - 2 * self.right[:, out] @ fixed + given[:, out] @ fixed,
+        )
+
+
+def problem_of(equations: Equations) -> Problem:
+    """Weight the equations of each motor by the inverse of what they leave.
+
+    Raises:
+        FFGymError: if no motor moves, or one that does has no torque.
+    """
+    if not equations.counts.any():
+        raise FFGymError(
+            "No motor moves fast enough for long enough to tell anything: record a motion, or lower `moving`."
+        )
+    _check_torque(equations)
+    coordinates = coordinates_of(equations.robot, equations.terms, _sizes(equations))
+    solver = ConsistentLeastSquares(coordinates)
+    torque = _rms(equations.torque, equations.counts)
+    noise = np.where(torque > 0, torque, 1.0)
+    for _ in range(_WEIGHTINGS):
+        problem = _summed(equations, solver, noise)
+        y = problem.solve(np.ones(equations.blocks.n_blocks), LOOSE)
+        left = _rms(equations.residual(coordinates.parameters(y)), equations.counts)
+        noise = np.maximum(left, np.where(torque > 0, _LEAST_NOISE * torque, 1.0))
+    return _summed(equations, solver, noise)
+
+
+def _check_torque(equations: Equations) -> None:
+    silent = equations.counts.any(axis=0) & (_rms(equations.measured, equations.counts) == 0.0)
+    if silent.any():
+        names = ", ".join(equations.robot.joints[j] for j in np.flatnonzero(silent))
+        raise FFGymError(
+            f"motor.effort of {names} is 0 wherever it moves, which tells nothing: map the column with its torque."
+        )
+
+
+def _summed(equations: Equations, solver: ConsistentLeastSquares, noise: Array) -> Problem:
+    """Sums over the rows of each block with these weights."""
+    blocks, coordinates = equations.blocks, solver.coordinates
+    k = coordinates.n
+    normal, right = np.zeros((blocks.n_blocks, k, k)), np.zeros((blocks.n_blocks, k))
+    square = np.zeros(blocks.n_blocks)
+    for motor, sigma in enumerate(noise):
+        rows = np.flatnonzero(equations.counts[:, motor])
+        columns = equations.columns[rows, :, motor] @ coordinates.to_parameters / sigma
+        torque = equations.torque[rows, motor] / sigma
+        for block in np.unique(blocks.of_row[rows]):
+            own = blocks.of_row[rows] == block
+            normal[block] += columns[own].T @ columns[own]
+            right[block] += columns[own].T @ torque[own]
+            square[block] += torque[own] @ torque[own]
+    return Problem(
+        coordinates=coordinates,
+        noise=noise,
+        normal=normal,
+        right=right,
+        square=square,
+        rows=int(equations.counts.sum()),
+        solver=solver,
+    )
+
+
+def _sizes(equations: Equations) -> Array:
+    """Size of each parameter with which it alone would make the torque of its motor, (K,); 1 if it acts on none."""
+    torque = _rms(equations.torque, equations.counts)
+    counted = np.where(equations.counts[:, None], equations.columns, 0.0)
+    action = np.sqrt((counted**2).sum(axis=0) / np.maximum(equations.counts.sum(axis=0), 1))
+    share = action / np.where(torque > 0, torque, 1.0)
+    strongest = share.max(axis=1)
+    return np.where(strongest > 0, 1 / np.where(strongest > 0, strongest, 1.0), 1.0)
+
+
+def _rms(values: Array, counts: BoolArray) -> Array:
+    """Root mean square of `values` (R, N) over the rows that count for each motor, (N,); 0 where none does."""
+    return np.sqrt((np.where(counts, values, 0.0) ** 2).sum(axis=0) / np.maximum(counts.sum(axis=0), 1))

@@ -1,0 +1,251 @@
+r"""Motor-driven replay: measured motors drive a model's arm forward, and its motor side is inverted.
+
+.. math::
+    M(q) (\ddot q + \ddot\delta) + h = \tau_l + \tau_{link}, \quad \tau_l = -(K \delta + d \dot\delta) + \tau_{spring},
+    \quad u = J_m \ddot\theta + \tau_f - \tau_{motor} + G^{-T} \tau_l
+
+No controller takes part, so that nothing of the log's feedback can hide or invent an effect, and only the second
+derivative of the motor angle is needed. An effect acts by its own code, as it does in a simulation.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.log.derivatives import derivatives_of_motions
+from ffgym.diagnosis.replay.base import BaseTerms, Tilt, base_of, base_terms, tilt_of
+from ffgym.diagnosis.replay.bristles import Bristles, along_speed
+from ffgym.diagnosis.replay.flight import arm_effects, deflected, plus, summed
+from ffgym.diagnosis.replay.link_terms import LinkTerms, bending_of, link_terms, terms_beside
+from ffgym.diagnosis.replay.sameness import alike, same_links
+from ffgym.diagnosis.replay.springs import Deflection, Springs
+from ffgym.diagnosis.replay.states import bent_state, loaded_state, state_of
+from ffgym.effects import State, TorqueEffect
+from ffgym.effects.along import torques_along
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation.plant import Machine
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Replay:
+    """What a machine does when its motors move as measured; (T, M, N) each."""
+
+    read: Log
+    """As resolvers read the motors, which is what the servo acts on."""
+    log: Log
+    """As motors truly moved."""
+    machine: Machine
+    robot: RobotDescription
+    """With the effects that other numbers bring about."""
+    links: LinkTerms
+    """Where the links are."""
+    springs: Springs
+    deflection: Deflection
+    bristles: Bristles
+    state: State
+    """Of all joints; `motor_torque` is the model's."""
+    torque: Array
+    """Motor torque that the motion takes [N m], motor side."""
+    tilt: Tilt | None = None
+    """Of a base that gives way."""
+
+    @cached_property
+    def _coarse(self) -> dict[int, Springs]:
+        return {}
+
+    def coarse_springs(self, every: int) -> Springs:
+        """The springs at every n-th sample, made once."""
+        if every not in self._coarse:
+            self._coarse[every] = self.springs if every == 1 else self.springs.coarser(every)
+        return self._coarse[every]
+
+    @cached_property
+    def link_q(self) -> Array:
+        """Where the links are [rad], link side."""
+        return self.log.q + self.deflection.angle
+
+    def link_torque(self, robot: RobotDescription) -> Array:
+        """What the links of a robot ask for where they are [N m], link side, (T, M, N)."""
+        terms = link_terms(RigidArm(robot), self.link_q, self.log.dq + self.deflection.rate, self.log.dt)
+        return terms.torque(self.log.ddq + self.deflection.acceleration)
+
+    @cached_property
+    def own_link_torque(self) -> Array:
+        """The same of its own links."""
+        return self.link_torque(self.robot)
+
+    @cached_property
+    def base_terms(self) -> BaseTerms:
+        """What the links would ask for on a base that gives way."""
+        return base_terms(self.log, self.robot)
+
+    @cached_property
+    def arm(self) -> RigidArm:
+        """The links of the robot."""
+        return RigidArm(self.robot)
+
+    @cached_property
+    def tool_jacobian(self) -> Array:
+        """Of the tool's place by the joints at the rows that are compared, (R, M, 3, N)."""
+        q = self.link_q[self.log.sampling.at]
+        jacobian = self.arm.jacobian(q.reshape(-1, q.shape[-1]))[:, :3]
+        return jacobian.reshape(*q.shape[:2], 3, q.shape[-1])
+
+
+def replay(
+    log: Log,
+    machine: Machine,
+    like: Replay | None = None,
+    nearby: Replay | None = None,
+    *,
+    beside: Replay | None = None,
+    bristles: Bristles | None = None,
+    exact: bool = False,
+) -> Replay:
+    """Replay a log on a machine.
+
+    Args:
+        log: motions.
+        machine: whose motors move so.
+        like: replay of the same log on another machine, of which is taken what is the same.
+        nearby: replay on the same machine of motions that differ by noise alone, of which the terms of the links are
+            taken: poses differ by too little to show in them.
+        beside: replay of the same log on a machine whose masses differ by errors of calibration: what that changes in
+            the terms of the links is small, and is known well enough at fewer samples.
+        bristles: friction along the motion, if it is known already.
+        exact: whether links that bend ask for what they do there, not for what slopes about the measured motion say;
+            it takes a little longer.
+    """
+    robot = machine.physical
+    read, log = log, _truly(log, machine)
+    flexible_base = base_of(machine)
+    if like is not None and (like.log is not log or not same_links(like.robot, robot)):
+        like = None
+    known = like if like is not None else nearby
+    if known is not None:
+        links, rough = known.links, known.deflection.angle[0]
+    elif beside is not None and beside.log is log and _bends_alike(beside.robot, robot):
+        links, rough = _links_beside(log, robot, beside), beside.deflection.angle[0]
+    else:
+        links, rough = _links(log, robot)
+    springs = Springs(
+        mass=links.mass,
+        stiffness=robot.drive.joint_stiffness,
+        damping=robot.drive.joint_damping,
+        dt=log.dt,
+        bending=links.bending,
+    )
+    same_drive = like is not None and alike(like.robot.drive, robot.drive)
+    if like is not None and same_drive:
+        springs = like.springs
+    if bristles is None:
+        slip, speed = robot.drive.motor_angle(log.slip_dq), robot.drive.motor_angle(log.dq)
+        bristles = along_speed(robot.friction, slip, speed, log.dt)
+    state = state_of(log, machine, bristles)
+    on_arm = arm_effects(machine)
+    tilt = None if flexible_base is None else tilt_of(log, robot, flexible_base, _base_terms(log, robot, like))
+    rigid_torque = links.torque(log.ddq) + (0.0 if tilt is None else tilt.torque)
+    stands_alike = tilt is None and like is not None and like.tilt is None
+    if like is not None and same_drive and stands_alike and not on_arm and not arm_effects(like.machine):
+        deflection = like.deflection
+    else:
+        deflection = deflected(springs, state, on_arm, -rigid_torque, rough, log.dt)
+    if exact and len(springs.elastic):
+        deflection, beyond = _beyond_slopes(log, robot, links, springs, deflection)
+        rigid_torque = rigid_torque + beyond
+    state = bent_state(state, deflection, robot)
+    needed = rigid_torque + springs.bending_torque(deflection)
+    added = summed(on_arm, state, log.dt)
+    if added.link is not None:
+        needed = needed - added.link
+    state = loaded_state(state, added, needed, robot)
+    base = robot.drive.rotor_inertia * robot.drive.motor_angle(log.ddq) + bristles.torque
+    torque = base + robot.drive.motor_torque(needed)
+    motor = added.motor
+    for of_motor in _in_order(machine):
+        state = replace(state, motor_torque=torque if motor is None else torque - motor)
+        motor = plus(motor, torques_along(of_motor, state, log.dt).motor)
+    torque = torque if motor is None else torque - motor
+    return Replay(
+        read=read,
+        log=log,
+        machine=machine,
+        robot=robot,
+        links=links,
+        springs=springs,
+        deflection=deflection,
+        bristles=bristles,
+        state=replace(state, motor_torque=torque),
+        torque=torque,
+        tilt=tilt,
+    )
+
+
+def _beyond_slopes(
+    log: Log, robot: RobotDescription, links: LinkTerms, springs: Springs, bent: Deflection
+) -> tuple[Deflection, Array]:
+    """Deflections after a step of Newton's method, and the torque of links (T, M, N) that slopes do not tell [N m]."""
+    there = link_terms(RigidArm(robot), log.q + bent.angle, log.dq + bent.rate, log.dt)
+    beyond: Array = there.torque(log.ddq + bent.acceleration) - links.torque(log.ddq) - springs.bending_torque(bent)
+    more = springs.bent_by(-beyond[..., None])
+    return Deflection(
+        angle=bent.angle + more.angle[..., 0],
+        rate=bent.rate + more.rate[..., 0],
+        acceleration=bent.acceleration + more.acceleration[..., 0],
+    ), beyond
+
+
+def _base_terms(log: Log, robot: RobotDescription, like: Replay | None) -> BaseTerms:
+    return base_terms(log, robot) if like is None else like.base_terms
+
+
+def _in_order(machine: Machine) -> list[TorqueEffect]:
+    """Motor-side torque effects, those that act on what the drive commands last: they see all that it must give."""
+    return sorted(
+        (e for e in machine.torque_effects if e.side == "motor"), key=lambda e: (e.code.startswith("M"), e.name)
+    )
+
+
+def _truly(log: Log, machine: Machine) -> Log:
+    """The log with the motion that the motors made where resolvers err; the error hardly changes over itself.
+
+    What was read went through the low-pass of the motion, and so does the error.
+    """
+    if not machine.resolver_effects:
+        return log
+    drive, sampling = machine.physical.drive, log.sampling
+    angle = drive.motor_angle(log.q)
+    read, _ = machine.read_by_resolver(angle, drive.motor_angle(log.dq))
+    q = log.q - sampling.motion_filter(drive.joint_angle(read - angle), log.dt)
+    dq, ddq = derivatives_of_motions(q, log.lengths, log.dt)
+    slip = log.slip_dq + np.where(log.slip_dq != 0, dq - log.dq, 0.0)
+    return replace(log, q=q, dq=dq, ddq=ddq, slip_dq=slip)
+
+
+def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:
+    """Terms of the links where they hang in their springs, and the deflection at the first sample."""
+    elastic = ~robot.drive.is_rigid
+    bent = np.zeros_like(log.q)
+    arm = RigidArm(robot)
+    links = link_terms(arm, log.q, log.dq, log.dt)
+    if not elastic.any():
+        return links, bent[0]
+    bent[..., elastic] = -links.torque(log.ddq)[..., elastic] / robot.drive.joint_stiffness[elastic]
+    links = link_terms(arm, log.q + bent, log.dq, log.dt)
+    bending = bending_of(arm, log.q + bent, log.dq, log.ddq, log.dt, np.flatnonzero(elastic))
+    unbent = links.bias - np.matmul(bending.place, bent[..., None])[..., 0]
+    return replace(links, bias=unbent, bending=bending, bent=bent), bent[0]
+
+
+def _links_beside(log: Log, robot: RobotDescription, other: Replay) -> LinkTerms:
+    """Terms of links with other masses than those of a replay of the same motion, about where its links were."""
+    elastic = np.flatnonzero(~robot.drive.is_rigid)
+    return terms_beside(RigidArm(robot), other.links, log.q, log.dq, log.ddq, log.dt, elastic)
+
+
+def _bends_alike(one: RobotDescription, other: RobotDescription) -> bool:
+    """Tell whether robots have the same axes, of which the same bend."""
+    return alike(one.kinematics, other.kinematics) and bool(np.all(one.drive.is_rigid == other.drive.is_rigid))

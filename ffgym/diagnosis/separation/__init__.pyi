@@ -1,0 +1,1 @@
+from .choose import separating_motion as separating_motion

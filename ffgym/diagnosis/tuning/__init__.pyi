@@ -1,0 +1,1 @@
+from .fit import tuned as tuned

@@ -1,0 +1,1 @@
+from .servo_gains import ServoGains as ServoGains

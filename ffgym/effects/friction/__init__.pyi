@@ -1,0 +1,14 @@
+from .asymmetry import Asymmetry as Asymmetry
+from .coulomb import CoulombLevel as CoulombLevel
+from .coulomb_drift import CoulombDrift as CoulombDrift
+from .dwell import DwellStiction as DwellStiction
+from .falling import FallingFriction as FallingFriction
+from .load import LoadFriction as LoadFriction
+from .nonlinear_viscous import NonlinearViscous as NonlinearViscous
+from .position import PositionFriction as PositionFriction
+from .presliding import PreslidingStiffness as PreslidingStiffness
+from .stribeck import StribeckPeak as StribeckPeak
+from .stribeck_exponent import StribeckExponent as StribeckExponent
+from .temperature import TemperatureFriction as TemperatureFriction
+from .viscous import ViscousLevel as ViscousLevel
+from .viscous_drift import ViscousDrift as ViscousDrift

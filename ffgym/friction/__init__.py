@@ -1,3 +1,0 @@
-"""Friction models, motor side."""
-
-from ffgym.friction.lugre import LuGreParameters as LuGreParameters

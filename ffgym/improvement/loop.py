@@ -1,0 +1,102 @@
+"""All of it: rounds on a machine, laws of what they found, and what these leave on circles that no round recorded."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from ffgym.core.claims import claimed
+from ffgym.core.files import made_folder
+from ffgym.diagnosis.document import diagnosis_document
+from ffgym.improvement.contenders import contenders, identified_robot
+from ffgym.improvement.gain import HELD_OUT_RADII, Gain, gain_on, held_out_positions
+from ffgym.improvement.rounds import Diagnose, Plan, Round, Stage, improved
+from ffgym.paths import SPEEDS
+from ffgym.simulation import Rig
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Improvement:
+    """What was found on a machine, and what it is worth in control."""
+
+    rig: Rig
+    plan: Plan
+    rounds: tuple[Round, ...]
+    gain: Gain
+
+    @property
+    def ended(self) -> str:
+        """Why there were no more rounds."""
+        last = self.rounds[-1].diagnosis
+        if last.causes:
+            return f"the {self.plan.rounds} rounds are used up"
+        if last.verdict == "none":
+            return "the last recordings do not falsify the model"
+        return f"the last diagnosis names nothing to add ({last.verdict})"
+
+    def document(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return {
+            "rig": self.rig.name,
+            "ended": self.ended,
+            "rounds": [_round(each) for each in self.rounds],
+            "scores": [asdict(score) for score in self.gain.scores],
+            "circles": [asdict(cell) for cell in self.gain.study.cells],
+        }
+
+
+def improve(
+    rig: Rig,
+    plan: Plan,
+    folder: Path,
+    *,
+    diagnose: Diagnose,
+    stage: Stage,
+    positions: Sequence[str] | None = None,
+    speeds: Sequence[float] = SPEEDS,
+    radii: Sequence[float] = HELD_OUT_RADII,
+) -> Improvement:
+    """Record, diagnose, extend, in rounds; then compare feed-forward from the model before and after on the machine.
+
+    Args:
+        rig: the machine.
+        plan: how to go about it.
+        folder: for recordings, diagnoses and models; what is complete in it is not made again.
+        diagnose: what a model lacks, by recordings.
+        stage: shows progress.
+        positions: of the circles that laws are compared on; None is all where no protocol draws circles.
+        speeds: of these circles [m/s].
+        radii: of these circles [m].
+
+    Raises:
+        FFGymError: if something cannot be recorded, diagnosed, run or written, or another process fills the folder.
+    """
+    places = held_out_positions(rig.robot) if positions is None else positions
+    with made_folder(folder), claimed(folder):
+        rounds = improved(rig, plan, folder, diagnose, stage)
+    with stage("identifying friction", "joints") as progress:
+        identified = identified_robot(plan, rounds[0], progress)
+    laws = contenders(rig, plan, rounds, identified)
+    with stage("comparing laws", "s") as progress:
+        gain = gain_on(
+            rig,
+            laws,
+            positions=places,
+            speeds=speeds,
+            radii=radii,
+            seed=plan.seed,
+            n_threads=plan.n_threads,
+            progress=progress,
+        )
+    return Improvement(rig=rig, plan=plan, rounds=tuple(rounds), gain=gain)
+
+
+def _round(each: Round) -> dict[str, Any]:
+    return {
+        "round": each.number,
+        "protocols": list(each.protocols),
+        "seconds": each.seconds,
+        "logs": str(each.logs),
+        "model": str(each.model),
+        "diagnosis": diagnosis_document(each.diagnosis),
+    }

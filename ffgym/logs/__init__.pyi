@@ -1,0 +1,10 @@
+from .column_map import ColumnMap as ColumnMap
+from .column_map import builtin_columns as builtin_columns
+from .column_map import load_columns as load_columns
+from .column_map import parse_columns as parse_columns
+from .contents import Contents as Contents
+from .corrected import write_corrected as write_corrected
+from .formats.read import read_contents as read_contents
+from .formats.text_layout import TextLayout as TextLayout
+from .read import read_log as read_log
+from .read import read_logs as read_logs

@@ -1,0 +1,14 @@
+from .check import Check as Check
+from .conditioning import conditioned as conditioned
+from .conditioning import notes_of as notes_of
+from .finding import Finding as Finding
+from .finding import QualityReport as QualityReport
+from .gate import CHECKS as CHECKS
+from .gate import STAGES as STAGES
+from .gate import check_quality as check_quality
+from .judging import Judged as Judged
+from .judging import accepted as accepted
+from .judging import conditioned_alike as conditioned_alike
+from .judging import judged as judged
+from .needs import NEEDS as NEEDS
+from .needs import Need as Need

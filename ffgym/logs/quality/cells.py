@@ -1,0 +1,235 @@
+"""Checks of single rows: values that stick out, jumps, bursts of noise."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import final
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.logs.quality.check import Check, Seen
+from ffgym.logs.quality.log import Log
+from ffgym.logs.quality.runs import smallest_step
+
+REACH = 10
+"""Rows to either side that say what is usual: enough to know the noise, few enough to stay in one phase of a motion."""
+
+SPIKE = 5.0
+"""Excursion over the largest steps around it from which on a row is not of the machine."""
+
+SPIKE_REFUSED = 8.0
+"""The same, from which on it is none of any machine."""
+
+COMPUTED = ("feedforward.effort", "feedback.effort", "feedback.integral", "compensation.effort", "command.effort")
+"""Families that a controller computed, which may do what no machine does: they are flagged, not refused."""
+
+_FLOOR = 1e-3
+"""Share of the range of a column that never counts as more than noise: what this check overlooks (docs/quality.md)."""
+
+_NOISE = (0.95, 0.8)
+"""Quantile of how far rows of a column stick out, and how many times that is usual anywhere in it: a spike then sticks
+out by 7 standard deviations of a noise whose steps a coarse column hides around some rows."""
+
+_STEPS = 8
+"""Steps that a column must have for the smallest to be its resolution: those of one spike are two."""
+
+_CONTINUOUS = (
+    *("motor.position", "link.position", "reference.position", "tcp.position", "tcp_reference.position"),
+    *("motor.velocity", "link.velocity", "reference.velocity", "temperature"),
+)
+"""Families whose quantity cannot jump; torques may, with the sign of a speed."""
+
+BURST = 64
+"""Rows over which noise is measured."""
+
+BURST_REFUSED = 50.0
+"""Noise over the usual noise from which on it is none of the machine."""
+
+_WHITE = 5.0
+"""Energy of third over first differences from which on a window holds noise, not motion: it is 10 for white noise."""
+
+
+def usual_steps(x: Array, resolution: float) -> Array:
+    """Largest difference between neighbours within `REACH`, the two at the row itself left out; shape (T,).
+
+    It is no less than the `resolution` of the column, and than `_FLOOR`.
+    """
+    steps = np.concatenate([np.zeros(REACH), np.abs(np.diff(x)), np.zeros(REACH)])
+    windows = _largest(steps, REACH - 1)
+    rows = np.arange(len(x))
+    before, after = windows[rows], windows[rows + REACH + 1]
+    return np.maximum(np.maximum(before, after), _floor(x, resolution))
+
+
+def _largest(values: Array, rows: int) -> Array:
+    """Largest of each `rows` neighbours in `values` (T,), shape (T - rows + 1,)."""
+    return np.asarray(maximum_filter1d(values, rows)[rows // 2 : rows // 2 + len(values) - rows + 1])
+
+
+def _floor(x: Array, resolution: float) -> float:
+    return max(resolution, _FLOOR * float(np.ptp(x)), np.finfo(np.float64).tiny)
+
+
+def outlier_ratio(x: Array, resolution: float) -> Array:
+    """How far each row of `x` (T,) sticks out of both neighbours, over what is usual there; shape (T,)."""
+    steps = np.diff(x)
+    out = np.zeros(len(x))
+    into, away = steps[:-1], -steps[1:]
+    out[1:-1] = np.where(into * away > 0, np.minimum(np.abs(into), np.abs(away)), 0.0)
+    out[:2] = 0.0  # a run may begin with a step of its servo
+    out[-1] = min(abs(steps[-1]), abs(steps[-1] - steps[-2]))  # from the last row, and from where it led
+    noise = _NOISE[1] * float(np.quantile(out, _NOISE[0]))
+    return np.asarray(out / np.maximum(usual_steps(x, resolution), noise))
+
+
+def jump_ratio(x: Array, resolution: float) -> Array:
+    """How much larger each difference of `x` (T,) is than those around it; shape (T - 1,)."""
+    steps = np.concatenate([np.zeros(REACH), np.abs(np.diff(x)), np.zeros(REACH)])
+    windows = _largest(steps, REACH)
+    rows = np.arange(len(x) - 1)
+    usual = np.maximum(np.maximum(windows[rows], windows[rows + REACH + 1]), _floor(x, resolution))
+    return np.asarray(np.abs(np.diff(x)) / usual)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A column without its missing samples."""
+
+    family: str
+    name: str
+    rows: IntArray
+    """Rows that are not missing, shape (R,)."""
+    values: Array
+    """Shape (R,)."""
+    resolution: float
+    """Smallest step of the column, or of its family where it hardly changes."""
+
+
+@lru_cache(maxsize=4)
+def columns_of(log: Log) -> tuple[Column, ...]:
+    """Columns of the schema with samples enough; what columns of the user's own may do is not known."""
+    found = []
+    for family in log.families:
+        if family in ("timestamp", "tcp.timestamp"):
+            continue
+        seen = {name: np.flatnonzero(np.isfinite(values)) for name, values in log.columns(family).items()}
+        values = {name: log.recording[name][rows] for name, rows in seen.items()}
+        steps = {name: smallest_step(x) if np.sum(np.diff(x) != 0) >= _STEPS else 0.0 for name, x in values.items()}
+        for name, rows in seen.items():
+            if len(rows) > 2 * REACH:
+                found.append(Column(family, name, rows, values[name], steps[name] or max(steps.values())))
+    return tuple(found)
+
+
+def _joint_of(log: Log, name: str) -> str:
+    part = name.rpartition(".")[2]
+    return part if part in log.joints and not name.startswith("user.") else ""
+
+
+def _spikes(log: Log) -> Iterator[Seen]:
+    for column in columns_of(log):
+        name, rows, x = column.name, column.rows, column.values
+        ratio = outlier_ratio(x, column.resolution)
+        worst = int(np.argmax(ratio))
+        message = (
+            f"{name}: {x[worst]:.6g} at {log.t[rows[worst]]:.4g} s sticks out of the rows around it by "
+            f"{ratio[worst]:.3g} of their largest steps, must be below 5; {np.sum(ratio > SPIKE)} rows do. Repair or "
+            "cut them."
+        )
+        value = float(ratio[worst])
+        value = min(value, SPIKE_REFUSED) if column.family in COMPUTED else value
+        yield Seen(value=value, message=message, columns=(name,), joint=_joint_of(log, name))
+
+
+def _jumps(log: Log) -> Iterator[Seen]:
+    for column in columns_of(log):
+        if column.family not in _CONTINUOUS:
+            continue
+        name, rows, x = column.name, column.rows, column.values
+        ratio = jump_ratio(x, column.resolution)
+        ratio[0] = 0.0  # a run may begin with a step of its servo
+        ratio[np.diff(rows) > np.median(np.diff(rows))] = 0.0  # a longer way between samples that are not missing
+        worst = int(np.argmax(ratio))
+        message = (
+            f"{name}: jumps by {x[worst + 1] - x[worst]:.4g} {log.recording.unit(name)} after "
+            f"{log.t[rows[worst]]:.4g} s, {ratio[worst]:.3g} of the largest steps around it, must be below 10. Look "
+            "for a lost count, a new zero, or rows that do not belong together."
+        )
+        yield Seen(value=float(ratio[worst]), message=message, columns=(name,), joint=_joint_of(log, name))
+
+
+_ROUNDING = 1e-11
+"""Share of a column's largest value that is no noise: set-points that a solver computed to 1e-12 err by as much where
+they do not change, and more in some places than in others."""
+
+
+def _bursts(log: Log) -> Iterator[Seen]:
+    for column in columns_of(log):
+        joint = _joint_of(log, column.name)
+        counts = log.recording.valid[:, log.joints.index(joint)] if joint else np.ones(len(log.t), dtype=np.bool_)
+        ratios = burst_ratios(column, counts)
+        if not ratios.size:
+            continue
+        worst = int(np.argmax(ratios))
+        message = (
+            f"{column.name}: noise around {log.t[column.rows[worst * BURST]]:.4g} s is {ratios[worst]:.3g} of the "
+            "usual, must be below 25. Look for a bad contact or a disturbance; cut it out."
+        )
+        yield Seen(value=float(ratios[worst]), message=message, columns=(column.name,), joint=joint)
+
+
+def burst_ratios(column: Column, counts: BoolArray) -> Array:
+    """Noise of each `BURST` rows over that usual in a column; 0 where not all rows `counts` (T,); empty if short."""
+    x = column.values
+    if len(x) < 8 * BURST:
+        return np.zeros(0)
+    levels = noise_levels(x)
+    rounding = _ROUNDING * float(np.max(np.abs(x)))
+    usual = max(float(np.median(levels)), column.resolution, _FLOOR * float(np.ptp(x)), rounding)
+    known = counts[column.rows][: len(levels) * BURST].reshape(len(levels), BURST).all(axis=1)
+    return np.where(known, levels / usual, 0.0) if usual else np.zeros_like(levels)
+
+
+def noise_levels(x: Array) -> Array:
+    """Standard deviation of white noise in windows of `BURST` rows of `x` (T,), without spikes; 0 in motion."""
+    count = (len(x) - 3) // BURST
+    first = np.diff(x)[: count * BURST].reshape(count, BURST)
+    third = np.diff(x, 3)[: count * BURST].reshape(count, BURST)
+    white = np.mean(third**2, axis=1) > _WHITE * np.var(first, axis=1)
+    return np.where(white, 1.4826 * np.median(np.abs(third), axis=1) / np.sqrt(20), 0.0)
+
+
+CELLS = (
+    Check(
+        name="spike",
+        figure="Largest excursion of a single row over the largest steps around it, or those of a noisy column",
+        unit="1",
+        flag=SPIKE,
+        refuse=SPIKE_REFUSED,
+        why="Gaussian noise reaches 3, recorded torque 3.9; a row beyond 8 is no sample of a machine, only what a "
+        "controller computed may be",
+        judge=_spikes,
+    ),
+    Check(
+        name="jump",
+        figure="Largest step over the steps around it, in columns that cannot jump",
+        unit="1",
+        flag=10.0,
+        refuse=10.0,
+        why="positions, speeds and temperatures are continuous; 10 is beyond any corner that a sample time can show",
+        judge=_jumps,
+    ),
+    Check(
+        name="noise_burst",
+        figure="Noise of 64 rows over the usual noise",
+        unit="1",
+        flag=25.0,
+        refuse=BURST_REFUSED,
+        why="the torque noise of recorded robots changes with speed and load by a factor of up to 15",
+        judge=_bursts,
+    ),
+)
+"""Checks of single rows."""

@@ -1,0 +1,204 @@
+"""Which of several signals of one quantity is not like the others, and what was probably done to it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+from typing import Literal, final
+
+import numpy as np
+
+from ffgym.core.types import Array, BoolArray
+from ffgym.logs.quality.compare import compare, correlations
+
+Kind = Literal["units", "side", "sign", "permutation", "scale", "agreement"]
+
+UNIT_FACTORS = {
+    "degrees for radians": 180 / np.pi,
+    "radians for degrees": np.pi / 180,
+    "1/min for rad/s": 30 / np.pi,
+    "turns for radians": 1 / (2 * np.pi),
+    "thousandths for whole units": 1e3,
+    "thousands for whole units": 1e-3,
+}
+"""What a column is multiplied by when its unit is not the one of the schema."""
+
+CLOSE = 0.05
+"""Difference of two slopes that are the same: less than between any two factors that are looked for."""
+
+_ALIKE = 0.9
+"""Correlation of two signals of one quantity: a servo's error and the noise of recorded logs leave 0.97 and more."""
+
+_TWINS = 0.98
+"""Correlation of a signal with another from which on it may be the same: of another joint, or of a noisy sensor."""
+
+_WHITE = 1.5
+"""Variance of the steps of noise over its own from which on there is nothing else in it: 2 if it is white, next to 0
+for motion."""
+
+_NEAR = 0.2
+"""Difference from a factor that is still that factor, where other reasons change the size as well: the nearest two
+factors of one kind are 1.5 apart."""
+
+_SAME_MOTION = 0.8
+"""Correlation from which on a signal is of the same motion, whatever its size."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Stranger:
+    """A signal of one joint that does not fit the others."""
+
+    kind: Kind
+    family: str
+    joint: int
+    other: str
+    """The family it was compared with."""
+    value: float
+    """Slope of the signal in terms of the other; for `agreement` its correlation."""
+    other_joint: int
+    """Joint whose signal it is, for `permutation`; else its own."""
+    text: str
+    """What was probably done to it."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """Signals of one quantity, by family: of two that disagree the first is believed."""
+
+    values: Mapping[str, Array]
+    """All on one side of the gearbox and in one unit, (T, N) each."""
+    ratio: Array
+    """Gear ratios, (N,)."""
+    judged: BoolArray
+    """Joints with enough motion to judge, (N,)."""
+    window: int
+    """Rows over which increments are taken: noise of single rows averages out."""
+    lags: int
+    """Rows up to which delays are looked for."""
+    slack: float
+    """Largest difference that servo errors and elasticity leave between signals of different channels."""
+    noisy: bool
+    """Whether measured noise may be larger than the increments of a slow motion, so that values must agree instead."""
+
+    @cached_property
+    def increments(self) -> dict[str, Array]:
+        """Changes over `window` rows, (T - window, N) each."""
+        return {family: x[self.window :] - x[: -self.window] for family, x in self.values.items()}
+
+    @property
+    def numbers(self) -> list[int]:
+        """Joints that are judged, by number."""
+        return [int(j) for j in np.flatnonzero(self.judged)]
+
+    @cached_property
+    def strangers(self) -> tuple[Stranger, ...]:
+        """Signals that do not fit the majority."""
+        found = []
+        for j in self.numbers:
+            trusted = self.trusted(j)
+            found += [self._explained(family, trusted[0], j) for family in self.values if family not in trusted]
+        return tuple(stranger for stranger in found if stranger is not None)
+
+    def trusted(self, j: int) -> list[str]:
+        """The largest group of signals of joint `j` that agree, in the order of `values`."""
+        groups = {family: {family} for family in self.values}
+        for one, other in combinations(self.values, 2):
+            if self._fits(one, other, j):
+                merged = groups[one] | groups[other]
+                groups |= dict.fromkeys(merged, merged)
+        largest = max(groups.values(), key=len)
+        return [family for family in self.values if family in largest]
+
+    def lag(self, family: str, other: str, j: int, alike: float = _SAME_MOTION) -> float | None:
+        """Rows by which one signal of joint `j` is later than another; None if they are less than `alike`."""
+        if self._within_slack(family, other, j):
+            return None
+        seen = compare(self.increments[family][:, j], self.increments[other][:, j], self.lags)
+        return seen.lag if seen.correlation > alike and abs(seen.slope - 1) < CLOSE else None
+
+    def _within_slack(self, one: str, other: str, j: int) -> bool:
+        """Whether two signals of different channels differ by no more than they may."""
+        if channel_of(one) == channel_of(other):
+            return False
+        return bool(np.ptp(self.values[one][:, j] - self.values[other][:, j]) < self.slack)
+
+    def _fits(self, one: str, other: str, j: int) -> bool:
+        if self._within_slack(one, other, j):
+            return True
+        seen = compare(self.increments[one][:, j], self.increments[other][:, j])
+        if seen.correlation > _ALIKE and abs(seen.slope - 1) < CLOSE:
+            return True
+        return self.noisy and _alike_but_for_noise(self.values[one][:, j], self.values[other][:, j])
+
+    def _explained(self, family: str, other: str, j: int) -> Stranger | None:
+        a, b = self.increments[family][:, j], self.increments[other]
+        seen = compare(a, b[:, j], self.lags)
+        if seen.correlation > _SAME_MOTION and abs(seen.slope - 1) < CLOSE:
+            return None  # out of step only
+        plain = abs(seen.correlation) > _TWINS and explain(seen.slope, float(self.ratio[j]), CLOSE)[0] != "scale"
+        twin, value = None if plain else _twin(a, b, j, self.judged, self.ratio), seen.slope
+        kind: Kind = "permutation"
+        if twin is not None:
+            text = "it is the signal of that joint"
+        elif abs(seen.correlation) > _SAME_MOTION:
+            kind, text = explain(seen.slope, float(self.ratio[j]), _NEAR)
+        else:
+            kind, value, text = "agreement", seen.correlation, "it is another motion, or another quantity"
+        return Stranger(
+            kind=kind,
+            family=family,
+            joint=j,
+            other=other,
+            value=value,
+            other_joint=j if twin is None else twin,
+            text=text,
+        )
+
+
+def _alike_but_for_noise(a: Array, b: Array) -> bool:
+    """Whether two noisy signals (T,) agree: in their values, or in all but white noise and less than half a mean."""
+    whole = compare(a - a.mean(), b - b.mean())
+    if whole.correlation > _TWINS and abs(whole.slope - 1) < CLOSE:
+        return True
+    rest = a - b
+    offset = abs(float(rest.mean()))
+    white = float(np.var(np.diff(rest))) > _WHITE * float(np.var(rest))
+    return white and offset < 0.5 * max(abs(float(a.mean())), abs(float(b.mean())), 2 * float(rest.std()))
+
+
+def channel_of(family: str) -> str:
+    """`motor` of `motor.position`."""
+    return family.partition(".")[0]
+
+
+def columns_of(family: str, joint: str) -> tuple[str, ...]:
+    """Columns behind a signal: one, or those that are added up."""
+    return tuple(f"{part}.{joint}" for part in family.split("+"))
+
+
+def _twin(values: Array, others: Array, j: int, judged: BoolArray, ratio: Array) -> int | None:
+    """Another joint whose signal this is, in the joint's own size or as its own gear makes it."""
+    slope, correlation = correlations(values[:, None], others)
+    through_gear = slope[0] * ratio[j] / ratio
+    same_size = np.minimum(np.abs(slope[0] - 1), np.abs(through_gear - 1)) < CLOSE
+    good = (correlation[0] > _TWINS) & same_size & judged
+    good[j] = False
+    return int(np.argmax(np.where(good, correlation[0], 0.0))) if good.any() else None
+
+
+def explain(slope: float, ratio: float, tolerance: float) -> tuple[Kind, str]:
+    """What makes a signal `slope` times as large as it should be, within a share `tolerance` of the factor."""
+    factors: dict[str, tuple[Kind, float]] = {text: ("units", factor) for text, factor in UNIT_FACTORS.items()}
+    if abs(abs(ratio) - 1) > 1:
+        factors["motor side for link side"] = ("side", ratio)
+        factors["link side for motor side"] = ("side", 1 / ratio)
+    factors["the opposite sign"] = ("sign", -1.0)
+    text = min(factors, key=lambda name: _distance(slope, factors[name][1]))
+    kind, factor = factors[text]
+    return (kind, text) if _distance(slope, factor) < np.log1p(tolerance) else ("scale", "another scale or zero point")
+
+
+def _distance(slope: float, factor: float) -> float:
+    return abs(np.log(slope / factor)) if slope / factor > 0 else np.inf

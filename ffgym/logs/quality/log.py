@@ -1,0 +1,194 @@
+"""A recording as the checks look at it: link-side motion, speeds, and what is at rest, each computed once."""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import final
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid
+from scipy.ndimage import uniform_filter1d
+
+from ffgym.core.types import Array, BoolArray
+from ffgym.logs.quality.noise import white_noise
+from ffgym.recordings import FAMILIES, Recording
+from ffgym.recordings.schema import VALID
+from ffgym.robot import RigidArm, RobotDescription
+
+SMOOTHING = 0.02
+"""Time [s] over which positions are averaged before they are differentiated: short beside planned motion, long beside
+the quantisation of encoders at 1 kHz."""
+
+_LONGER = (1.0, 2.0, 4.0, 8.0)
+"""Multiples of `SMOOTHING` that are tried until accelerations are no noise."""
+
+_NOISY = 0.3
+"""Noise of the accelerations of a typical joint, in what is measured of them, from which on positions are averaged over
+a longer time."""
+
+EXCITED = 1e-3
+"""Travel [rad or m, link side] from which on a joint counts as moved: some hundred steps of a motor encoder, and more
+than gearboxes give way under a load that others move."""
+
+RESTING = 0.02
+"""Share of the largest speed of a joint below which it rests."""
+
+MOTION_FAMILIES = (
+    "motor.position",
+    "motor.velocity",
+    "link.position",
+    "link.velocity",
+    "reference.position",
+    "reference.velocity",
+    "reference.acceleration",
+)
+"""Families that say how joints move."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Log:
+    """One recording, and the robot it is said to be of."""
+
+    recording: Recording
+    robot: RobotDescription | None = None
+
+    @property
+    def t(self) -> Array:
+        """[s], shape (T,)."""
+        return self.recording.t
+
+    @property
+    def dt(self) -> float:
+        """Median sample time [s]."""
+        return self.recording.dt
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints."""
+        return self.recording.header.joints
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """Families of the schema that are present; a mask is none that is judged."""
+        return tuple(name for name in self.recording.families if name in FAMILIES and name != VALID)
+
+    def columns(self, family: str) -> dict[str, Array]:
+        """Columns of a family by name, those of joints that lack the sensor left out."""
+        there, names = self.recording.columns, FAMILIES[family].columns(self.joints)
+        return {name: there[name] for name in names if name in there}
+
+    def rows(self, seconds: float) -> int:
+        """Rows in a time span, one at least."""
+        return max(1, round(seconds / self.dt))
+
+    def link_side(self, family: str) -> Array:
+        """A family of `MOTION_FAMILIES` behind the gearbox [rad, rad/s, ... or m], shape (T, N)."""
+        values, header = self.recording.joint_array(family), self.recording.header
+        if family.startswith("link.") or header.position_side == "link":
+            return values
+        if header.coupling is None:
+            return values / np.asarray(header.gear_ratio)
+        return values @ np.linalg.pinv(np.diag(header.gear_ratio) + np.asarray(header.coupling)).T
+
+    @cached_property
+    def motions(self) -> dict[str, Array]:
+        """All `MOTION_FAMILIES` brought to joint positions by integration, from 0 at the first row, (T, N) each."""
+        return {family: self._as_position(family) for family in self.motion_families}
+
+    def _as_position(self, family: str) -> Array:
+        values = self.link_side(family)
+        for _ in range(("position", "velocity", "acceleration").index(family.rpartition(".")[2])):
+            values = np.asarray(cumulative_trapezoid(values, self.t, axis=0, initial=0))
+        return values - values[0]
+
+    @cached_property
+    def travel(self) -> dict[str, Array]:
+        """Range of each of `motions`, (N,) each."""
+        return {family: np.ptp(values, axis=0) for family, values in self.motions.items()}
+
+    @cached_property
+    def motion_families(self) -> tuple[str, ...]:
+        """Those of `MOTION_FAMILIES` that are present for all joints."""
+        return tuple(name for name in MOTION_FAMILIES if len(self.columns(name)) == len(self.joints))
+
+    @cached_property
+    def arm(self) -> RigidArm:
+        """The rigid arm of the robot; there must be one."""
+        assert self.robot is not None
+        return _arm_of(self.robot)
+
+    @cached_property
+    def q(self) -> Array | None:
+        """Joint positions, link side, as measured; else as set; shape (T, N). None if there are neither."""
+        for family in ("motor.position", "link.position", "reference.position"):
+            if family in self.motion_families:
+                return self.link_side(family)
+        return None
+
+    @cached_property
+    def angle_noise(self) -> Array:
+        """White noise of `q` [rad or m, link side], shape (N,)."""
+        return np.zeros(len(self.joints)) if self.q is None else white_noise(self.q)
+
+    @cached_property
+    def smoothing(self) -> float:
+        """Time [s] over which positions are averaged: `SMOOTHING`, or longer where noise of angles calls for it."""
+        if self.q is None:
+            return SMOOTHING
+        for times in _LONGER:
+            span = times * SMOOTHING
+            moved = np.ptp(self.q, axis=0) > EXCITED
+            size = np.std(_acceleration(self.q, self.t, self.rows(span)), axis=0)[moved]
+            # two averages make a triangle, whose second derivative is three samples of noise over its width squared
+            noise = np.sqrt(6) * self.angle_noise[moved] / max(span, self.dt) ** 2
+            if not moved.any() or np.median(noise / np.maximum(size, np.finfo(np.float64).tiny)) < _NOISY:
+                return span
+        return _LONGER[-1] * SMOOTHING
+
+    @cached_property
+    def smooth_q(self) -> Array | None:
+        """`q`, averaged over `smoothing`."""
+        return None if self.q is None else averaged(self.q, self.rows(self.smoothing))
+
+    @cached_property
+    def dq(self) -> Array | None:
+        """Joint speeds from `smooth_q`, link side, shape (T, N)."""
+        return None if self.smooth_q is None else np.gradient(self.smooth_q, self.t, axis=0)
+
+    @cached_property
+    def ddq(self) -> Array | None:
+        """Joint accelerations from `dq`, averaged again, link side, shape (T, N)."""
+        if self.dq is None:
+            return None
+        return np.gradient(averaged(self.dq, self.rows(self.smoothing)), self.t, axis=0)
+
+    @cached_property
+    def excited(self) -> BoolArray:
+        """Joints that move, shape (N,)."""
+        if self.smooth_q is None:
+            return np.zeros(len(self.joints), dtype=np.bool_)
+        return np.ptp(self.smooth_q, axis=0) > EXCITED
+
+    @cached_property
+    def moving(self) -> BoolArray:
+        """Where each joint moves, shape (T, N); joints that are not excited never do."""
+        if self.dq is None:
+            return np.zeros((len(self.t), len(self.joints)), dtype=np.bool_)
+        speed = np.abs(self.dq)
+        return self.excited & (speed > RESTING * speed.max(axis=0))
+
+
+@lru_cache(maxsize=1)
+def _arm_of(robot: RobotDescription) -> RigidArm:
+    """Its rigid arm, kept for the next log of the same robot."""
+    return RigidArm(robot)
+
+
+def _acceleration(q: Array, t: Array, rows: int) -> Array:
+    """Second derivative of positions that are averaged twice, (T, N)."""
+    return np.asarray(np.gradient(averaged(np.gradient(averaged(q, rows), t, axis=0), rows), t, axis=0))
+
+
+def averaged(values: Array, rows: int) -> Array:
+    """Moving average along the first axis, without delay."""
+    return uniform_filter1d(values, rows | 1, axis=0, mode="nearest")

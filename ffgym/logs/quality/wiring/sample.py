@@ -1,0 +1,204 @@
+"""Columns of all recordings of one robot as a wiring fit sees them: slow, without delay, on few common rows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import final
+
+import numpy as np
+from scipy.signal import butter, filtfilt
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.logs.quality.noise import acceleration_noise, white_noise
+from ffgym.recordings import FAMILIES, Recording
+
+BANDS = (5.0, 2.5, 1.2)
+"""Cut-offs [Hz] of the low-pass tried, the highest first: planned motion is below, resonances of arms above."""
+
+_OF_RATE = 0.2
+"""Largest cut-off in sample rates."""
+
+_NOISY = 0.3
+"""Noise of accelerations, in accelerations, from which on a lower cut-off is taken."""
+
+_GRID = 0.05
+"""Spacing of the filtered rows, which delays are looked up on, in periods of the cut-off."""
+
+_PERIODS = 20.0
+"""Periods of the cut-off that a recording has at least: clocks in other units make recordings of a hundredth second."""
+
+_ROWS = 900
+"""Rows of all recordings together: each hypothesis of another motion computes the arm at all of them."""
+
+_BLOCK = 1.0
+"""Time [s] in one block of rows; blocks are fitted and left out in turn."""
+
+_SIGN = -1
+"""Stands for the sign of the rate among orders of derivatives."""
+
+SLIDES = 0.02
+"""Share of the largest speed of a joint from which on it slides; slower rows carry stiction of any size."""
+
+_ENDS = 1.0
+"""Periods of the cut-off at either end of a recording that are not used."""
+
+FAMILIES_USED = (
+    "motor.position",
+    "motor.velocity",
+    "motor.effort",
+    "reference.position",
+    "reference.velocity",
+    "reference.acceleration",
+    "feedforward.effort",
+    "feedback.effort",
+    "compensation.effort",
+    "command.effort",
+    "link.position",
+    "link.velocity",
+    "tcp.position",
+    "tcp_reference.position",
+)
+"""Families that a wiring fit looks at."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Motion:
+    """One recording, filtered, on a grid of its own."""
+
+    t: Array
+    """Shape (M,)."""
+    at: IntArray
+    """Rows that are used."""
+    values: dict[str, Array]
+    """Family -> columns, (M, P); NaN where a sensor saw nothing."""
+
+
+@final
+class Samples:
+    """Filtered columns of R rows of all recordings, with their rates, at any delay."""
+
+    def __init__(self, recordings: Sequence[Recording]) -> None:
+        """Filter and thin the columns that all of them have."""
+        shared = [f for f in FAMILIES_USED if all(_complete(recording, f) for recording in recordings)]
+        self.joints = recordings[0].header.joints
+        self.header = recordings[0].header
+        self.families = tuple(shared)
+        self.present = tuple(f for f in FAMILIES if all(_complete(recording, f) for recording in recordings))
+        self.period = max(recording.dt for recording in recordings)
+        self.shortest = min(recording.dt for recording in recordings)
+        self.band = _band(recordings, shared)
+        each = max(_ROWS // len(recordings), 60)
+        self._motions = [_motion(recording, shared, self.band, each) for recording in recordings]
+        self.recording = np.concatenate([np.full(len(m.at), i) for i, m in enumerate(self._motions)])
+        blocks = [
+            ((m.t[m.at] - m.t[0]) // (_BLOCK * max(1.0, 5.0 / self.band))).astype(np.int64) for m in self._motions
+        ]
+        self.held_out: BoolArray = np.concatenate([(block + i) % 2 == 0 for i, block in enumerate(blocks)])
+        self._column = lru_cache(maxsize=4096)(self._computed)
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows R."""
+        return len(self.recording)
+
+    def has(self, family: str) -> bool:
+        """Whether all recordings have the family."""
+        return family in self.families
+
+    def column(self, family: str, part: int, order: int = 0, delay: float = 0.0) -> Array:
+        """One column, or its derivative of an `order`, as it is `delay` [s] later, (R,)."""
+        return self._column(family, part, order, round(delay, 9))
+
+    def way(self, family: str, part: int, delay: float = 0.0) -> Array:
+        """Sign of the rate of a column, filtered as all columns are, as it is `delay` [s] later, (R,)."""
+        return self._column(family, part, _SIGN, round(delay, 9))
+
+    def _signs(self, family: str, part: int) -> list[Array]:
+        rates = [np.gradient(motion.values[family][:, part], motion.t) for motion in self._motions]
+        largest = max(np.abs(rate).max() for rate in rates) or 1.0
+        signs = [np.tanh(rate / (SLIDES * largest)) for rate in rates]
+        steps = [float(motion.t[1] - motion.t[0]) for motion in self._motions]
+        return [_low_pass(sign[:, None], dt, self.band)[:, 0] for sign, dt in zip(signs, steps, strict=True)]
+
+    def _computed(self, family: str, part: int, order: int, delay: float) -> Array:
+        pieces = []
+        signs = self._signs(family, part) if order == _SIGN else []
+        for i, motion in enumerate(self._motions):
+            values = signs[i] if signs else motion.values[family][:, part]
+            for _ in range(max(order, 0)):
+                values = np.gradient(values, motion.t)
+            now = values[motion.at] if delay == 0.0 else np.interp(motion.t[motion.at] + delay, motion.t, values)
+            pieces.append(now)
+        return np.concatenate(pieces)
+
+
+def _complete(recording: Recording, family: str) -> bool:
+    names = FAMILIES[family].columns(recording.header.joints)
+    return all(name in recording.columns for name in names)
+
+
+def _band(recordings: Sequence[Recording], families: Sequence[str]) -> float:
+    """The highest cut-off at which noise of the angles leaves most accelerations alone."""
+    fastest = _OF_RATE / max(recording.dt for recording in recordings)
+    slowest = max(_PERIODS / float(recording.t[-1] - recording.t[0]) for recording in recordings)
+    bands = [band for band in BANDS if slowest <= band <= fastest] or [min(fastest, max(slowest, BANDS[-1]))]
+    if "motor.position" not in families:
+        return bands[0]
+    for band in bands:
+        shares = [_noise_share(recording, band) for recording in recordings]
+        if np.median(shares) < _NOISY:
+            return band
+    return bands[-1]
+
+
+def _noise_share(recording: Recording, band: float) -> float:
+    """Noise of the accelerations of a typical joint in this band, over its accelerations."""
+    angle = recording.joint_array("motor.position")
+    noise = acceleration_noise(white_noise(angle), recording.dt, band)
+    t = _even(recording)
+    slow = _low_pass(_resampled(angle, recording.t, t), recording.dt, band)
+    there = np.std(np.gradient(np.gradient(slow, t, axis=0), t, axis=0), axis=0)
+    moved = np.ptp(slow, axis=0) > 0
+    return float(np.median((noise / np.maximum(there, 1e-300))[moved])) if moved.any() else 0.0
+
+
+def _motion(recording: Recording, families: Sequence[str], band: float, rows: int) -> _Motion:
+    even = _even(recording)
+    dt = recording.dt
+    grid = even if dt >= _GRID / band else np.arange(even[0], even[-1], _GRID / band)
+    values = {}
+    for family in families:
+        stack = recording.joint_array if FAMILIES[family].parts == "joint" else recording.vector
+        raw = stack(family)
+        seen = np.isfinite(raw).all(axis=1)
+        slow = _low_pass(_resampled(raw[seen], recording.t[seen], even), dt, band) if seen.sum() > 30 else None
+        found = np.full((len(grid), raw.shape[1]), np.nan) if slow is None else _resampled(slow, even, grid)
+        if slow is not None and not seen.all():
+            found[_far(recording.t[seen], grid, 1 / (4 * band))] = np.nan
+        values[family] = found
+    ends = min(_ENDS / band, (grid[-1] - grid[0]) / 8)
+    inner = np.flatnonzero((grid >= grid[0] + ends) & (grid <= grid[-1] - ends))
+    at = inner[np.unique(np.linspace(0, len(inner) - 1, min(rows, len(inner))).astype(np.int64))]
+    return _Motion(t=grid, at=at, values=values)
+
+
+def _even(recording: Recording) -> Array:
+    t = recording.t
+    return np.asarray(t[0] + recording.dt * np.arange(int((t[-1] - t[0]) / recording.dt + 1e-6) + 1))
+
+
+def _resampled(values: Array, t: Array, wanted: Array) -> Array:
+    return np.stack([np.interp(wanted, t, column) for column in values.T], axis=1)
+
+
+def _low_pass(values: Array, dt: float, band: float) -> Array:
+    filtered: Array = filtfilt(*butter(2, band, fs=1 / dt), values, axis=0)
+    return filtered
+
+
+def _far(times: Array, wanted: Array, span: float) -> BoolArray:
+    """Where no sample is within `span` [s]."""
+    after = np.clip(np.searchsorted(times, wanted), 1, len(times) - 1)
+    nearest = np.minimum(np.abs(times[after] - wanted), np.abs(times[after - 1] - wanted))
+    return np.asarray(nearest > span)

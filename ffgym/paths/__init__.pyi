@@ -1,0 +1,16 @@
+from .circles import DWELL as DWELL
+from .circles import RADII as RADII
+from .circles import SPEEDS as SPEEDS
+from .circles import circle_test as circle_test
+from .joint_space import constant_velocity as constant_velocity
+from .joint_space import joint_sine as joint_sine
+from .motion import CartesianPath as CartesianPath
+from .motion import JointPath as JointPath
+from .multisines import multisine as multisine
+from .multisines import schroeder_phases as schroeder_phases
+from .random_motion import random_multisine as random_multisine
+from .reference import Reference as Reference
+from .reference import cartesian_reference as cartesian_reference
+from .reference import joint_reference as joint_reference
+from .speed_steps import speed_ladder as speed_ladder
+from .speed_steps import triangle as triangle

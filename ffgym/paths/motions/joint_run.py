@@ -1,0 +1,187 @@
+"""Moves of the joints, from rest to rest.
+
+The path is a curve through joint positions, each in units of its joint's largest speed: its length is the time [s] that
+the fastest joint takes at that speed.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.paths.bounds import MARGIN, Bounds, axis_bounds
+from ffgym.paths.curves import Curve, Line
+from ffgym.paths.limits import MotionLimits
+from ffgym.paths.motions.rows import Rows, phases_at, sample_times
+from ffgym.paths.moves import MoveJoint, MoveJointSpline, Speed, located
+from ffgym.paths.pacing import stretches
+from ffgym.paths.polynomial_curve import spline_through
+from ffgym.paths.route import SHARPEST, Leg, corner_angle, rounded
+from ffgym.paths.timing import time_law
+from ffgym.robot import RigidArm
+
+_ZONE_POINTS = 64
+"""Points on half a leg at which the distance of the tool from its target is examined."""
+
+
+JointMove = MoveJoint | MoveJointSpline
+"""Moves whose path is given in joint space."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointStep:
+    """A move of the joints and the curve that it makes, in units of largest speeds."""
+
+    move: JointMove
+    leg: Leg
+    stops: bool
+    """Whether the joints are to rest at the target."""
+
+
+def check_range(arm: RigidArm, move: JointMove, target: Array) -> None:
+    """Check that joint positions `target` can be a target of `move`.
+
+    Raises:
+        FFGymError: if they lie beyond a limit, or are too few or too many.
+    """
+    kinematics = arm.robot.kinematics
+    if target.shape != (arm.robot.n_joints,):
+        raise located(move, f"{len(target)} joint positions for the {arm.robot.n_joints} joints of {arm.robot.name!r}.")
+    outside = np.flatnonzero(kinematics.beyond_limits(target))
+    if outside.size:
+        j = int(outside[0])
+        raise located(
+            move,
+            f"Joint {arm.robot.joints[j]} = {target[j]:.4g} {kinematics.units[j]} is out of range, must be within "
+            f"{np.round(kinematics.range[j], 4).tolist()} {kinematics.units[j]}.",
+        )
+
+
+def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Array], q: Array) -> list[JointStep]:
+    """Curves from `q` (N,) through joint positions `targets`, (K, N) for each move; moves that go nowhere make none.
+
+    Raises:
+        FFGymError: if a target lies beyond a joint limit, or has another number of joints.
+    """
+    unit = arm.robot.kinematics.max_speed
+    steps = []
+    for move, through in zip(moves, targets, strict=True):
+        for target in through:
+            check_range(arm, move, target)
+        points = np.vstack([q[None], through]) / unit
+        points = points[1:] if np.all(points[0] == points[1]) else points
+        if len(points) > 1:
+            steps.append(JointStep(move=move, leg=_leg(move, points), stops=move.zone.stops))
+        elif steps and move.zone.stops:
+            steps[-1] = replace(steps[-1], stops=True)
+        q = through[-1]
+    return steps
+
+
+def _leg(move: JointMove, points: Array) -> Leg:
+    """Leg through two or more points, in units of largest speeds."""
+    if isinstance(move, MoveJoint):
+        return Leg(curve=Line(start=points[0], end=points[1]), speed=move.speed)
+    try:
+        return Leg(curve=spline_through(points), speed=None)
+    except FFGymError as error:
+        raise located(move, str(error)) from error
+
+
+def split_joints(steps: Sequence[JointStep]) -> tuple[list[list[JointStep]], list[str]]:
+    """Groups of steps between which the joints stop, and a note for each stop that was not asked for."""
+    groups, notes = [[step] for step in steps[:1]], []
+    for before, after in pairwise(steps):
+        why = _no_corner(before, after)
+        if why and not before.stops:
+            notes.append(str(located(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
+        if why or before.stops:
+            groups.append([after])
+        else:
+            groups[-1].append(after)
+    return groups, notes
+
+
+def _no_corner(before: JointStep, after: JointStep) -> str:
+    """Why the path cannot go round the corner between two steps; empty if it can."""
+    if any(isinstance(step.move, MoveJointSpline) for step in (before, after)):
+        return "a spline starts and ends at rest"
+    if corner_angle(before.leg.curve, after.leg.curve) > SHARPEST:
+        return "the joints turn back there"
+    return ""
+
+
+def run_joints(arm: RigidArm, steps: Sequence[JointStep], limits: MotionLimits) -> Rows:
+    """Joint motion from rest to rest through the targets of `steps`, as fast as speeds and limits allow.
+
+    Raises:
+        FFGymError: if a zone is given for a robot without TCP.
+    """
+    legs = [step.leg for step in steps]
+    zones = [_zone(arm, before, after) for before, after in pairwise(steps)]
+    route, targets = rounded(legs, zones)
+    grid = [leg.grid() for leg in route.legs]
+    bounds = [_bounds(arm, leg, s, limits) for leg, s in zip(route.legs, grid, strict=True)]
+    law = time_law(stretches(grid, bounds))
+    t = sample_times(law, arm.robot.servo.control_dt)
+    s, speed, acceleration = law.at(t)
+    unit = arm.robot.kinematics.max_speed
+    position, first, second, _ = (part * unit for part in route.at(s).path)
+    return Rows(
+        q=position,
+        dq=first * speed[:, None],
+        ddq=first * acceleration[:, None] + second * speed[:, None] ** 2,
+        phases=phases_at(law, targets, [step.move.label for step in steps], ["motion"] * len(steps), float(t[-1])),
+    )
+
+
+def _zone(arm: RigidArm, before: JointStep, after: JointStep) -> float:
+    """How far along both legs the tool stays within the zone around the target, at most half of the shorter leg."""
+    if arm.robot.tool is None:
+        raise located(before.move, f"A zone is a distance of the TCP, which {arm.robot.name!r} has not; stop there.")
+    first, second = before.leg.curve, after.leg.curve
+    half, radius = 0.5 * min(first.length, second.length), before.move.zone.radius
+    return min(_within(arm, first, first.length, half, radius), _within(arm, second, 0.0, half, radius))
+
+
+def _within(arm: RigidArm, curve: Curve, corner: float, longest: float, radius: float) -> float:
+    """Length of a curve from one of its ends on which the TCP stays within `radius` [m] of that end."""
+    unit = arm.robot.kinematics.max_speed
+
+    def beyond(length: Array | float) -> Array:
+        points = arm.tcp_position(curve.at(np.abs(corner - np.append(0.0, length)))[0] * unit)
+        return np.linalg.norm(points[1:] - points[0], axis=1) - radius
+
+    away = np.linspace(0.0, longest, _ZONE_POINTS + 1)
+    outside = np.flatnonzero(beyond(away) > 0)
+    if not outside.size:
+        return longest
+    inner, outer = away[outside[0] - 1], away[outside[0]]
+    return float(brentq(lambda length: float(beyond(length)[0]), inner, outer))
+
+
+def _bounds(arm: RigidArm, leg: Leg, s: Array, limits: MotionLimits) -> Bounds:
+    """Bounds on the speed along a leg at lengths `s`, from the joints and from the programmed speed of the tool."""
+    unit = arm.robot.kinematics.max_speed
+    position, *slopes = (part * unit for part in leg.at(s).path)
+    still = np.zeros(len(s))
+    cap = Bounds(
+        speed=_tool_speed(arm, leg.speed, position, slopes[0]),
+        acceleration=still + limits.joint_rise,
+        jerk=still + limits.joint_rise_jerk,
+    )
+    return axis_bounds(slopes, limits.of_joints(unit), cap)
+
+
+def _tool_speed(arm: RigidArm, speed: Speed | None, q: Array, slope: Array) -> Array:
+    """Largest speed along a leg at which tool and orientation are not faster than programmed, shape (T,)."""
+    if speed is None or arm.robot.tool is None:
+        return np.full(len(q), np.inf)
+    twist = np.einsum("tij,tj->ti", arm.jacobian(q), slope)
+    moved, turned = np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1)
+    tiny = np.finfo(np.float64).tiny
+    return MARGIN * np.minimum(speed.tcp / np.maximum(moved, tiny), speed.turn / np.maximum(turned, tiny))

@@ -1,0 +1,100 @@
+"""Pieces of a joint reference, from rest to rest, and how they are joined."""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.paths import Reference
+from ffgym.paths.motion import MAX_STEPS
+from ffgym.paths.timing import TimeLaw
+from ffgym.recordings import Phase, PhaseKind
+from ffgym.robot import RobotDescription
+
+APART = 1e-6
+"""Largest step between the end of a piece and the start of the next [rad or m], and [rad/s or m/s] of their speeds;
+chosen: inverse kinematics leave 1e-10 m, and a step of 1e-6 rad lies below what a motor resolver sees."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """Samples of a piece at every control step, the first and the last of which belong to its neighbours as well."""
+
+    q: Array
+    """Link side [rad or m], shape (T, N)."""
+    dq: Array
+    """Shape (T, N)."""
+    ddq: Array
+    """Shape (T, N)."""
+    phases: tuple[Phase, ...]
+    """On the clock of the piece."""
+
+
+def rest(q: Array, duration: float, dt: float, label: str) -> Rows:
+    """Rest at `q` (N,) for `duration` [s], up to the next sample."""
+    count = _sample_count(duration, dt)
+    still = np.zeros((count, len(q)))
+    phase = Phase(label=label, kind="standstill", start=0.0, end=(count - 1) * dt)
+    return Rows(q=still + q, dq=still, ddq=still, phases=(phase,))
+
+
+def sample_times(law: TimeLaw, dt: float) -> Array:
+    """Times [s] of the samples of a piece, up to the first at or after its end, shape (T,)."""
+    return np.arange(_sample_count(law.duration, dt), dtype=np.float64) * dt
+
+
+def _sample_count(duration: float, dt: float) -> int:
+    """Samples every `dt` [s] from 0 up to the first at or after `duration` [s]."""
+    steps = duration / dt
+    if not steps <= MAX_STEPS:
+        raise FFGymError(f"The motion would last {duration:.6g} s, must be at most {MAX_STEPS:g} steps of {dt} s.")
+    return int(np.ceil(steps - 1e-9)) + 1
+
+
+def phases_at(
+    law: TimeLaw, targets: Array, labels: Sequence[str], kinds: Sequence[PhaseKind], end: float
+) -> tuple[Phase, ...]:
+    """Phases that end where the path passes its targets, at path lengths of shape (L,); the last at time `end` [s]."""
+    times = [0.0, *(law.time_of(float(target)) for target in targets[:-1]), end]
+    return tuple(
+        Phase(label=label, kind=kind, start=start, end=end)
+        for label, kind, start, end in zip(labels, kinds, times, times[1:], strict=False)
+    )
+
+
+def joined(name: str, robot: RobotDescription, pieces: Sequence[Rows]) -> Reference:
+    """One reference of pieces that follow each other.
+
+    Raises:
+        FFGymError: if a piece does not start as fast as the one before ends, or a joint limit is exceeded.
+    """
+    dt = robot.servo.control_dt
+    for before, after in itertools.pairwise(pieces):
+        _check_join(robot, before, after)
+    counts = np.cumsum([0, *(len(piece.q) - 1 for piece in pieces)])
+    phases: list[Phase] = []
+    for first, piece in zip(counts, pieces, strict=False):
+        for p in piece.phases:
+            start, end = p.start + float(first) * dt, p.end + float(first) * dt
+            start = max(start, phases[-1].end) if phases else start  # sums of times are rounded
+            phases.append(Phase(label=p.label, kind=p.kind, start=start, end=end))
+    series = {
+        part: np.concatenate([getattr(pieces[0], part)[:1], *(getattr(piece, part)[1:] for piece in pieces)])
+        for part in ("q", "dq", "ddq")
+    }
+    t = np.arange(int(counts[-1]) + 1, dtype=np.float64) * dt
+    return Reference(name=name, robot=robot, t=t, phases=tuple(phases), **series)
+
+
+def _check_join(robot: RobotDescription, before: Rows, after: Rows) -> None:
+    last, first = before.dq[-1], after.dq[0]
+    j = int(np.argmax(np.abs(first - last)))
+    if abs(first[j] - last[j]) > APART:
+        unit = robot.kinematics.units[j]
+        raise FFGymError(
+            f"{after.phases[0].label!r} starts with joint {robot.joints[j]} at {first[j]:.6g} {unit}/s, but what comes "
+            f"before ends at {last[j]:.6g} {unit}/s. A motion that starts or ends at speed must be alone."
+        )

@@ -1,0 +1,195 @@
+"""From text to syntax tree, by lark; imported when the first program is read, as lark is an extra."""
+
+from collections.abc import Iterator
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedToken, v_args
+
+from ffgym.core.errors import FFGymError
+from ffgym.paths.rapid.source import Source
+from ffgym.paths.rapid.syntax import (
+    Aggregate,
+    Argument,
+    Assignment,
+    Call,
+    Chain,
+    Declaration,
+    Instruction,
+    Module,
+    Number,
+    Option,
+    Place,
+    Procedure,
+    Reference,
+    Signed,
+    Text,
+    Truth,
+)
+from ffgym.paths.rapid.words import KEYWORDS, RESERVED, TERMINALS, UNSUPPORTED_SIGNS, VALUE_STARTS
+
+MAX_NESTING = 20
+"""Deepest nesting of brackets; chosen: data of RAPID need 4, and reading a tree must not exhaust Python's stack."""
+
+LONGEST_NAME = 32
+"""Most characters of a name; technical reference manual RAPID overview (ABB 3HAC16580-1), identifiers."""
+
+
+def read(source: Source) -> Module:
+    """Syntax tree of a program.
+
+    Raises:
+        FFGymError: if it is none; the message begins with the place.
+    """
+    try:
+        tree: Any = _parser().parse(source.text)
+    except UnexpectedCharacters as error:
+        raise _bad_character(source, error) from None
+    except UnexpectedToken as error:
+        raise _bad_token(source, error) from None
+    except _Refused as error:
+        raise source.error(error.place, str(error)) from None
+    module: Module = tree
+    return module
+
+
+@cache
+def _parser() -> Lark:
+    grammar = (resources.files("ffgym.paths.rapid") / "rapid.lark").read_text(encoding="utf-8")
+    return Lark(grammar, parser="lalr", lexer="basic", postlex=_Keywords(), transformer=_Builder())
+
+
+class _Refused(Exception):
+    """A token that the grammar would take."""
+
+    def __init__(self, token: Token, message: str) -> None:
+        super().__init__(message)
+        self.place = _place(token)
+
+
+class _Keywords:
+    """Between lexer and parser: makes keywords of names, and watches their length and the depth of brackets."""
+
+    always_accept = ()
+
+    def process(self, stream: Iterator[Token]) -> Iterator[Token]:
+        """Pass the tokens on."""
+        depth = 0
+        for token in stream:
+            if token.type == "NAME" and token.upper() in RESERVED:
+                yield token.update(type=token.upper())
+                continue
+            if token.type == "NAME" and len(token) > LONGEST_NAME:
+                raise _Refused(token, f"{_shown(token)} is too long, names have {LONGEST_NAME} characters at most.")
+            depth += (token.type in ("LSQB", "LPAR")) - (token.type in ("RSQB", "RPAR"))
+            if depth > MAX_NESTING:
+                raise _Refused(token, f"brackets are nested deeper than {MAX_NESTING}.")
+            yield token
+
+
+def _place(token: Token) -> Place:
+    return Place(token.line or 1, token.column or 1)
+
+
+def _bad_character(source: Source, error: UnexpectedCharacters) -> FFGymError:
+    reason = UNSUPPORTED_SIGNS.get(error.char, "it begins nothing in RAPID")
+    return source.error(Place(error.line, error.column), f"unexpected character {error.char!r}: {reason}.")
+
+
+def _bad_token(source: Source, error: UnexpectedToken) -> FFGymError:
+    token = error.token
+    if token.type == "$END":
+        return source.error(source.end, f"the program ends too early; expected {_expected(error)}.")
+    place = _place(token)
+    if token.type in RESERVED and token.type not in KEYWORDS:
+        return source.error(place, f"{token.type} is not supported; a program is a list of moves, see docs/rapid.md.")
+    if error.expected == {"RPAR"}:  # only the head of a procedure leaves no choice
+        return source.error(place, "procedures with arguments are not supported; write one for each case.")
+    return source.error(place, f"unexpected {_shown(token)}; expected {_expected(error)}.")
+
+
+def _shown(token: Token) -> str:
+    text = str(token)
+    return repr(text if len(text) <= 40 else text[:37] + "...")
+
+
+def _expected(error: UnexpectedToken) -> str:
+    names = set(error.expected)
+    if names >= VALUE_STARTS:
+        names = (names - VALUE_STARTS) | {"value"}
+    words = sorted(TERMINALS.get(name, name) for name in names)
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
+
+
+@v_args(inline=True)
+class _Builder(Transformer[Token, Module]):
+    """Makes the tree while the parser runs, one method per rule of the grammar."""
+
+    def start(self, *children: Any) -> Module:
+        (content,) = (child for child in children if isinstance(child, Module))
+        return content
+
+    def content(self, *children: Any) -> Module:
+        return Module(
+            declarations=tuple(child for child in children if isinstance(child, Declaration)),
+            procedures=tuple(child for child in children if isinstance(child, Procedure)),
+        )
+
+    def kind(self, word: Token) -> str:
+        return word.type
+
+    def declaration(self, scope: Token | None, kind: str, type_name: Token, name: Token, value: Any) -> Declaration:
+        return Declaration(kind, str(type_name), str(name), value, _place(name))
+
+    def procedure(self, *children: Any) -> Procedure:
+        name, declarations, statements = children[-4:-1]
+        return Procedure(str(name), declarations, statements, _place(name))
+
+    def declarations(self, *children: Declaration) -> tuple[Declaration, ...]:
+        return children
+
+    def statements(self, *children: Any) -> tuple[Any, ...]:
+        return children
+
+    def assignment(self, target: Reference, value: Any) -> Assignment:
+        return Assignment(target, value)
+
+    def instruction(self, name: Token, arguments: tuple[Argument, ...] | None) -> Instruction:
+        return Instruction(str(name), arguments or (), _place(name))
+
+    def arguments(self, *children: Argument) -> tuple[Argument, ...]:
+        return children
+
+    def argument(self, value: Any, *options: Option) -> Argument:
+        return value if isinstance(value, Argument) else Argument(value, options)
+
+    def without_value(self, *options: Option) -> Argument:
+        return Argument(None, options)
+
+    def option(self, backslash: Token, name: Token, value: Any) -> Option:
+        return Option(str(name), value, _place(backslash))
+
+    def chain(self, first: Any, *rest: Any) -> Chain:
+        return Chain(first, tuple((str(sign), operand) for sign, operand in zip(rest[::2], rest[1::2], strict=True)))
+
+    def signed(self, sign: Token, operand: Any) -> Signed:
+        return Signed(sign.type == "MINUS", operand, _place(sign))
+
+    def number(self, token: Token) -> Number:
+        return Number(float(token), _place(token))
+
+    def text(self, token: Token) -> Text:
+        return Text(token[1:-1].replace('""', '"'), _place(token))
+
+    def truth(self, token: Token) -> Truth:
+        return Truth(token.type == "TRUE", _place(token))
+
+    def reference(self, *names: Token) -> Reference:
+        return Reference(tuple(str(name) for name in names), _place(names[0]))
+
+    def call(self, name: Token, arguments: tuple[Argument, ...]) -> Call:
+        return Call(str(name), arguments, _place(name))
+
+    def aggregate(self, bracket: Token, *items: Any) -> Aggregate:
+        return Aggregate(items, _place(bracket))

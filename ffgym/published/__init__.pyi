@@ -1,0 +1,10 @@
+from .emps import EMPS_ASYMMETRIC as EMPS_ASYMMETRIC
+from .emps import EMPS_SYMMETRIC as EMPS_SYMMETRIC
+from .emps import EmpsModel as EmpsModel
+from .friction_records import ESTIMATION_RECORDS as ESTIMATION_RECORDS
+from .friction_records import FRICTION_RECORDS as FRICTION_RECORDS
+from .friction_records import FrictionRecord as FrictionRecord
+from .kr300 import KR300_FRICTION as KR300_FRICTION
+from .kr300 import AsymmetricFriction as AsymmetricFriction
+from .thesis import METHODS as METHODS
+from .thesis import published_mm as published_mm

@@ -1,0 +1,14 @@
+from .folder import read_folder as read_folder
+from .header import SCHEMA_VERSION as SCHEMA_VERSION
+from .header import Header as Header
+from .io import read_recording as read_recording
+from .io import write_recording as write_recording
+from .phase import PHASE_KINDS as PHASE_KINDS
+from .phase import Phase as Phase
+from .phase import PhaseKind as PhaseKind
+from .phase import clipped as clipped
+from .recording import Recording as Recording
+from .rewiring import Rewire as Rewire
+from .rewiring import Rewiring as Rewiring
+from .schema import FAMILIES as FAMILIES
+from .schema import Family as Family

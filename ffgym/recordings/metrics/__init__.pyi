@@ -1,0 +1,15 @@
+from .circle import Circle as Circle
+from .circle import fit_circle as fit_circle
+from .contour import Contour as Contour
+from .contour import ContourError as ContourError
+from .contour import contour_errors as contour_errors
+from .contour import start_offset as start_offset
+from .friction_error import friction_miss as friction_miss
+from .friction_error import relative_rms as relative_rms
+from .motor_errors import motor_error as motor_error
+from .motor_errors import motor_error_rms as motor_error_rms
+from .path_error import PathError as PathError
+from .path_error import circle_deviation as circle_deviation
+from .path_error import deviation_along as deviation_along
+from .path_error import path_errors as path_errors
+from .path_error import standstill_offset as standstill_offset

@@ -1,0 +1,183 @@
+"""How far the tool strays from any path: across it (contour error) and along it (lag)."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.recordings import Phase, Recording
+from ffgym.recordings.metrics.path_error import standstill_offset
+
+WINDOW = 0.05
+"""How long before and after the present instant the nearest point of the path is looked for [s]. Chosen: eight times
+the 6 ms by which the built-in robot lags without compensation, and less than the 63 ms of the fastest turn of the
+thesis, so that a path may cross or retrace itself later."""
+WHOLE = "whole motion"
+"""Label of what is not of one phase alone."""
+_PIECES = 8
+"""Straight pieces between two rows of the reference: on a circle of 1 mm at 100 mm/s, recorded every ms, they leave
+the circle by 20 nm."""
+_REST = 1e-6
+"""Speed of the reference [m/s] below which it has no direction; the slowest test motions run at 1e-2."""
+_BLOCK = 8192
+"""Rows refined at a time, to bound memory."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Contour:
+    """The TCP beside its reference path, at the T rows of a recording in which it was seen.
+
+    The offset between TCP and reference at the start (gravity sag, tracker frame) is removed before.
+    """
+
+    rows: IntArray
+    """Rows of the recording, shape (T,)."""
+    nearest: Array
+    """Nearest points of the reference path [m], shape (T, 3)."""
+    error: Array
+    """TCP - nearest point [m], shape (T, 3); its length is the contour error."""
+    lag: Array
+    """How far the TCP is behind its reference along the present direction of motion [m], shape (T,); 0 at rest."""
+
+    @classmethod
+    def of(cls, recording: Recording, window: float = WINDOW) -> Self:
+        """Compare TCP and reference of a recording.
+
+        Args:
+            recording: must have `tcp.position` and `tcp_reference.position`.
+            window: how long before and after each instant the nearest point is looked for [s]; a tool that lags by
+                more is charged for it.
+
+        Raises:
+            FFGymError: if the recording has no TCP, or the TCP was never seen.
+        """
+        window = check_number("window", window, unit="s", low=0.0)
+        reference = recording.vector("tcp_reference.position")
+        tcp = recording.vector("tcp.position") - start_offset(recording)
+        rows = np.flatnonzero(~np.isnan(tcp).any(axis=1))
+        points = tcp[rows]
+        near = _nearest_rows(points, rows, reference, round(window / recording.dt))
+        curve = CubicSpline(recording.t, reference)
+        nearest = _refined(points, recording.t[near], curve, recording.t)
+        velocity = curve(recording.t[rows], 1)
+        speed = np.linalg.norm(velocity, axis=1)
+        direction = np.divide(velocity, speed[:, None], out=np.zeros_like(velocity), where=speed[:, None] > _REST)
+        lag = ((reference[rows] - points) * direction).sum(axis=1)
+        return cls(rows=rows, nearest=nearest, error=points - nearest, lag=lag)
+
+    @property
+    def distance(self) -> Array:
+        """Contour error [m], shape (T,), >= 0."""
+        return np.asarray(np.linalg.norm(self.error, axis=1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContourError:
+    """Deviation of the TCP from a stretch of its path, in space [m]."""
+
+    label: str
+    """Name of the phase, or WHOLE; several phases may have one name."""
+    start: float
+    """Where the stretch begins, on the clock of the recording [s]."""
+    end: float
+    """Where it ends [s]."""
+    rms: float
+    """Root mean square distance to the nearest point of the path."""
+    max: float
+    """Largest distance to the nearest point of the path."""
+    lag_rms: float
+    """Root mean square of what the TCP is behind or ahead along the path."""
+    lag_max: float
+    """Largest of it, without sign."""
+
+
+def contour_errors(recording: Recording, window: float = WINDOW) -> list[ContourError]:
+    """Contour error and lag of the whole motion without standstill, then of every phase that is no standstill.
+
+    Phases in which the TCP was never seen are left out. Arguments and errors as `Contour.of`; a recording that is all
+    standstill is refused.
+    """
+    moving = ~recording.mask(kind="standstill")
+    contour = Contour.of(recording, window)
+    if not moving[contour.rows].any():
+        raise FFGymError(
+            f"Recording {recording.header.segment!r} shows no TCP in motion, so it has no path error to score."
+        )
+    t, phases = recording.t, [phase for phase in recording.header.phases if phase.kind != "standstill"]
+    stretches = [(phase, (t >= phase.start) & (t < phase.end)) for phase in phases]
+    whole = Phase(label=WHOLE, kind="motion", start=float(t[0]), end=float(t[-1]))
+    return [
+        _figures(contour, phase, within[contour.rows])
+        for phase, within in [(whole, moving), *stretches]
+        if within[contour.rows].any()
+    ]
+
+
+def start_offset(recording: Recording) -> Array:
+    """Mean of TCP minus its reference at the standstill that a motion begins with [m], shape (3,).
+
+    A motion that does not begin with one has it from the first row in which the TCP was seen.
+
+    Raises:
+        FFGymError: if the recording has no TCP there.
+    """
+    phases = recording.header.phases
+    if phases and phases[0].kind == "standstill":
+        return standstill_offset(recording)
+    away = recording.vector("tcp.position") - recording.vector("tcp_reference.position")
+    seen = np.flatnonzero(~np.isnan(away).any(axis=1))
+    if seen.size == 0:
+        raise FFGymError(f"Recording {recording.header.segment!r} has no TCP position in any row.")
+    return np.asarray(away[seen[0]])
+
+
+def _nearest_rows(points: Array, rows: IntArray, reference: Array, reach: int) -> IntArray:
+    """Of the reference's rows within `reach` of each row, the nearest to its point."""
+    best = np.full(len(rows), np.inf)
+    near: IntArray = rows.copy()
+    for shift in range(-reach, reach + 1):
+        candidate = np.clip(rows + shift, 0, len(reference) - 1)
+        square = ((points - reference[candidate]) ** 2).sum(axis=1)
+        closer = square < best
+        best, near = np.where(closer, square, best), np.where(closer, candidate, near)
+    return near
+
+
+def _refined(points: Array, near: Array, curve: CubicSpline, t: Array) -> Array:
+    """Nearest points (T, 3) on the curve within a sample of the times `near` (T,)."""
+    dt = float(np.median(np.diff(t)))
+    steps = dt * np.linspace(-1.0, 1.0, 2 * _PIECES + 1)
+    nearest = np.empty_like(points)
+    for first in range(0, len(points), _BLOCK):
+        block = slice(first, first + _BLOCK)
+        drawn = curve(np.clip(near[block, None] + steps, t[0], t[-1]))
+        nearest[block] = _on_polylines(points[block], drawn)
+    return nearest
+
+
+def _on_polylines(points: Array, corners: Array) -> Array:
+    """Nearest points (T, 3) to `points` (T, 3), each on a polyline of its own, with corners (T, C, 3)."""
+    start, along = corners[:, :-1], np.diff(corners, axis=1)
+    square = (along**2).sum(axis=2)
+    ahead = ((points[:, None] - start) * along).sum(axis=2)
+    share = np.divide(ahead, square, out=np.zeros_like(ahead), where=square > 0).clip(0.0, 1.0)
+    feet = start + share[:, :, None] * along
+    best = ((points[:, None] - feet) ** 2).sum(axis=2).argmin(axis=1)
+    nearest: Array = feet[np.arange(len(points)), best]
+    return nearest
+
+
+def _figures(contour: Contour, phase: Phase, within: BoolArray) -> ContourError:
+    distance, lag = contour.distance[within], np.abs(contour.lag[within])
+    return ContourError(
+        label=phase.label,
+        start=phase.start,
+        end=phase.end,
+        rms=float(np.sqrt(np.mean(distance**2))),
+        max=float(distance.max()),
+        lag_rms=float(np.sqrt(np.mean(lag**2))),
+        lag_max=float(lag.max()),
+    )

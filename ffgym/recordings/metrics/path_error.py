@@ -1,0 +1,117 @@
+"""How far the tool strays from a circle: thesis 2.2.5, quantities 1-3."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.recordings import Phase, Recording
+from ffgym.recordings.metrics.circle import Circle, fit_circle
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathError:
+    """Deviation of the TCP from one circle [m]: in its plane (as the thesis plots), and in space."""
+
+    label: str
+    radius: float
+    """Radius of the circle [m]."""
+    speed: float
+    """TCP speed of the reference on the circle [m/s]."""
+    rms: float
+    """Root mean square in the plane (2.17)."""
+    max: float
+    """Largest deviation in the plane."""
+    rms_3d: float
+    """Root mean square of the distance in space."""
+    max_3d: float
+    """Largest distance in space."""
+
+
+def path_errors(recording: Recording) -> list[PathError]:
+    """Path error of every circle of a recording; lead-in and lead-out do not count.
+
+    The deviation is the distance to the nearest point of the circle: a tool that runs late on the right path makes no
+    error. (Our reading of "path error"; the thesis does not say how it pairs measured and reference points.) The offset
+    between TCP and its reference at the first standstill (gravity sag, tracker frame) is removed before.
+
+    Raises:
+        FFGymError: if the recording has no TCP, no standstill before its first circle, or no circle.
+    """
+    circles = recording.phases_of("circle")
+    if not circles:
+        raise FFGymError(f"Recording {recording.header.segment!r} has no phase of kind 'circle' to score.")
+    tcp = recording.vector("tcp.position") - standstill_offset(recording)
+    return [_on_circle(recording, phase, tcp) for phase in circles]
+
+
+def standstill_offset(recording: Recording) -> Array:
+    """Mean of TCP minus its reference while the robot first stands still [m], shape (3,).
+
+    Raises:
+        FFGymError: if the recording does not begin with a standstill, or has no TCP position there.
+    """
+    rests = recording.phases_of("standstill")
+    circles = recording.phases_of("circle")
+    if not rests or (circles and rests[0].start > circles[0].start):
+        raise FFGymError(
+            f"Recording {recording.header.segment!r} has no standstill before its first circle, so the offset of the "
+            f"TCP cannot be removed. Record at least 0.1 s of rest first and mark it as a phase of kind 'standstill'."
+        )
+    rows = (recording.t >= rests[0].start) & (recording.t < rests[0].end)
+    away = (recording.vector("tcp.position") - recording.vector("tcp_reference.position"))[rows]
+    return np.asarray(_seen(away, rests[0], recording).mean(axis=0))
+
+
+def circle_deviation(points: Array, circle: Circle) -> tuple[Array, Array]:
+    """Signed deviation in the plane (outward > 0) and out of it (along the normal) [m], shape (T,) each.
+
+    Args:
+        points: shape (T, 3) [m].
+        circle: the reference.
+    """
+    arms = points - circle.centre
+    height = arms @ circle.normal
+    outward = np.linalg.norm(arms - height[:, None] * circle.normal, axis=1) - circle.radius
+    return outward, height
+
+
+def _seen(points: Array, phase: Phase, recording: Recording) -> Array:
+    """Rows of `points` (T, 3) of a phase that the tracker has seen."""
+    seen = points[~np.isnan(points).any(axis=1)]
+    if len(seen) == 0:
+        raise FFGymError(f"Recording {recording.header.segment!r} has no TCP position in {phase.kind} {phase.label!r}.")
+    return seen
+
+
+def deviation_along(recording: Recording, phase: Phase, n: int) -> Array:
+    """Signed deviation in the plane (outward > 0) at `n` even times of a circle [m], shape (n,).
+
+    Raises:
+        FFGymError: as `path_errors`.
+    """
+    tcp = recording.vector("tcp.position") - standstill_offset(recording)
+    _, outward, _ = _deviations(recording, phase, tcp)
+    return outward[np.linspace(0, len(outward) - 1, n).round().astype(np.int64)]
+
+
+def _deviations(recording: Recording, phase: Phase, tcp: Array) -> tuple[Circle, Array, Array]:
+    """Circle of a phase, and deviation in its plane and out of it [m] at the samples that were seen."""
+    rows = (recording.t >= phase.start) & (recording.t < phase.end)
+    circle = fit_circle(recording.vector("tcp_reference.position")[rows])
+    return circle, *circle_deviation(_seen(tcp[rows], phase, recording), circle)
+
+
+def _on_circle(recording: Recording, phase: Phase, tcp: Array) -> PathError:
+    circle, outward, height = _deviations(recording, phase, tcp)
+    distance = np.hypot(outward, height)
+    return PathError(
+        label=phase.label,
+        radius=circle.radius,
+        speed=2 * np.pi * circle.radius / (phase.end - phase.start),
+        rms=float(np.sqrt(np.mean(outward**2))),
+        max=float(np.abs(outward).max()),
+        rms_3d=float(np.sqrt(np.mean(distance**2))),
+        max_3d=float(distance.max()),
+    )

@@ -1,0 +1,17 @@
+from ._matplotlib import check_figure as check_figure
+from ._matplotlib import save_figure as save_figure
+from .circles.comparison import SpeedTable as SpeedTable
+from .circles.comparison import circle_tables as circle_tables
+from .circles.figures import ReportFigure as ReportFigure
+from .circles.figures import circle_figures as circle_figures
+from .circles.figures import one_axis_figures as one_axis_figures
+from .circles.findings import Finding as Finding
+from .circles.findings import findings as findings
+from .circles.headline import headline as headline
+from .circles.page import render_report as render_report
+from .circles.page import write_report as write_report
+from .circles.tables import format_one_axis as format_one_axis
+from .circles.tables import format_text as format_text
+from .laws import law_styles as law_styles
+from .motion.page import render_motion_page as render_motion_page
+from .motion.tables import format_motion as format_motion

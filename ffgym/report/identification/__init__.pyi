@@ -1,0 +1,10 @@
+from .friction_report import FrictionReport as FrictionReport
+from .loops_plot import friction_loops_figure as friction_loops_figure
+from .loops_plot import friction_over_time_figure as friction_over_time_figure
+from .page import render_friction_page as render_friction_page
+from .rigid_body_page import render_rigid_body_page as render_rigid_body_page
+from .rigid_body_report import RigidBodyReport as RigidBodyReport
+from .rigid_body_report import rigid_body_numbers as rigid_body_numbers
+from .rigid_body_text import format_rigid_body as format_rigid_body
+from .stribeck_plot import stribeck_figure as stribeck_figure
+from .text import format_friction as format_friction

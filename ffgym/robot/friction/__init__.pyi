@@ -1,0 +1,1 @@
+from .lugre import LuGreParameters as LuGreParameters

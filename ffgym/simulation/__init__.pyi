@@ -1,0 +1,11 @@
+from .rig import Rig as Rig
+from .rig import SimulatedRig as SimulatedRig
+from .run import RECORD_DT as RECORD_DT
+from .run import Run as Run
+from .run import simulate as simulate
+from .sensors import LaserTracker as LaserTracker
+from .sensors import Resolver as Resolver
+from .sensors import Sensor as Sensor
+from .sensors import Thermometer as Thermometer
+from .sensors import TorqueSensor as TorqueSensor
+from .sensors import sensors_of as sensors_of

@@ -1,0 +1,130 @@
+"""Robots like a given one: draws of what differs from one machine to the next, from declared distributions."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
+from typing import Any, final
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.types import Array
+from ffgym.robot import RobotDescription
+from ffgym.robot.payload import with_payload as with_payload
+
+
+class Distribution(ABC):
+    """Distribution of one number."""
+
+    @abstractmethod
+    def draw(self, rng: np.random.Generator, n: int) -> Array:
+        """Return `n` independent numbers, shape (n,)."""
+
+
+@final
+@dataclass(frozen=True)
+class Uniform(Distribution):
+    """Every number of [low, high] is equally likely."""
+
+    low: float
+    high: float
+
+    def __post_init__(self) -> None:
+        check_number("low", self.low)
+        check_number("high", self.high, low=self.low)
+
+    def draw(self, rng: np.random.Generator, n: int) -> Array:
+        """See base class."""
+        return rng.uniform(self.low, self.high, size=n)
+
+
+@final
+@dataclass(frozen=True)
+class LogUniform(Distribution):
+    """The logarithm is uniform on [log low, log high], so that half and double are equally likely."""
+
+    low: float
+    high: float
+
+    def __post_init__(self) -> None:
+        check_number("low", self.low, low=0.0, open_low=True)
+        check_number("high", self.high, low=self.low)
+
+    def draw(self, rng: np.random.Generator, n: int) -> Array:
+        """See base class."""
+        return np.exp(rng.uniform(np.log(self.low), np.log(self.high), size=n))
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantDistribution:
+    """What differs between robots of one kind: factors on the parameters, and a payload. None leaves a group alone.
+
+    Factors are independent from joint to joint. All defaults are chosen: friction changes by tens of per cent with
+    temperature, load and wear, its viscous part most; gearbox stiffness and masses are known far better.
+    """
+
+    friction_level: Distribution | None = LogUniform(0.7, 1.4)
+    """Factor on Coulomb and breakaway torque together."""
+    viscous: Distribution | None = LogUniform(0.6, 1.6)
+    """Factor on viscous friction, which temperature changes most."""
+    stribeck_velocity: Distribution | None = LogUniform(0.7, 1.4)
+    """Factor on the Stribeck velocity."""
+    bristle_stiffness: Distribution | None = LogUniform(0.7, 1.4)
+    """Factor on the LuGre bristle stiffness."""
+    bristle_damping: Distribution | None = LogUniform(0.7, 1.4)
+    """Factor on the LuGre bristle damping."""
+    joint_stiffness: Distribution | None = LogUniform(0.85, 1.15)
+    """Factor on the joint stiffness; its damping follows, so that the damping ratio stays."""
+    link_inertia: Distribution | None = LogUniform(0.95, 1.05)
+    """Factor on mass and inertia of each link."""
+    rotor_inertia: Distribution | None = LogUniform(0.97, 1.03)
+    """Factor on the rotor inertia of each motor."""
+    payload: Distribution | None = Uniform(0.0, 5.0)
+    """Point mass at the TCP [kg], beside the tool."""
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None and not isinstance(value, Distribution):
+                raise FFGymError(
+                    f"{field.name} = {value!r} must be a distribution, e.g. LogUniform(0.8, 1.25), or None for no draw."
+                )
+
+    def draw(self, robot: RobotDescription, rng: np.random.Generator) -> RobotDescription:
+        """Return a robot like `robot`; groups are drawn in the order of the fields, so that a seed means one robot.
+
+        Raises:
+            FFGymError: if a drawn number is not physical, for example a negative factor.
+        """
+        n = robot.n_joints
+        factor = {field.name: _factor(getattr(self, field.name), rng, n) for field in fields(self)[:-1]}
+        level = factor.pop("friction_level")
+        stiffness, links, rotor = (factor.pop(name) for name in ("joint_stiffness", "link_inertia", "rotor_inertia"))
+        _check_positive(stiffness=stiffness, links=links, rotor=rotor)
+        tool = robot.tool
+        if tool is not None and self.payload is not None:
+            tool = with_payload(robot, float(self.payload.draw(rng, 1)[0])).tool
+        drive, bodies = robot.drive, robot.bodies
+        return replace(
+            robot,
+            friction=robot.friction.scaled(coulomb=level, static=level, **factor),
+            drive=replace(
+                drive,
+                joint_stiffness=drive.joint_stiffness * stiffness,
+                joint_damping=drive.joint_damping * np.sqrt(stiffness),
+                rotor_inertia=drive.rotor_inertia * rotor,
+            ),
+            bodies=replace(bodies, mass=bodies.mass * links, inertia=bodies.inertia * links[:, None]),
+            tool=tool,
+            quantities=MappingProxyType({}),  # origins of the numbers that were just changed
+        )
+
+
+def _factor(distribution: Distribution | None, rng: np.random.Generator, n: int) -> Array:
+    return np.ones(n) if distribution is None else distribution.draw(rng, n)
+
+
+def _check_positive(**factors: Any) -> None:
+    for name, values in factors.items():
+        if np.any(values <= 0):
+            raise FFGymError(f"The drawn factors of {name} = {values} must be > 0; use a distribution above 0.")

@@ -1,0 +1,206 @@
+"""Effects that MuJoCo does not have, as torques at every physics step: the one extension point of the plant.
+
+Nothing here runs while no machine of the batch has such an effect.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from mujoco import batch
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
+from ffgym.effects.leads import Leads
+from ffgym.effects.stack import by_kind, stacked
+from ffgym.simulation.plant.addresses import Addresses
+from ffgym.simulation.plant.engine_state import EngineState
+from ffgym.simulation.plant.machine import Machine
+from ffgym.simulation.plant.numbers import Numbers
+
+_ROUNDS = 20
+"""Of the search for the angle that a resolver reads as a given one; errors change by less than 0.1 of the angle."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Chosen:
+    """Some simulations of a batch with their effects, looked up once for many physics steps."""
+
+    rows: IntArray | slice
+    """Which; a slice is all of them."""
+    everyone: IntArray
+    """The same as numbers, shape (B', 1)."""
+    numbers: Numbers
+    torque: tuple[TorqueEffect, ...]
+    present: tuple[BoolArray | None, ...]
+    """Who has each of them, shape (B', 1); None is everyone."""
+    resolver: tuple[ResolverEffect, ...]
+
+
+class Forces:
+    """Torque and resolver effects of B machines, one row each, with what they remember."""
+
+    def __init__(self, engine: batch.Batch, at: Addresses, machines: Sequence[Machine]) -> None:
+        self._at, self._n_robots = at, len(machines)
+        self._drive = machines[0].robot.drive
+        self._dt = float(engine.get_model(0).opt.timestep)
+        self._n = n = machines[0].robot.n_joints
+        self._engine_state = EngineState(engine, at, self._drive)
+        self._controls, self._applied = engine.bind("ctrl"), engine.bind("qfrc_applied")
+        self._numbers = Numbers.of(machines, n)
+        self._torque = [
+            (stacked(kind, members, n), np.array([m is not None for m in members]))
+            for kind, members in by_kind([machine.torque_effects for machine in machines])
+        ]
+        self._resolver = [
+            stacked(kind, members, n) for kind, members in by_kind([machine.resolver_effects for machine in machines])
+        ]
+        self._keys: list[tuple[type[TorqueEffect], int]] = []  # each kind, and how many of it came before
+        for effect, _ in self._torque:
+            kind = type(effect)
+            self._keys.append((kind, sum(known is kind for known, _ in self._keys)))
+        self._motor = np.zeros((self._n_robots, n))  # what effects added to motors last, link side
+        everyone = self.choose(slice(None))
+        state = self.state(everyone)
+        self._memory = [effect.initial_memory(state) for effect in everyone.torque]
+
+    @staticmethod
+    def needed(machines: Sequence[Machine]) -> bool:
+        """Whether any machine has an effect that acts here."""
+        return any(machine.torque_effects or machine.resolver_effects for machine in machines)
+
+    def choose(self, rows: IntArray | slice) -> Chosen:
+        """Simulations `rows` with their effects."""
+        return Chosen(
+            rows=rows,
+            everyone=np.arange(self._n_robots)[rows][:, None],
+            numbers=self._numbers.rows(rows),
+            torque=tuple(_rows_of(effect, rows) for effect, _ in self._torque),
+            present=tuple(None if have.all() else have[rows, None] for _, have in self._torque),
+            resolver=tuple(_rows_of(effect, rows) for effect in self._resolver),
+        )
+
+    @property
+    def bends(self) -> BoolArray:
+        """Which simulations have something that acts on springs or links, shape (B,)."""
+        bends = np.zeros(self._n_robots, dtype=np.bool_)
+        for effect, present in self._torque:
+            if effect.side == "link":
+                bends |= present
+        return bends
+
+    def read_as(self, chosen: Chosen, joint_q: Array) -> Array:
+        """Joint positions [rad] at which resolvers read `joint_q`, where a servo has come to rest; (B', N)."""
+        wanted, shift = self._drive.motor_angle(joint_q), np.zeros_like(joint_q)
+        for _ in range(_ROUNDS if chosen.resolver else 0):
+            shift = _resolver_error(chosen.resolver, wanted - shift, np.zeros_like(wanted)).angle
+        return joint_q - self._drive.joint_angle(shift)
+
+    def begin(self, chosen: Chosen, state: State) -> None:
+        """Forget what was: simulations are at rest in `state`."""
+        self._motor[chosen.rows] = 0.0
+        for effect, memory in zip(chosen.torque, self._memory, strict=True):
+            memory[chosen.rows] = effect.initial_memory(state)
+
+    def remembered(self) -> list[Array]:
+        """What effects remember, and what they added to motors last; copies."""
+        return [memory.copy() for memory in (*self._memory, self._motor)]
+
+    def remember(self, memories: list[Array]) -> None:
+        """Go on with what was `remembered`."""
+        for memory, kept in zip((*self._memory, self._motor), memories, strict=True):
+            memory[:] = kept
+
+    def go_on_from(self, before: "Forces", rows: IntArray) -> None:
+        """Remember what `before` does of simulations `rows`, whose machines are still the same."""
+        self._motor[rows] = before._motor[rows]
+        known = dict(zip(before._keys, before._memory, strict=True))
+        for key, memory in zip(self._keys, self._memory, strict=True):
+            if key in known:
+                memory[rows] = known[key][rows]
+
+    def resting(self, chosen: Chosen, state: State) -> Torques:
+        """What is added to robots that rest in `state`, with memories that are relaxed there."""
+        return self._sum(chosen, state, [effect.initial_memory(state) for effect in chosen.torque], self._dt)
+
+    def resolver_error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
+        """What resolvers read beyond the true angle [rad] and speed [rad/s], motor side, (B, N) each."""
+        return _resolver_error(self._resolver, motor_angle, motor_speed)
+
+    def state(self, chosen: Chosen) -> State:
+        """State of simulations now, (B', N) each."""
+        return self._engine_state.read(chosen.rows, chosen.numbers, self._motor[chosen.rows])
+
+    def apply(self, chosen: Chosen, dt: float) -> None:
+        """Set the engine's applied torques and resolver readings for the physics step of `dt` [s] that comes next."""
+        if chosen.resolver:
+            error = _resolver_error(chosen.resolver, *self._engine_state.motor(chosen.rows))
+            self._controls[chosen.rows, 0 : 3 * self._n : 3] -= error.angle
+            self._controls[chosen.rows, 1 : 3 * self._n : 3] -= error.speed
+        if chosen.torque:
+            memories = [memory[chosen.rows] for memory in self._memory]
+            total = self._sum(chosen, self.state(chosen), memories, dt)
+            for memory, later in zip(self._memory, memories, strict=True):
+                memory[chosen.rows] = later
+            self._write(chosen, total)
+
+    def _sum(self, chosen: Chosen, state: State, memories: list[Array], dt: float) -> Torques:
+        """All torques together; `memories` are replaced by those after `dt` [s]."""
+        total = Torques()
+        alone: tuple[Array, Array] | None = None
+        leads = Leads(are_in_load=True)
+        for k, (effect, present) in enumerate(zip(chosen.torque, chosen.present, strict=True)):
+            added, memories[k] = effect.torques(state, memories[k], dt)
+            total.motor = _added(total.motor, added.motor, present)
+            total.motor = _added(total.motor, leads.beside(effect, state, added.spring, present), None)
+            total.link = _added(total.link, added.link, present)
+            total.spring = spring = _added(total.spring, added.spring, present)
+            if added.spring is not None and spring is not None:
+                alone = alone or (state.load, state.load_at_motor)
+                state.load = alone[0] + spring
+                state.load_at_motor = self._drive.motor_torque(state.load)
+        if alone is not None:
+            state.load, state.load_at_motor = alone
+        return total
+
+    def _write(self, chosen: Chosen, total: Torques) -> None:
+        """Generalised forces: motor hinges turn rotor and link, deflection hinges the link alone."""
+        at = self._at
+        motor = None if total.motor is None else self._drive.joint_torque(total.motor)
+        if motor is not None:
+            self._motor[chosen.rows] = motor
+        turning = _added(motor, total.link, None)
+        behind = _added(total.spring, total.link, None)
+        if turning is not None:
+            self._applied[chosen.everyone, at.motor_qpos] = turning
+        if behind is not None:
+            self._applied[chosen.everyone, at.deflection_qpos] = behind[:, at.is_elastic]
+
+
+def _added(total: Array | None, more: Array | None, present: BoolArray | None) -> Array | None:
+    """Sum of what there is; a machine without the effect is not touched, whatever rounding does."""
+    if more is None:
+        return total
+    if present is not None:
+        more = np.where(present, more, 0.0)
+    return more if total is None else total + more
+
+
+def _resolver_error(effects: Sequence[ResolverEffect], motor_angle: Array, motor_speed: Array) -> ResolverError:
+    """All errors of the position sensors together, one after the other as in `Machine.read_by_resolver`."""
+    angle, speed = motor_angle, motor_speed
+    for effect in effects:
+        error = effect.error(angle, speed)
+        angle, speed = angle + error.angle, speed + error.speed
+    return ResolverError(angle=angle - motor_angle, speed=speed - motor_speed)
+
+
+def _rows_of(effect: Any, rows: IntArray | slice) -> Any:
+    """The stacked effect for some of the machines."""
+    if isinstance(rows, slice):
+        return effect
+    some = object.__new__(type(effect))
+    for name, value in effect.values().items():
+        object.__setattr__(some, name, value[rows])
+    return some

@@ -1,0 +1,204 @@
+"""Machine files: a robot as it is, in TOML: its robot, other numbers than the description's, effects, climate.
+
+.. code:: toml
+
+    [machine]                      # title, and robot: a built-in name, or the path of a description from here
+    [friction.*], [drive.*], ...   # as in a parameter file: numbers in place of the description's
+    [effects.<name>]               # see docs/effects; every parameter has value, unit and maybe source
+    [climate]                      # ambient, rise, time_constant and running_since, in the same way
+
+docs/machine_files.md has an example.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import fields
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import read_text
+from ffgym.effects import EFFECTS, Effect, Origin, read_effects, read_origins
+from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_draft, load_robot
+from ffgym.robot.reading.parameters import GROUPS, draft_with_numbers, with_numbers
+from ffgym.robot.template.toml_text import text
+from ffgym.simulation.plant.climate import Climate
+from ffgym.simulation.plant.machine import Machine
+from ffgym.simulation.plant.sameness import check_same_controller
+
+CLIMATE_UNITS: Mapping[str, str] = MappingProxyType(
+    {"ambient": "degC", "rise": "K", "time_constant": "s", "running_since": "s"}
+)
+"""What [climate] may have."""
+
+
+def load_machine(path: str | Path, known: Mapping[str, type[Effect]] = EFFECTS, *, partial: bool = False) -> Machine:
+    """Read a machine file.
+
+    Args:
+        path: the file.
+        known: effects that it may name.
+        partial: whether entries may lack that neither the robot's description nor the file has, such as the servo: for
+            what compares logs, and simulates nothing.
+
+    Raises:
+        FFGymError: if the file cannot be read, or an entry is unknown, missing or invalid.
+    """
+    tree = _tree(path)
+    if "machine" not in tree:
+        raise FFGymError(f"{path} is no machine file: it has no table [machine] with title and robot.")
+    return parse_machine(tree, where=str(path), folder=Path(path).parent, known=known, partial=partial)
+
+
+def known_robot(path: str | Path) -> RobotDescription:
+    """The robot that a machine file names, without its numbers: what the machine's controller was made for.
+
+    Raises:
+        FFGymError: if the file cannot be read, or names no robot.
+    """
+    try:
+        return _robot(_tree(path).get("machine"), Path(path).parent)
+    except FFGymError as error:
+        raise FFGymError(f"{path}: {error}") from error
+
+
+def origins_of(path: str | Path) -> tuple[Origin, ...]:
+    """Where the numbers of the effects of a machine file come from, in the order of `Machine.effects`.
+
+    Raises:
+        FFGymError: if the file cannot be read.
+    """
+    return read_origins(_table(_tree(path), "effects"))
+
+
+def robot_reference(path: str | Path) -> str | Path:
+    """What a machine file calls its robot: a built-in name, or the path of a description.
+
+    Raises:
+        FFGymError: if the file cannot be read.
+    """
+    named = str(_table(_tree(path), "machine").get("robot"))
+    return Path(path).parent / named if named.endswith(".toml") else named
+
+
+def is_machine_file(path: str | Path) -> bool:
+    """Whether this is a TOML file with a table [machine]; what cannot be read is none."""
+    if not str(path).endswith(".toml"):
+        return False
+    try:
+        return "machine" in _tree(path)
+    except FFGymError:
+        return False
+
+
+def _tree(path: str | Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(read_text(path))
+    except FFGymError as error:
+        raise FFGymError(f"Cannot read machine file {error}") from error
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise FFGymError(f"Cannot read machine file {path}: it is not valid TOML: {error}.") from error
+
+
+def parse_machine(
+    tree: Mapping[str, Any],
+    where: str = "machine",
+    folder: Path = Path(),
+    known: Mapping[str, type[Effect]] = EFFECTS,
+    *,
+    partial: bool = False,
+) -> Machine:
+    """Machine of parsed tables.
+
+    Args:
+        tree: the tables.
+        where: their name, for messages.
+        folder: where the path of a description file starts.
+        known: effects that the tables may name.
+        partial: as for `load_machine`.
+
+    Raises:
+        FFGymError: if an entry is unknown, missing or invalid.
+    """
+    try:
+        for table in tree:
+            check_choice("table", table, ["machine", *GROUPS, "effects", "climate"])
+        numbers = {group: tree[group] for group in GROUPS if group in tree}
+        robot = _with_numbers(tree.get("machine"), folder, numbers, partial=partial)
+        effects = read_effects(_table(tree, "effects"), robot, known)
+        climate = parse_climate(_table(tree, "climate")) if "climate" in tree else None
+        return Machine(robot=robot, effects=effects, climate=climate)
+    except FFGymError as error:
+        raise FFGymError(f"{where}: {error}") from error
+
+
+def parse_climate(tables: Mapping[str, Any]) -> Climate:
+    """Climate of the table [climate] of a file.
+
+    Raises:
+        FFGymError: if an entry is unknown, or has a wrong unit or value.
+    """
+    values: dict[str, Any] = {}
+    for name, table in tables.items():
+        unit = CLIMATE_UNITS[check_choice("entry of climate", name, list(CLIMATE_UNITS))]
+        if not isinstance(table, dict) or not {"value", "unit"} <= set(table) <= {"value", "unit", "source"}:
+            raise FFGymError(f"climate.{name} = {table!r} must be a table of value, unit and maybe source.")
+        if table["unit"] != unit:
+            raise FFGymError(f"climate.{name} has unit {table['unit']!r}, must be {unit!r}.")
+        if not isinstance(table.get("source", ""), str):
+            raise FFGymError(f"climate.{name}.source = {table['source']!r} must be text.")
+        values[name] = table["value"]
+    return Climate(**values)
+
+
+def climate_toml(climate: Climate, source: str) -> str:
+    """Text of the table [climate] that `parse_climate` reads back to the bit."""
+    lines = ["[climate]"]
+    for f in fields(climate):
+        value = np.asarray(getattr(climate, f.name)).tolist()
+        lines.append(f'{f.name} = {{ value = {value}, unit = "{CLIMATE_UNITS[f.name]}", source = {text(source)} }}')
+    return "\n".join(lines) + "\n"
+
+
+def _table(tree: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    table = tree.get(name, {})
+    if not isinstance(table, dict):
+        raise FFGymError(f"[{name}] must be a table, got {table!r}.")
+    return table
+
+
+def _with_numbers(head: Any, folder: Path, numbers: Mapping[str, Any], *, partial: bool) -> RobotDescription:
+    """The robot that a file names, with the numbers of the file."""
+    draft = load_draft(place) if (place := _description(head, folder)) is not None else None
+    if draft is None or not draft.missing:
+        known = _robot(head, folder)
+        robot = with_numbers(known, numbers) if numbers else known
+    else:
+        known = draft.description_for("identification")
+        whole = draft_with_numbers(draft, numbers) if numbers else draft
+        robot = whole.description_for("identification") if partial and whole.missing else whole.complete()
+    if numbers:
+        check_same_controller(robot, known)
+    return robot
+
+
+def _description(head: Any, folder: Path) -> Path | None:
+    """Path of the description that a file names; None for what is no path."""
+    named = head.get("robot") if isinstance(head, dict) else None
+    return folder / named if isinstance(named, str) and named.endswith(".toml") else None
+
+
+def _robot(head: Any, folder: Path) -> RobotDescription:
+    if (
+        not isinstance(head, dict)
+        or set(head) != {"title", "robot"}
+        or not all(isinstance(x, str) for x in head.values())
+    ):
+        raise FFGymError(f"[machine] must have exactly title and robot, both text, got {head!r}.")
+    robot = head["robot"]
+    if robot.endswith(".toml"):
+        return load_robot(folder / robot)
+    return load_robot(check_choice("robot of [machine]", robot, [*builtin_robots(), *builtin_parameters()]))

@@ -1,0 +1,256 @@
+"""Many copies of one robot, stepped together by MuJoCo; motor quantities go in and come out in motor units."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from mujoco import batch
+
+from ffgym.core.errors import FFGymError, check_shape, check_whole
+from ffgym.core.types import Array, IntArray
+from ffgym.robot import ModelOptions, RobotDescription, physics_fingerprint
+from ffgym.simulation.plant.addresses import Addresses
+from ffgym.simulation.plant.equilibrium import bent_by_load
+from ffgym.simulation.plant.forces import Forces
+from ffgym.simulation.plant.machine import Machine
+from ffgym.simulation.plant.own_models import check_same_make, give_model
+from ffgym.simulation.plant.plant_state import PlantState, SavedPlant
+from ffgym.simulation.plant.sameness import check_same_controller
+from ffgym.simulation.plant.servo_reading import ServoReading
+from ffgym.simulation.plant.settling import Settling
+from ffgym.simulation.plant.stability import check_stable, unprinted_warnings
+from ffgym.simulation.plant.stepping import stepped
+
+MAX_THREADS = 1024
+"""More threads than any machine has cores; a larger number is a slip."""
+
+
+class Plant:
+    """B simulations of one robot with servos, on `n_threads` threads (0: all cores); one robot is the batch of one.
+
+    The batch's results are bit-identical at any number of threads and robots.
+    """
+
+    def __init__(
+        self,
+        robot: RobotDescription | Machine,
+        n_robots: int,
+        *,
+        options: ModelOptions | None = None,
+        n_threads: int = 0,
+    ) -> None:
+        options = options or ModelOptions(looks=False)
+        if not options.servo:
+            raise FFGymError("A plant needs its servos; leave ModelOptions.servo at True.")
+        n_robots = check_whole("n_robots", n_robots, low=1)
+        n_threads = check_whole("n_threads", n_threads, low=0, high=MAX_THREADS)
+        machine = Machine.of(robot)
+        self.robot = robot = machine.robot
+        self._first = machine
+        self.machines = [machine] * n_robots
+        """What each simulation is: the first, or what it was made to `become`."""
+        self._options = options
+        self.model = machine.spec(options).compile()
+        self.batch = batch.Batch(self.model, nsim=n_robots, nthread=n_threads)
+        self._qpos, self._qvel, self._act = (self.batch.bind(name) for name in ("qpos", "qvel", "act"))
+        self._time, self._warnings = self.batch.bind("time"), self.batch.warning[..., 1]
+        self._warned = self._warnings.copy()
+        self.physics_dt = float(self.model.opt.timestep)
+        self.n_substeps = round(robot.servo.control_dt / self.physics_dt)
+        if abs(self.n_substeps * self.physics_dt - robot.servo.control_dt) > 1e-9 or self.n_substeps < 1:
+            raise FFGymError(
+                f"physics_dt = {self.physics_dt} s must divide control_dt = {robot.servo.control_dt} s exactly."
+            )
+        self.addresses = Addresses.of(self.model, robot)
+        self._has_springs = bool(robot.springs) and options.springs
+        self._servo = ServoReading.of(self.batch, self.addresses, robot.drive)
+        self._forces = self._make_forces()
+
+    @property
+    def n_robots(self) -> int:
+        """Number of simulations B."""
+        return int(self.batch.nsim)
+
+    @property
+    def robots(self) -> list[RobotDescription]:
+        """What each simulation is, with the effects that other numbers of a description bring about."""
+        return [machine.physical for machine in self.machines]
+
+    def check_controller(self, robot: RobotDescription) -> None:
+        """Check that a controller made for `robot` fits this plant, and this plant's a robot.
+
+        Raises:
+            FFGymError: if joints, gear ratios, servo gains, sample times or the make of springs and tool differ.
+        """
+        check_same_controller(self.robot, robot)
+
+    def fingerprint(self, index: int = 0) -> str:
+        """Fingerprint of the physics of one simulation."""
+        machine = self.machines[index]
+        model = self.model if machine.is_as(self._first) else machine.spec(self._options).compile()
+        return machine.fingerprint(physics_fingerprint(model))
+
+    def become(self, ids: Sequence[int] | IntArray, robots: Sequence[RobotDescription | Machine]) -> None:
+        """Give simulations `ids` other physics: masses, stiffness, friction, ... of `robots`; then put them to `rest`.
+
+        All others go on as if nothing had happened.
+
+        Raises:
+            FFGymError: if a robot differs in what its controller knows: joints, gear ratios, servo, sample times; or in
+                which joints are elastic, which bodies springs join, or whether there is a tool.
+        """
+        machines = [Machine.of(robot) for robot in robots]
+        if len(machines) != len(ids):
+            raise FFGymError(f"There are {len(machines)} robots for {len(ids)} simulations; give one each.")
+        changed = [(i, m) for i, m in zip(ids, machines, strict=True) if not m.is_as(self.machines[i])]
+        models = [self._model_of(machine) for _, machine in changed]  # all of them before any is given
+        for (i, machine), model in zip(changed, models, strict=True):
+            give_model(self.batch, self.model, i, model)
+            self.machines[i] = machine
+        if changed:
+            before, self._forces = self._forces, self._make_forces()
+            if before is not None and self._forces is not None:
+                others = np.setdiff1d(np.arange(self.n_robots), [i for i, _ in changed])
+                self._forces.go_on_from(before, others)
+
+    def _model_of(self, machine: Machine) -> mujoco.MjModel:
+        """Model of a machine that has a place in this batch."""
+        self.check_controller(machine.robot)
+        model = machine.spec(self._options).compile()
+        check_same_make(model, self.model, machine.robot.name)
+        return model
+
+    def _make_forces(self) -> Forces | None:
+        """What acts beside the engine's own physics; None for nothing, which costs nothing."""
+        self.batch.bind("qfrc_applied")[:] = 0.0
+        if not Forces.needed(self.machines):
+            return None
+        return Forces(self.batch, self.addresses, self.machines)
+
+    def rest(self, motor_q: Array, motor_dq: Array | None = None, ids: IntArray | None = None) -> None:
+        """Put robots into static equilibrium: springs and servo integrals carry gravity, bristles are relaxed.
+
+        Args:
+            motor_q: joint position at the gearbox output as resolvers read it [rad], shape (B, N).
+            motor_dq: joint speed at the gearbox output [rad/s], shape (B, N); None is at rest.
+            ids: which robots, shape (B,); None is all.
+
+        Raises:
+            FFGymError: if a robot is so soft that it finds no equilibrium under gravity.
+        """
+        n, at, engine = self.robot.n_joints, self.addresses, self.batch
+        rows = np.arange(self.n_robots) if ids is None else np.asarray(ids)
+        motor_q = check_shape("motor_q", motor_q, (len(rows), n))
+        speed = np.zeros_like(motor_q) if motor_dq is None else check_shape("motor_dq", motor_dq, (len(rows), n))
+        if self._forces is not None:
+            motor_q = self._forces.read_as(self._forces.choose(rows), motor_q)
+        engine.reset(rows, stage=mujoco.mjtStage.mjSTAGE_NONE.value)
+        self._warned[rows] = self._warnings[rows]
+        self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
+        robots = [self.machines[i].physical for i in rows]
+        load = self._bend(rows, robots)
+        settling = None if self._forces is None else self._settling(rows)
+        held = self.robot.drive.motor_torque(load) if settling is None else settling.servo_torque(load)
+        self._qvel[np.ix_(rows, at.motor_qpos)] = speed
+        gain = np.stack([robot.servo.integral_gain for robot in robots])
+        integral = np.divide(held, gain, out=np.zeros_like(held), where=gain > 0)
+        self._act[np.ix_(rows, at.integral[at.has_integral])] = integral[:, at.has_integral]
+        if settling is not None:
+            settling.begin()
+
+    def _bend(self, rows: IntArray, robots: Sequence[RobotDescription]) -> Array:
+        """Bend joints until they carry the load; returns its torque, link side [N m], (B, N)."""
+        effects = self._settling if self._forces is not None and self._forces.bends.any() else None
+        if not np.any(self.model.opt.gravity) and not self._has_springs and effects is None:
+            return np.zeros((len(rows), self.robot.n_joints))
+        has_springs = self._has_springs
+        return bent_by_load(self.batch, self.addresses, rows, robots, has_springs=has_springs, effects=effects)
+
+    def _settling(self, rows: IntArray) -> Settling:
+        assert self._forces is not None
+        return Settling(self._forces, rows, self.robot.drive)
+
+    def save(self) -> SavedPlant:
+        """All that may change, to go back to it."""
+        forces = self._forces
+        return SavedPlant(
+            machines=self.machines.copy(),
+            engine=self.batch.state.copy(),
+            forces=forces,
+            remembered=[] if forces is None else forces.remembered(),
+        )
+
+    def restore(self, saved: SavedPlant) -> None:
+        """Go back, to the bit."""
+        self.become(range(self.n_robots), saved.machines)
+        self.batch.state[:] = saved.engine
+        self._forces = saved.forces
+        if self._forces is not None:
+            self._forces.remember(saved.remembered)
+
+    def state(self) -> PlantState:
+        """State of all robots now, arrays of shape (B, N), copies."""
+        return self.unpack(self._qpos, self._qvel, self._act)
+
+    def servo_state(self) -> Array:
+        """What servos know: motor position [rad], speed [rad/s] and integral [rad s], motor side, (B, 3 N), a copy.
+
+        Position and speed are those that the resolver reads, if the machine has a resolver with an error.
+        """
+        state, n = self._servo.now(), self.robot.n_joints
+        if self._forces is not None:
+            error = self._forces.resolver_error(state[:, :n], state[:, n : 2 * n])
+            state[:, :n] += error.angle
+            state[:, n : 2 * n] += error.speed
+        return state
+
+    def unpack(self, qpos: Array, qvel: Array, act: Array) -> PlantState:
+        """State from MuJoCo's arrays of any leading shape, motor quantities in motor units."""
+        return PlantState.of(self.addresses, self.robot.drive, qpos, qvel, act)
+
+    def tcp_position(self, index: int, qpos: Array) -> Array | None:
+        """TCP [m] (T, 3) of a simulation at MuJoCo's joint positions (T, nq), if that takes more than link positions.
+
+        None for a machine of which the links know all.
+        """
+        if not self.addresses.extra_qpos.size or self.robot.tool is None:
+            return None
+        model = self.machines[index].spec(self._options).compile()
+        data, site = mujoco.MjData(model), model.site("tcp").id
+        points = np.empty((len(qpos), 3))
+        for point, position in zip(points, qpos, strict=True):
+            data.qpos[:] = position
+            mujoco.mj_kinematics(model, data)
+            point[:] = data.site_xpos[site]
+        return points
+
+    def split_controls(self, controls: Array) -> tuple[Array, Array, Array]:
+        """Set-points for position, velocity, torque (..., N) as views of MuJoCo's controls (..., 3 N), motor side."""
+        position, velocity, torque = (controls[..., k::3] for k in range(3))
+        return position, velocity, torque
+
+    def advance(self, controls: Array, ids: IntArray | None = None) -> tuple[Array, Array, Array]:
+        """Run physics steps with one row of `controls` (B, S, 3 N) each; returns qpos, qvel, act after every step.
+
+        Raises:
+            FFGymError: if a simulation becomes unstable.
+        """
+        out = self._roll(controls, ("qpos", "qvel", "act"), ids)
+        return out["qpos"], out["qvel"], out["act"]
+
+    def drive(self, controls: Array, ids: IntArray | None = None) -> None:
+        """As `advance`, and keep nothing but the state at the end."""
+        self._roll(controls, (), ids)
+
+    def _roll(self, controls: Array, record: tuple[str, ...], ids: IntArray | None) -> dict[str, Array]:
+        steps = controls.shape[1]
+        began = self._time.copy()
+        with unprinted_warnings():
+            if self._forces is None:
+                out: dict[str, Array] = self.batch.rollout(steps, control=controls, record=record, ids=ids)
+            else:
+                out = stepped(self.batch, self._forces, controls, record, ids, self.physics_dt)
+        if self._warnings.any():
+            warned, self._warned = self._warnings > self._warned, self._warnings.copy()
+            check_stable(warned, self.robot.name, began, steps * self.physics_dt, self.physics_dt)
+        return out

@@ -1,0 +1,79 @@
+"""A minute and a half that shows every regime: the first recording to diagnose a machine from."""
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.paths import Reference, cartesian_reference, circle_test, joint_reference, schroeder_phases
+from ffgym.simulation.protocols.dwell_restart import dwell_path
+from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
+from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.together import large_multisine, own_sines, own_triangles
+
+SLOW, MID, FAST = 0.3, 5.0, 15.0
+"""Motor speeds of slow and mid triangle and of the sine [rad/s]; chosen: near the Stribeck speeds of gearboxes, above
+them, and where viscous friction is as large as Coulomb friction (12 rad/s on joint 1 of the thesis)."""
+
+RESTS = (0.3, 1.0, 3.0)
+"""Rests before restarts [s]."""
+
+CIRCLE = 0.003
+"""Radius of the small circles [m], the middle one of the thesis."""
+
+CIRCLES = (("slow", 0.010, 2), ("fast", 0.040, 4))
+"""Motions with small circles: name, tool speed [m/s], those of the thesis' tables, and how many circles."""
+
+SMALL = 3.0
+"""Motor speed of the small motions that stand for circles on a machine without a work area [rad/s]; chosen: about that
+of the fastest joint on the thesis' circles at 10 mm/s."""
+
+HARMONICS = 0.25 * np.arange(1, 9, dtype=np.float64)
+"""Frequencies of the multisine [Hz]."""
+
+SWEEP = np.array([0.1, 0.2])
+"""Frequencies of the large sweep [Hz]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Diagnosis(JointProtocol):
+    """Eight short motions of all joints: rest, presliding, dwell, reversals, a ladder of speeds and of loads."""
+
+    name: ClassVar[str] = "diagnosis"
+    purpose: ClassVar[str] = "first recording of a machine: every regime in a minute and a half"
+
+    def motions(self, stage: Stage) -> list[Scheduled]:
+        """Eight motions."""
+        robot, joints = stage.robot, stage.moved(self.joints)
+        timed = [
+            own_triangles(stage, joints, SLOW, 13.0, name="slow_triangle"),
+            own_triangles(stage, joints, MID, 10.0, name="mid_triangle"),
+            own_sines(stage, joints, FAST, 0.7, 10.0, name="sine"),
+            dwell_path(stage, joints, RESTS, speed=2 * SLOW, run=0.6, name="dwell_restart"),
+        ]
+        phases = schroeder_phases(len(HARMONICS), robot.n_joints)
+        return self.paused(
+            [
+                *(joint_reference(robot, path) for path in timed),
+                large_multisine(stage, joints, HARMONICS, phases, 0.03, 10.0, name="multisine"),
+                *_small_motions(stage, joints),
+                large_multisine(stage, joints, SWEEP, phases[: len(SWEEP)], 0.15, 15.0, name="sweep"),
+            ]
+        )
+
+
+def _small_motions(stage: Stage, joints: tuple[int, ...]) -> list[Reference]:
+    """Small circles at two speeds; small sines on a machine without places to work at, or if only some joints move."""
+    area = stage.robot.work_area
+    if area is None or not area.positions or stage.robot.tool is None or len(joints) < stage.robot.n_joints:
+        return [
+            joint_reference(stage.robot, own_sines(stage, joints, SMALL, frequency, 6.0, name=name))
+            for name, frequency in (("slow_small", 0.5), ("fast_small", 2.0))
+        ]
+    centre = next(iter(area.positions.values()))
+    paths = [
+        circle_test(centre, speed, radii=(CIRCLE,) * count, normal=area.normal, dt=stage.dt, name=f"{name}_circles")
+        for name, speed, count in CIRCLES
+    ]
+    return [cartesian_reference(stage.arm, path) for path in paths]

@@ -1,0 +1,105 @@
+"""What a measurement protocol is: a named list of motions that serve one purpose, for any robot."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import Field, dataclass, fields, replace
+from typing import Any, ClassVar, Self, final
+
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.paths import Reference
+from ffgym.paths.motions.parts.part import entry
+from ffgym.robot import RigidArm
+from ffgym.simulation.protocols.limits import check_torque
+from ffgym.simulation.protocols.stage import Stage
+
+PAUSE = 5.0
+"""Default time before a motion [s]; chosen: what an arm needs to go where the motion begins."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Scheduled:
+    """A motion of a protocol."""
+
+    reference: Reference
+    """Its name is that of the motion within the protocol."""
+    pause: float
+    """Time between the end of the motion before and its start [s]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Protocol(ABC):
+    """Motions that a machine makes for one purpose, each recorded on its own."""
+
+    name: ClassVar[str]
+    """As on command lines and in files."""
+    purpose: ClassVar[str]
+    """What its recordings serve, in one sentence."""
+
+    pause: float = entry("time between motions, in which the arm goes where the next one begins", "s", default=PAUSE)
+
+    def __post_init__(self) -> None:
+        check_number("pause", self.pause, unit="s", low=0.0)
+
+    def schedule(self, arm: RigidArm) -> list[Scheduled]:
+        """Motions for a robot, in order, within its joint ranges, speeds and torques.
+
+        Raises:
+            FFGymError: if the robot cannot make one of them; the message begins with the protocol.
+        """
+        try:
+            motions = self.motions(Stage(arm=arm))
+            for motion in motions:
+                check_torque(arm, motion.reference)
+        except FFGymError as error:
+            raise FFGymError(f"Protocol {self.name} on {arm.robot.name!r}: {error}") from error
+        return [replace(m, reference=replace(m.reference, name=f"{self.name}.{m.reference.name}")) for m in motions]
+
+    @abstractmethod
+    def motions(self, stage: Stage) -> list[Scheduled]:
+        """Motions for a robot, with names that differ; their torques are checked by `schedule`."""
+
+    def paused(self, references: Sequence[Reference]) -> list[Scheduled]:
+        """Motions with the same pause before each."""
+        return [Scheduled(reference=reference, pause=self.pause) for reference in references]
+
+    @classmethod
+    def parse(cls, table: Mapping[str, Any]) -> Self:
+        """Protocol with the settings of a table.
+
+        Raises:
+            FFGymError: if a setting is unknown or not valid.
+        """
+        known = [f.name for f in settings(cls)]
+        unknown = sorted(set(table) - set(known))
+        if unknown:
+            raise FFGymError(f"Unknown settings {', '.join(unknown)}. Protocol {cls.name} has {', '.join(known)}.")
+        return cls(**table)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointProtocol(Protocol):
+    """A protocol that moves joints."""
+
+    joints: Sequence[str] = entry("names of the joints that move; absent is all", default=())
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_names("joints", self.joints)
+
+
+def check_names(what: str, names: Any) -> None:
+    """Check that `names` is a list of names that differ.
+
+    Raises:
+        FFGymError: if it is none.
+    """
+    listed = isinstance(names, Sequence) and not isinstance(names, str)
+    if not listed or not all(isinstance(name, str) for name in names) or len(set(names)) < len(names):
+        raise FFGymError(f"{what} = {names!r} must be a list of names, each of them once.")
+
+
+def settings(protocol: type[Protocol]) -> tuple[Field[Any], ...]:
+    """Settings of a protocol, its own first."""
+    shared = {f.name for f in fields(JointProtocol)}
+    return tuple(sorted(fields(protocol), key=lambda f: f.name in shared))

@@ -1,0 +1,98 @@
+"""A session on a machine: motions in, recordings out, as its sensors see them."""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.core.errors import check_number, check_whole
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, Thermometer, sensors_of
+from ffgym.simulation.protocols.session import SessionMotion
+from ffgym.simulation.run import Progress
+
+BATCH = 1000.0
+"""Motions are simulated together up to this much time [s], less where samples are closer than RECORD_DT; chosen: a
+physics step of a machine with effects costs little more for many motions than for one, and those of six axes take
+1.4 GB (measured with the speed ladder of irb4600_60_205)."""
+
+THERMOMETER = Thermometer(noise=0.1, resolution=0.1)
+"""Temperature sensor of a machine that warms up; chosen: a common resistance thermometer."""
+
+
+def usual_sensors(robot: RobotDescription) -> tuple[Sensor, ...]:
+    """What measures where nothing else is said: resolvers, the tracker that the description has, a thermometer."""
+    return (*sensors_of(robot), THERMOMETER)
+
+
+def record(
+    motions: Sequence[SessionMotion],
+    rig: Rig,
+    *,
+    law: FeedForwardLaw | None = None,
+    seed: int = 0,
+    record_dt: float = RECORD_DT,
+    n_threads: int = 0,
+    progress: Progress | None = None,
+    only: Collection[int] | None = None,
+) -> Iterator[Recording]:
+    """Record the motions of a session, in order; each is there as soon as its batch has run.
+
+    A recording depends neither on those around it nor on which of them are made: each motion has its own randomness.
+
+    Args:
+        motions: from `plan_session`.
+        rig: where they are run. A machine that warms up does so on the clock of the session.
+        law: feed-forward law; None is none.
+        seed: of the sensors' noise.
+        record_dt: sample time of the recordings [s].
+        n_threads: threads of the simulation, 0 for all cores.
+        progress: called now and then with the simulated seconds done and their total.
+        only: places in `motions` of those that are made; None makes all.
+
+    Raises:
+        FFGymError: if an option does not fit, or a simulation becomes unstable.
+    """
+    generators = np.random.default_rng(check_whole("seed", seed, low=0)).spawn(len(motions))
+    law = law or NoCompensation()
+    wanted = [i for i in range(len(motions)) if only is None or i in only]
+    total, before = sum(motions[i].reference.duration for i in wanted), 0.0
+    longest = BATCH * min(1.0, check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True) / RECORD_DT)
+    for batch in _batches(motions, wanted, longest):
+        recordings = rig.run(
+            [Run(reference=motions[i].reference, law=law) for i in batch],
+            seed=[generators[i] for i in batch],
+            started=[motions[i].start for i in batch],
+            record_dt=record_dt,
+            n_threads=n_threads,
+            progress=None if progress is None else _shifted(progress, before, total),
+        )
+        before += sum(motions[i].reference.duration for i in batch)
+        for i, recording in zip(batch, recordings, strict=True):
+            yield _labelled(recording, motions[i], seed)
+
+
+def _batches(motions: Sequence[SessionMotion], wanted: Sequence[int], longest: float) -> Iterator[list[int]]:
+    """Places of motions that run together: as many as reach `longest` [s]."""
+    batch: list[int] = []
+    for i in wanted:
+        batch.append(i)
+        if sum(motions[k].reference.duration for k in batch) >= longest:
+            yield batch
+            batch = []
+    if batch:
+        yield batch
+
+
+def _shifted(progress: Progress, before: float, total: float) -> Progress:
+    return lambda done, _: progress(before + done, total)
+
+
+def _labelled(recording: Recording, motion: SessionMotion, seed: int) -> Recording:
+    """The recording with its place in the session."""
+    header = recording.header
+    meta = header.meta | {"protocol": motion.protocol, "session_start": motion.start}
+    provenance = header.provenance | {"seed": seed}
+    return Recording(recording.columns, replace(header, meta=meta, provenance=provenance))

@@ -1,0 +1,16 @@
+from .circle_metrics import CircleScore as CircleScore
+from .circle_metrics import circle_scores as circle_scores
+from .circle_metrics import in_mm as in_mm
+from .circles import Cell as Cell
+from .circles import CircleStudy as CircleStudy
+from .circles import circle_references as circle_references
+from .circles import circle_study as circle_study
+from .circles import thesis_laws as thesis_laws
+from .motions import MotionResult as MotionResult
+from .motions import MotionStudy as MotionStudy
+from .motions import StretchError as StretchError
+from .motions import motion_study as motion_study
+from .one_axis import OneAxisStudy as OneAxisStudy
+from .one_axis import SineResult as SineResult
+from .one_axis import one_axis_study as one_axis_study
+from .one_axis import sine_references as sine_references

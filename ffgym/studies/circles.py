@@ -1,0 +1,186 @@
+"""The circle test of the thesis on a simulated robot: every position, radius and speed, with each feed-forward law."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, StaticLuGre
+from ffgym.core.errors import FFGymError, check_shape
+from ffgym.paths import RADII, SPEEDS, Reference, cartesian_reference, circle_test
+from ffgym.recordings import Recording
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription
+from ffgym.simulation import Rig, Run, SimulatedRig
+from ffgym.simulation.run import Progress
+from ffgym.studies.circle_metrics import circle_scores, in_mm
+from ffgym.studies.selection import distinct, picked
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """One circle with one law: path error [mm] and motor error [rad]."""
+
+    agent: str
+    plant: str
+    position: str
+    radius_mm: float
+    speed_mm_s: float
+    rms_mm: float
+    """In the plane of the circle, as the thesis."""
+    max_mm: float
+    rms_3d_mm: float
+    """In space."""
+    max_3d_mm: float
+    motor_rms_rad: list[float]
+    """Per joint, motor side, over lead-in, circle and lead-out."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CircleStudy:
+    """Results of a circle test."""
+
+    robot: RobotDescription
+    cells: list[Cell]
+    recordings: dict[tuple[str, str, float], Recording] = field(repr=False)
+    """By law, position and speed [m/s]; each holds all radii."""
+    fingerprint: str
+
+    @property
+    def title(self) -> str:
+        """What ran: the robot, and the machine under its controller where that is not the robot itself."""
+        machines = dict.fromkeys(cell.plant for cell in self.cells if cell.plant != SimulatedRig.name)
+        return self.robot.title + (f", machine: {', '.join(machines)}" if machines else "")
+
+    def select(self, **wanted: object) -> list[Cell]:
+        """Cells whose fields equal `wanted`, e.g. agent='none', speed_mm_s=10."""
+        return [cell for cell in self.cells if all(getattr(cell, key) == value for key, value in wanted.items())]
+
+    def only(
+        self,
+        laws: Sequence[str] | None = None,
+        positions: Sequence[str] | None = None,
+        speeds: Sequence[float] | None = None,
+    ) -> "CircleStudy":
+        """Return the part of the study with these laws, positions and speeds [m/s]; None takes all.
+
+        Raises:
+            FFGymError: if the study lacks one of them.
+        """
+        keys = picked(self.recordings, law=laws, position=positions, speed=speeds)
+        return replace(
+            self,
+            cells=[c for key in keys for c in self.select(agent=key[0], position=key[1], speed_mm_s=in_mm(key[2]))],
+            recordings={key: self.recordings[key] for key in keys},
+        )
+
+    def joined(self, other: "CircleStudy") -> "CircleStudy":
+        """Return the study with the results of another study of the same robot added.
+
+        Raises:
+            FFGymError: if the robots differ, or both have results of one law at one position and speed.
+        """
+        if other.fingerprint != self.fingerprint:
+            raise FFGymError(f"Studies of {self.robot.name!r} and {other.robot.name!r} are of unlike robots.")
+        if twice := sorted(self.recordings.keys() & other.recordings.keys()):
+            raise FFGymError(f"Both studies have results of {twice[0]}; leave them out of one with `only`.")
+        recordings = self.recordings | other.recordings
+        return replace(self, cells=self.cells + other.cells, recordings=recordings)
+
+    def renamed(self, law: str, name: str) -> "CircleStudy":
+        """Return the study with another name for a law, so that it can stand beside one of the same name."""
+        cells = [replace(cell, agent=name) if cell.agent == law else cell for cell in self.cells]
+        recordings = {(name if key[0] == law else key[0], *key[1:]): each for key, each in self.recordings.items()}
+        return replace(self, cells=cells, recordings=recordings)
+
+
+def thesis_laws(robot: RobotDescription) -> list[FeedForwardLaw]:
+    """No compensation, static LuGre and dynamic LuGre with the robot's own friction parameters (chapter 4)."""
+    return [NoCompensation(), StaticLuGre(robot.friction), DynamicLuGreExact(robot.friction)]
+
+
+def circle_references(
+    arm: RigidArm,
+    positions: Sequence[str] | None = None,
+    speeds: Iterable[float] = SPEEDS,
+    radii: Sequence[float] = RADII,
+) -> dict[tuple[str, float], Reference]:
+    """References of the test motion by position and speed [m/s]; None takes every position of the work area.
+
+    Raises:
+        FFGymError: if the robot has no work area or no such position, or cannot follow the motion.
+    """
+    robot = arm.robot
+    if robot.work_area is None:
+        raise FFGymError(
+            f"Robot {robot.name!r} has no work area for circles; use ffgym.studies.one_axis_study for one axis."
+        )
+    names = list(robot.work_area.positions) if positions is None else list(positions)
+    speeds = check_shape("speeds", list(speeds), (None,)).tolist()
+    _check_distinct("positions", names)
+    _check_distinct("speeds [mm/s]", [in_mm(speed) for speed in speeds])
+    _check_distinct("radii [mm]", [in_mm(radius) for radius in check_shape("radii", radii, (None,))])
+    normal, dt = robot.work_area.normal, robot.servo.control_dt
+
+    def reference(name: str, speed: float) -> Reference:
+        title = f"{name}, {speed * 1e3:g} mm/s"
+        path = circle_test(robot.position(name), speed, radii=radii, normal=normal, dt=dt, name=title)
+        return cartesian_reference(arm, path)
+
+    return {(name, speed): reference(name, speed) for speed in speeds for name in names}
+
+
+def _check_distinct(what: str, values: Sequence[object]) -> None:
+    if not values or len(set(values)) < len(values):
+        raise FFGymError(f"{what} of one study must be at least one, and all different, got {list(values)}.")
+
+
+def circle_study(
+    robot: RobotDescription | Rig,
+    *,
+    laws: Sequence[FeedForwardLaw] | None = None,
+    positions: Sequence[str] | None = None,
+    speeds: Sequence[float] = SPEEDS,
+    radii: Sequence[float] = RADII,
+    plant: str | None = None,
+    options: ModelOptions | None = None,
+    seed: int = 0,
+    n_threads: int = 0,
+    progress: Progress | None = None,
+) -> CircleStudy:
+    """Simulate and score the circle test.
+
+    Args:
+        robot: the robot, which is its own plant; or a rig, on which the motions are run.
+        laws: feed-forward laws; None takes those of chapter 4.
+        positions: names in the robot's work area; None takes all.
+        speeds: TCP speeds [m/s].
+        radii: circle radii [m].
+        plant: what to call the plant in the cells; None takes the name of the rig, 'nominal' for a robot.
+        options: what to change in the plant of a robot.
+        seed: of the sensors' noise, on a rig with sensors.
+        n_threads: threads of the engine, 0 for all cores.
+        progress: called with the simulated seconds done and their total.
+
+    Raises:
+        FFGymError: if there is nothing to simulate, two laws share a name, or the robot cannot follow the motion.
+    """
+    rig = robot if isinstance(robot, Rig) else SimulatedRig(arm=RigidArm(robot), options=options)
+    references = circle_references(rig.arm, positions, speeds, radii)
+    laws = distinct(thesis_laws(rig.robot) if laws is None else laws)
+    keys = [(law, *key) for key in references for law in laws]
+    runs = [Run(reference=references[position, speed], law=law) for law, position, speed in keys]
+    results = rig.run(runs, seed=seed, n_threads=n_threads, progress=progress)
+    recordings = {
+        (law.name, position, speed): recording for (law, position, speed), recording in zip(keys, results, strict=True)
+    }
+    plant = rig.name if plant is None else plant
+    cells = [cell for key, recording in recordings.items() for cell in _cells(*key, plant, radii, recording)]
+    fingerprint = str(results[0].header.provenance["physics_fingerprint"])
+    return CircleStudy(robot=rig.robot, cells=cells, recordings=recordings, fingerprint=fingerprint)
+
+
+def _cells(
+    agent: str, position: str, speed: float, plant: str, radii: Sequence[float], recording: Recording
+) -> list[Cell]:
+    return [
+        Cell(agent=agent, plant=plant, position=position, speed_mm_s=in_mm(speed), **vars(score))
+        for score in circle_scores(recording, radii)
+    ]

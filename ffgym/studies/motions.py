@@ -1,0 +1,160 @@
+"""Any motions of one robot, simulated with each feed-forward law and scored."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ffgym.control import FeedForwardLaw
+from ffgym.core.errors import FFGymError
+from ffgym.paths import Reference
+from ffgym.recordings import Recording
+from ffgym.recordings.metrics import contour_errors, motor_error
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation import RECORD_DT, Rig, Run, SimulatedRig
+from ffgym.simulation.run import Progress, one_robot
+from ffgym.studies.selection import distinct
+
+
+@dataclass(frozen=True, kw_only=True)
+class StretchError:
+    """Deviation of the TCP from its path on the whole motion or one phase of it [mm]; see `metrics.ContourError`."""
+
+    label: str
+    start: float
+    """On the clock of the recording [s]; with `end` it tells phases of one name apart."""
+    end: float
+    rms_mm: float
+    max_mm: float
+    lag_rms_mm: float
+    lag_max_mm: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionResult:
+    """One motion with one law. Per joint, shape (N,); standstill does not count."""
+
+    agent: str
+    motion: str
+    motor_rms_rad: list[float]
+    """Motor position error, motor side."""
+    motor_max_rad: list[float]
+    torque_use: list[float]
+    """Largest torque that was asked of the drive over its peak torque; above 1 the drive cannot give it."""
+    speed_use: list[float]
+    """Largest joint speed of the reference over the limit."""
+    path: list[StretchError]
+    """The whole motion first, then its phases; empty where no TCP was seen."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionStudy:
+    """Results of motions of one robot."""
+
+    robot: RobotDescription
+    references: dict[str, Reference] = field(repr=False)
+    """By name of the motion."""
+    results: list[MotionResult]
+    recordings: dict[tuple[str, str], Recording] = field(repr=False)
+    """By law and name of the motion."""
+
+    @property
+    def fingerprint(self) -> str:
+        """Of the simulated physics."""
+        return str(next(iter(self.recordings.values())).header.provenance["physics_fingerprint"])
+
+    @property
+    def overloads(self) -> list[str]:
+        """One sentence per motion and law that asks drives for more than they can give."""
+        return [
+            f"{result.motion} with law {result.agent!r} asks {', '.join(over)}: the drives cannot follow; slow it down."
+            for result in self.results
+            if (over := _overloaded(self.robot.joints, result.torque_use))
+        ]
+
+    @property
+    def agents(self) -> list[str]:
+        """Names of the laws, in their order."""
+        return list(dict.fromkeys(agent for agent, _ in self.recordings))
+
+
+def motion_study(
+    references: Sequence[Reference],
+    *,
+    laws: Sequence[FeedForwardLaw],
+    rig: Rig | None = None,
+    seed: int = 0,
+    record_dt: float = RECORD_DT,
+    n_threads: int = 0,
+    progress: Progress | None = None,
+) -> MotionStudy:
+    """Simulate and score motions.
+
+    Args:
+        references: motions of one robot.
+        laws: feed-forward laws.
+        rig: where they are run; None is on that robot, and records the exact state.
+        seed: seed of the sensors' noise.
+        record_dt: sample time of the recordings [s].
+        n_threads: threads of the engine, 0 for all cores.
+        progress: called with the simulated seconds done and their total.
+
+    Raises:
+        FFGymError: if there is nothing to simulate, or two motions or two laws share a name, or one does
+            not move.
+    """
+    names = [reference.name for reference in references]
+    if not names or not laws or len(set(names)) < len(names):
+        raise FFGymError(
+            f"Motions {names} of one study must be at least one, with different names and one law or more."
+        )
+    for reference in references:
+        if not np.any(reference.dq):
+            raise FFGymError(f"Motion {reference.name!r} is all standstill, so that it has no error to score.")
+    runs = [Run(reference=reference, law=law) for reference in references for law in distinct(laws)]
+    robot = one_robot(runs)
+    rig = rig or SimulatedRig(arm=RigidArm(robot))
+    recorded = rig.run(runs, seed=seed, record_dt=record_dt, n_threads=n_threads, progress=progress)
+    pairs = list(zip(runs, recorded, strict=True))
+    return MotionStudy(
+        robot=robot,
+        references=dict(zip(names, references, strict=True)),
+        results=[_result(run, recording) for run, recording in pairs],
+        recordings={(run.law.name, run.reference.name): recording for run, recording in pairs},
+    )
+
+
+def _overloaded(joints: Sequence[str], torque_use: Sequence[float]) -> list[str]:
+    return [
+        f"{use:.0%} of the peak torque of {joint}" for joint, use in zip(joints, torque_use, strict=True) if use > 1
+    ]
+
+
+def _result(run: Run, recording: Recording) -> MotionResult:
+    robot = run.reference.robot
+    error = motor_error(recording)[~recording.mask(kind="standstill")]
+    torque = recording.joint_array("command.effort")
+    return MotionResult(
+        agent=run.law.name,
+        motion=run.reference.name,
+        motor_rms_rad=np.sqrt(np.mean(error**2, axis=0)).tolist(),
+        motor_max_rad=np.abs(error).max(axis=0).tolist(),
+        torque_use=(np.abs(torque).max(axis=0) / robot.drive.peak_torque).tolist(),
+        speed_use=(np.abs(run.reference.dq).max(axis=0) / robot.kinematics.max_speed).tolist(),
+        path=_path(recording) if recording.has("tcp.position") else [],
+    )
+
+
+def _path(recording: Recording) -> list[StretchError]:
+    return [
+        StretchError(
+            label=error.label,
+            start=error.start,
+            end=error.end,
+            rms_mm=error.rms * 1e3,
+            max_mm=error.max * 1e3,
+            lag_rms_mm=error.lag_rms * 1e3,
+            lag_max_mm=error.lag_max * 1e3,
+        )
+        for error in contour_errors(recording)
+    ]

@@ -1,0 +1,125 @@
+"""The one-axis test of the thesis (4.3.1): a sine on one motor, with each feed-forward law."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.control import FeedForwardLaw
+from ffgym.core.errors import FFGymError
+from ffgym.paths import Reference, joint_reference, joint_sine
+from ffgym.recordings import Recording
+from ffgym.recordings.metrics import motor_error
+from ffgym.robot import RobotDescription
+from ffgym.simulation import Run, simulate
+from ffgym.studies.circles import thesis_laws
+from ffgym.studies.selection import distinct, picked
+
+AMPLITUDE = 1.0
+"""A [rad], motor side, thesis (4.7)."""
+FREQUENCIES = (1.0, 3.0)
+"""f [Hz], thesis 4.3.1."""
+DURATION = 10.0
+"""[s], thesis 4.3.1."""
+SETTLED = 1.0
+"""Errors count after this time [s]: the bristles start relaxed at full speed, which no reference asks for."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SineResult:
+    """Error of one law at one frequency."""
+
+    agent: str
+    frequency_hz: float
+    motor_rms_rad: float
+    motor_max_rad: float
+    reduction: float
+    """Share of the uncompensated RMS that is gone, 1 is all."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OneAxisStudy:
+    """Results of the one-axis test."""
+
+    robot: RobotDescription
+    results: list[SineResult]
+    recordings: dict[tuple[str, float], Recording]
+    """By law and frequency [Hz]."""
+
+    def only(self, laws: Sequence[str] | None = None, frequencies: Sequence[float] | None = None) -> "OneAxisStudy":
+        """Return the part of the study with these laws and frequencies [Hz]; None takes all.
+
+        Raises:
+            FFGymError: if the study lacks one of them.
+        """
+        keys = picked(self.recordings, law=laws, frequency=frequencies)
+        return replace(
+            self,
+            results=[result for result in self.results if (result.agent, result.frequency_hz) in keys],
+            recordings={key: self.recordings[key] for key in keys},
+        )
+
+
+def sine_references(robot: RobotDescription, frequencies: Sequence[float] = FREQUENCIES) -> dict[float, Reference]:
+    """References of the sine test by frequency [Hz]; the motor swings by AMPLITUDE, whatever gear is behind it."""
+    return {f: sine_reference(robot, f, AMPLITUDE, DURATION) for f in frequencies}
+
+
+def sine_reference(robot: RobotDescription, frequency: float, amplitude: float, duration: float) -> Reference:
+    """Sine of one motor.
+
+    Args:
+        robot: a robot with one joint.
+        frequency: [Hz], > 0.
+        amplitude: of the motor [rad].
+        duration: [s], > 0.
+
+    Raises:
+        FFGymError: if the robot has more than one joint, or the sine is beyond a limit.
+    """
+    if robot.n_joints != 1:
+        raise FFGymError(
+            f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'. "
+            f"ffgym/JointMotion-v0 moves all joints."
+        )
+    swing, dt = amplitude / np.abs(robot.drive.gear_ratio), robot.servo.control_dt
+    return joint_reference(robot, joint_sine(swing, frequency, duration, dt=dt, name=f"sine {frequency:g} Hz"))
+
+
+def one_axis_study(
+    robot: RobotDescription, *, laws: Sequence[FeedForwardLaw] | None = None, frequencies: Sequence[float] = FREQUENCIES
+) -> OneAxisStudy:
+    """Simulate and score the sine test on a robot with one joint.
+
+    Args:
+        robot: the one-axis robot; it is its own plant.
+        laws: feed-forward laws, the first is what the others are compared with; None takes those of chapter 4.
+        frequencies: [Hz].
+
+    Raises:
+        FFGymError: if the robot has more than one joint, there is nothing to simulate, or two laws share a name.
+    """
+    laws = distinct(thesis_laws(robot) if laws is None else laws)
+    references = sine_references(robot, frequencies)
+    keys = [(law, f) for f in frequencies for law in laws]
+    recorded = simulate([Run(reference=references[f], law=law) for law, f in keys])
+    recordings = {(law.name, f): recording for (law, f), recording in zip(keys, recorded, strict=True)}
+    return OneAxisStudy(robot=robot, results=_results(recordings, laws[0].name), recordings=recordings)
+
+
+def _results(recordings: dict[tuple[str, float], Recording], baseline: str) -> list[SineResult]:
+    def settled(recording: Recording) -> np.ndarray:
+        return motor_error(recording)[recording.t >= SETTLED, 0]
+
+    errors = {key: settled(recording) for key, recording in recordings.items()}
+    rms = {key: float(np.sqrt(np.mean(error**2))) for key, error in errors.items()}
+    return [
+        SineResult(
+            agent=agent,
+            frequency_hz=f,
+            motor_rms_rad=rms[agent, f],
+            motor_max_rad=float(np.abs(errors[agent, f]).max()),
+            reduction=1 - rms[agent, f] / rms[baseline, f],
+        )
+        for agent, f in recordings
+    ]

@@ -1,0 +1,242 @@
+r"""The independent plant: motors, gearboxes, springs and arm, integrated by the classical Runge-Kutta method.
+
+.. math::
+    M \ddot q + b = \tau_s, \quad J \ddot \theta = u - \tau_f - \tau_s\, \partial q / \partial \theta, \quad
+    \tau_s = -k\, (q - \theta / n) - d\, (\dot q - \dot \theta / n)
+
+Motors of rigid joints move with the arm, and their rotors add :math:`n^2 J` to its mass matrix.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from scripts.exam.independent.arm import mass_and_bias
+from scripts.exam.independent.friction import Contact
+from scripts.exam.independent.machine import Numbers
+from scripts.exam.independent.servo import Orders, Servo
+
+_EDGE = 0.1
+"""Width over which the edges of play are round, as a share of half the play."""
+
+_WARM = 15.0
+"""Warming at which half of what warmth takes of viscous friction is gone [K]."""
+
+_SLOW = 0.01
+"""Share of the usual speed below which bent viscous friction is linear."""
+
+_SAGGING = 4
+"""Times that the sag of springs under gravity is improved; it changes gravity by some thousandths."""
+
+_FAR = 1e6
+"""Motor angle [rad] at which a run has surely become unstable."""
+
+Stage = tuple[Array, Array]
+"""Rates of the state, (6, B, N), and torque of the servo."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Course:
+    """What happened, at every recorded row; shape (T, B, N) each."""
+
+    q: Array
+    """Behind springs [rad]."""
+    dq: Array
+    angle: Array
+    """Of the motors, as their resolvers read it [rad]."""
+    speed: Array
+    """Of that angle [rad/s]."""
+    torque: Array
+    """Of the motors, as their currents say [N m]."""
+    feedback: Array
+    """Part of the torque that the servo adds to the feed-forward [N m]."""
+
+
+@final
+class Plant:
+    """Machines that follow their set-points; q, dq, angle, speed, servo and lagging torque are rows of the state."""
+
+    def __init__(
+        self, numbers: Numbers, contact: Contact, servo: Servo, *, dt: float, clock: Array, warming: Array
+    ) -> None:
+        """Make a plant.
+
+        Args:
+            numbers: machines.
+            contact: friction of their motors.
+            servo: what drives them.
+            dt: step [s].
+            clock: time of day at which each motion begins [s], shape (B,).
+            warming: of the joints beyond what their descriptions hold for [K], shape (B, N).
+        """
+        self.numbers, self.contact, self.servo, self.dt = numbers, contact, servo, dt
+        self._clock, self._warming = clock[:, None], warming
+        faults = numbers.faults
+        self._is_faulty = {name: bool(np.any(values)) for name, values in vars(faults).items()}
+        self._load = np.zeros(numbers.shape)
+        self._start = np.zeros(numbers.shape)
+        rotors = np.where(numbers.rigid, numbers.gear_ratio**2 * numbers.rotor, 0.0)
+        self._rotors = rotors[..., None] * np.eye(numbers.shape[1])
+        self._all_rigid, self._any_rigid = bool(numbers.rigid.all()), bool(numbers.rigid.any())
+        self._lever = 1 / numbers.gear_ratio
+
+    def run(self, q: Array, orders: Orders, every: int) -> Course:
+        """Follow `orders` from rest at `q` (B, N), and record every so many steps.
+
+        Raises:
+            FFGymError: if the motion becomes unstable.
+        """
+        state = self._at_rest(q, orders)
+        steps = (len(orders.position) - 1) // 2
+        rows = []
+        for k in range(steps + 1):
+            self.servo.sample(k, orders, self._seen(state[2]))
+            self._start = state[2]
+            first = self.rates(state, 2 * k, orders)
+            if k % every == 0:
+                read = self._seen(state[2]), self._seen_speed(state[2], state[3])
+                rows.append(np.stack([*state[:2], *read, first[1] + orders.ahead[2 * k], first[1]]))
+                if not np.all(np.abs(state[2]) < _FAR):
+                    raise FFGymError(f"The independent plant became unstable at {k * self.dt:.3f} s; soften its servo.")
+            if k < steps:
+                state = self._stepped(state, 2 * k, orders, first[0])
+        done = np.stack(rows, axis=1)
+        return Course(q=done[0], dq=done[1], angle=done[2], speed=done[3], torque=done[4], feedback=done[5])
+
+    def _at_rest(self, q: Array, orders: Orders) -> Array:
+        """State in which motors hold the arm; springs bend as they are described."""
+        n = self.numbers
+        still, angle, link = np.zeros_like(q), q * n.gear_ratio, q
+        for _ in range(_SAGGING):
+            _, holding = mass_and_bias(n.bodies, link, still)
+            link = np.where(n.rigid, q, q - holding / np.where(n.rigid, 1.0, n.stiffness))
+        beside = holding / n.gear_ratio - orders.ahead[0]
+        away = np.sign(orders.position - orders.position[0])
+        first = np.take_along_axis(away, np.argmax(away != 0, axis=0)[None], axis=0)[0]
+        self._memory = self.contact.at_rest(np.where(first == 0, 1.0, first), n.breakaway)
+        self.servo.begin(self._seen(angle), beside, self.dt)
+        self._load = holding
+        return np.stack([link, still, angle, still, beside, holding / n.gear_ratio])
+
+    def _stepped(self, state: Array, half: int, orders: Orders, first: Array) -> Array:
+        h = self.dt
+        second, _ = self.rates(state + h / 2 * first, half + 1, orders)
+        third, _ = self.rates(state + h / 2 * second, half + 1, orders)
+        fourth, _ = self.rates(state + h * third, half + 2, orders)
+        after: Array = state + h / 6 * (first + 2 * (second + third) + fourth)
+        strength = self._strength(after[0], after[2], after[3], half + 2)
+        _, self._memory = self.contact.moved(self._memory, after[2] - self._start, strength)
+        return after
+
+    def rates(self, state: Array, half: int, orders: Orders) -> Stage:
+        """Rates of a state at a half step since the motion began, and torque of the servo beside the feed-forward."""
+        n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
+        q, dq, angle, speed, servo, lagging = state
+        # the motor's torque
+        feedback, servo_rate = self.servo.torque(servo, half, orders, self._seen(angle), speed)
+        said = feedback + orders.ahead[half]
+        late, lag_rate = said, lagging * 0.0
+        if faulty["lag"]:
+            late = np.where(f.lag > 0, lagging, said)
+            lag_rate = (said - lagging) / np.where(f.lag > 0, f.lag, 1.0)
+        torque = self._given(late, angle) - self._friction(q, angle, speed, half)
+        torque = torque + self._by_clock(half)
+        # spring and arm
+        lever = self._lever
+        if faulty["tooth"]:
+            lever = lever + f.tooth * np.cos(angle)
+        spring = np.zeros_like(q) if self._all_rigid else self._spring(q, dq, angle, speed, lever)
+        matrix, bias = mass_and_bias(n.bodies, q, dq)
+        driving = (np.where(n.rigid, n.gear_ratio * torque, spring) if self._any_rigid else spring) - bias
+        if faulty["balance"]:
+            driving = driving - f.balance * np.cos(q)
+        ddq = np.linalg.solve(matrix + self._rotors, driving[..., None])[..., 0]
+        acceleration = (torque - spring * lever) / n.rotor
+        if self._any_rigid:
+            acceleration = np.where(n.rigid, n.gear_ratio * ddq, acceleration)
+        if faulty["load_share"]:
+            carried = (matrix @ ddq[..., None])[..., 0] + bias
+            self._load = np.where(n.rigid, carried, spring)
+        return np.stack([dq, ddq, speed, acceleration, servo_rate, lag_rate]), feedback
+
+    def _seen(self, angle: Array) -> Array:
+        """Angle as the resolver reads it."""
+        return angle + self.numbers.faults.resolver * np.sin(angle) if self._is_faulty["resolver"] else angle
+
+    def _seen_speed(self, angle: Array, speed: Array) -> Array:
+        """Speed of what the resolver reads."""
+        return speed * (1 + self.numbers.faults.resolver * np.cos(angle)) if self._is_faulty["resolver"] else speed
+
+    def _given(self, torque: Array, angle: Array) -> Array:
+        """Torque of motors whose currents say `torque`."""
+        f, faulty = self.numbers.faults, self._is_faulty
+        given = torque
+        if faulty["torque_error"] or faulty["offset"]:
+            given = torque * (1 + f.torque_error) + f.offset
+        if faulty["ripple"]:
+            given = given + torque * f.ripple * np.sin(f.ripple_cycles * angle)
+        if faulty["cogging"]:
+            given = given + f.cogging * np.sin(f.cogging_cycles * angle)
+        return given
+
+    def _strength(self, q: Array, angle: Array, speed: Array, half: int) -> Array:
+        """What the contact bears in the direction of the last movement [N m]."""
+        n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
+        level = n.coulomb + (n.breakaway - n.coulomb) * np.exp(-((speed / n.stribeck) ** 2))
+        if faulty["asymmetry"]:
+            way = angle - self._start
+            level = level + f.asymmetry * n.coulomb * np.sign(np.where(way == 0, speed, way))
+        if faulty["load_share"]:
+            level = level + f.load_share * np.abs(self._load / n.gear_ratio)
+        if faulty["wear"]:
+            level = level + f.wear * n.coulomb * (self._time(half) / 3600.0)
+        if faulty["waves"]:
+            level = level + f.waves * n.coulomb * np.sin(f.wave_cycles * q)
+        return level
+
+    def _friction(self, q: Array, angle: Array, speed: Array, half: int) -> Array:
+        n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
+        strength = self._strength(q, angle, speed, half)
+        contact, _ = self.contact.moved(self._memory, angle - self._start, strength)
+        yielding = np.clip(1 - np.sign(speed) * contact / strength, 0.0, 2.0)
+        viscous = n.viscous * speed
+        if faulty["bend"]:
+            share = np.hypot(speed, _SLOW * n.usual_speed) / n.usual_speed
+            viscous = viscous * share**-f.bend
+        if faulty["warm"]:
+            viscous = viscous * (1 - f.warm * self._warming**2 / (self._warming**2 + _WARM**2))
+        drag = contact + n.rubbing * speed * yielding + viscous
+        if faulty["brake"]:
+            drag = drag + f.brake * np.sin(2 * np.pi * f.frequency * self._time(half)) * contact / strength
+        if faulty["neighbour"]:
+            drag = drag + f.neighbour * np.sin(3.0 * np.roll(q, -1, axis=1))
+        return drag
+
+    def _by_clock(self, half: int) -> Array | float:
+        f = self.numbers.faults
+        if not self._is_faulty["clock"]:
+            return 0.0
+        return np.asarray(f.clock * np.tanh(4 * np.sin(2 * np.pi * f.frequency * self._time(half))))
+
+    def _spring(self, q: Array, dq: Array, angle: Array, speed: Array, lever: Array) -> Array:
+        """Torque of the springs on the links; 0 in rigid joints."""
+        n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
+        bent = q - angle * self._lever
+        if faulty["tooth"]:
+            bent = bent - f.tooth * np.sin(angle)
+        if faulty["gap"]:
+            gap = np.maximum(f.gap, 1e-12)
+            edge = _EDGE * gap
+            inside = edge * (np.logaddexp(0, (bent - gap) / edge) - np.logaddexp(0, (-bent - gap) / edge))
+            bent = np.where(f.gap > 0, inside, bent)
+        if faulty["growth"]:
+            bent = bent * (1 + f.growth * np.abs(bent) / np.where(f.growth_at > 0, f.growth_at, 1.0))
+        torque: Array = -n.stiffness * bent - n.damping * (dq - speed * lever)
+        return np.where(n.rigid, 0.0, torque) if self._any_rigid else torque
+
+    def _time(self, half: int) -> Array:
+        return self._clock + half * self.dt / 2

@@ -1,0 +1,163 @@
+"""Questions of the second exam by seed, and how they are handed out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, final
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError, check_choice, check_whole
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from scripts.exam.case import Row
+from scripts.exam.independent.hidden import KINDS, Concealed, concealed, possible
+from scripts.exam.independent.loudness import loudness
+from scripts.exam.independent.machine import numbers_of
+from scripts.exam.independent.sensors import Columns, Exact, logged
+from scripts.exam.independent.setup import Setup, drawn_setup, simulated
+
+COUNTS: Mapping[Row, int] = MappingProxyType({"clean": 200, "single": 180, "outside": 30})
+"""Questions of a whole exam, by row: nothing hidden; an effect; one outside the library."""
+
+ROWS: tuple[Row, ...] = tuple(COUNTS)
+"""Kinds of questions that the second exam asks."""
+
+_KEY = 26
+"""Begins the seeds of this exam, so that its questions share no chance with those of the first."""
+
+_SMALLEST = 0.05
+"""Least size of an effect, as a share of the largest; log-uniform between."""
+
+_DRAWS = 20
+"""Times that an effect is drawn at most until the loop is stable with it; chosen: once is mostly enough."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class IndependentPaper:
+    """A question as it is handed out, and what only the examiner knows of it."""
+
+    row: Row
+    number: int
+    setup: Setup
+    hidden: tuple[Concealed, ...]
+    log: tuple[Recording, ...]
+    loudness: tuple[float, ...]
+
+    @property
+    def robot(self) -> RobotDescription:
+        """What is told of the machine."""
+        return self.setup.robot
+
+    @property
+    def calibration(self) -> Calibration:
+        """What is told of how sure that is."""
+        return Calibration.of_share(self.setup.share)
+
+
+def handed_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPaper:
+    """Question `number` of a row; it depends on nothing but these and the seed.
+
+    Args:
+        row: kind of question.
+        number: from 0 on.
+        seed: of the exam.
+        fixed: what is not drawn of the machine, see `drawn_setup`.
+
+    Raises:
+        FFGymError: if there is no such row, or the machine cannot make its motions.
+    """
+    check_choice("row of the second exam", row, ROWS)
+    key = (_KEY, check_whole("seed", seed, low=0), ROWS.index(row), check_whole("number", number, low=0))
+    rng = np.random.default_rng(key)
+    setup = drawn_setup(rng, **fixed)
+    if row == "clean":
+        (exact,) = simulated(setup, [(setup.numbers, setup.view)])
+        return _paper(row, number, setup, (), exact, (), rng)
+    name, setup = _kind(row, number, seed, setup, rng)
+    hidden, without, exact = _draw_stable(name, setup, rng)
+    error = hidden.size if hidden.kind.of_number else 0.0
+    return _paper(row, number, setup, (hidden,), exact, (loudness(setup, without, exact, error=error),), rng)
+
+
+def _draw_stable(
+    name: str, setup: Setup, rng: np.random.Generator, draws: int = _DRAWS
+) -> tuple[Concealed, Exact, Exact]:
+    """Draw the joint and the size of an effect, and simulate the machine without it and with it.
+
+    An effect with which the loop is unstable, as with a lag as long as its own delays, is drawn anew.
+
+    Raises:
+        FFGymError: if the loop is unstable with all of so many draws.
+    """
+    share = float(np.exp(rng.uniform(np.log(_SMALLEST), 0.0)))
+    drawn = concealed(name, setup.robot, rng, share)
+    hidden = replace(drawn, beside=_beside(drawn, setup))
+    plain = (setup.numbers, setup.view)
+    try:
+        without, exact = simulated(setup, [plain, hidden.on(plain)])
+    except FFGymError:
+        if draws == 1:
+            raise
+        return _draw_stable(name, setup, rng, draws - 1)
+    return hidden, without, exact
+
+
+def _kind(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Generator) -> tuple[str, Setup]:
+    """Kinds in an order by chance, each once in as many questions; columns that it needs are logged."""
+    names = [name for name, kind in KINDS.items() if bool(kind.answer) == (row == "single")]
+    turn, place = divmod(number, len(names))
+    order = np.random.default_rng((_KEY, seed, ROWS.index(row), turn)).permutation(len(names))
+    name = names[order[place]]
+    setup = replace(setup, columns=_with(setup.columns, KINDS[name].needs))
+    if name not in possible(setup.robot, setup.columns):
+        shown = possible(setup.robot, setup.columns)
+        name = str(rng.choice([other for other in names if other in shown]))
+    return name, setup
+
+
+def _beside(hidden: Concealed, setup: Setup) -> dict[str, float]:
+    """What errors of the description add to the numbers of an effect, by their names."""
+    described, j = numbers_of(setup.robot), hidden.index
+    if hidden.kind.of_number:
+        off = getattr(setup.numbers, hidden.name)[0, j] / getattr(described, hidden.name)[0, j] - 1
+        (name,) = (name for name, value in hidden.numbers(setup.robot).items() if value)
+        return {name: float(off * (1 + hidden.size))}
+    if hidden.name == "peak":  # breakaway beyond what Coulomb friction that is off brings with it
+        share = setup.numbers.coulomb[0, j] / described.coulomb[0, j]
+        beyond = (setup.numbers.breakaway - share * described.breakaway)[0, j] / described.coulomb[0, j]
+        return {"level": float(beyond + (share - 1) * hidden.size)}
+    if hidden.name == "offset":
+        return {"offset": -float(setup.current_offset[hidden.index])}  # the current says so much more
+    if hidden.name == "reflector":
+        return {f"offset.{axis}": float(x) for axis, x in zip("xyz", setup.view.offset, strict=True)}
+    return {}
+
+
+def _with(columns: Columns, needs: tuple[str, ...]) -> Columns:
+    return replace(columns, **{name: True for name in ("tracker", "temperature") if name in needs})
+
+
+def _paper(
+    row: Row,
+    number: int,
+    setup: Setup,
+    hidden: tuple[Concealed, ...],
+    exact: Exact,
+    heard: tuple[float, ...],
+    rng: np.random.Generator,
+) -> IndependentPaper:
+    count, motions = exact.angle.shape[:2]
+    log = logged(
+        setup.robot,
+        exact,
+        columns=setup.columns,
+        noise=setup.noise,
+        started=setup.started,
+        current_offset=setup.current_offset,
+        lengths=[count] * motions,
+        rng=rng,
+    )
+    return IndependentPaper(row=row, number=number, setup=setup, hidden=hidden, log=tuple(log), loudness=heard)

@@ -1,0 +1,177 @@
+"""What is logged of a course: encoders, currents and a tracker, with noise of several kinds, in columns by choice."""
+
+from dataclasses import dataclass, field
+from typing import Literal, final, get_args
+
+import numpy as np
+from scipy.signal import lfilter
+from scipy.spatial.transform import Rotation
+
+from ffgym.core.types import Array
+from ffgym.recordings import Recording
+from ffgym.robot.description import RobotDescription
+from ffgym.robot.logs import log_header
+from scripts.exam.independent.arm import Bodies, Pose, pose_of, tool_of
+from scripts.exam.independent.plant import Course
+
+Noise = Literal["white", "coloured", "quiet"]
+NOISES: tuple[Noise, ...] = get_args(Noise)
+"""Kinds of noise: independent from row to row; with a memory of some milliseconds; a tenth of the others."""
+
+ANGLE_NOISE = 2e-5
+"""Of a motor's angle [rad], standard deviation; chosen: a step of 17 bit over sqrt 12."""
+
+TORQUE_NOISE = 0.02
+"""Of currents, as a share of the Coulomb torque; chosen."""
+
+TOOL_NOISE = 2e-5
+"""Of a tracker, each axis [m]; chosen: laser trackers over some metres."""
+
+QUIET = 0.1
+"""Noise of quiet sensors over that of others."""
+
+_QUIET_STEPS = 2.0**24
+"""Steps of a turn of quiet encoders."""
+
+_MEMORY = 0.006
+"""Time constant of coloured noise [s]; chosen: filters of drives."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class View:
+    """How the tracker sees the tool, other than where it is described; nothing by default."""
+
+    offset: Array = field(default_factory=lambda: np.zeros(3))
+    """Of the reflector, in the axes of the flange [m]."""
+    shift: Array = field(default_factory=lambda: np.zeros(3))
+    """Of the tracker's frame [m]."""
+    turn: Array = field(default_factory=lambda: np.zeros(3))
+    """Of the tracker's frame, as a rotation vector [rad]."""
+    latency: float = 0.0
+    """By which positions are old [s]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """What a log has beside angles and torques of the motors."""
+
+    tracker: bool
+    set_points: bool
+    feedback: bool
+    speed: bool
+    temperature: bool
+
+
+def tracked(bodies: Bodies, q: Array, view: View, dt: float) -> Array:
+    """Positions (T, B, 3) of the tool along joint positions (T, B, N), as a tracker sees them without noise."""
+    if view.latency:
+        t = np.arange(len(q)) * dt
+        flat = q.reshape(len(q), -1)
+        q = np.stack([np.interp(t - view.latency, t, column) for column in flat.T], axis=1).reshape(q.shape)
+    return np.stack([_seen(bodies, pose_of(bodies, row), view) for row in q])
+
+
+def _seen(bodies: Bodies, pose: Pose, view: View) -> Array:
+    reflector = tool_of(bodies, pose) + pose.rotation[:, -1] @ bodies.tool_rotation @ view.offset
+    return np.asarray(reflector @ Rotation.from_rotvec(view.turn).as_matrix().T + view.shift)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Exact:
+    """What sensors without noise would log of the motions of one machine; shape (T, M, N), or (T, M, 3) of the tool."""
+
+    dt: float
+    angle: Array
+    speed: Array
+    torque: Array
+    feedback: Array
+    ahead: Array
+    set_point: Array
+    set_speed: Array
+    tool: Array
+    temperature: Array
+
+
+def exact_of(course: Course, first: int, **more: Array | float) -> Exact:
+    """Rows of a course from `first` on, with columns that it does not hold."""
+    names = ("angle", "speed", "torque", "feedback")
+    return Exact(**{name: getattr(course, name)[first:] for name in names}, **more)  # type: ignore[arg-type]
+
+
+def logged(
+    robot: RobotDescription,
+    exact: Exact,
+    *,
+    columns: Columns,
+    noise: Noise,
+    started: Array,
+    current_offset: Array,
+    lengths: list[int],
+    rng: np.random.Generator,
+) -> list[Recording]:
+    """Recordings of motions as sensors log them."""
+    return [
+        _recording(robot, exact, m, columns, noise, float(started[m]), current_offset, lengths[m], rng)
+        for m in range(exact.angle.shape[1])
+    ]
+
+
+def _recording(
+    robot: RobotDescription,
+    exact: Exact,
+    m: int,
+    columns: Columns,
+    noise: Noise,
+    started: float,
+    current_offset: Array,
+    length: int,
+    rng: np.random.Generator,
+) -> Recording:
+    """One motion, of which `length` rows are kept."""
+    n, dt, size = robot.n_joints, exact.dt, QUIET if noise == "quiet" else 1.0
+
+    def noisy(values: Array, sigma: float | Array) -> Array:
+        return np.asarray(values + size * sigma * _drawn(values.shape, noise, dt, rng))
+
+    steps = _QUIET_STEPS if noise == "quiet" else 2.0**robot.sensors.encoder_bits
+    step = 2 * np.pi / steps
+    angle = np.round(noisy(exact.angle[:length, m], ANGLE_NOISE) / step) * step
+    torque = noisy(exact.torque[:length, m], TORQUE_NOISE * robot.friction.coulomb) + current_offset
+    tool = noisy(exact.tool[:length, m], TOOL_NOISE)
+    found: dict[str, Array] = {"timestamp": np.arange(length, dtype=np.float64) * dt}
+    found |= _family("motor.position", robot.joints, angle)
+    found |= _family("motor.effort", robot.joints, torque)
+    if columns.speed:
+        found |= _family("motor.velocity", robot.joints, np.gradient(angle, dt, axis=0))
+    if columns.set_points:
+        found |= _family("reference.position", robot.joints, exact.set_point[:length, m])
+        found |= _family("reference.velocity", robot.joints, exact.set_speed[:length, m])
+    if columns.feedback:
+        found |= _family("feedforward.effort", robot.joints, exact.ahead[:length, m])
+        found |= _family("feedback.effort", robot.joints, torque - current_offset - exact.ahead[:length, m])
+    if columns.temperature:
+        warm = exact.temperature[:length, m] + 0.1 * rng.standard_normal((length, n))
+        found |= _family("temperature", robot.joints, warm)
+    if columns.tracker:
+        found |= _family("tcp.position", "xyz", tool)
+    header = log_header(robot, f"motion_{m + 1}", "sampled")
+    header.meta["session_start"] = started
+    return Recording(columns=found, header=header)
+
+
+def _family(name: str, parts: tuple[str, ...] | str, values: Array) -> dict[str, Array]:
+    return {f"{name}.{part}": column for part, column in zip(parts, values.T, strict=True)}
+
+
+def _drawn(shape: tuple[int, ...], noise: Noise, dt: float, rng: np.random.Generator) -> Array:
+    """Noise of unit standard deviation along the first axis."""
+    white = rng.standard_normal(shape)
+    if noise != "coloured":
+        return white
+    keep = np.exp(-dt / _MEMORY)
+    start = keep * rng.standard_normal((1, *shape[1:]))
+    fresh = np.sqrt(1 - keep**2)
+    return np.asarray(lfilter([fresh], [1.0, -keep], white, axis=0, zi=start)[0])

@@ -1,0 +1,209 @@
+r"""How loud a hidden effect is: how far what it adds to the residual stands above what noise makes of it.
+
+.. math:: \chi_0 = 1 + \max_c \frac1R \sum_{m,i} \left( \frac{\Delta_{mic}}{n_{mc}} \right)^2
+
+over the components c of all channels; R rows i of all motions, and the RMS n in motion m of what the nominal model
+leaves of a log of the nominal robot itself. :math:`\Delta` is what the effect changes when that log is replayed, or
+what it changes in the log where no replay knows of it, e.g. of joints that a description does not have; less what
+errors of calibration within their bounds would explain of it: a link that is a per cent heavier is no effect that
+anybody could know of.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import final
+
+import numpy as np
+
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
+from ffgym.diagnosis.evidence.fitted import fitted
+from ffgym.diagnosis.evidence.priors import Priors
+from ffgym.diagnosis.evidence.stack import Stack, Values, blocks_of, stack_of
+from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.measured import residual_rows, valid_rows
+from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.replay.springs import FlownAwayError
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.signatures.parts import Parts
+from ffgym.effects import Effect
+from ffgym.recordings import Recording
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation.plant import Climate, Machine
+from scripts.exam.calibration import errors_beside
+from scripts.exam.case import Case, Row, protocol_of
+from scripts.exam.hidden import Hidden
+from scripts.exam.recording import log_of_case, recorded
+
+_NOISE_SEED = 0
+"""Of the log that tells the noise; one for all exams, whose noise is the same to a per cent."""
+
+_HALVINGS = 8
+"""Times that an effect is halved which no arm would hold; chosen: some 2 kg m^2 on a spring, on a last link of 0.05."""
+
+Rows = Mapping[Channel, Array]
+"""Residual by channel (R, M, C); zero in rows that do not count."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Yardstick:
+    """What noise and calibration come to in the motions of an exam."""
+
+    rms: Mapping[Channel, Array]
+    """Of noise, (M, C) by channel."""
+    calibration: Sequence[Parts]
+    """Columns per standard deviation."""
+    stack: Stack
+    """Those columns, weighted."""
+
+    def energy(self, added: Rows) -> float:
+        """Energy of a difference of residuals, in energies of the noise, of the component where that is largest.
+
+        Without what calibration explains.
+        """
+        counts, n_rows = self.stack.blocks.of_row >= 0, int(np.count_nonzero(self.stack.blocks.of_row >= 0))
+        rows = {(channel, c): values[..., [c]] for channel, values in added.items() for c in range(values.shape[2])}
+        sizes, found = self._errors(rows), []
+        for (channel, c), values in rows.items():
+            rest = values[..., 0].copy()
+            for size, column in zip(sizes, self.calibration, strict=True):
+                rest -= size * column.get((channel, c), 0.0)
+            found.append(float(np.sum((counts * rest / self.rms[channel][:, c]) ** 2)) / n_rows)
+        return max(found)
+
+    def _errors(self, rows: Values) -> Array:
+        """Errors of calibration that explain most, in standard deviations."""
+        n = len(self.calibration)
+        bound = np.full(n, BOUND)
+        priors = Priors(precision=np.ones(n), low=-bound, high=bound)
+        return fitted(self.stack.evidence(rows), np.arange(n), priors)
+
+
+def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, calibration: Sequence[Parts] = ()) -> Yardstick:
+    """Yardstick by residuals of noise (R, M, C), 0 where rows are not `valid` (R, M), and columns of calibration."""
+    count = np.maximum(valid.sum(axis=0), 1)[:, None]
+    rms = {channel: np.sqrt(np.sum(values**2, axis=0) / count) for channel, values in noise.items()}
+    weights = {(channel, c): 1 / column for channel, values in rms.items() for c, column in enumerate(values.T)}
+    return Yardstick(rms=rms, calibration=calibration, stack=stack_of(blocks_of(valid, row_dt), calibration, weights))
+
+
+@final
+class Listener:
+    """Hears what effects add to the log of a robot that has none."""
+
+    def __init__(self, arm: RigidArm, poor: bool, lacks: tuple[str, ...]) -> None:
+        self._arm, self._poor, self._lacks = arm, poor, lacks
+        self._nominal = Machine(robot=arm.robot)
+        log = self._log(())
+        self._run = replay(log, self._nominal)
+        self._without, self._valid = predicted(self._run), valid_rows(log)
+        self._residual = residual_rows(log, self._without)
+        calibration = [
+            {key: rows * doubt.sigma for key, rows in doubt.column.parts.items()}
+            for doubt in doubts_of(self._run, Calibration())
+        ]
+        noise = self._counted(self._residual)
+        self._yardstick = yardstick_of(noise, self._valid, log.sampling.row_dt, calibration)
+
+    def energy(self, effect: Effect) -> float:
+        """Energy that an effect adds, in energies of the noise."""
+        machine = Machine(robot=self._arm.robot, effects=(effect,))
+        added = self._yardstick.energy(
+            self._changed(predicted(replay(self._run.log, machine, self._run)), self._without)
+        )
+        if added > 0:
+            return added
+        log = self._log((effect,))
+        residual = residual_rows(log, predicted(replay(log, self._nominal)))
+        return self._yardstick.energy(self._changed(residual, self._residual))
+
+    def _log(self, effects: tuple[Effect, ...]) -> Log:
+        """With the same noise at all times."""
+        robot = self._arm.robot
+        machine = Machine(robot=robot, effects=effects, climate=Climate())
+        protocols = [protocol_of(robot, poor=self._poor)]
+        return log_of(robot, recorded(self._arm, machine, protocols, seed=_NOISE_SEED, lacks=self._lacks))
+
+    def _changed(self, one: Rows, other: Rows) -> Rows:
+        return self._counted({channel: values - other[channel] for channel, values in one.items()})
+
+    def _counted(self, rows: Rows) -> Rows:
+        return {channel: np.where(self._valid[..., None], values, 0.0) for channel, values in rows.items()}
+
+
+@cache
+def listener_of_exam(arm: RigidArm, poor: bool, lacks: tuple[str, ...]) -> Listener:
+    """To the motions of an exam; made once."""
+    return Listener(arm, poor, lacks)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Paper:
+    """A question as it is handed out, and what only the examiner knows of it."""
+
+    case: Case
+    """With effects as large as they are in the log."""
+    log: tuple[Recording, ...]
+    loudness: tuple[float, ...]
+    """Of each hidden effect."""
+
+    @property
+    def row(self) -> Row:
+        """Kind of question."""
+        return self.case.row
+
+    @property
+    def number(self) -> int:
+        """Within its row."""
+        return self.case.number
+
+    @property
+    def robot(self) -> RobotDescription:
+        """What is told of the machine."""
+        return self.case.arm.robot
+
+    @property
+    def hidden(self) -> tuple[Hidden, ...]:
+        """What only the examiner knows."""
+        return self.case.hidden
+
+
+def handed_out(case: Case) -> Paper:
+    """The log of a question, with effects as loud as they are to be, or as they can be within their plausible size."""
+    if not case.hidden:
+        return Paper(case=case, log=tuple(log_of_case(case)), loudness=())
+    lacks = tuple(family for family in case.lacks if family != "temperature")  # an effect is as loud without it
+    listener = listener_of_exam(case.arm, case.is_poor, lacks)
+    full = [_at_most(listener, one) for one in case.hidden]
+    sized = tuple(one for one, _ in full)
+    if case.loudness:
+        sized = tuple(
+            one.times(_factor(wanted, added)) for (one, added), wanted in zip(full, case.loudness, strict=True)
+        )
+    log = log_of_case(case, case.with_hidden(sized))
+    heard = tuple(1 + listener.energy(one.effect) for one in sized)
+    described, machine, offset = case.arm.robot, case.machine, case.current_offset
+    sized = tuple(replace(one, beside=errors_beside(one, described, machine, offset)) for one in sized)
+    return Paper(case=replace(case, hidden=sized), log=tuple(log), loudness=heard)
+
+
+def _at_most(listener: Listener, hidden: Hidden) -> tuple[Hidden, float]:
+    """An effect as large as a machine can have it, and its energy.
+
+    Raises:
+        FFGymError: if the arm does not hold even a little of it.
+    """
+    for _ in range(_HALVINGS):
+        try:
+            return hidden, listener.energy(hidden.effect)
+        except FlownAwayError:
+            hidden = hidden.times(0.5)
+    return hidden, listener.energy(hidden.effect)
+
+
+def _factor(wanted: float, full: float) -> float:
+    """Size at which an effect is as loud as wanted, as a share of the full one; energy grows with its square."""
+    return 1.0 if full <= wanted - 1 else float(np.sqrt((wanted - 1) / full))

@@ -1,0 +1,96 @@
+"""Answers of an exam: what each came to, over how loud the hidden effect was."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ffgym.core.errors import FFGymError
+from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from scripts.exam.case import ROWS
+from scripts.exam.marks import Mark
+from scripts.exam.table import BANDS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+GOOD, TIE, PART, SILENT, WRONG = (
+    "right",
+    "tie with the truth in it",
+    "part, or more than all",
+    "not found, or refused",
+    "wrong",
+)
+"""What answers are summed up to."""
+
+_LOOKS = {
+    GOOD: ("o", "#2a8f5b"),
+    TIE: ("s", "#3b78c2"),
+    PART: ("D", "#d99000"),
+    SILENT: ("o", "#b5bcc5"),
+    WRONG: ("X", "#c62f2f"),
+}
+"""Marker and colour of each."""
+
+_LOUDEST = 1e4
+"""Louder effects are drawn here."""
+
+_LANES, _NEAR = 7, 0.045
+"""Lanes of a row that markers take so that they do not hide one another, and decades of loudness within which they
+would."""
+
+
+def summed_up(mark: Mark) -> str:
+    """What an answer came to, in one of a few words.
+
+    Of nothing hidden, `none` is right; outside the library, an answer that is sure of no name.
+    """
+    if mark.row == "outside":
+        return WRONG if mark.verdict in ("named", "ambiguous") else SILENT if mark.outcome == "none" else GOOD
+    if not mark.truth:
+        return {"none": GOOD, "insufficient": SILENT}.get(mark.outcome, WRONG)
+    return {"right": GOOD, "tie": TIE, "part": PART, "surplus": PART}.get(
+        mark.outcome, SILENT if mark.outcome in ("none", "unknown", "insufficient") else WRONG
+    )
+
+
+def outcomes_figure(marks: Sequence[Mark]) -> "Figure":
+    """A marker for each answer, row by row of the exam, over loudness; lines where the demands change.
+
+    Raises:
+        FFGymError: if there are no marks.
+    """
+    by_row = {row: [mark for mark in marks if mark.row == row] for row in reversed(ROWS)}
+    rows = [row for row, answers in by_row.items() if answers]
+    if not rows:
+        raise FFGymError("There is nothing to draw: the exam has no marks.")
+    with house_style():
+        figure = new_figure(9.0, 0.62 * len(rows) + 1.3)
+        axes = figure.subplots()
+        for place, row in enumerate(rows):
+            _draw(axes, place, by_row[row])
+        for _, low, _ in BANDS[1:]:
+            axes.axvline(low, color="#888888", linewidth=0.8, linestyle="--")
+        axes.set_xscale("log")
+        axes.set_xlim(0.9, 1.25 * _LOUDEST)
+        axes.set_xlabel("loudness of what is hidden (1: nothing, or nobody could know of it)")
+        axes.set_yticks(range(len(rows)), [f"{row} ({len(by_row[row])})" for row in rows])
+        axes.grid(visible=False, axis="y")
+        known = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+        legend_above(figure, [known[name] for name in _LOOKS if name in known], [n for n in _LOOKS if n in known])
+    return figure
+
+
+def _draw(axes: "Axes", place: int, marks: Sequence[Mark]) -> None:
+    """One row of the exam; the loudest last, wrong ones on top."""
+    ends = [0.0] * _LANES
+    for mark in sorted(marks, key=lambda one: one.loudness):
+        loudness = min(mark.loudness, _LOUDEST)
+        lane = min(range(_LANES), key=lambda k: (ends[k] > loudness, abs(k - _LANES // 2), ends[k]))
+        if ends[lane] > loudness:
+            lane = ends.index(min(ends))
+        ends[lane] = loudness * 10**_NEAR
+        name = summed_up(mark)
+        marker, colour = _LOOKS[name]
+        height = place + 0.8 * (lane / (_LANES - 1) - 0.5)
+        order = 3 + list(_LOOKS).index(name)
+        axes.plot(loudness, height, marker, color=colour, markersize=4.5, linestyle="", label=name, zorder=order)

@@ -1,0 +1,229 @@
+"""Everything that the claims and figures need, simulated when it is first asked for, and only then."""
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+from functools import cached_property
+
+from ffgym.agents.bspline import ExtendedBSN, StaticBSN
+from ffgym.agents.catalogue import CATALOGUE, Setting
+from ffgym.agents.common.lessons import thesis_motions, training_motions
+from ffgym.agents.learning.progress import Learning
+from ffgym.agents.splines.recipes import thesis_training
+from ffgym.control import DynamicLuGreExact, NoCompensation
+from ffgym.diagnosis.identification.narx import Samples
+from ffgym.envs.rigs import rig_of
+from ffgym.paths import SPEEDS, Reference
+from ffgym.published import ESTIMATION_RECORDS
+from ffgym.robot import RobotDescription, load_robot
+from ffgym.simulation import Rig
+from ffgym.simulation.run import Progress
+from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
+from ffgym.studies.narx_study import EXTENDED, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
+from scripts.thesis.contenders import Contender, contender
+from scripts.thesis.measured_friction import MeasuredFriction, measure_friction
+
+Stage = Callable[[str, str], AbstractContextManager[Progress]]
+"""Called with a title and a unit when a piece of work begins; yields what is told of its progress."""
+
+SEED = 0
+"""Of sensor noise, of the first weights of NARX networks, and of starts and resamples of identified friction; nothing
+else is random."""
+
+IDENTIFIED = "lugre_identified"
+"""What dynamic LuGre with identified parameters is called beside the one with old ones."""
+
+WORKCELL = "workcell:thesis"
+"""Name of the machine that stands for the thesis' real robot in chapter 6."""
+
+FAST = SPEEDS[1]
+"""TCP speed [m/s] of the second training, thesis 5.4.2."""
+
+
+def silent(title: str, unit: str) -> AbstractContextManager[Progress]:
+    """A stage that nobody watches."""
+    return nullcontext(lambda done, total: None)
+
+
+class Laboratory:
+    """The nominal robot, the one-axis model and a workcell, with the tests of the thesis; all randomness is seeded."""
+
+    def __init__(self, *, n_threads: int = 0, stage: Stage = silent) -> None:
+        """Make a laboratory in which nothing has been simulated.
+
+        Args:
+            n_threads: threads of the engine, 0 for all cores; results are the same at any number.
+            stage: is told of what goes on.
+        """
+        self.n_threads = n_threads
+        self.stage = stage
+
+    @cached_property
+    def robot(self) -> RobotDescription:
+        """Six axes, elastic joints, LuGre friction."""
+        return load_robot("irb4600_60_205")
+
+    @cached_property
+    def axis(self) -> RobotDescription:
+        """One rigid axis with LuGre friction."""
+        return load_robot("one_axis")
+
+    @cached_property
+    def workcell(self) -> Rig:
+        """The machine that stands for the thesis' real robot in chapter 6, under its controller."""
+        return rig_of(WORKCELL)
+
+    @cached_property
+    def lugre_sines(self) -> OneAxisStudy:
+        """Sine test with no compensation and both LuGre laws."""
+        return one_axis_study(self.axis)
+
+    @cached_property
+    def lugre_circles(self) -> CircleStudy:
+        """The 36 circles with no compensation and both LuGre laws."""
+        with self.stage("circles with LuGre", "s") as progress:
+            return circle_study(self.robot, n_threads=self.n_threads, progress=progress)
+
+    @cached_property
+    def setting(self) -> Setting:
+        """The robot as those who learn know it."""
+        return Setting.of(self.robot, n_threads=self.n_threads)
+
+    @cached_property
+    def axis_learning(self) -> dict[str, Learning]:
+        """Both B-spline networks, by name, after learning on the sine of 1 Hz (thesis 5.3.1)."""
+        setting = Setting.of(self.axis, n_threads=self.n_threads)
+        return self._learning(setting, thesis_motions(setting.arm), "sine of 1 Hz")
+
+    @cached_property
+    def learning(self) -> dict[str, Learning]:
+        """Both networks after learning at p1 at 10 mm/s (thesis 5.3.2)."""
+        return self._learning(self.setting, thesis_motions(self.setting.arm), "10 mm/s")
+
+    @cached_property
+    def fast_learning(self) -> dict[str, Learning]:
+        """Both networks after learning at p1 at 40 mm/s (thesis 5.4.2)."""
+        return self._learning(self.setting, training_motions(self.setting.arm, speeds=[FAST]), "40 mm/s")
+
+    @cached_property
+    def bsn_sines(self) -> OneAxisStudy:
+        """Sine test with no compensation and both networks."""
+        laws = [learning.best for learning in self.axis_learning.values()]
+        return one_axis_study(self.axis, laws=[NoCompensation(), *laws])
+
+    @cached_property
+    def bsn_circles(self) -> CircleStudy:
+        """The 36 circles with no compensation, dynamic LuGre, and both networks as trained at 10 mm/s."""
+        return self._with_networks(self.learning, SPEEDS, "10 mm/s")
+
+    @cached_property
+    def fast_bsn_circles(self) -> CircleStudy:
+        """The 12 circles at 40 mm/s with no compensation, dynamic LuGre, and both networks as trained at 40 mm/s."""
+        return self._with_networks(self.fast_learning, [FAST], "40 mm/s")
+
+    @cached_property
+    def joint_1(self) -> MeasuredFriction:
+        """Friction of joint 1 of the workcell, identified as in thesis 6.1."""
+        rig = self.workcell
+        with self.stage("friction of joint 1", "s") as progress:
+            return measure_friction(rig, rig.robot.joints[:1], seed=SEED, n_threads=self.n_threads, progress=progress)
+
+    @cached_property
+    def all_joints(self) -> MeasuredFriction:
+        """Friction of all joints of the workcell, from ladders and the records of set D."""
+        rig = self.workcell
+        with self.stage("friction of all joints", "s") as progress:
+            return measure_friction(
+                rig,
+                rig.robot.joints,
+                seed=SEED,
+                n_threads=self.n_threads,
+                progress=progress,
+                numbers=ESTIMATION_RECORDS,
+            )
+
+    @cached_property
+    def reidentified_circles(self) -> CircleStudy:
+        """Circles at 10 and 40 mm/s on it: no compensation, dynamic LuGre with old and with identified parameters."""
+        rig, speeds = self.workcell, SPEEDS[:2]
+        laws = [NoCompensation(), DynamicLuGreExact(rig.robot.friction)]
+        with self.stage("circles on the workcell, old parameters", "s") as progress:
+            old = circle_study(rig, laws=laws, speeds=speeds, seed=SEED, n_threads=self.n_threads, progress=progress)
+        laws = [DynamicLuGreExact(self.all_joints.found.friction)]
+        with self.stage("circles on the workcell, identified", "s") as progress:
+            new = circle_study(rig, laws=laws, speeds=speeds, seed=SEED, n_threads=self.n_threads, progress=progress)
+        return old.joined(new.renamed(laws[0].name, IDENTIFIED))
+
+    @cached_property
+    def narx_records(self) -> dict[str, Samples]:
+        """Sines of thesis 6.2.2 and Table 6.1 with the friction of the LuGre model, by name."""
+        return narx_records(self.axis.friction)
+
+    @cached_property
+    def narx_reach(self) -> dict[str, Samples]:
+        """Motions unlike them, by name."""
+        return reach_records(self.axis.friction)
+
+    @cached_property
+    def narx_published(self) -> dict[str, NarxFit]:
+        """The two NARX networks of thesis 6.2, by name."""
+        return self._networks(PUBLISHED)
+
+    @cached_property
+    def narx_extended(self) -> dict[str, NarxFit]:
+        """NARX networks with more data and with another regressor, by name."""
+        return self._networks(EXTENDED)
+
+    @cached_property
+    def contenders(self) -> list[Contender]:
+        """Members of the agents' catalogue, made for the 36 circles."""
+        setting = replace(self.setting, references=[*circle_references(self.setting.arm).values()])
+        found = []
+        with self.stage("making agents", "agents") as progress:
+            names = [name for name, entry in CATALOGUE.items() if entry.is_available and not entry.takes_machine]
+            for i, name in enumerate(names):
+                progress(i, len(names))
+                found.append(contender(name, setting))
+            progress(len(names), len(names))
+        return found
+
+    @cached_property
+    def all_circles(self) -> CircleStudy:
+        """The 36 circles with all of them."""
+        with self.stage("circles with all agents", "s") as progress:
+            laws = [each.law for each in self.contenders]
+            return circle_study(self.robot, laws=laws, n_threads=self.n_threads, progress=progress)
+
+    def _learning(self, setting: Setting, references: Sequence[Reference], where: str) -> dict[str, Learning]:
+        n = setting.robot.n_joints
+        found = {}
+        for kind in (StaticBSN, ExtendedBSN):
+            network = kind.zero(n)
+            with self.stage(f"training {network.name}, {where}", "trials") as progress:
+                found[network.name] = thesis_training(n).learn(
+                    network,
+                    references,
+                    setting.trial,
+                    watch=lambda learning, total, progress=progress: progress(learning.trials, total),  # type: ignore[misc]
+                )
+        return found
+
+    def _with_networks(self, learning: dict[str, Learning], speeds: Sequence[float], where: str) -> CircleStudy:
+        with self.stage(f"circles with networks of {where}", "s") as progress:
+            networks = circle_study(
+                self.robot,
+                laws=[each.best for each in learning.values()],
+                speeds=speeds,
+                n_threads=self.n_threads,
+                progress=progress,
+            )
+        return self.lugre_circles.only(laws=["none", "lugre_dynamic"], speeds=speeds).joined(networks)
+
+    def _networks(self, candidates: Sequence[Candidate]) -> dict[str, NarxFit]:
+        found = {}
+        with self.stage("NARX networks", "networks") as progress:
+            for i, candidate in enumerate(candidates):
+                progress(i, len(candidates))
+                found[candidate.name] = fit_narx(candidate, self.narx_records | self.narx_reach, seed=SEED)
+            progress(len(candidates), len(candidates))
+        return found

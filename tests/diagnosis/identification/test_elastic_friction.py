@@ -1,0 +1,64 @@
+"""Friction behind gravity, inertia and elastic joints: two joints from one set of recordings."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from friction_samples import ladder, measured, sines
+
+from ffgym.diagnosis.identification import friction_torque, friction_torques, identify_friction
+from ffgym.diagnosis.identification.bristle_fit import NAMES
+from ffgym.robot import RigidArm, load_robot
+
+
+@pytest.fixture(scope="module")
+def two_link():
+    return RigidArm(load_robot("two_link"))
+
+
+@pytest.fixture(scope="module")
+def moving(two_link):
+    """Records 4 and 15 of both joints; record 15 runs at 5 Hz and 10 rad/s."""
+    return sines(two_link, (4, 15), physics_dt=2.5e-4, least=2.0)
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def test_friction_torque_is_the_plants_through_gravity_and_bending_joints(two_link, moving):
+    for recording in moving:
+        torque = friction_torque(two_link, recording)
+        true = torque.signals.low_pass(recording.joint_array("friction.effort"), torque.signals.dt)
+        assert rms((torque.friction - true)[torque.valid]) < 0.03 * rms(true[torque.valid])
+
+
+def test_taken_as_rigid_joints_cost_much_of_the_friction_at_5_hz(two_link, moving):
+    stiff = replace(two_link.robot.drive, joint_stiffness=np.full(2, np.inf), joint_damping=np.zeros(2))
+    rigid = RigidArm(replace(two_link.robot, drive=stiff))
+    fast = moving[1]
+    true = fast.joint_array("friction.effort")
+    elastic_error, rigid_error = (
+        rms((torque.friction - true)[torque.valid, 0])
+        for torque in (friction_torque(two_link, fast), friction_torque(rigid, fast))
+    )
+    assert rigid_error > 5 * elastic_error
+    assert rigid_error > 0.1  # N m, of a Coulomb torque of 0.54
+
+
+def test_a_record_that_begins_in_motion_counts_from_when_the_arm_no_longer_swings(two_link, moving):
+    whole, cut = friction_torque(two_link, moving[0]), friction_torque(two_link, moving[0].slice(1.4))
+    assert whole.valid[40:-40].all()
+    assert not cut.valid[:1000].any()
+
+
+def test_both_joints_are_found_from_one_set_of_recordings(two_link, moving):
+    speeds = (0.03, 0.08, 0.15, 0.25, 0.6, 3.0, 9.0)
+    recordings = measured([*ladder(two_link, speeds=speeds), *moving], noise=0.02)
+    wrong = two_link.robot.friction.scaled(coulomb=0.7, static=1.2, bristle_stiffness=1.5, bristle_damping=0.5)
+    known = RigidArm(replace(two_link.robot, friction=wrong))
+    found = identify_friction(friction_torques(known, recordings), n_resamples=60)
+    for name, tolerance in zip(NAMES, (0.02, 0.02, 0.02, 0.15, 0.1, 0.1), strict=True):
+        true = getattr(two_link.robot.friction, name)
+        np.testing.assert_allclose(getattr(found.friction, name), true, rtol=tolerance, err_msg=name)
+    assert all(estimate.is_identified for joint in found.joints for estimate in joint.estimates)

@@ -1,0 +1,111 @@
+"""Logs of the independent plant through the diagnosis: clean ones are clean, and effects are named."""
+
+from dataclasses import replace
+
+import pytest
+
+from scripts.exam.independent import question, robots
+from scripts.exam.independent.question import handed_out
+from scripts.exam.independent.sensors import Columns
+from scripts.exam.independent.sitting import answered, examined
+from scripts.exam.marks import marked
+
+PLAIN = Columns(tracker=False, set_points=True, feedback=False, speed=False, temperature=False)
+SHORT = {"count": 4, "duration": 2.4}
+TIDY = {"control": "documented", "columns": PLAIN, "noise": "white", "row_dt": 0.004, "share": 0.005}
+
+
+@pytest.fixture
+def gears_that_keep_the_sign(monkeypatch):
+    """Gearboxes whose motors turn as the joints do."""
+    drawn = robots._motors
+
+    def motors(*arguments):
+        drive, friction = drawn(*arguments)
+        return replace(drive, gear_ratio=abs(drive.gear_ratio)), friction
+
+    monkeypatch.setattr(robots, "_motors", motors)
+
+
+@pytest.fixture
+def hiding(monkeypatch):
+    """A function that has one kind of effect hidden at full size, on whichever joint."""
+
+    def hide(name):
+        monkeypatch.setattr(question, "KINDS", {name: question.KINDS[name]})
+        monkeypatch.setattr(question, "_SMALLEST", 0.999)
+
+    return hide
+
+
+@pytest.mark.parametrize(("n", "elastic"), [(1, False), pytest.param(2, True, marks=pytest.mark.slow)])
+def test_a_clean_log_is_clean(n, elastic, gears_that_keep_the_sign):
+    paper = handed_out("clean", 0, seed=3, n=n, elastic=elastic, **TIDY, **SHORT)
+    assert answered(paper).verdict == "none"
+
+
+@pytest.mark.parametrize(
+    "conditions",
+    [
+        {"n": 1, "elastic": True, "row_dt": 0.008, "control": "cascade"},
+        {"n": 1, "elastic": False, "row_dt": 0.005, "noise": "coloured"},
+        {"n": 2, "elastic": False, "row_dt": 0.008, "control": "cascade", "columns": "feedback"},
+        pytest.param({"n": 4, "elastic": True, "row_dt": 0.002, "share": 0.05}, marks=pytest.mark.slow),
+    ],
+    ids=["rare samples", "noise with memory", "feedback without set-points", "loose numbers"],
+)
+def test_what_sensors_and_numbers_leave_open_is_no_fault(conditions):
+    if conditions.get("columns") == "feedback":
+        conditions = conditions | {"columns": replace(PLAIN, set_points=False, feedback=True)}
+    paper = handed_out("clean", 0, seed=5, **(TIDY | conditions))
+    assert answered(paper).verdict == "none"
+
+
+@pytest.mark.slow
+def test_coriolis_torques_of_links_that_swing_are_no_fault():
+    """Three fast elastic axes, whose quiet sensors hear a tenth of what their swinging takes."""
+    assert answered(handed_out("clean", 7, seed=101)).verdict == "none"
+
+
+def test_numbers_that_are_off_by_more_than_slopes_tell_are_no_fault():
+    """Two elastic axes that are known to 5 %, and swing: slopes leave forty times the noise, and two wrong springs."""
+    assert answered(handed_out("clean", 6, seed=1601)).verdict == "none"
+
+
+def test_an_effect_below_a_noise_floor_that_allows_for_too_much_is_named():
+    """Sensors that are quieter than models foretell: a tenth of the floor is there, and load friction beside it."""
+    paper = handed_out("single", 3, seed=1601)
+    mark = marked(paper, answered(paper))
+    assert mark.outcome == "right"
+    assert all(size.is_covered for size in mark.sizes)
+
+
+@pytest.mark.parametrize(
+    ("name", "n"),
+    [
+        ("load_share", 2),
+        pytest.param("coulomb", 1, marks=pytest.mark.slow),
+        pytest.param("rotor", 1, marks=pytest.mark.slow),
+        pytest.param("waves", 1, marks=pytest.mark.slow),
+        pytest.param("cogging", 1, marks=pytest.mark.slow),
+    ],
+)
+def test_a_loud_effect_is_named(name, n, gears_that_keep_the_sign, hiding):
+    hiding(name)
+    paper = handed_out("single", 0, seed=3, n=n, elastic=True, **TIDY, **SHORT)
+    assert paper.loudness[0] > 10
+    mark = marked(paper, answered(paper))
+    assert mark.outcome in ("right", "tie"), (mark.outcome, mark.sentence)
+    assert not mark.names_wrongly
+
+
+def test_a_diagnosis_that_ends_in_an_error_is_an_answer(monkeypatch):
+    from scripts.exam.independent import sitting
+
+    small = handed_out("clean", 1, seed=3, n=1, count=1, duration=0.8)
+    monkeypatch.setattr(sitting, "handed_out", lambda row, number, seed: small)
+    monkeypatch.setattr(sitting, "diagnose", lambda *log, **more: (1,).index(2))
+    mark = examined(("clean", 1), seed=3)
+    assert mark.outcome == "insufficient"
+    assert mark.sentence.startswith("ValueError")
+    assert mark.conditions == small.setup.label

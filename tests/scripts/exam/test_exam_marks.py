@@ -1,0 +1,257 @@
+"""Marks: what an answer is worth beside what is hidden, and the figures that marks come to."""
+
+from dataclasses import replace
+
+import pytest
+
+from ffgym.core.errors import FFGymError
+from ffgym.diagnosis.result import Cause, Diagnosis, Pattern, Rival, Size
+from ffgym.effects import EFFECTS
+from scripts.exam.draw import draw_case
+from scripts.exam.equations import Clue, FloorVibration, RubbingHose, TwoWaveCogging
+from scripts.exam.gain import Gain, gain_of
+from scripts.exam.hidden import Hidden
+from scripts.exam.loudness import Paper
+from scripts.exam.marks import finds, marked
+from scripts.exam.results import read_marks, write_marks
+from scripts.exam.table import table
+from scripts.exam.text import figures_text, misses_text, outcomes_text
+
+
+def cause(effect, joint, *sizes, **fixed):
+    return Cause(effect=effect, code="", title="", joint=joint, parameters=sizes, fixed=fixed, held_out_gain=0.9)
+
+
+def rival(effect, joint, tied=True):
+    return Rival(effect=effect, joint=joint, held_out_gain=0.9, tied=tied, against="", reason="")
+
+
+def pattern(variable, kind="function", frequency=None, component="j2"):
+    return Pattern(
+        channel="torque",
+        component=component,
+        variable=variable,
+        kind=kind,
+        frequency=frequency,
+        amplitude=1.0,
+        share=0.5,
+        message=f"{variable} {frequency}",
+    )
+
+
+def says(verdict, *causes, **more):
+    return Diagnosis(verdict=verdict, sentence="", robot="", motions=(), causes=causes, **more)
+
+
+@pytest.fixture
+def paper(arm):
+    """A function that hands out a question with some effects in it, nothing recorded."""
+
+    def make(*hidden, loudness=20.0, row="single", number=0):
+        case = replace(draw_case(row, number, seed=1010, arm=arm), hidden=tuple(hidden))
+        return Paper(case=case, log=(), loudness=(loudness,) * len(hidden))
+
+    return make
+
+
+@pytest.fixture
+def load(irb4600):
+    return Hidden(effect=EFFECTS["load_friction"].on(irb4600, "j2", share=0.05), joint="j2")
+
+
+@pytest.fixture
+def cogging(irb4600):
+    effect = EFFECTS["cogging"].on(irb4600, "j3", amplitude=0.1, cycles=12.0, phase=1.0)
+    return Hidden(effect=effect, joint="j3")
+
+
+RIGHT, OTHER = cause("load_friction", "j2"), cause("payload", "")
+
+
+@pytest.mark.parametrize(
+    ("answer", "outcome", "first", "wrongly"),
+    [
+        (says("named", RIGHT), "right", True, False),
+        (says("partly", RIGHT), "right", True, False),
+        (says("named", RIGHT, OTHER), "surplus", True, True),
+        (says("named", OTHER, RIGHT), "wrong", False, True),
+        (says("named", OTHER), "wrong", False, True),
+        (says("named", cause("load_friction", "j3")), "wrong", False, True),
+        (says("partly", OTHER), "wrong_partly", False, False),
+        (says("ambiguous", OTHER, rivals=(rival("load_friction", "j2"),)), "tie", False, False),
+        (says("ambiguous", RIGHT, rivals=(rival("payload", ""),)), "tie", True, False),
+        (says("ambiguous", OTHER, rivals=(rival("load_friction", "j2", tied=False),)), "wrong_tie", False, False),
+        (says("none"), "none", False, False),
+        (says("unknown", OTHER), "unknown", False, False),
+        (says("insufficient"), "insufficient", False, False),
+    ],
+    ids=lambda x: x.verdict if isinstance(x, Diagnosis) else str(x),
+)
+def test_an_answer_to_one_hidden_effect_is_marked(paper, load, answer, outcome, first, wrongly):
+    mark = marked(paper(load), answer)
+    assert (mark.outcome, mark.first_is_right, mark.names_wrongly) == (outcome, first, wrongly)
+
+
+@pytest.mark.parametrize(
+    ("causes", "outcome"),
+    [
+        ((RIGHT, cause("cogging", "j3")), "right"),
+        ((RIGHT,), "part"),
+        ((RIGHT, OTHER), "wrong"),
+        ((RIGHT, cause("cogging", "j3"), OTHER), "surplus"),
+    ],
+    ids=["both", "one", "one and another", "both and another"],
+)
+def test_of_a_pair_both_must_be_named(paper, load, cogging, causes, outcome):
+    assert marked(paper(load, cogging, row="pair"), says("named", *causes)).outcome == outcome
+
+
+@pytest.mark.parametrize(
+    ("listed", "outcome"), [((("cogging", "j3"),), "tie"), ((("payload", ""),), "part"), ((), "part")]
+)
+def test_of_a_pair_both_must_be_in_a_tie(paper, load, cogging, listed, outcome):
+    answer = says("ambiguous", RIGHT, rivals=tuple(rival(*one) for one in listed))
+    assert marked(paper(load, cogging, row="pair"), answer).outcome == outcome
+
+
+def test_a_variant_is_named_by_the_effect_that_it_is_of(paper, irb4600):
+    hidden = Hidden(effect=TwoWaveCogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
+    mark = marked(paper(hidden), says("named", cause("cogging", "j1", cycles=6.04)))
+    assert mark.outcome == "right"
+    assert mark.cycles_off == pytest.approx(0.04)
+    assert mark.sizes == ()  # sizes of two equations are not the same
+
+
+def test_of_two_waves_that_are_named_the_main_one_counts_whichever_comes_first(paper, irb4600):
+    hidden = Hidden(effect=TwoWaveCogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
+    waves = [
+        cause("cogging", "j1", cycles=12.01),
+        cause("cogging", "j1", cycles=5.97),
+        cause("cogging", "j2", cycles=6),
+    ]
+    mark = marked(paper(hidden), says("named", *waves))
+    assert mark.cycles_off == pytest.approx(-0.03)
+
+
+def test_an_effect_outside_the_library_has_no_right_name(paper, irb4600):
+    effect = FloorVibration.on(irb4600, "j2", share=0.1, frequency=17.0, phase=0.0)
+    hidden = Hidden(effect=effect, joint="j2")
+    named = marked(paper(hidden, row="outside"), says("named", OTHER))
+    unknown = marked(paper(hidden, row="outside"), says("unknown", patterns=(pattern("time", "line", 17.1),)))
+    assert named.names_wrongly
+    assert not named.clue_found
+    assert unknown.clue_found
+
+
+@pytest.mark.parametrize(
+    ("clue", "patterns", "found"),
+    [
+        (Clue(words=("time",), frequency=17.0), [pattern("time", "line", 17.2)], True),
+        (Clue(words=("time",), frequency=17.0), [pattern("time", "line", 19.0)], False),
+        (Clue(words=("time",), frequency=2.0), [pattern("time", "line", 6.0)], True),  # a switch has odd multiples
+        (
+            Clue(words=("time",), frequency=2.0),
+            [pattern("time", "function")],
+            True,
+        ),  # the variable, if not the frequency
+        (Clue(words=("time",)), [pattern("time", "function")], True),
+        (Clue(words=("time",)), [pattern("time at rest before the move", "function")], False),
+        (Clue(words=("angle",), joint="j5"), [pattern("motor angle of j5")], True),
+        (Clue(words=("angle",), joint="j5"), [pattern("motor angle")], False),
+        (Clue(words=("angle",), joint="j5"), [pattern("motor speed of j5")], False),
+        (Clue(words=("angle",), joint="j2"), [pattern("motor angle", "sign-locked function")], True),
+        (Clue(words=("angle",), joint="j2"), [pattern("motor angle", component="j1")], False),
+        (Clue(words=("angle",), joint="j2"), [pattern("load"), pattern("motor angle")], False),
+        (Clue(words=("angle",), joint="j2"), [], False),
+        (Clue(words=("speed",), joint="j2"), [pattern("size of the motor speed")], True),
+        (Clue(words=("speed",), joint="j5"), [pattern("size of the motor speed of j5")], True),
+        (Clue(words=("time",)), [pattern("time", "line", 3.0)], False),
+    ],
+)
+def test_the_strongest_pattern_of_the_joint_must_be_the_one(clue, patterns, found):
+    assert finds(clue, patterns, "j2", ("j1", "j2", "j5")) is found
+
+
+def test_sizes_stand_beside_the_true_ones(paper, load):
+    size = Size(name="share", value=0.053, unit="1", interval=(0.045, 0.06))
+    (mark,) = marked(paper(load), says("named", cause("load_friction", "j2", size))).sizes
+    assert mark.error == pytest.approx(0.06)
+    assert mark.is_covered
+
+
+def test_a_size_means_nothing_beside_another_shape(paper, irb4600):
+    effect = EFFECTS["dwell_stiction"].on(irb4600, "j2", share=0.3, time=2.0, slip=0.02)
+    size = Size(name="share", value=0.3, unit="1", interval=(0.2, 0.4))
+    hidden = paper(Hidden(effect=effect, joint="j2"))
+    near = marked(hidden, says("named", cause("dwell_stiction", "j2", size, time=2.1, slip=0.02)))
+    far = marked(hidden, says("named", cause("dwell_stiction", "j2", size, time=0.3, slip=0.02)))
+    assert len(near.sizes) == 1
+    assert far.sizes == ()
+
+
+def test_marks_are_a_file_that_an_interrupted_exam_goes_on_with(paper, load, tmp_path):
+    place = tmp_path / "marks.jsonl"
+    assert read_marks(place, 5) == []
+    gain = Gain(leftover=1.2, before=9e-6, after=2e-6)
+    first = marked(paper(load, number=1), says("named", RIGHT), seconds=3.0, same_bytes=True, gain=gain)
+    second = marked(paper(row="clean"), says("none"))
+    write_marks(place, 5, [first, second])
+    assert read_marks(place, 5) == [second, first]
+    with pytest.raises(FFGymError, match="another seed"):
+        read_marks(place, 6)
+    place.write_text(place.read_text()[:-20])
+    with pytest.raises(FFGymError, match="damaged"):
+        read_marks(place, 5)
+
+
+def got(marks, number, words):
+    (line,) = [line for line in table(marks) if line.number == number and words in line.figure]
+    return line
+
+
+def test_figures_are_counted_in_their_bands(paper, load):
+    right = marked(paper(load, loudness=50.0), says("named", RIGHT))
+    tie = marked(paper(load, loudness=1.5), says("ambiguous", OTHER, rivals=(rival("load_friction", "j2"),)))
+    wrong = marked(paper(load, loudness=5.0), says("named", OTHER))
+    buried = marked(paper(load, loudness=1.1), says("none"))
+    marks = [right, right, tie, wrong, buried]
+    assert got(marks, 2, "first").got == "100.0%"
+    assert got(marks, 2, "wrong").is_met
+    assert got(marks, 3, "first").got == "0.0%"
+    assert not got(marks, 3, "wrong").is_met
+    assert got(marks, 4, "tie").is_met
+    assert got(marks, 5, "other equation").is_met is None
+    assert "NO" in figures_text(table(marks))
+    assert "wrong" in outcomes_text(marks)
+    assert misses_text(marks).count("\n") == 2
+
+
+def test_a_clean_log_must_not_be_named(paper):
+    marks = [marked(paper(row="clean"), says("none")), marked(paper(row="clean", number=1), says("partly", OTHER))]
+    line = got(marks, 1, "clean")
+    assert (line.got, line.of, line.is_met) == ("1", 2, False)
+
+
+def test_a_poor_log_may_be_a_tie_that_a_proposed_motion_resolves(paper, load):
+    tie = says("ambiguous", OTHER, rivals=(rival("load_friction", "j2"),))
+    marks = [marked(paper(load, row="poor"), tie, then="right"), marked(paper(load, row="poor"), says("none"))]
+    assert got(marks, 9, "wrong").is_met
+    assert got(marks, 9, "tie").is_met
+    assert got(marks, 9, "resolves").is_met
+
+
+def test_the_clue_of_a_cross_axis_effect_is_the_other_joint(irb4600):
+    share = [[0.0] * 6 for _ in range(6)]
+    share[1][4] = 0.2
+    hidden = Hidden(effect=RubbingHose.on(irb4600, share=share, phase=0.3), joint="j2")
+    assert hidden.clue(irb4600).joint == "j5"
+
+
+def test_the_true_causes_leave_what_noise_and_calibration_leave(arm, irb4600):
+    effect = EFFECTS["coulomb_level"].on(irb4600, "j2", change=0.2)
+    case = replace(draw_case("single", 0, seed=1011, arm=arm), hidden=(Hidden(effect=effect, joint="j2"),))
+    size = Size(name="change", value=0.2, unit="1", interval=(0.1, 0.3))
+    gain = gain_of(case, [cause("coulomb_level", "j2", size)])
+    assert gain.leftover == pytest.approx(1.0, abs=0.3)
+    assert gain_of(case, []).leftover > 5
+    assert gain.after < gain.before

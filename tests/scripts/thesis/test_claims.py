@@ -1,0 +1,53 @@
+"""Verdicts follow from comparisons, by the share of them that is true."""
+
+import pytest
+
+from scripts.thesis.claims import EVERY, MOST, Check, Claim, judge, verdict_of
+
+
+def checks(*truths: bool) -> list[Check]:
+    return [Check(where=f"case {i}", value=0.0 if true else 2.0, limit=1.0) for i, true in enumerate(truths)]
+
+
+@pytest.mark.parametrize(
+    ("truths", "share", "verdict"),
+    [
+        ([True, True], EVERY, "holds"),
+        ([True, True, True, False], EVERY, "partly"),
+        ([True, True, True, False], MOST, "holds"),
+        ([True, False], MOST, "partly"),
+        ([True, False, False], MOST, "does not hold"),
+        ([False], EVERY, "does not hold"),
+        ([], EVERY, "not comparable"),
+    ],
+)
+def test_a_verdict_is_a_matter_of_counting(truths, share, verdict):
+    assert verdict_of(checks(*truths), share) == verdict
+
+
+def test_equal_numbers_decide_against_a_claim():
+    assert not Check(where="the same", value=1.0, limit=1.0).true
+
+
+def claim_of(*truths: bool) -> Claim:
+    return Claim(name="c", statement="s", criterion="Because.", checks=lambda laboratory: checks(*truths))
+
+
+def test_a_judgement_lists_its_numbers(laboratory):
+    text = judge(claim_of(True, False), laboratory).text
+    assert text == "1 of 2 true: case 0: 0 < 1; case 1: 2 is not < 1."
+
+
+def test_of_many_comparisons_a_judgement_lists_those_that_are_not_true(laboratory):
+    assert judge(claim_of(*[True] * 9, False), laboratory).text == "9 of 10 true; not case 9: 2 is not < 1."
+    assert judge(claim_of(*[False] * 9), laboratory).text.endswith("and 6 more.")
+
+
+def test_of_many_true_comparisons_a_judgement_shows_the_closest(laboratory):
+    many = [Check(where=f"case {i}", value=i / 10, limit=1.0) for i in range(9)]
+    claim = Claim(name="c", statement="s", criterion="Because.", checks=lambda laboratory: many)
+    assert judge(claim, laboratory).text == "9 of 9 true, the closest case 8: 0.8 < 1."
+
+
+def test_where_nothing_is_comparable_the_judgement_says_why(laboratory):
+    assert judge(claim_of(), laboratory).text == "Because."
