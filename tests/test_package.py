@@ -82,6 +82,15 @@ def test_importing_the_core_loads_nothing_optional():
     assert done.stderr == ""
 
 
+def test_making_a_circle_loads_what_it_uses():
+    code = "import ffgym, gymnasium, sys; gymnasium.make('ffgym/CirclePath-v0'); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = done.stdout.split()
+    unused = ("ffgym.effects.catalogue", "ffgym.workcell", "ffgym.robot.arm_file.read", "ffgym.paths.rapid", "scipy")
+    assert not [name for name in loaded if name.startswith(unused)]
+    assert len([name for name in loaded if name.startswith("ffgym")]) <= 150
+
+
 def test_the_core_requires_these_packages():
     assert {name for name, _, extra in requirements() if extra is None} == CORE
 

@@ -17,7 +17,6 @@ from typing import Any, ClassVar, Literal, Self
 
 import mujoco
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray
@@ -228,12 +227,16 @@ class ClockEffect(Effect):
 
     def late(self, values: Array, dt: float) -> Array:
         """What is written of `values` (T, ...), sampled every `dt` [s]; before the first, nothing had changed."""
+        from scipy.interpolate import CubicSpline
+
         t = np.arange(len(values)) * dt
         late: Array = CubicSpline(t, values)(np.clip(t - self.latency, 0.0, t[-1]))
         return late
 
     def in_step(self, values: Array, dt: float) -> Array:
         """Undo `late`: values (T, ...) at the instants at which they were sampled, `dt` [s] apart; the last is held."""
+        from scipy.interpolate import CubicSpline
+
         t = np.arange(len(values)) * dt
         sampled: Array = CubicSpline(t, values)(np.clip(t + self.latency, 0.0, t[-1]))
         return sampled

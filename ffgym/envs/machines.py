@@ -5,8 +5,7 @@ from pathlib import Path
 from ffgym.core.errors import FFGymError
 from ffgym.envs.rigs import is_workcell, workcell_named
 from ffgym.robot import RobotDescription, robot_of
-from ffgym.simulation.plant import Machine, load_machine
-from ffgym.simulation.plant.machine_file import is_machine_file
+from ffgym.simulation.plant import Machine
 
 
 def machine_of(plant: Machine | RobotDescription | str | Path) -> Machine:
@@ -23,8 +22,11 @@ def machine_of(plant: Machine | RobotDescription | str | Path) -> Machine:
         return plant
     if isinstance(plant, str) and is_workcell(plant):
         return workcell_named(plant).machine
-    if isinstance(plant, str | Path) and is_machine_file(plant):
-        return load_machine(plant)
+    if isinstance(plant, str | Path) and str(plant).endswith(".toml"):
+        from ffgym.simulation.plant.machine_file import is_machine_file, load_machine
+
+        if is_machine_file(plant):
+            return load_machine(plant)
     if not isinstance(plant, str | Path | RobotDescription):
         raise FFGymError(
             f"plant = {plant!r} must be a Machine, a RobotDescription, the name of a built-in robot, workcell:<name or "

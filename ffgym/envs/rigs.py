@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ffgym.core.errors import FFGymError
 from ffgym.robot import ModelOptions, RigidArm, load_robot
-from ffgym.simulation import Rig, Sensor, SimulatedRig
-from ffgym.simulation.plant import load_machine
-from ffgym.simulation.plant.machine_file import is_machine_file, known_robot
-from ffgym.workcell import INSTANCES, Workcell, draw, workcell
+
+if TYPE_CHECKING:  # loaded with the first workcell or rig
+    from ffgym.simulation import Rig, Sensor
+    from ffgym.workcell import Workcell
 
 WORKCELL = "workcell:"
 """What names of workcells begin with."""
@@ -19,12 +20,14 @@ def is_workcell(name: str | Path) -> bool:
     return str(name).startswith(WORKCELL)
 
 
-def workcell_named(name: str) -> Workcell:
+def workcell_named(name: str) -> "Workcell":
     """The workcell called workcell:<name>, or workcell:<seed> for one that is drawn.
 
     Raises:
         FFGymError: if there is none of that name.
     """
+    from ffgym.workcell import INSTANCES, draw, workcell
+
     short = name.removeprefix(WORKCELL)
     if short.isdecimal():
         return draw(int(short))
@@ -34,7 +37,9 @@ def workcell_named(name: str) -> Workcell:
     return workcell(short)
 
 
-def rig_of(name: str | Path, *, options: ModelOptions | None = None, sensors: Sequence[Sensor] | None = None) -> Rig:
+def rig_of(
+    name: str | Path, *, options: ModelOptions | None = None, sensors: "Sequence[Sensor] | None" = None
+) -> "Rig":
     """Where to run motions.
 
     Args:
@@ -46,6 +51,10 @@ def rig_of(name: str | Path, *, options: ModelOptions | None = None, sensors: Se
     Raises:
         FFGymError: if there is none of that name, or something is to be changed about a workcell.
     """
+    from ffgym.simulation import SimulatedRig
+    from ffgym.simulation.plant import load_machine
+    from ffgym.simulation.plant.machine_file import is_machine_file, known_robot
+
     if not is_workcell(name) and is_machine_file(name):
         arm, machine = RigidArm(known_robot(name)), load_machine(name)
         return SimulatedRig(arm=arm, machine=machine, options=options, sensors=sensors or (), name=Path(name).stem)

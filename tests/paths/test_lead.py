@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from path_samples import magnitudes
 from scipy.integrate import quad
+from scipy.optimize import fsolve
 
 from ffgym.paths.circles import smooth_ramp
-from ffgym.paths.lead import BLEND, unit_lead
+from ffgym.paths.lead import BLEND, SmoothLead, unit_lead
 
 arcs = st.floats(0.0, unit_lead().length)
 
@@ -23,6 +24,14 @@ def test_the_lead_starts_at_the_centre_and_joins_the_circle_in_its_tangent_and_c
     np.testing.assert_allclose(at(lead.point, lead.length), [0, 0], atol=1e-15)
     assert at(lead.heading, lead.length) == pytest.approx(0, abs=1e-15)
     assert at(lead.bend, lead.length) == pytest.approx(1)
+
+
+def test_its_numbers_solve_the_two_conditions_on_the_centre():
+    def miss(unknown):
+        return SmoothLead(curvature=unknown[0], length=unknown[1]).point(np.zeros(1))[0] - [0.0, 1.0]
+
+    lead = unit_lead()
+    assert fsolve(miss, [2.0, np.pi / 2], xtol=1e-14) == pytest.approx([lead.curvature, lead.length], rel=1e-14)
 
 
 def test_its_first_part_is_a_circle_and_the_rest_a_clothoid():

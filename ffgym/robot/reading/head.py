@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.robot.arm_file import flange_at, read_arm
 from ffgym.robot.parts import JOINT_TYPES
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.robot.reading.tables import names_of
@@ -63,6 +62,8 @@ def _types(types: Any, n_joints: int) -> tuple[str, ...]:
 
 
 def _from_file(name: str, title: str, head: Mapping[str, Any], folder: Path) -> Head:
+    from ffgym.robot.arm_file import flange_at, read_arm  # loaded with the first arm file
+
     (model,) = names_of("[robot] model", [head["model"]])
     (looks,) = names_of("[robot] looks", [head.get("looks", "file")])
     check_choice("[robot] looks", looks, ("file", "none"))
