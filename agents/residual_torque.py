@@ -6,7 +6,7 @@ model is the drive's own feed-forward, and the difference is friction before all
 
     u_lff = b . [s_1 ... s_W, v, a] + g(x),      x = [s_1 ... s_W, asinh(v / v_0) / asinh(v_max / v_0)]
 
-with slip elements s (`ffgym.robot.friction.slip_elements`: what remembers the last reversal), motor speed v and
+with slip elements s (`ffgym.robot.friction`: what remembers the last reversal), motor speed v and
 acceleration a. The linear part is the mean of a Gaussian process, g its deviation from it: a sum of bells around some
 of the samples seen,
 
@@ -34,8 +34,7 @@ from ffgym.agents.fitting.supervised import linear_features
 from ffgym.control import CausalLaw, Window
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
-from ffgym.robot.friction import slip_elements
-from ffgym.robot.friction.slip_elements import WIDTHS
+from ffgym.robot.friction import WIDTHS, advance_slip
 
 KNEE = 0.01
 """v_0 / v_max: speeds are stretched below it and compressed above, since friction changes most near standstill. Chosen:
@@ -92,7 +91,7 @@ class ResidualTorque(CausalLaw, StoredLaw):
         """See base class; remembered are the slip elements."""
         slip = memory.reshape(*memory.shape[:-1], self.n_joints, len(self.widths))
         now, then = window.motor_dq[..., 0, :], window.motor_dq[..., 1, :]
-        slip = slip_elements.advanced(slip, now, then, window.dt, self.widths)
+        slip = advance_slip(slip, now, then, window.dt, self.widths)
         return self.at(slip, then, window.motor_ddq[..., 1, :]), slip.reshape(memory.shape)
 
     def at(self, slip: Array, motor_dq: Array, motor_ddq: Array) -> Array:

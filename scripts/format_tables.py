@@ -12,8 +12,8 @@ import tyro
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_text
-from ffgym.robot.reading.capabilities import CAPABILITIES
-from ffgym.robot.reading.rule import OTHER_UNITS, Rule
+from ffgym.robot.reading.draft import CAPABILITIES
+from ffgym.robot.reading.quantity import OTHER_UNITS, Rule
 from ffgym.robot.reading.rules import RULES
 
 GEOMETRY = CAPABILITIES[0].needs

@@ -14,8 +14,7 @@ import tyro
 
 from ffgym.core.files import write_text
 from ffgym.paths.limits import MotionLimits
-from ffgym.paths.motions.load import builtin_files
-from ffgym.paths.motions.motion_file import HEAD
+from ffgym.paths.motions.load import HEAD, builtin_files
 from ffgym.paths.motions.parts import PARTS, Part, entries
 from ffgym.paths.motions.parts.part import is_required
 from scripts.format_tables import with_tables

@@ -19,7 +19,7 @@ from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array, BoolArray
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
-from ffgym.robot.friction import slip_elements
+from ffgym.robot.friction import slip_along
 from ffgym.simulation import Run
 
 NOISE_FLOOR = 1e-6
@@ -62,7 +62,7 @@ class MotorRecord:
         rows = slice(None, None, round(dt / recording.dt))
         position = reference.motor_q - lesson.error[rows]
         motor_dq = np.gradient(position, dt, axis=0)
-        slip, moving = slip_elements.along(motor_dq, dt), lesson.moving[rows]
+        slip, moving = slip_along(motor_dq, dt), lesson.moving[rows]
         total = lesson.added[rows] + lesson.signal[rows]
         offset, noise = _offset_and_noise(linear_features(slip, motor_dq, reference.motor_ddq)[moving], total[moving])
         return cls(

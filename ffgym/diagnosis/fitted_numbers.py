@@ -11,8 +11,8 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.result import Number
 from ffgym.effects import EFFECTS, Effect
 from ffgym.robot import RobotDescription
-from ffgym.robot.reading.parameters import GROUPS
-from ffgym.robot.reading.rule import JointFrame, si_units
+from ffgym.robot.reading.load import GROUPS
+from ffgym.robot.reading.quantity import JointFrame, si_units
 from ffgym.robot.reading.rules import RULES
 from ffgym.simulation.plant import Machine
 

@@ -12,7 +12,7 @@ from ffgym.effects.catalogue import EFFECTS
 from ffgym.effects.effect import Effect
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
-from ffgym.robot.template.toml_text import text
+from ffgym.robot.template.text import text
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,7 +10,7 @@ from ffgym.core.files import write_text
 from ffgym.logs.column_map.load import load_columns, map_text
 from ffgym.logs.column_map.rewire import rewiring_table
 from ffgym.recordings.rewiring import Rewiring
-from ffgym.robot.template.toml_text import text
+from ffgym.robot.template.text import text
 
 
 def write_corrected(

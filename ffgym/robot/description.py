@@ -1,17 +1,33 @@
 """What a robot is: names, geometry, masses, drives, friction, servo and work area, complete once built."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
-from ffgym.core.errors import FFGymError, check_choice
+import numpy as np
+
+from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.types import Array
+from ffgym.recordings import Header
+from ffgym.recordings.header import Hold
 from ffgym.robot.drive import Drive
 from ffgym.robot.friction import LuGreParameters
-from ffgym.robot.parts import Kinematics, Links, Logs, Sensors, Servo, Spring, Tool, WorkArea, plain, rebuilt
+from ffgym.robot.parts import (
+    Geom,
+    Kinematics,
+    Links,
+    Logs,
+    Sensors,
+    Servo,
+    Spring,
+    Tool,
+    WorkArea,
+    plain,
+    point_mass_inertia,
+    rebuilt,
+)
 from ffgym.robot.reading.quantity import Quantity
-from ffgym.robot.shapes import Geom
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,3 +119,66 @@ class RobotDescription:
         if self.work_area is None:
             raise FFGymError(f"Robot {self.name!r} has no work area; its motions are given in joint space.")
         return self.work_area.positions[check_choice("position", name, list(self.work_area.positions))]
+
+
+def with_payload(
+    robot: RobotDescription, mass: float, offset: Array | None = None, radius: float = 0.0
+) -> RobotDescription:
+    """Return the robot with a load at its TCP; a point mass is a small ball, if the tool itself weighs nothing.
+
+    Args:
+        robot: who carries it.
+        mass: [kg].
+        offset: centre of mass from the TCP, in the axes of tool0 [m], shape (3,); None is none.
+        radius: of gyration about any axis through the centre of mass [m].
+
+    Raises:
+        FFGymError: if the robot has no tool, or the mass is negative.
+    """
+    mass = check_number("payload", mass, unit="kg", low=0.0)
+    if robot.tool is None:
+        raise FFGymError(f"Robot {robot.name!r} has no tool, so it can carry no payload.")
+    tool = robot.tool
+    total = tool.mass + mass
+    if total == 0:
+        return robot
+    place = tool.tcp if offset is None else tool.tcp + offset
+    own = mass * radius**2 * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    if tool.mass == 0:
+        inertia = own if radius > 0 else point_mass_inertia(mass)
+        return replace(robot, tool=replace(tool, mass=mass, com=place, inertia=inertia))
+    com = (tool.mass * tool.com + mass * place) / total
+    inertia = tool.inertia + tool.mass * _about(tool.com - com) + mass * _about(place - com) + own
+    return replace(robot, tool=replace(tool, mass=total, com=com, inertia=inertia))
+
+
+def _about(arm: Array) -> Array:
+    """Inertia of a unit point mass at `arm` (3,) [m] about the origin, order xx, yy, zz, xy, xz, yz."""
+    x, y, z = arm
+    return np.array([y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z])
+
+
+def log_header(robot: RobotDescription, segment: str = "", hold: Hold = "sampled") -> Header:
+    """Header for a log of the robot: joints, gears, sides of position and torque, tool as payload.
+
+    Args:
+        robot: the robot; its table [logs] says on which side of the gearbox positions and torques are logged.
+        segment: name of the motion.
+        hold: when the torque of a row acts (docs/recordings.md).
+
+    Raises:
+        FFGymError: if `hold` is unknown.
+    """
+    drive, tool = robot.drive, robot.tool
+    return Header(
+        robot=robot.name,
+        joints=robot.joints,
+        gear_ratio=tuple(drive.gear_ratio.tolist()),
+        coupling=None if drive.coupling is None else drive.coupling.tolist(),
+        joint_types=robot.kinematics.types,
+        position_side=robot.logs.position,
+        torque_semantics=robot.logs.torque,
+        hold=hold,
+        payload=None if tool is None else {"mass": tool.mass, "com": tool.com.tolist()},
+        segment=segment,
+    )

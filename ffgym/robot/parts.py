@@ -1,4 +1,4 @@
-"""The parts of a robot description: geometry, masses, tool, servo, sensors, work area, springs, logs."""
+"""The parts of a robot description: geometry, masses, tool, servo, sensors, work area, springs, logs, looks."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -6,10 +6,43 @@ from types import MappingProxyType
 from typing import Any, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray
 from ffgym.recordings.header import PositionSide, TorqueSemantics
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Mesh:
+    """A surface of triangles."""
+
+    vertices: NDArray[np.float32]
+    """Corners [m], shape (V, 3)."""
+    faces: NDArray[np.int32]
+    """Three corners each, counter-clockwise from outside, shape (F, 3)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Geom:
+    """One shape of the robot's looks, in the frame of its body."""
+
+    body: str
+    type: str
+    """'box', 'sphere', 'ellipsoid', 'cylinder', 'capsule' or 'mesh'."""
+    size: tuple[float, ...]
+    """Radius, or half sizes of a box or ellipsoid [m]; empty for a mesh."""
+    pos: tuple[float, float, float]
+    """Centre, or first end of a cylinder or capsule [m]."""
+    end: tuple[float, float, float] | None
+    """Second end of a cylinder or capsule [m]."""
+    colour: tuple[float, ...]
+    """Red, green, blue, opacity."""
+    rotation: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
+    """Unit quaternion, scalar first; of no use to a cylinder or capsule."""
+    mesh: Mesh | None = None
+    """Surface of a mesh."""
+
 
 JOINT_TYPES = ("hinge", "slide")
 """What a joint can be."""

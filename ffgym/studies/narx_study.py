@@ -27,8 +27,7 @@ from ffgym.diagnosis.identification.narx import (
 )
 from ffgym.diagnosis.identification.narx.fit import N_EVALUATIONS
 from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS
-from ffgym.robot.friction import LuGreParameters
-from ffgym.robot.friction.slip_elements import WIDTHS
+from ffgym.robot.friction import WIDTHS, LuGreParameters
 
 SAMPLE_TIME = 0.0005
 """T [s], thesis 6.2.2."""

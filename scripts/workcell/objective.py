@@ -14,7 +14,7 @@ from ffgym.recordings import Recording
 from ffgym.recordings.metrics import path_errors
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.robot.friction import LuGreParameters
-from ffgym.robot.reading.parameters import with_numbers
+from ffgym.robot.reading.load import with_numbers
 from ffgym.simulation import Run, simulate
 from ffgym.studies import circle_references
 from ffgym.workcell import Workcell

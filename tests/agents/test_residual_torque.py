@@ -13,7 +13,7 @@ from ffgym.agents.residual_torque import ResidualTorque
 from ffgym.control import DynamicLuGreExact, NoCompensation, Window
 from ffgym.core.errors import FFGymError
 from ffgym.recordings.metrics import motor_error_rms
-from ffgym.robot.friction import slip_elements
+from ffgym.robot.friction import slip_along
 from ffgym.simulation import Run
 from ffgym.studies import circle_references
 
@@ -26,7 +26,7 @@ def known(motor_dq, torque, noise=1e-3):
         dt=DT,
         motor_dq=motor_dq,
         motor_ddq=np.gradient(motor_dq, DT, axis=0),
-        slip=slip_elements.along(motor_dq, DT),
+        slip=slip_along(motor_dq, DT),
         torque=torque,
         moving=np.ones(len(motor_dq), dtype=np.bool_),
         noise=np.full(motor_dq.shape[1], noise),
@@ -59,7 +59,7 @@ def model(lugre, motor_dq):
 
 
 def along(law, motor_dq):
-    slip = slip_elements.along(motor_dq, DT)
+    slip = slip_along(motor_dq, DT)
     return law.at(slip, motor_dq, np.gradient(motor_dq, DT, axis=0))
 
 

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from path_differences import central
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.multisines import multisine, schroeder_phases
-from ffgym.paths.speed_steps import SpeedStep, speed_ladder, speed_steps, triangle
+from ffgym.paths.excitations import SpeedStep, multisine, schroeder_phases, speed_ladder, speed_steps, triangle
 
 few = settings(max_examples=20)
 sizes = st.floats(0.01, 2.0)

@@ -8,7 +8,7 @@ from path_samples import magnitudes, vectors
 
 from ffgym.core.errors import FFGymError
 from ffgym.paths import circle_test
-from ffgym.paths.lead import HalfCircle
+from ffgym.paths.circles import HalfCircle
 
 CENTRE = np.array([1.3, -0.2, 0.6])
 

@@ -8,8 +8,7 @@ from path_samples import magnitudes
 from scipy.integrate import quad
 from scipy.optimize import fsolve
 
-from ffgym.paths.circles import smooth_ramp
-from ffgym.paths.lead import BLEND, SmoothLead, unit_lead
+from ffgym.paths.circles import BLEND, SmoothLead, smooth_ramp, unit_lead
 
 arcs = st.floats(0.0, unit_lead().length)
 

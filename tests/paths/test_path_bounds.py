@@ -7,13 +7,23 @@ from hypothesis import strategies as st
 from path_samples import magnitudes
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.bounds import CURVE_SHARE, MARGIN, Bounds, axis_bounds, tool_bounds
 from ffgym.paths.curves import Arc, Line, Still
-from ffgym.paths.limits import JOINT_ACCELERATION, JOINT_JERK, AxisLimits, MotionLimits
+from ffgym.paths.limits import (
+    CURVE_SHARE,
+    JOINT_ACCELERATION,
+    JOINT_JERK,
+    MARGIN,
+    SIMILAR,
+    VARIATION,
+    AxisLimits,
+    Bounds,
+    MotionLimits,
+    axis_bounds,
+    stretches,
+    tool_bounds,
+)
 from ffgym.paths.moves import Speed
-from ffgym.paths.pacing import SIMILAR, VARIATION, stretches
-from ffgym.paths.route import Leg
-from ffgym.paths.turning import even_turn
+from ffgym.paths.route import Leg, even_turn
 
 many = settings(max_examples=100)
 slopes = st.lists(st.floats(-50, 50).map(lambda x: round(x, 6)), min_size=2, max_size=2)

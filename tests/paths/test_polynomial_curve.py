@@ -8,8 +8,7 @@ from path_differences import check_curve, unit
 from path_samples import vectors
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.curves import Line, Part, arc_through
-from ffgym.paths.polynomial_curve import blend, spline_through
+from ffgym.paths.curves import Line, Part, arc_through, blend, spline_through
 
 few = settings(max_examples=25)
 points = st.lists(vectors(-1, 1), min_size=2, max_size=7)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ffgym.core.errors import FFGymError
 from ffgym.paths import random_multisine
-from ffgym.paths.random_motion import FREQUENCIES
+from ffgym.paths.excitations import FREQUENCIES
 
 CENTRE, PEAK = np.array([0.3, -1.0, 2.0]), np.array([0.1, 1.0, 5.0])
 

@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 from ffgym.core.errors import FFGymError
 from ffgym.paths.curves import Line, Part, arc_about
 from ffgym.paths.moves import Speed
-from ffgym.paths.route import Leg, corner_angle, meets, rounded
-from ffgym.paths.turning import EvenTurn, SplineTurn, even_turn
+from ffgym.paths.route import EvenTurn, Leg, SplineTurn, corner_angle, even_turn, meets, rounded
 
 few = settings(max_examples=25)
 SPEED = Speed(tcp=0.1)

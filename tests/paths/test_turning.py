@@ -8,7 +8,7 @@ from path_differences import central
 from path_samples import vectors
 from scipy.spatial.transform import Rotation
 
-from ffgym.paths.turning import BlendedTurn, EvenTurn, SplineTurn, even_turn
+from ffgym.paths.route import BlendedTurn, EvenTurn, SplineTurn, even_turn
 
 few = settings(max_examples=25)
 turns = vectors(-2.5, 2.5)

@@ -11,8 +11,7 @@ from hypothesis.extra.numpy import arrays
 from ffgym.core.errors import FFGymError
 from ffgym.robot import compile_model, parse_robot
 from ffgym.robot.drive import Drive
-from ffgym.robot.reading.quantity import parse_quantity
-from ffgym.robot.reading.rule import JointFrame
+from ffgym.robot.reading.quantity import JointFrame, parse_quantity
 from ffgym.robot.reading.rules import RULES
 
 RATIOS = st.floats(20, 200) | st.floats(-200, -20)

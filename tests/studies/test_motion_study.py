@@ -8,7 +8,7 @@ import pytest
 from ffgym.control import DynamicLuGreExact, NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.paths import constant_velocity, joint_reference, joint_sine
-from ffgym.paths.joint_space import joint_path
+from ffgym.paths.excitations import joint_path
 from ffgym.paths.motion import standstill
 from ffgym.recordings.metrics import contour_errors, motor_error, motor_error_rms
 from ffgym.robot import ModelOptions, RigidArm

@@ -7,11 +7,10 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
-from ffgym.robot.reading.parameters import GROUPS
-from ffgym.robot.reading.quantity import Quantity
-from ffgym.robot.reading.rule import JointFrame, si_units
+from ffgym.robot.reading.load import GROUPS
+from ffgym.robot.reading.quantity import JointFrame, Quantity, si_units
 from ffgym.robot.reading.rules import RULES
-from ffgym.robot.template.toml_text import names, text
+from ffgym.robot.template.text import names, text
 
 
 def fitted_quantity(

@@ -9,7 +9,7 @@ from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
-from ffgym.robot.friction.slip_elements import advanced, advanced_along
+from ffgym.robot.friction import advance_slip, advance_slip_along
 
 
 @final
@@ -71,13 +71,13 @@ class CablePull(TorqueEffect):
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class; the last physics step moved the link by its present speed."""
         speed = state.link_speed
-        slip = advanced(memory, speed, speed, dt, self.width[..., None])
+        slip = advance_slip(memory, speed, speed, dt, self.width[..., None])
         return self._pull(state, slip), slip
 
     def torques_over(self, states: State, dt: float) -> Torques:
         """See base class."""
         speed = np.broadcast_to(states.link_speed, states.motor_angle.shape)
-        return self._pull(states, advanced_along(speed, dt, self.width[..., None]))
+        return self._pull(states, advance_slip_along(speed, dt, self.width[..., None]))
 
     def _pull(self, state: State, slip: Array) -> Torques:
         return Torques(link=-(self.stiffness * (state.link_angle - self.neutral) + self.hysteresis * slip[..., 0]))

@@ -8,7 +8,7 @@ from ffgym.core.types import Array
 from ffgym.effects.effect import NativeEffect, Side
 from ffgym.effects.parameters import parameter
 from ffgym.robot import RobotDescription
-from ffgym.robot.payload import with_payload
+from ffgym.robot.description import with_payload
 
 
 @final

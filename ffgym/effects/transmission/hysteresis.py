@@ -9,7 +9,7 @@ from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
-from ffgym.robot.friction.slip_elements import advanced, advanced_along
+from ffgym.robot.friction import advance_slip, advance_slip_along
 
 SHARES = np.array([0.25, 0.5, 0.75, 1.0])
 """Of the yield deflection, at which the elements slip. Chosen: four round the corner of the loop off."""
@@ -65,13 +65,13 @@ class TorsionalHysteresis(TorqueEffect):
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class; the last physics step moved the spring by its present rate."""
         rate = state.deflection_rate
-        slip = advanced(memory, rate, rate, dt, self.width[..., None] * SHARES)
+        slip = advance_slip(memory, rate, rate, dt, self.width[..., None] * SHARES)
         return self._lost(state, slip), slip
 
     def torques_over(self, states: State, dt: float) -> Torques:
         """See base class."""
         rate = np.broadcast_to(states.deflection_rate, states.motor_angle.shape)
-        return self._lost(states, advanced_along(rate, dt, self.width[..., None] * SHARES))
+        return self._lost(states, advance_slip_along(rate, dt, self.width[..., None] * SHARES))
 
     def _lost(self, state: State, slip: Array) -> Torques:
         return Torques(spring=-state.joint_stiffness * self.lost_motion * _mean(slip))

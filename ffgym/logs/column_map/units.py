@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number
-from ffgym.robot.reading.rule import OTHER_UNITS
+from ffgym.robot.reading.quantity import OTHER_UNITS
 
 _TURN = 2 * np.pi
 _MINUTE = 60.0

@@ -13,13 +13,10 @@ from scipy.optimize import brentq
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.paths.bounds import MARGIN, Bounds, axis_bounds
-from ffgym.paths.curves import Curve, Line
-from ffgym.paths.limits import MotionLimits
+from ffgym.paths.curves import Curve, Line, spline_through
+from ffgym.paths.limits import MARGIN, Bounds, MotionLimits, axis_bounds, stretches
 from ffgym.paths.motions.rows import Rows, phases_at, sample_times
 from ffgym.paths.moves import MoveJoint, MoveJointSpline, Speed, located
-from ffgym.paths.pacing import stretches
-from ffgym.paths.polynomial_curve import spline_through
 from ffgym.paths.route import SHARPEST, Leg, corner_angle, rounded
 from ffgym.paths.timing import time_law
 from ffgym.robot import RigidArm

@@ -7,7 +7,8 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.paths.moves import Move, MoveJoint, Pose, located
-from ffgym.paths.rapid.execution import Configuration, Execution
+from ffgym.paths.rapid.interpreter import Execution
+from ffgym.paths.rapid.targets import Configuration
 from ffgym.robot import RigidArm, RobotDescription, pose_solutions, solve_pose
 
 _AXES = [0, 3, 5]

@@ -4,12 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.rapid.execution import Execution
-from ffgym.paths.rapid.instructions import INSTRUCTIONS
-from ffgym.paths.rapid.interpreter import execute
-from ffgym.paths.rapid.scope import check_unique, declared_type
-from ffgym.paths.rapid.source import Source, read_source, unified
-from ffgym.paths.rapid.syntax import Module, Procedure
+from ffgym.paths.rapid.evaluate import check_unique, declared_type
+from ffgym.paths.rapid.interpreter import INSTRUCTIONS, Execution, execute
+from ffgym.paths.rapid.syntax import Module, Procedure, Source, read_source, unified
 from ffgym.robot import RobotDescription
 
 MAIN = "main"

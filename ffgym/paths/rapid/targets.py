@@ -1,13 +1,66 @@
-"""Targets, speeds and zones of RAPID as moves have them: in the world, in SI units."""
+"""Frames, targets, tools, speeds and zones of RAPID as moves have them: in the world, in SI units."""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array, BoolArray
 from ffgym.paths.moves import Pose, Speed, Zone
-from ffgym.paths.rapid.execution import Configuration
-from ffgym.paths.rapid.frames import MILLIMETRE, Frame, frame
-from ffgym.paths.rapid.records import EXTJOINT, Value
+from ffgym.paths.rapid.records import DESCRIBED_TOOL, EXTJOINT, TOOL0, Value
+from ffgym.robot import RobotDescription
+from ffgym.robot.parts import Tool, point_mass_inertia
+from ffgym.robot.reading.quantity import Quantity
+
+Configuration = tuple[int, int, int]
+"""Quarter turns of axes 1, 4 and 6: k for angles in [90 k, 90 (k + 1)) deg; RAPID's cf1, cf4 and cf6."""
+
+MILLIMETRE = 1e-3
+"""RAPID's unit of length [m]."""
+
+LARGEST_NORM_ERROR = 1e-3
+"""How far the norm of a quaternion may be from 1; chosen: quaternions that are printed with three digits pass."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Frame:
+    """Where a coordinate system stands in another."""
+
+    position: Array
+    """Its origin [m], shape (3,)."""
+    rotation: Array
+    """Its orientation, shape (3, 3)."""
+
+    def place(self, inner: "Frame") -> "Frame":
+        """A frame that is given in this one, in the system in which this one is given."""
+        return Frame(position=self.position + self.rotation @ inner.position, rotation=self.rotation @ inner.rotation)
+
+
+def point(pos: Value) -> Array:
+    """Position [m], shape (3,), of a pos [mm]."""
+    return np.array(pos) * MILLIMETRE
+
+
+def turn(orient: Value, name: str) -> Array:
+    """Rotation matrix, shape (3, 3), of an orient: a quaternion, scalar first.
+
+    Raises:
+        FFGymError: if its norm is not 1; `name` says whose it is.
+    """
+    norm = float(np.linalg.norm(orient))
+    if not abs(norm - 1) <= LARGEST_NORM_ERROR:
+        raise FFGymError(f"{name} = {list(orient)} has norm {norm:.6g}, must be a quaternion of norm 1.")
+    q1, q2, q3, q4 = orient
+    matrix: Array = Rotation.from_quat([q2, q3, q4, q1]).as_matrix()
+    return matrix
+
+
+def frame(pose: Value, name: str) -> Frame:
+    """Frame of a pose [mm]; `name` says whose it is."""
+    position, orient = pose
+    return Frame(position=point(position), rotation=turn(orient, f"{name}.rot"))
+
 
 MAX_QUARTERS = 1000
 """Largest number of quarter turns that is believed; chosen: 250 turns, more than any axis has."""
@@ -112,3 +165,80 @@ def zone(data: Value, tcp: float | None) -> Zone:
     if not radius > 0:
         raise FFGymError(f"a fly-by point needs a zone > 0 mm, got {radius:g}; use fine to stop.")
     return Zone(radius=radius * MILLIMETRE)
+
+
+_ROUNDING = 1e-6
+"""Relative difference up to which a program's tool is the described one; programs are written with fewer digits."""
+
+
+def tool_frame(tool: Value) -> Frame:
+    """Frame of a tooldata in tool0.
+
+    Raises:
+        FFGymError: if the robot does not hold it, or its quaternion is none.
+    """
+    robhold, tframe, _ = tool
+    if not robhold:
+        raise FFGymError("the tool stands still (robhold is FALSE); only tools that the robot holds are supported.")
+    return frame(tframe, "tframe")
+
+
+def with_tool(robot: RobotDescription, tool: Value, source: str) -> RobotDescription:
+    """Robot that holds a program's tool; the same object if it does already.
+
+    Args:
+        robot: the robot.
+        tool: tooldata.
+        source: where the program says so.
+
+    Raises:
+        FFGymError: if the robot has no flange, or the tool's load is none.
+    """
+    if robot.tool is None and tool in (TOOL0, DESCRIBED_TOOL):
+        return robot  # which moves in joint space only
+    if robot.tool is None:
+        raise FFGymError(
+            f"robot {robot.name!r} has no flange to hold a tool; add flange.rotation and tool.tcp to its description."
+        )
+    if tool == DESCRIBED_TOOL:
+        return robot
+    held = _held(robot.tool, tool)
+    if _same(held, robot.tool):
+        return robot
+    own = {f"tool.{name}": getattr(held, name) for name in ("tcp", "mass", "com", "inertia")}
+    quantities = {
+        path: _from_program(quantity, own[path], source) if path in own else quantity
+        for path, quantity in robot.quantities.items()
+    }
+    geoms = tuple(geom for geom in robot.geoms if geom.body != "tool")  # they show the tool that is taken off
+    return replace(robot, tool=held, geoms=geoms, quantities=quantities)
+
+
+def _held(flange: Tool, tool: Value) -> Tool:
+    """Tool on the flange of another; tool0 weighs nothing, whatever load the manual gives it."""
+    tcp = tool_frame(tool).position
+    mass, cog, aom, *moments = tool[2]
+    if tool == TOOL0:
+        return Tool(rotation=flange.rotation, position=flange.position, tcp=tcp)
+    if not mass > 0 or min(moments) < 0:
+        raise FFGymError(f"tload has mass {mass:g} kg and moments {moments} kg m^2; mass must be > 0, moments >= 0.")
+    inertia = _inertia(turn(aom, "aom"), moments) if any(moments) else point_mass_inertia(mass)
+    return replace(flange, tcp=tcp, mass=mass, com=point(cog), inertia=inertia)
+
+
+def _inertia(axes: Array, moments: list[float]) -> Array:
+    """Inertia [kg m^2] in tool0 axes, order xx, yy, zz, xy, xz, yz, of moments about axes that are turned in tool0."""
+    matrix = axes @ np.diag(moments) @ axes.T
+    inertia: Array = matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    return inertia
+
+
+def _same(a: Tool, b: Tool) -> bool:
+    """Whether two tools are one but for rounding."""
+    pairs = [(a.tcp, b.tcp), (np.array(a.mass), np.array(b.mass)), (a.com, b.com), (a.inertia, b.inertia)]
+    return all(np.allclose(x, y, rtol=0, atol=_ROUNDING * np.abs(y).max()) for x, y in pairs)
+
+
+def _from_program(quantity: Quantity, value: Array | float, source: str) -> Quantity:
+    """Quantity of the robot's description with a program's number in it."""
+    return replace(quantity, value=np.asarray(value), origin=("sourced",), source=source, prior=None, prior_source=None)

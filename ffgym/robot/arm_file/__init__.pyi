@@ -1,5 +1,5 @@
 from .arm_file import ArmFile as ArmFile
 from .arm_file import JointHints as JointHints
 from .arm_file import NamedFrame as NamedFrame
-from .quantities import flange_at as flange_at
+from .measure import flange_at as flange_at
 from .read import read_arm as read_arm

@@ -1,13 +1,32 @@
 """What an arm file gives: the numbers of a description, named frames, looks, and hints about the drives."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
+
+import mujoco
 
 from ffgym.core.errors import check_choice
 from ffgym.core.types import Array
+from ffgym.robot.parts import Geom
 from ffgym.robot.reading.quantity import Quantity
-from ffgym.robot.shapes import Geom
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Source:
+    """Common form of both formats."""
+
+    spec: mujoco.MjSpec
+    """Bodies, joints, masses and geoms, ready to be compiled."""
+    speeds: Mapping[str, float] = field(default_factory=dict)
+    """Speed limits of joints [rad/s] or [m/s]."""
+    gear_ratios: Mapping[str, float] = field(default_factory=dict)
+    """Motor over joint motion, of joints."""
+    has_masses: bool = True
+    """Whether it says what links weigh; if not, the model's masses are stand-ins that mean nothing."""
+    notes: tuple[str, ...] = ()
+    """What is left out."""
+
 
 Kind = Literal["mjcf", "urdf"]
 

@@ -5,12 +5,8 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
 from ffgym.robot.dynamics.arm import RigidArm
-from ffgym.robot.inverse_kinematics.goal import Goal
-from ffgym.robot.inverse_kinematics.mobility import MAX_CONDITION
-from ffgym.robot.inverse_kinematics.newton import LARGEST_STEP, newton
-from ffgym.robot.inverse_kinematics.poses import first_pose
-from ffgym.robot.inverse_kinematics.posture import Posture
-from ffgym.robot.inverse_kinematics.refusals import check_possible, unreachable
+from ffgym.robot.inverse_kinematics.newton import LARGEST_STEP, MAX_CONDITION, Goal, Posture, newton
+from ffgym.robot.inverse_kinematics.poses import check_possible, first_pose, unreachable
 
 _BLOCK = 256
 

@@ -3,18 +3,217 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_rotation
 from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.parts import Logs, Spring
-from ffgym.robot.reading.assemble import assemble, begun
-from ffgym.robot.reading.capabilities import CAPABILITIES, POSITIONS, capability
+from ffgym.robot.drive import Drive
+from ffgym.robot.friction import LuGreParameters
+from ffgym.robot.parts import Geom, Kinematics, Links, Logs, Sensors, Servo, Spring, Tool, WorkArea
 from ffgym.robot.reading.quantity import Quantity
 from ffgym.robot.reading.rules import RULES
-from ffgym.robot.shapes import Geom
+
+_GEOMETRY = ("kinematics.position", "kinematics.axis", "kinematics.range")
+_MASSES = ("links.mass", "links.com", "links.inertia")
+_LOADS = (*_MASSES, "simulation.gravity")
+_MOTION = ("kinematics.max_speed", "servo.control_dt")
+_STATIC_FRICTION = ("friction.coulomb", "friction.static", "friction.viscous", "friction.stribeck_velocity")
+_FRICTION = (*_STATIC_FRICTION, "friction.bristle_stiffness", "friction.bristle_damping")
+_TOOL = ("flange.rotation", "tool.tcp")
+_WORK_AREA = ("work_area.home",)
+POSITIONS = "work_area.positions"
+"""Stands for one named point or more."""
+_SIMULATION = tuple(path for path, rule in RULES.items() if not rule.optional)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Capability:
+    """A function of the library, or a group of them."""
+
+    name: str
+    """For code and JSON."""
+    title: str
+    """What works, in words."""
+    needs: tuple[str, ...]
+    """Entries of the description without which it does not work."""
+
+
+CAPABILITIES: tuple[Capability, ...] = (
+    Capability(name="kinematics", title="kinematics, reach, pictures", needs=_GEOMETRY),
+    Capability(name="joint_motions", title="motions in joint space", needs=(*_GEOMETRY, *_MOTION)),
+    Capability(name="tool_paths", title="paths of the tool", needs=(*_GEOMETRY, *_MOTION, *_TOOL, *_WORK_AREA)),
+    Capability(
+        name="link_torque", title="gravity and inertia torque behind the gearbox", needs=(*_GEOMETRY, *_LOADS)
+    ),
+    Capability(
+        name="identification",
+        title="masses from logs of the machine: ffgym identify --what rigid_body",
+        needs=(*_GEOMETRY, "simulation.gravity", "drive.gear_ratio"),
+    ),
+    Capability(
+        name="motor_torque",
+        title="motor torque of the rigid arm, rigid feed-forward",
+        needs=(*_GEOMETRY, *_LOADS, "drive.gear_ratio", "drive.rotor_inertia"),
+    ),
+    Capability(
+        name="torque_margin",
+        title="torque margin of the motors",
+        needs=(
+            *_GEOMETRY, "kinematics.max_speed", *_LOADS, "drive.gear_ratio", "drive.rotor_inertia",
+            "drive.peak_torque", "friction.coulomb", "friction.static", "friction.viscous",
+            "friction.stribeck_velocity",
+        ),
+    ),
+    Capability(
+        name="locked_resonances",
+        title="resonances with the motors held",
+        needs=(*_GEOMETRY, *_MASSES, "drive.joint_stiffness"),
+    ),
+    Capability(
+        name="resonances",
+        title="resonances with the motors free",
+        needs=(*_GEOMETRY, *_MASSES, "drive.joint_stiffness", "drive.gear_ratio", "drive.rotor_inertia"),
+    ),
+    Capability(
+        name="lugre_static",
+        title="static LuGre feed-forward",
+        needs=(*_GEOMETRY, *_MOTION, "drive.gear_ratio", *_STATIC_FRICTION),
+    ),
+    Capability(
+        name="lugre_dynamic",
+        title="dynamic LuGre feed-forward",
+        needs=(*_GEOMETRY, *_MOTION, "drive.gear_ratio", *_FRICTION),
+    ),
+    Capability(
+        name="elastic",
+        title="feed-forward that leads by what the joints bend",
+        needs=(
+            *_GEOMETRY, *_MOTION, *_LOADS, "drive.gear_ratio", "drive.rotor_inertia", "drive.joint_stiffness",
+            "drive.joint_damping", *_FRICTION, "servo.position_gain", "servo.velocity_gain", "servo.integral_gain",
+        ),
+    ),
+    Capability(name="simulation", title="simulation, environments, learning, export", needs=_SIMULATION),
+    Capability(
+        name="circles", title="circles in the work area", needs=(*_SIMULATION, *_TOOL, *_WORK_AREA, POSITIONS)
+    ),
+)  # fmt: skip
+"""Everything, from what needs least to what needs most."""
+
+
+def capability(name: str) -> Capability:
+    """The capability of that name.
+
+    Raises:
+        FFGymError: if there is none.
+    """
+    for entry in CAPABILITIES:
+        if entry.name == name:
+            return entry
+    raise FFGymError(f"Unknown capability {name!r}. Available: {', '.join(entry.name for entry in CAPABILITIES)}.")
+
+
+def needed_by(path: str) -> tuple[Capability, ...]:
+    """What does not work without an entry."""
+    return tuple(entry for entry in CAPABILITIES if path in entry.needs)
+
+
+FLANGE = ("flange.rotation", "tool.tcp")
+TOOL_MASSES = ("tool.mass", "tool.com", "tool.inertia")
+HOME = "work_area.home"
+_POINTS = "work_area.positions."
+
+
+def assemble(get: Mapping[str, Any], types: tuple[str, ...]) -> dict[str, Any]:
+    """Numeric fields of a `RobotDescription` from values by entry; all that are required must be there.
+
+    Raises:
+        FFGymError: if entries do not fit one another.
+    """
+    return {
+        "kinematics": _group(Kinematics, "kinematics", get, types=types),
+        "base_mass": float(get["base.mass"]),
+        "base_com": get["base.com"],
+        "bodies": _group(Links, "links", get),
+        "tool": _tool(get),
+        "drive": _group(Drive, "drive", get),
+        "friction": _group(LuGreParameters, "friction", get),
+        "servo": _group(Servo, "servo", get, control_dt=float(get["servo.control_dt"])),
+        "sensors": Sensors(
+            encoder_bits=_whole("sensors.encoder_bits", get),
+            tracker_noise=float(get.get("sensors.tracker_noise", 0.0)),
+            tracker_period=float(get.get("sensors.tracker_period", 0.0)),
+        ),
+        "physics_dt": float(get["simulation.physics_dt"]),
+        "gravity": get["simulation.gravity"],
+        "work_area": _work_area(get),
+    }
+
+
+def begun(paths: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
+    """Entries that others of their group call for, by one of those that are there; empty if all groups are whole."""
+    groups = [(TOOL_MASSES, TOOL_MASSES), (FLANGE, FLANGE), (("flange.position", *TOOL_MASSES), FLANGE)]
+    groups += [(tuple(path for path in paths if path.startswith("work_area.")), (HOME,))]
+    found: dict[str, tuple[str, ...]] = {}
+    for given, wanted in groups:
+        missing = tuple(path for path in wanted if path not in paths)
+        found |= {path: missing for path in given if path in paths and missing}
+    return found
+
+
+def _group(cls: Any, prefix: str, get: Mapping[str, Any], **others: Any) -> Any:
+    """Build a dataclass from the quantities below `prefix`, and from `others`."""
+    values = {path.removeprefix(prefix + "."): value for path, value in get.items() if path.startswith(prefix + ".")}
+    return cls(**(values | others))
+
+
+def _tool(get: Mapping[str, Any]) -> Tool | None:
+    weighs = _all_or_none(TOOL_MASSES, get)
+    if not _all_or_none(FLANGE, get):
+        if weighs or "flange.position" in get:
+            raise FFGymError(f"A tool needs {' and '.join(FLANGE)}.")
+        return None
+    body = {path.removeprefix("tool."): get[path] for path in TOOL_MASSES} if weighs else {}
+    return Tool(
+        rotation=check_rotation("flange.rotation", get["flange.rotation"]),
+        position=get.get("flange.position", np.zeros(3)),
+        tcp=get["tool.tcp"],
+        **(body | {"mass": float(body.get("mass", 0.0))}),
+    )
+
+
+def _work_area(get: Mapping[str, Any]) -> WorkArea | None:
+    others = [path for path in get if path.startswith("work_area.") and path != HOME]
+    if HOME not in get:
+        if others:
+            raise FFGymError(f"{others[0]} needs {HOME}, the seed of the inverse kinematics; {HOME} is missing.")
+        return None
+    rotation = get.get("work_area.tool_rotation")
+    return WorkArea(
+        positions={path.removeprefix(_POINTS): get[path] for path in others if path.startswith(_POINTS)},
+        tool_rotation=None if rotation is None else check_rotation("work_area.tool_rotation", rotation),
+        normal=get.get("work_area.normal", np.array([0.0, 0.0, 1.0])),
+        home=get[HOME],
+    )
+
+
+def _all_or_none(paths: tuple[str, ...], get: Mapping[str, Any]) -> bool:
+    present = [path in get for path in paths]
+    if any(present) and not all(present):
+        raise FFGymError(
+            f"{', '.join(paths)} belong together; {', '.join(p for p in paths if p not in get)} is missing."
+        )
+    return all(present)
+
+
+def _whole(path: str, get: Mapping[str, Any]) -> int:
+    number = float(get[path])
+    if number != round(number):
+        raise FFGymError(f"{path} = {number} must be a whole number.")
+    return round(number)
+
 
 NO_LIMIT = 1e6
 """Stand-in for peak torques [N m]: more than any drive gives, so that none is taken for saturated."""
@@ -49,7 +248,7 @@ class RobotDraft:
         return self._without((*required, *self._half_given()))
 
     def lacks(self, name: str, *also: str) -> tuple[str, ...]:
-        """Entries that a capability (`ffgym.robot.reading.capabilities`), and entries `also` needed, still lack."""
+        """Entries that a capability (`ffgym.robot.reading.draft`), and entries `also` needed, still lack."""
         half_given = () if name == "kinematics" else self._half_given()
         return self._without((*capability(name).needs, *also, *half_given))
 

@@ -1,20 +1,152 @@
 """From the TOML of a description to a draft: every number that is there is checked, none has to be there."""
 
 import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
-from ffgym.robot.parts import Logs, Spring
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.robot.parts import JOINT_TYPES, Geom, Logs, Spring
 from ffgym.robot.reading.draft import RobotDraft
-from ffgym.robot.reading.head import parse_head
-from ffgym.robot.reading.parse_looks import parse_looks
-from ffgym.robot.reading.quantity import Quantity, parse_quantity
-from ffgym.robot.reading.rule import SIDES, JointFrame, Rule
+from ffgym.robot.reading.quantity import SIDES, JointFrame, Quantity, Rule, parse_quantity
 from ffgym.robot.reading.rules import POINT, RULES, SPRING_RULES
-from ffgym.robot.reading.tables import names_of, table_of
+
+
+def table_of(path: str, value: Any) -> dict[str, Any]:
+    """Return `value` if it is a table.
+
+    Raises:
+        FFGymError: if it is none.
+    """
+    if not isinstance(value, dict):
+        raise FFGymError(f"[{path}] must be a table, got {value!r}.")
+    return value
+
+
+def names_of(what: str, value: Any) -> tuple[str, ...]:
+    """Return a list of names, one or more.
+
+    Raises:
+        FFGymError: if it is none.
+    """
+    if not isinstance(value, list) or not value or not all(isinstance(name, str) and name for name in value):
+        raise FFGymError(f"{what} must be names, non-empty text, got {value!r}.")
+    return tuple(value)
+
+
+_NAMED = {"name", "title", "joints", "links"}
+_FROM_FILE = {"name", "title", "model"}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Head:
+    """Who the robot is, and what its arm file says."""
+
+    name: str
+    title: str
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
+    types: tuple[str, ...]
+    """'hinge' or 'slide', one per joint."""
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
+    """Entries that the arm file gives, and the description may replace."""
+    geoms: tuple[Geom, ...] = ()
+
+
+def parse_head(head: Any, folder: Path) -> Head:
+    """Read the table [robot] of a description in `folder`.
+
+    Raises:
+        FFGymError: if an entry is missing, unknown or invalid, or the arm file is.
+    """
+    keys = set(head) if isinstance(head, dict) else set()
+    from_file = "model" in keys
+    needed, others = (_FROM_FILE, {"joints", "tool_frame", "looks"}) if from_file else (_NAMED, {"types"})
+    if not needed <= keys <= needed | others:
+        raise FFGymError(
+            "[robot] must have exactly name, title, joints and links, and may have types; or name, title and model, "
+            f"and may have joints, tool_frame and looks. Got {sorted(map(str, keys)) or head!r}."
+        )
+    name, title = names_of("[robot] name and title", [head["name"], head["title"]])
+    if from_file:
+        return _from_file(name, title, head, folder)
+    joints, links = names_of("[robot] joints", head["joints"]), names_of("[robot] links", head["links"])
+    types = _types(head.get("types", ["hinge"] * len(joints)), len(joints))
+    return Head(name=name, title=title, joints=joints, links=links, types=types)
+
+
+def _types(types: Any, n_joints: int) -> tuple[str, ...]:
+    names = names_of("[robot] types", types)
+    for kind in names:
+        check_choice("[robot] types", kind, JOINT_TYPES)
+    if len(names) != n_joints:
+        raise FFGymError(f"[robot] has {len(names)} types for {n_joints} joints; give one per joint.")
+    return names
+
+
+def _from_file(name: str, title: str, head: Mapping[str, Any], folder: Path) -> Head:
+    from ffgym.robot.arm_file import flange_at, read_arm  # loaded with the first arm file
+
+    (model,) = names_of("[robot] model", [head["model"]])
+    (looks,) = names_of("[robot] looks", [head.get("looks", "file")])
+    check_choice("[robot] looks", looks, ("file", "none"))
+    joints = names_of("[robot] joints", head["joints"]) if "joints" in head else None
+    arm = read_arm(folder / model, joints, looks=looks == "file")
+    quantities = dict(arm.quantities)
+    if "tool_frame" in head:
+        (frame,) = names_of("[robot] tool_frame", [head["tool_frame"]])
+        quantities |= flange_at(arm, frame)
+    return Head(
+        name=name,
+        title=title,
+        joints=arm.joints,
+        links=arm.links,
+        types=arm.types,
+        quantities=quantities,
+        geoms=arm.geoms,
+    )
+
+
+def parse_looks(look: Any, bodies: tuple[str, ...]) -> tuple[Geom, ...]:
+    """Primitives of the table [look] for a robot with these bodies.
+
+    Raises:
+        FFGymError: if an entry is unknown or invalid.
+    """
+    unknown = sorted(set(table_of("look", look)) - {"colours", "geoms"})
+    if unknown:
+        raise FFGymError(f"[look] has unknown entries {unknown}, may have colours and geoms.")
+    colours = {
+        name: tuple(check_shape(f"look.colours.{name}", value, (4,)).tolist())
+        for name, value in table_of("look.colours", look.get("colours", {})).items()
+    }
+    geoms = look.get("geoms", [])
+    if not isinstance(geoms, list):
+        raise FFGymError(f"look.geoms must be a list of tables, got {geoms!r}.")
+    return tuple(_geom(i, table_of(f"look.geoms[{i}]", entry), colours, bodies) for i, entry in enumerate(geoms))
+
+
+def _geom(index: int, entry: dict[str, Any], colours: Mapping[str, Any], bodies: tuple[str, ...]) -> Geom:
+    where = f"look.geoms[{index}]"
+
+    def vector(key: str) -> Any:
+        return tuple(check_shape(f"{where} {key}", entry[key], (3,)).tolist())
+
+    try:
+        body = check_choice(f"{where} body", entry["body"], bodies)
+        kind = check_choice(f"{where} type", entry["type"], ("box", "cylinder", "capsule", "sphere"))
+        colour = colours[check_choice(f"{where} colour", entry["colour"], list(colours))]
+        size = vector("half_size") if kind == "box" else (check_number(f"{where} radius", entry["radius"], unit="m"),)
+        long = kind in ("cylinder", "capsule")
+        pos, end = (vector("from"), vector("to")) if long else (vector("centre"), None)
+    except KeyError as error:
+        raise FFGymError(f"{where} ({entry}) lacks {error.args[0]!r}.") from error
+    if min(size) <= 0 or pos == end:
+        raise FFGymError(f"{where} has size {size} m from {pos} to {end} m; sizes and lengths must be > 0.")
+    return Geom(body=body, type=kind, size=size, pos=pos, end=end, colour=colour)
 
 
 def parse_draft(text: str, where: str = "description", folder: str | Path = ".") -> RobotDraft:

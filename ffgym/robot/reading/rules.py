@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ffgym.robot.reading.rule import LINK, MOTOR, Rule
+from ffgym.robot.reading.quantity import LINK, MOTOR, Rule
 
 
 def _motor(meaning: str, unit: str, slide_unit: str, *, power: int, open_low: bool = True) -> Rule:

@@ -1,17 +1,49 @@
 """The table for a new robot: what its arm file says, what can be proposed, and a place for everything else."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from textwrap import wrap
 
-from ffgym.robot.arm_file import ArmFile, flange_at
-from ffgym.robot.reading.capabilities import needed_by
-from ffgym.robot.reading.rule import MOTOR, Rule
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.robot.arm_file import ArmFile, JointHints, flange_at
+from ffgym.robot.reading.draft import needed_by
+from ffgym.robot.reading.quantity import LINK, MOTOR, Rule
 from ffgym.robot.reading.rules import POINT, RULES
-from ffgym.robot.template.from_hints import hinted
 from ffgym.robot.template.guide import ADVICE, Advice
 from ffgym.robot.template.proposals import Proposal
-from ffgym.robot.template.toml_text import MARK, empty_entry, filled_entry, marked, names, text
+from ffgym.robot.template.text import MARK, empty_entry, filled_entry, marked, names, text
+
+_HINTS: Mapping[str, tuple[Callable[[JointHints], float | None], str | None, str]] = {
+    "kinematics.max_speed": (lambda hint: hint.speed, LINK, "speed limits"),
+    "drive.gear_ratio": (lambda hint: hint.gear_ratio, None, "gear of transmission or actuator"),
+    "drive.rotor_inertia": (
+        lambda hint: hint.armature,
+        LINK,
+        "armature, the rotor at the joint; a simulator's number unless measured",
+    ),
+    "drive.peak_torque": (lambda hint: hint.effort, LINK, "effort or force limits"),
+    "friction.coulomb": (lambda hint: hint.friction, LINK, "joint friction; a simulator's number unless measured"),
+    "friction.viscous": (lambda hint: hint.damping, LINK, "joint damping; a simulator's number unless measured"),
+}
+"""Entry, the hint for a joint, the side it is on, and what it is in the file."""
+
+
+def hinted(arm: ArmFile) -> dict[str, Proposal]:
+    """Entries that the file hints at for some joints or all, by path; NaN stands for joints that it is silent about."""
+    found = {}
+    for path, (of, side, what) in _HINTS.items():
+        value = _numbers([of(hint) for hint in arm.hints])
+        if path not in arm.quantities and not np.all(np.isnan(value)):
+            source = f"{Path(arm.path).name}: {what}"
+            found[path] = Proposal(path=path, value=value, source=source, origin="sourced", side=side)
+    return found
+
+
+def _numbers(values: list[float | None]) -> Array:
+    return np.array([np.nan if value is None else value for value in values])
+
 
 _WIDTH = 118
 """Columns of comments."""

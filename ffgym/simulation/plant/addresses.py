@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.types import BoolArray, IntArray
 from ffgym.robot import RobotDescription
-from ffgym.robot.model.names import deflection_joint, friction_actuator, motor_joint, servo_actuator
+from ffgym.robot.model.spec import deflection_joint, friction_actuator, motor_joint, servo_actuator
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

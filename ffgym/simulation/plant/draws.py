@@ -10,7 +10,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
-from ffgym.robot.payload import with_payload as with_payload
+from ffgym.robot.description import with_payload as with_payload
 
 
 class Distribution(ABC):

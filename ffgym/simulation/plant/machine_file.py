@@ -23,8 +23,8 @@ from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import read_text
 from ffgym.effects import EFFECTS, Effect, Origin, read_effects, read_origins
 from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_draft, load_robot
-from ffgym.robot.reading.parameters import GROUPS, draft_with_numbers, with_numbers
-from ffgym.robot.template.toml_text import text
+from ffgym.robot.reading.load import GROUPS, draft_with_numbers, with_numbers
+from ffgym.robot.template.text import text
 from ffgym.simulation.plant.climate import Climate
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.sameness import check_same_controller

@@ -11,10 +11,10 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_text
 from ffgym.effects import Origin, effects_toml
 from ffgym.robot import ModelOptions, RobotDescription, builtin_robots, load_draft, load_robot
-from ffgym.robot.reading.parameters import GROUPS
-from ffgym.robot.reading.rule import JointFrame, si_units
+from ffgym.robot.reading.load import GROUPS
+from ffgym.robot.reading.quantity import JointFrame, si_units
 from ffgym.robot.reading.rules import RULES
-from ffgym.robot.template.toml_text import names, text
+from ffgym.robot.template.text import names, text
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.machine_file import climate_toml, parse_machine
 from ffgym.simulation.plant.sameness import check_same_controller

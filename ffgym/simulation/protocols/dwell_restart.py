@@ -9,9 +9,9 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.paths import joint_reference
 from ffgym.paths.circles import DWELL
+from ffgym.paths.excitations import SpeedStep, speed_steps
 from ffgym.paths.motion import JointPath
 from ffgym.paths.motions.parts.part import entry
-from ffgym.paths.speed_steps import SpeedStep, speed_steps
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage
 

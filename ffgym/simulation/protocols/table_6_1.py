@@ -10,7 +10,7 @@ from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.paths import Reference, joint_reference
 from ffgym.paths.circles import DWELL
-from ffgym.paths.joint_space import joint_path
+from ffgym.paths.excitations import joint_path
 from ffgym.paths.motion import Segment, standstill
 from ffgym.paths.motions.parts.part import entry
 from ffgym.published import FRICTION_RECORDS, FrictionRecord

@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.paths import JointPath, Reference, multisine, triangle
 from ffgym.paths.circles import DWELL
-from ffgym.paths.speed_steps import PEAK
+from ffgym.paths.excitations import PEAK
 from ffgym.recordings import Phase
 from ffgym.simulation.protocols.limits import shrunk
 from ffgym.simulation.protocols.stage import Stage

@@ -8,7 +8,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription
-from ffgym.robot.dynamics.motor_torque import motor_torque
+from ffgym.robot.dynamics.torques import motor_torque
 from ffgym.studies.circles import circle_references
 
 

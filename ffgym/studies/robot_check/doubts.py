@@ -12,7 +12,7 @@ class Question:
     """A question of plausibility."""
 
     capability: str
-    """What the description must allow, see `ffgym.robot.reading.capabilities`."""
+    """What the description must allow, see `ffgym.robot.reading.draft`."""
     also: tuple[str, ...]
     """Entries that it needs beside."""
     ask: Callable[[RobotDescription], Iterator[str]]

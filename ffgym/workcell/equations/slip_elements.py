@@ -9,7 +9,7 @@ from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.effect import Side
 from ffgym.effects.parameters import parameter
-from ffgym.robot.friction.slip_elements import advanced
+from ffgym.robot.friction import advance_slip
 
 _YIELDS = np.array([0.25, 0.5, 1.0])
 """Where elements break loose, in units of the last one; chosen: evenly spread in the logarithm."""
@@ -55,5 +55,5 @@ class SlipElements(TorqueEffect):
         """See base class."""
         total = memory[..., 0] + memory[..., 1] + memory[..., 2]
         widths = self.travel[..., None] * _YIELDS
-        after = advanced(memory, state.motor_speed, state.motor_speed, dt, widths)
+        after = advance_slip(memory, state.motor_speed, state.motor_speed, dt, widths)
         return Torques(motor=-self.level / len(_YIELDS) * total), after

@@ -9,7 +9,7 @@ from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect, Torques
 from ffgym.effects.effect import Side
 from ffgym.effects.parameters import parameter
-from ffgym.robot.friction.slip_elements import advanced
+from ffgym.robot.friction import advance_slip
 from scripts.exam.equations.variant import Variant
 
 _WIDTHS = np.array([0.25, 0.5, 0.75, 1.0])
@@ -60,7 +60,7 @@ class MaxwellSlip(Variant, TorqueEffect):
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
         carried = (memory[..., 0] + memory[..., 1] + memory[..., 2] + memory[..., 3]) / len(_WIDTHS)
-        later = advanced(memory, state.motor_speed, state.motor_speed, dt, self.travel[..., None] * _WIDTHS)
+        later = advance_slip(memory, state.motor_speed, state.motor_speed, dt, self.travel[..., None] * _WIDTHS)
         return Torques(motor=-self.share * state.coulomb * (carried - state.friction_sign)), later
 
 

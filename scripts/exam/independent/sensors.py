@@ -9,8 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from ffgym.core.types import Array
 from ffgym.recordings import Recording
-from ffgym.robot.description import RobotDescription
-from ffgym.robot.logs import log_header
+from ffgym.robot.description import RobotDescription, log_header
 from scripts.exam.independent.arm import Bodies, Pose, pose_of, tool_of
 from scripts.exam.independent.plant import Course
 

@@ -16,7 +16,7 @@ from ffgym.agents.stability.iteration_map import STABLE_GROWTH, LearningMap
 from ffgym.agents.stability.limits import LearningStability
 from ffgym.core.errors import FFGymError
 from ffgym.paths import Reference, joint_reference, joint_sine
-from ffgym.paths.joint_space import joint_path
+from ffgym.paths.excitations import joint_path
 from ffgym.paths.motion import standstill
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run

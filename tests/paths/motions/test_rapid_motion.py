@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from ffgym.core.errors import FFGymError
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions import compose, load_motion
-from ffgym.paths.motions.rapid import rapid_motion
+from ffgym.paths.motions.composition import rapid_motion
 from ffgym.paths.rapid import on_branches, parse_program
 
 HOME = """PROC main()

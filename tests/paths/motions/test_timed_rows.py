@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ffgym.paths.motions.parts.timed_rows import followed
-from ffgym.paths.motions.table import Table
+from ffgym.paths.motions.parts.table_part import Table, followed
 
 DT = 1e-4
 

@@ -8,8 +8,8 @@ import pytest
 from rapid_samples import moves, program
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.rapid.functions import FUNCTIONS
-from ffgym.paths.rapid.instructions import INSTRUCTIONS, MOVES, SWITCHES
+from ffgym.paths.rapid.evaluate import FUNCTIONS
+from ffgym.paths.rapid.interpreter import INSTRUCTIONS, MOVES, SWITCHES
 from ffgym.paths.rapid.records import TYPES
 
 PAGE = (Path(__file__).parents[3] / "docs" / "rapid.md").read_text(encoding="utf-8")

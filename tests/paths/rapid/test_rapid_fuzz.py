@@ -9,8 +9,8 @@ from rapid_samples import GOLDEN
 
 from ffgym.core.errors import FFGymError
 from ffgym.paths.rapid import parse_program
-from ffgym.paths.rapid.source import decode
-from ffgym.paths.rapid.words import RESERVED
+from ffgym.paths.rapid.reader import RESERVED
+from ffgym.paths.rapid.syntax import decode
 
 TOKEN = re.compile(r'"[^"\n]*"|![^\n]*|[A-Za-z_]\w*|[0-9.]+(?:[eE][+-]?[0-9]+)?|:=|\S|\s+')
 WORDS = [

@@ -10,8 +10,8 @@ from rapid_samples import ARITHMETIC, EXPORTED, GOLDEN, WORK_OBJECT, moves, move
 
 from ffgym.core.errors import FFGymError
 from ffgym.paths.rapid import load_program, parse_program
-from ffgym.paths.rapid.predefined import PREDEFINED
-from ffgym.paths.rapid.words import RESERVED
+from ffgym.paths.rapid.reader import RESERVED
+from ffgym.paths.rapid.records import PREDEFINED
 
 
 def same(a, b):

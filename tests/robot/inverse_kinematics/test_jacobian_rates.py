@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ffgym.robot import RigidArm
-from ffgym.robot.inverse_kinematics.jacobian_rates import jacobian_rates, jacobian_slope
+from ffgym.robot.inverse_kinematics.newton import jacobian_rates, jacobian_slope
 from tests.robot.arm_samples import random_arm
 
 STEP = 1e-3

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ffgym.paths import cartesian_reference
 from ffgym.robot import RigidArm, solve_pose
 from ffgym.robot.inverse_kinematics import joint_rates, rotation_error
-from ffgym.robot.inverse_kinematics.mobility import mobility
+from ffgym.robot.inverse_kinematics.newton import mobility
 from tests.robot.arm_samples import ARMS, random_arm
 from tests.robot.tool_motions import joint_motion, slope, tool_path
 

@@ -13,8 +13,8 @@ from hypothesis.extra.numpy import arrays
 
 from ffgym.core.errors import FFGymError
 from ffgym.robot import ModelOptions, build_spec, builtin_robots, load_robot, mjcf_text, physics_fingerprint
-from ffgym.robot.model.mjcf_elements import text
-from ffgym.robot.shapes import Geom, Mesh
+from ffgym.robot.model.mjcf import text
+from ffgym.robot.parts import Geom, Mesh
 from tests.robot.arm_samples import random_arm
 from tests.robot.robot_samples import unusual
 

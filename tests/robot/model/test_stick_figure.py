@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ffgym.robot import ModelOptions, builtin_robots, compile_model, load_robot, physics_fingerprint
-from ffgym.robot.model.stick_figure import stick_figure
+from ffgym.robot.model.looks import stick_figure
 
 
 def bare(name):

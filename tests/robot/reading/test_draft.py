@@ -12,7 +12,7 @@ import tomlkit
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm, load_robot, parse_robot, resonances
 from ffgym.robot.reading import draft
-from ffgym.robot.reading.capabilities import CAPABILITIES, capability, needed_by
+from ffgym.robot.reading.draft import CAPABILITIES, capability, needed_by
 from ffgym.robot.reading.load import load_draft
 from ffgym.robot.reading.parse import parse_draft
 from ffgym.robot.reading.rules import RULES

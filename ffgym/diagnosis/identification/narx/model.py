@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx.regressors import Regressors
-from ffgym.robot.friction import slip_elements
+from ffgym.robot.friction import advance_slip, slip_along
 
 
 @final
@@ -89,7 +89,7 @@ class NarxModel:
         old_speeds, slip, old_outputs = np.split(memory.reshape(*motor_dq.shape, -1), parts, axis=-1)
         speeds = np.concatenate([motor_dq[..., None], old_speeds], axis=-1)
         if regressors.slip_widths:
-            slip = slip_elements.advanced(slip, speeds[..., 1], motor_dq, self.dt, np.array(regressors.slip_widths))
+            slip = advance_slip(slip, speeds[..., 1], motor_dq, self.dt, np.array(regressors.slip_widths))
         phi = [
             speeds[..., list(regressors.speed_lags)] / self.speed_scale[..., None],
             slip,
@@ -145,7 +145,7 @@ class NarxModel:
         speeds = [_delayed(v, lag, before=v[0]) for lag in self.regressors.speed_lags]
         columns = [each[..., None] for each in speeds]
         if self.regressors.slip_widths:
-            columns.append(slip_elements.along(motor_dq, self.dt, np.array(self.regressors.slip_widths)))
+            columns.append(slip_along(motor_dq, self.dt, np.array(self.regressors.slip_widths)))
         return np.concatenate(columns, axis=-1)
 
     def _inside(self, start: Array, phi: Array, first: int) -> Array:

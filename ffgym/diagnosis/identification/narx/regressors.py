@@ -12,7 +12,7 @@ class Regressors:
 
     .. math:: \varphi(k) = [v(k - i) \ldots \; s_w(k) \ldots \; y(k - j) \ldots]
 
-    with motor speed v, slip elements s (`ffgym.robot.friction.slip_elements`) of widths w, and torque y. Thesis (6.19)
+    with motor speed v, slip elements s (`ffgym.robot.friction`) of widths w, and torque y. Thesis (6.19)
     is `speed_lags=(0, 1), output_lags=()`; (6.20) is the default.
     """
 

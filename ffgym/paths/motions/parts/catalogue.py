@@ -3,8 +3,14 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from ffgym.paths.motions.parts.excitation_parts import LadderPart, MultisinePart, SinePart, TrianglePart
-from ffgym.paths.motions.parts.joint_parts import JointsPart, WaitPart
+from ffgym.paths.motions.parts.joint_parts import (
+    JointsPart,
+    LadderPart,
+    MultisinePart,
+    SinePart,
+    TrianglePart,
+    WaitPart,
+)
 from ffgym.paths.motions.parts.part import Part
 from ffgym.paths.motions.parts.table_part import TablePart
 from ffgym.paths.motions.parts.tool_parts import ArcPart, CirclePart, CircleTestPart, LinePart, SplinePart

@@ -1,16 +1,18 @@
-"""Parts that move the joints from one position to another, and rests."""
+"""Parts that move the joints: to positions, rests, and the excitations that identification needs."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, final
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.core.types import Array
-from ffgym.paths.motions.parts.part import Part, entry
-from ffgym.paths.motions.parts.place import OF_RANGE, Place
-from ffgym.paths.moves import Move, MoveJoint, Speed, Wait, Zone
+from ffgym.paths.circles import DWELL
+from ffgym.paths.excitations import check_below_nyquist, joint_sine, multisine, schroeder_phases, speed_ladder, triangle
+from ffgym.paths.motion import JointPath
+from ffgym.paths.motions.parts.part import OF_RANGE, OF_SPEED, Part, Place, entry
+from ffgym.paths.moves import Move, MoveJoint, MoveTimed, Speed, Wait, Zone
 
 
 @final
@@ -54,3 +56,135 @@ class WaitPart(Part):
     def moves(self, place: Place) -> Sequence[Move]:
         """One wait."""
         return [Wait(duration=self.duration, label=self.label, where=place.where)]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ExcitationPart(Part):
+    """A motion of the joints about a position, with its own time law; no limits slow it down."""
+
+    centre: Any = entry(
+        "joint positions in the middle; absent is where the robot is, at first its home", "rad or m", default=None
+    )
+
+    def _timed(self, place: Place, path: Callable[[Array, float], JointPath]) -> list[Move]:
+        """Move along a path that is made from the joint positions in its middle and the sample time."""
+        given = place.centre("centre", self.centre)
+
+        def start(q: Array | None, dt: float) -> JointPath:
+            middle = given if given is not None else q if q is not None else place.rest
+            return path(middle, dt)
+
+        return [MoveTimed(path=start, label=self.label, where=place.where)]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SinePart(ExcitationPart):
+    """One sine on every joint, thesis (4.7)-(4.8); it starts at full speed, as there, so nothing comes before it."""
+
+    kind: ClassVar[str] = "sine"
+    amplitude: Any = entry(f"link side: {OF_RANGE}", "rad or m")
+    frequency: float = entry("frequency", "Hz")
+    duration: float = entry("how long", "s")
+
+    def moves(self, place: Place) -> Sequence[Move]:
+        """One excitation."""
+        size = place.joints("amplitude", self.amplitude, place.span)
+        frequency = check_number("frequency", self.frequency, unit="Hz", low=0.0, open_low=True)
+
+        def path(q: Array, dt: float) -> JointPath:
+            check_below_nyquist(np.array([frequency]), dt)
+            return joint_sine(size, frequency, self.duration, centre=q, dt=dt)
+
+        return self._timed(place, path)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MultisinePart(ExcitationPart):
+    """Sum of sines on every joint, faded in and out."""
+
+    kind: ClassVar[str] = "multisine"
+    amplitude: Any = entry(f"of each sine, link side: {OF_RANGE}; or a list of such, one for each sine", "rad or m")
+    frequencies: Any = entry("of the sines", "Hz")
+    duration: float = entry("of the sines with their fades", "s")
+    phases: Any = entry("'schroeder', or one phase for each sine", "rad", default="schroeder")
+    ramp: float = entry("time of fading in, and of fading out", "s", default=0.4)
+    dwell: float = entry("rest at both ends", "s", default=DWELL)
+
+    def moves(self, place: Place) -> Sequence[Move]:
+        """One excitation."""
+        frequencies = check_shape("frequencies", self.frequencies, (None,))
+        if not len(frequencies):
+            raise FFGymError("frequencies is empty, must hold at least one frequency in Hz.")
+        amplitude = self._amplitudes(place, len(frequencies))
+        phases = self._phases(*amplitude.shape)
+
+        def path(q: Array, dt: float) -> JointPath:
+            return multisine(q, amplitude, frequencies, phases, self.duration, ramp=self.ramp, dwell=self.dwell, dt=dt)
+
+        return self._timed(place, path)
+
+    def _amplitudes(self, place: Place, count: int) -> Array:
+        """Amplitudes (F, N)."""
+        if isinstance(self.amplitude, list) and any(isinstance(row, list | dict | str) for row in self.amplitude):
+            rows = self.amplitude
+            if len(rows) != count:
+                raise FFGymError(f"amplitude has {len(rows)} entries, must have one for each of {count} frequencies.")
+        else:
+            rows = [self.amplitude] * count
+        return np.stack([place.joints(f"amplitude[{i}]", row, place.span) for i, row in enumerate(rows)])
+
+    def _phases(self, count: int, n_joints: int) -> Array:
+        if isinstance(self.phases, str):
+            check_choice("phases", self.phases, ("schroeder",))
+            return schroeder_phases(count, n_joints)
+        return np.tile(check_shape("phases", self.phases, (count,))[:, None], n_joints)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LadderPart(ExcitationPart):
+    """One joint after the other at constant speeds, each forwards and back, thesis (6.2)-(6.3)."""
+
+    kind: ClassVar[str] = "ladder"
+    speeds: Any = entry(f"a list of steps, link side, each {OF_SPEED}; 0 skips", "rad/s or m/s")
+    travel: Any = entry(f"way at constant speed, link side: {OF_RANGE}", "rad or m")
+    longest: float = entry("time after which a slow run turns back", "s", default=10.0)
+    ramp: float = entry("time of each change of speed", "s", default=0.2)
+    dwell: float = entry("rest at both ends and where a joint has come back", "s", default=DWELL)
+
+    def moves(self, place: Place) -> Sequence[Move]:
+        """One excitation."""
+        if not isinstance(self.speeds, list) or not self.speeds:
+            raise FFGymError(f"speeds = {self.speeds!r} must be a list of steps.")
+        fastest = place.robot.kinematics.max_speed
+        speeds = np.stack([place.joints(f"speeds[{i}]", step, fastest) for i, step in enumerate(self.speeds)])
+        travel = place.joints("travel", self.travel, place.span, others=place.span)
+
+        def path(q: Array, dt: float) -> JointPath:
+            return speed_ladder(q, speeds, travel, longest=self.longest, ramp=self.ramp, dwell=self.dwell, dt=dt)
+
+        return self._timed(place, path)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrianglePart(ExcitationPart):
+    """Slow to and fro at constant speed with rounded reversals, for presliding and hysteresis."""
+
+    kind: ClassVar[str] = "triangle"
+    amplitude: Any = entry(f"largest way from the middle, link side: {OF_RANGE}", "rad or m")
+    period: float = entry("time of one to and fro", "s")
+    periods: int = entry("how many", default=2)
+    ramp: float = entry("time of each reversal", "s", default=0.2)
+    dwell: float = entry("rest at both ends", "s", default=DWELL)
+
+    def moves(self, place: Place) -> Sequence[Move]:
+        """One excitation."""
+        size = place.joints("amplitude", self.amplitude, place.span)
+
+        def path(q: Array, dt: float) -> JointPath:
+            return triangle(q, size, self.period, self.periods, ramp=self.ramp, dwell=self.dwell, dt=dt)
+
+        return self._timed(place, path)

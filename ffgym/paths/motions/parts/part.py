@@ -1,13 +1,162 @@
-"""One part of a motion file: a kind, and entries that say what it means and in which unit."""
+"""One part of a motion file: a kind, entries with meaning and unit, and what they mean for a robot."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field, fields
+from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from ffgym.core.errors import FFGymError
-from ffgym.paths.motions.parts.place import Place
-from ffgym.paths.moves import Move
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.types import Array
+from ffgym.paths.moves import Move, check_position
+from ffgym.robot import RigidArm, RobotDescription
+
+FIRST = "work_area"
+"""Name of the first point of the robot's work area, whatever it is called."""
+OF_RANGE = "one for all joints, a list, a table by joint, or '10 %' of each joint's range"
+"""What a position or an amplitude of joints may be, for the documentation of entries."""
+OF_SPEED = "one for all joints, a list, a table by joint, or '10 %' of each joint's largest speed"
+"""What a speed of joints may be."""
+UPRIGHT = np.array([0.0, 0.0, 1.0])
+"""Normal of planes for a robot without a work area."""
+LARGEST = 1e6
+"""Largest value for a joint, in SI units; beyond it one surely is in another unit."""
+UNIT_NORM = 1e-3
+"""Largest deviation from 1 of the norm of a quaternion that is taken for rounding."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Place:
+    """The robot that a motion is made for, and where its points are counted from."""
+
+    arm: RigidArm
+    origin: Array
+    """Point that coordinates are counted from, in the world [m], shape (3,)."""
+    where: str
+    """The part in its file, for messages."""
+    folder: Path = Path()
+    """Where files that a part names are."""
+
+    @property
+    def robot(self) -> RobotDescription:
+        """The robot."""
+        return self.arm.robot
+
+    def point(self, name: str, value: Any) -> Array:
+        """Point in the world [m], shape (3,): coordinates from the origin, or the name of a point of the work area."""
+        if isinstance(value, str):
+            return named_point(self.robot, value)
+        return self.origin + check_position(name, value)
+
+    def normal(self, value: Any) -> Array:
+        """Normal of a plane, shape (3,): as given, or that of the work area; upright for a robot without one."""
+        if value is not None:
+            return check_shape("normal", value, (3,))
+        return UPRIGHT if self.robot.work_area is None else self.robot.work_area.normal
+
+    def joints(self, name: str, value: Any, whole: Array, others: Array | float = 0.0) -> Array:
+        """Values for the joints, shape (N,), see `joint_values`."""
+        return joint_values(self.robot, name, value, whole, others)
+
+    @property
+    def span(self) -> Array:
+        """Width of the joints' ranges, link side [rad or m], shape (N,)."""
+        return np.diff(self.robot.kinematics.range, axis=1)[:, 0]
+
+    def centre(self, name: str, value: Any) -> Array | None:
+        """Joint positions (N,) from an entry; None where it has none and the robot is to stay where it is."""
+        return None if value is None else self.joints(name, value, self.span, others=self.rest)
+
+    @property
+    def rest(self) -> Array:
+        """Joint positions (N,) at which a robot begins that has not moved before."""
+        return resting_position(self.robot)
+
+
+def resting_position(robot: RobotDescription) -> Array:
+    """Home of a robot's work area, or joint positions as near to zero as they can be, shape (N,)."""
+    if robot.work_area is not None:
+        return robot.work_area.home
+    return np.clip(np.zeros(robot.n_joints), *robot.kinematics.range.T)
+
+
+def named_point(robot: RobotDescription, name: str) -> Array:
+    """Point of the robot's work area in the world [m], shape (3,).
+
+    Raises:
+        FFGymError: if it has none of that name.
+    """
+    points = {} if robot.work_area is None else robot.work_area.positions
+    if not points:
+        raise FFGymError(
+            f"Robot {robot.name!r} has no named points in its work area, so {name!r} is none. Use numbers, or give it "
+            f"one: [work_area.positions.{'p1' if name == FIRST else name}] in its description."
+        )
+    return points[next(iter(points)) if name == FIRST else check_choice("point", name, [*points, FIRST])]
+
+
+def joint_values(robot: RobotDescription, name: str, value: Any, whole: Array, others: Array | float = 0.0) -> Array:
+    """Values for the joints, shape (N,).
+
+    Args:
+        robot: whose joints they are.
+        name: of the entry, for messages.
+        value: one for all joints, a list of N, a table by joint, or text such as '10 %'.
+        whole: what 100 % are, shape (N,).
+        others: value of joints that a table leaves out.
+
+    Raises:
+        FFGymError: if it is none of these.
+    """
+    if isinstance(value, str):
+        share = value.removesuffix("%").strip()
+        if share == value.strip() or not _is_number(share):
+            raise FFGymError(f"{name} = {value!r} must be numbers, or a share such as '10 %'.")
+        return check_number(name, float(share), unit="%", low=-LARGEST, high=LARGEST) / 100 * whole
+    if isinstance(value, dict):
+        result = np.array(np.broadcast_to(others, whole.shape), dtype=np.float64)
+        for joint, number in value.items():
+            index = robot.joints.index(check_choice(f"joint in {name}:", joint, robot.joints))
+            result[index] = joint_values(robot, f"{name}.{joint}", number, whole, others)[index]
+        return result
+    if isinstance(value, list):
+        values = check_shape(f"{name} (one entry for each of {', '.join(robot.joints)})", value, whole.shape)
+    else:
+        values = np.full(whole.shape, check_number(name, value))
+    if np.abs(values).max() > LARGEST:
+        raise FFGymError(f"{name} = {value} is beyond {LARGEST:g}; is it in another unit?")
+    return values
+
+
+def rotation_of(rpy_deg: Any, quaternion: Any) -> Array | None:
+    """Orientation (3, 3) from roll, pitch, yaw about the world's x, y, z [deg], or from a quaternion w, x, y, z.
+
+    Raises:
+        FFGymError: if both are given, or one is none.
+    """
+    if rpy_deg is not None and quaternion is not None:
+        raise FFGymError("rpy_deg and quaternion say the same; give one of them.")
+    if rpy_deg is not None:
+        return Rotation.from_euler("xyz", check_shape("rpy_deg", rpy_deg, (3,)), degrees=True).as_matrix()
+    if quaternion is None:
+        return None
+    values = check_shape("quaternion", quaternion, (4,))
+    if abs(np.linalg.norm(values) - 1) > UNIT_NORM:
+        raise FFGymError(
+            f"quaternion = {values.tolist()} (w, x, y, z) must have norm 1, not {np.linalg.norm(values):.6g}."
+        )
+    return Rotation.from_quat(values, scalar_first=True).as_matrix()
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def entry(meaning: str, unit: str = "", **options: Any) -> Any:

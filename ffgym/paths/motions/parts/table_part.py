@@ -1,19 +1,274 @@
-"""A part that is a table in a CSV file: poses or joint positions, with times or without."""
+"""Tables of poses or joint positions in CSV files as moves: columns with units, with or without times."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import Any, ClassVar, final
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
 
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.files import read_text
 from ffgym.core.types import Array
-from ffgym.paths.motions.parts.part import Part, entry
-from ffgym.paths.motions.parts.place import Place
-from ffgym.paths.motions.parts.timed_rows import followed
-from ffgym.paths.motions.table import Table, parse_table
-from ffgym.paths.moves import Move, MoveJointSpline, MoveSpline, MoveTimed, Pose, Speed
+from ffgym.paths.motion import CartesianPath, JointPath, Segment, sample
+from ffgym.paths.motions.parts.part import LARGEST, UNIT_NORM, Part, Place, entry
+from ffgym.paths.moves import FARTHEST, Move, MoveJointSpline, MoveSpline, MoveTimed, Pose, Speed
+from ffgym.recordings.csv import read_table
+
+UNITS: Mapping[str, tuple[str, float]] = {
+    "s": ("s", 1.0),
+    "ms": ("s", 1e-3),
+    "m": ("m", 1.0),
+    "mm": ("m", 1e-3),
+    "rad": ("rad", 1.0),
+    "deg": ("rad", np.pi / 180),
+}
+"""Units at the end of a column's name: what they measure in SI, and the factor to it."""
+
+POSITION = ("x", "y", "z")
+QUATERNION = ("qw", "qx", "qy", "qz")
+RPY = ("roll", "pitch", "yaw")
+JUMP = 5.0
+"""Ratio of a time step to the median one from which it counts as a jump of the clock; chosen: rows may be missing here
+and there, and log files thin out, but between rows so far apart nobody knows what the robot did."""
+FEWEST_TIMES = 4
+"""Fewest rows with times: a spline that is smooth needs as many."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Table:
+    """Rows of a file, in SI units. Either positions or joints are there, never both."""
+
+    name: str
+    """Of the file, for messages."""
+    t: Array | None
+    """Times from 0 [s], increasing, shape (T,); None where the rows are points to go through."""
+    positions: Array | None
+    """TCP in the world [m], shape (T, 3)."""
+    rotations: Array | None
+    """Orientation of tool0 in the world, shape (T, 3, 3); None where none is given."""
+    joints: Array | None
+    """Joint positions, link side [rad or m], shape (T, N)."""
+
+
+def parse_table(text: str, where: str, joints: Sequence[str], units: Sequence[str]) -> Table:
+    """Table from CSV text; lines that begin with # are comments.
+
+    Args:
+        text: the whole file.
+        where: names it in messages.
+        joints: names of the robot's joints.
+        units: of their positions, 'rad' or 'm'.
+
+    Raises:
+        FFGymError: if columns are missing, unknown or in a wrong unit, or a value makes no sense.
+    """
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines = ["" if line.lstrip().startswith("#") else line for line in lines]
+    try:
+        names, values = read_table(lines, 0)
+        columns = _in_si(names, values, {**dict.fromkeys(POSITION, "m"), **dict(zip(joints, units, strict=True))})
+        return _table(where, columns, joints)
+    except FFGymError as error:
+        raise FFGymError(f"{where}: {error}") from error
+
+
+def _in_si(names: Sequence[str], values: Array, wanted: Mapping[str, str]) -> dict[str, Array]:
+    """Columns without the units in their names, in SI units.
+
+    Args:
+        names: of the columns, with units.
+        values: shape (T, columns).
+        wanted: what each known column measures, 'm' or 'rad', beside time and orientation.
+    """
+    known = {"t": "s", **dict.fromkeys(QUATERNION, ""), **dict.fromkeys(RPY, "rad"), **wanted}
+    columns: dict[str, Array] = {}
+    for i, full in enumerate(names):
+        name, factor = _without_unit(full, known)
+        if name in columns:
+            raise FFGymError(f"Column {full!r} says {name!r} a second time.")
+        if not np.all(np.isfinite(values[:, i])):
+            row = int(np.flatnonzero(~np.isfinite(values[:, i]))[0])
+            raise FFGymError(f"Row {row + 1}, column {full!r} is {values[row, i]}, must be a finite number.")
+        columns[name] = values[:, i] * factor
+        if name != "t":  # clocks may count from long ago
+            _check_unit(full, columns[name], FARTHEST if name in POSITION else LARGEST)
+    return columns
+
+
+def _check_unit(full: str, column: Array, largest: float) -> None:
+    """Refuse values that are surely in another unit than the column's name says."""
+    beyond = np.flatnonzero(np.abs(column) > largest)
+    if beyond.size:
+        row = int(beyond[0])
+        raise FFGymError(
+            f"Row {row + 1}, column {full!r} is {column[row]:.6g} in SI units, which is beyond {largest:g}; is it in "
+            f"another unit?"
+        )
+
+
+def _without_unit(full: str, known: Mapping[str, str]) -> tuple[str, float]:
+    """Name of a column and the factor of its unit."""
+    if known.get(full) == "":
+        return full, 1.0
+    name, _, unit = full.rpartition("_")
+    if name not in known or known[name] == "":
+        some = ", ".join(_with_units(name, kind) for name, kind in known.items())
+        raise FFGymError(f"Unknown column {full!r}. A table may have {some}.")
+    if UNITS.get(unit, ("", 0.0))[0] != known[name]:
+        raise FFGymError(f"Column {full!r} must be {_with_units(name, known[name])}.")
+    return name, UNITS[unit][1]
+
+
+def _with_units(name: str, kind: str) -> str:
+    return " or ".join(f"{name}_{unit}" for unit, (measured, _) in UNITS.items() if measured == kind) or name
+
+
+def _table(where: str, columns: Mapping[str, Array], joints: Sequence[str]) -> Table:
+    of_tool = [name for name in (*POSITION, *QUATERNION, *RPY) if name in columns]
+    of_joints = [name for name in joints if name in columns]
+    if of_tool and of_joints:
+        raise FFGymError(f"Columns {of_tool[0]!r} and {of_joints[0]!r}: give poses or joint positions, not both.")
+    if not of_tool and not of_joints:
+        raise FFGymError(f"There are neither x, y, z nor joint positions ({', '.join(joints)}) with their units.")
+    n_rows = len(next(iter(columns.values())))
+    t = _times(columns["t"]) if "t" in columns else None
+    if n_rows < (1 if t is None else FEWEST_TIMES):
+        raise FFGymError(f"There are {n_rows} rows, must be at least {1 if t is None else FEWEST_TIMES}.")
+    return Table(
+        name=where,
+        t=t,
+        positions=_together(columns, POSITION) if of_tool else None,
+        rotations=_rotations(columns) if of_tool else None,
+        joints=_together(columns, joints) if of_joints else None,
+    )
+
+
+def _together(columns: Mapping[str, Array], names: Sequence[str]) -> Array:
+    """Columns that belong together, shape (T, K)."""
+    missing = [name for name in names if name not in columns]
+    if missing:
+        raise FFGymError(f"Columns {', '.join(names)} belong together; {', '.join(missing)} is missing.")
+    return np.stack([columns[name] for name in names], axis=1)
+
+
+def _rotations(columns: Mapping[str, Array]) -> Array | None:
+    has_quaternion, has_rpy = (any(name in columns for name in names) for names in (QUATERNION, RPY))
+    if has_quaternion and has_rpy:
+        raise FFGymError("Quaternion and roll, pitch, yaw say the same; give one of them.")
+    if has_rpy:
+        return Rotation.from_euler("xyz", _together(columns, RPY)).as_matrix()
+    if not has_quaternion:
+        return None
+    values = _together(columns, QUATERNION)
+    norm = np.linalg.norm(values, axis=1)
+    if np.abs(norm - 1).max() > UNIT_NORM:
+        row = int(np.argmax(np.abs(norm - 1)))
+        raise FFGymError(f"Row {row + 1}: the quaternion qw, qx, qy, qz must have norm 1, not {norm[row]:.6g}.")
+    return Rotation.from_quat(values, scalar_first=True).as_matrix()
+
+
+def _times(t: Array) -> Array:
+    """Times from 0, checked."""
+    steps = np.diff(t)
+    if np.any(steps <= 0):
+        row = int(np.flatnonzero(steps <= 0)[0])
+        raise FFGymError(
+            f"Row {row + 2}, column 't': {t[row + 1]:.9g} s is not after {t[row]:.9g} s in the row before; times must "
+            f"increase."
+        )
+    if len(steps) and steps.max() > JUMP * np.median(steps):
+        row = int(np.argmax(steps))
+        raise FFGymError(
+            f"Row {row + 2}, column 't': the clock jumps by {steps[row]:.6g} s, where rows are "
+            f"{np.median(steps):.6g} s apart. Cut the table there, or fill the gap."
+        )
+    return t - t[0] if len(t) else t
+
+
+AT_REST = 0.05
+"""Share of the largest speed up to which a table counts as starting or ending at rest; chosen: rows of a log that
+begins as the robot does are farther apart than its first movement."""
+
+
+def followed(table: Table, t: Array, label: str) -> Callable[[Array | None, float], JointPath | CartesianPath]:
+    """What samples a table with times `t` at the control step.
+
+    A table that ends at rest is held up to the next sample; one that ends at speed ends with the last sample before.
+    """
+    points = table.positions if table.joints is None else table.joints
+    assert points is not None
+    turned = None if table.rotations is None else _quaternions(table.rotations)
+    curve, turn = _spline(t, points), None if turned is None else _spline(t, turned)
+    held = all(_rests(t, rows)[1] for rows in (points, turned) if rows is not None)
+
+    def evaluate(tau: Array) -> tuple[Array, Array, Array]:
+        return _at(curve, tau, t[-1])
+
+    def path(_: Array | None, dt: float) -> JointPath | CartesianPath:
+        duration = float(t[-1] if held else dt * np.floor(t[-1] / dt + 1e-9))
+        times, *series, phases = sample([Segment(label=label, kind="motion", duration=duration, evaluate=evaluate)], dt)
+        if table.joints is not None:
+            return JointPath(name=label, t=times, q=series[0], dq=series[1], ddq=series[2], phases=phases)
+        return CartesianPath(
+            name=label,
+            t=times,
+            position=series[0],
+            velocity=series[1],
+            acceleration=series[2],
+            phases=phases,
+            **({} if turn is None else _turning(*_at(turn, times, t[-1]))),
+        )
+
+    return path
+
+
+def _rests(t: Array, rows: Array) -> tuple[bool, bool]:
+    """Whether rows (T, D) start and end at rest."""
+    speed = np.linalg.norm(np.diff(rows, axis=0), axis=1) / np.diff(t)
+    return bool(speed[0] <= AT_REST * speed.max()), bool(speed[-1] <= AT_REST * speed.max())
+
+
+def _spline(t: Array, rows: Array) -> CubicSpline[Any]:
+    """Cubic spline through rows (T, D), at rest at an end where they are."""
+    starts, ends = _rests(t, rows)
+    return CubicSpline(t, rows, bc_type=("clamped" if starts else "not-a-knot", "clamped" if ends else "not-a-knot"))
+
+
+def _at(curve: CubicSpline[Any], t: Array, end: float) -> tuple[Array, Array, Array]:
+    """Value and derivatives at times `t`; after the end it stays where it is."""
+    inside, still = np.minimum(t, end), (t > end)[:, None]
+    return curve(inside), np.where(still, 0.0, curve(inside, 1)), np.where(still, 0.0, curve(inside, 2))
+
+
+def _quaternions(rotations: Array) -> Array:
+    """Unit quaternions of rotations (T, 3, 3), scalar first, each on the side of the one before, shape (T, 4)."""
+    values = Rotation.from_matrix(rotations).as_quat(scalar_first=True)
+    flips = np.where((values[1:] * values[:-1]).sum(axis=1) < 0, -1.0, 1.0)
+    return values * np.cumprod(np.append(1.0, flips))[:, None]
+
+
+def _turning(q: Array, dq: Array, ddq: Array) -> dict[str, Array]:
+    r"""Orientation and its rates in world axes, of quaternions of any length and their derivatives, (T, 4) each.
+
+    .. math:: \omega = 2 \operatorname{Im}(\dot q \bar q) / |q|^2
+    """
+    square = (q * q).sum(axis=1)[:, None]
+    velocity = 2 * _imaginary(dq, q) / square
+    growth = 2 * (q * dq).sum(axis=1)[:, None] / square
+    return {
+        "rotation": Rotation.from_quat(q, scalar_first=True).as_matrix(),
+        "angular_velocity": velocity,
+        "angular_acceleration": 2 * _imaginary(ddq, q) / square - growth * velocity,
+    }
+
+
+def _imaginary(a: Array, b: Array) -> Array:
+    """Vector of a times the conjugate of b, quaternions (T, 4), shape (T, 3)."""
+    product: Array = b[:, :1] * a[:, 1:] - a[:, :1] * b[:, 1:] - np.cross(a[:, 1:], b[:, 1:])
+    return product
+
 
 SPEED = 0.1
 """Default TCP speed through points without times [m/s]; chosen: the fastest of the thesis, (2.16)."""

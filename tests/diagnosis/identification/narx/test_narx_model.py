@@ -10,7 +10,7 @@ from narx_forms import FORMS
 
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.identification.narx.model import joint_models, sigmoid
-from ffgym.robot.friction import slip_elements
+from ffgym.robot.friction import slip_along
 
 
 def test_the_sigmoid_is_the_one_of_the_thesis_and_does_not_overflow():
@@ -22,7 +22,7 @@ def test_the_sigmoid_is_the_one_of_the_thesis_and_does_not_overflow():
 @pytest.mark.parametrize("form", FORMS)
 def test_simulation_is_the_recursion_written_out(form, network, sweep):
     model, v, regressors = network(FORMS[form]), sweep(rows=40), FORMS[form]
-    slip = slip_elements.along(v, model.dt, np.array(regressors.slip_widths))
+    slip = slip_along(v, model.dt, np.array(regressors.slip_widths))
     y, u = np.zeros((40, 2)), v / model.speed_scale
     for k in range(1, 40):
         for j in range(2):

@@ -1,5 +1,0 @@
-"""Friction models, motor side."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

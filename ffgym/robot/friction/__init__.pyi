@@ -1,1 +1,0 @@
-from .lugre import LuGreParameters as LuGreParameters
