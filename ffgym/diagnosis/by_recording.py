@@ -23,7 +23,8 @@ from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import Drift
 from ffgym.diagnosis.signatures.column import columns_of
-from ffgym.effects.friction import CoulombLevel, ViscousLevel
+from ffgym.effects.friction.coulomb import CoulombLevel
+from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.recordings import Recording
 
 FEWEST = 4

@@ -13,13 +13,17 @@ from ffgym.diagnosis.lateness import late_columns
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Column, columns_of, machine_columns
 from ffgym.effects import Effect, NativeEffect
-from ffgym.effects.drive import TorqueConstant, TorqueOffset
+from ffgym.effects.drive.offset import TorqueOffset
+from ffgym.effects.drive.torque_constant import TorqueConstant
 from ffgym.effects.effect import Side
-from ffgym.effects.friction import CoulombLevel, PreslidingStiffness, StribeckPeak, ViscousLevel
-from ffgym.effects.load import RotorInertia
-from ffgym.effects.measurement import ToolFrame
+from ffgym.effects.friction.coulomb import CoulombLevel
+from ffgym.effects.friction.presliding import PreslidingStiffness
+from ffgym.effects.friction.stribeck import StribeckPeak
+from ffgym.effects.friction.viscous import ViscousLevel
+from ffgym.effects.load.rotor_inertia import RotorInertia
+from ffgym.effects.measurement.tool_frame import ToolFrame
 from ffgym.effects.parameters import parameter
-from ffgym.effects.transmission import JointStiffness
+from ffgym.effects.transmission.stiffness import JointStiffness
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 

@@ -21,7 +21,7 @@ from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.diagnosis.signatures.stiffness import stiffness_columns
 from ffgym.diagnosis.signatures.variant import Cycles
 from ffgym.effects import Effect
-from ffgym.effects.transmission import JointStiffness
+from ffgym.effects.transmission.stiffness import JointStiffness
 
 _LOOKED_FOR: tuple[tuple[Amplitude, int], ...] = (("constant", 2), ("torque", 1))
 """Peaks of a joint's torque that are tried as the frequency of a periodic effect, of what has one amplitude and of what

@@ -15,9 +15,9 @@ from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.effects import ClockEffect, Effect
-from ffgym.effects.drive import TorqueDelay
+from ffgym.effects.drive.delay import TorqueDelay
 from ffgym.effects.effect import Side
-from ffgym.effects.measurement import TorqueClock
+from ffgym.effects.measurement.torque_clock import TorqueClock
 from ffgym.effects.parameters import parameter
 
 OF_ROW = 0.05

@@ -1,52 +1,103 @@
-"""All effects of the library by name, in the order of their codes."""
+"""Every effect by its name: those of the modules of this room, and those that other packages declare."""
 
-from collections.abc import Mapping
-from types import MappingProxyType
+import inspect
+import pkgutil
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from typing import final
 
-from ffgym.effects import controller, drive, friction, load, measurement, transmission
+import ffgym.effects
+from ffgym.core.errors import FFGymError
 from ffgym.effects.effect import Effect
 
-_EFFECTS: tuple[type[Effect], ...] = (
-    friction.CoulombLevel,
-    friction.ViscousLevel,
-    friction.StribeckPeak,
-    friction.PreslidingStiffness,
-    friction.Asymmetry,
-    friction.LoadFriction,
-    friction.TemperatureFriction,
-    friction.NonlinearViscous,
-    friction.PositionFriction,
-    friction.DwellStiction,
-    friction.StribeckExponent,
-    friction.ViscousDrift,
-    friction.CoulombDrift,
-    friction.FallingFriction,
-    transmission.JointStiffness,
-    transmission.Hardening,
-    transmission.TorsionalHysteresis,
-    transmission.Backlash,
-    transmission.KinematicError,
-    transmission.WristCoupling,
-    transmission.BaseFlexibility,
-    transmission.FlexibleLoad,
-    drive.Cogging,
-    drive.TorqueRipple,
-    drive.TorqueConstant,
-    drive.TorqueOffset,
-    drive.TorqueDelay,
-    measurement.ResolverRipple,
-    load.Payload,
-    load.RotorInertia,
-    load.GravityTerm,
-    load.CablePull,
-    measurement.ToolFrame,
-    measurement.TrackerFrame,
-    measurement.TrackerClock,
-    measurement.JointZeros,
-    measurement.TorqueClock,
-    measurement.LinkClock,
-    controller.ServoGains,
-)
+GROUP = "ffgym.effects"
+"""Group of the entry points by which a package declares effects of its own, one class each."""
 
-EFFECTS: Mapping[str, type[Effect]] = MappingProxyType({effect.name: effect for effect in _EFFECTS})
+_LETTERS = "FTMGXK"
+"""First letters of codes in their order: friction, transmission, motor, gravity and load, measurement, controller."""
+
+_NEEDED = ("name", "code", "title", "equation", "side", "signature", "way_in")
+"""Attributes of a class without which it is no effect that can be named."""
+
+
+@final
+class Catalogue(Mapping[str, type[Effect]]):
+    """Effects by name, in the order of their codes; their modules are imported when it is first asked.
+
+    An effect of this room is a class with a code. An effect of another package is a class that its entry point names;
+    other subclasses of Effect, such as the equations of a workcell, are no members.
+
+    Raises:
+        FFGymError: when first asked, if an entry point names no effect, or one whose name or code is taken.
+    """
+
+    def __getitem__(self, name: str) -> type[Effect]:
+        return self._members[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._members)
+
+    def __len__(self) -> int:
+        return len(self._members)
+
+    @cached_property
+    def _members(self) -> dict[str, type[Effect]]:
+        found: dict[str, type[Effect]] = {}
+        for kind in _own_effects():
+            found[kind.name] = kind
+        for entry in entry_points(group=GROUP):
+            kind = _foreign_effect(entry)
+            for other in found.values():
+                if kind.name == other.name or kind.code == other.code:
+                    raise FFGymError(
+                        f"{_described(entry)} is effect {kind.name!r} with code {kind.code!r}, but there is effect "
+                        f"{other.name!r} with code {other.code!r} already. Give it a name and a code of its own."
+                    )
+            found[kind.name] = kind
+        return dict(sorted(found.items(), key=lambda item: _rank(item[1].code)))
+
+
+EFFECTS: Mapping[str, type[Effect]] = Catalogue()
 """Every effect by name."""
+
+
+def _own_effects() -> Iterator[type[Effect]]:
+    """Classes with a code that the modules of this room define."""
+    for found in pkgutil.walk_packages(ffgym.effects.__path__, "ffgym.effects."):
+        module = import_module(found.name)
+        for value in vars(module).values():
+            if isinstance(value, type) and issubclass(value, Effect) and value.__module__ == found.name and value.code:
+                yield value
+
+
+def _foreign_effect(entry: EntryPoint) -> type[Effect]:
+    """The class that an entry point names."""
+    try:
+        kind = entry.load()
+    except Exception as error:  # whatever the package of somebody else raises
+        raise FFGymError(
+            f"{_described(entry)} cannot be loaded: {type(error).__name__}: {error}. Mend the package, or uninstall it."
+        ) from error
+    if not (isinstance(kind, type) and issubclass(kind, Effect)) or inspect.isabstract(kind):
+        raise FFGymError(
+            f"{_described(entry)} = {entry.value} must be a class without abstract methods that inherits from one of "
+            "ffgym.effects.NativeEffect, ModelEffect, TorqueEffect, ResolverEffect, TrackerEffect or ClockEffect."
+        )
+    if missing := [name for name in _NEEDED if not getattr(kind, name, "")]:
+        raise FFGymError(f"{_described(entry)}: class {kind.__name__} lacks {missing}; see docs/extending.md.")
+    return kind
+
+
+def _described(entry: EntryPoint) -> str:
+    package = f" of package {entry.dist.name}" if entry.dist else ""
+    return f"Entry point {entry.name!r}{package} in group {GROUP!r}"
+
+
+def _rank(code: str) -> tuple[int, str, int]:
+    """Place of a code among all: by the letter, then by the number; unknown letters come last."""
+    letters = code.rstrip("0123456789")
+    number = code[len(letters) :]
+    known = _LETTERS.find(letters) if len(letters) == 1 else -1
+    return known if known >= 0 else len(_LETTERS), letters, int(number or 0)

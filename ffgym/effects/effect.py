@@ -60,6 +60,11 @@ class Effect(ABC):
     """Whether it acts at low speed and after reversals alone, of which not every description knows anything."""
     needs_friction: ClassVar[bool] = False
     """Whether it acts on the friction of the motor."""
+    needs_tool: ClassVar[bool] = False
+    """Whether it acts at the tool, so that a robot without one cannot have it."""
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """Patterns of a residual that its equation has the form of, the nearest first: kind and variable, as a diagnosis
+    names them."""
     generalises: ClassVar[tuple[str, ...]] = ()
     """Effects with fewer numbers that it comes near to for some of its own: it is no rival of theirs unless it explains
     more, and of their family to somebody who asks for no more."""
@@ -119,8 +124,11 @@ class Effect(ABC):
         """Check that a robot can have the effect.
 
         Raises:
-            FFGymError: if the number of joints differs, or the effect needs elasticity where a joint is rigid.
+            FFGymError: if the number of joints differs, or the effect needs a tool that the robot lacks, or elasticity
+                where a joint is rigid.
         """
+        if self.needs_tool and robot.tool is None:
+            raise FFGymError(f"Robot {robot.name!r} has no tool, so it cannot have effect {self.name}.")
         if self.n_joints not in (None, robot.n_joints):
             raise FFGymError(f"Effect {self.name} is for {self.n_joints} joints, {robot.name!r} has {robot.n_joints}.")
         if self.needs_elasticity:

@@ -55,6 +55,8 @@ class Parameter:
     """Value if none is given; None if one must be."""
     scale: Scale = ""
     """What of a robot it is where nobody gives it: it only says in what a size counts, and is not fitted."""
+    of: tuple[str, str] | None = None
+    """Part and number of the description that it is a share of, more or less of it; None is nothing."""
 
     @property
     def is_looked_for(self) -> bool:
@@ -121,6 +123,7 @@ def parameter(
     role: Role | None = None,
     tries: tuple[float, ...] = (),
     scale: Scale = "",
+    of: tuple[str, str] | None = None,
 ) -> Any:
     """Field of an effect's dataclass that is a parameter.
 
@@ -138,6 +141,7 @@ def parameter(
         role: None is a size where there is a null value, else a shape.
         tries: values of a shape at which a search begins; none is the default value alone.
         scale: what of a robot a search takes it to be; it is not fitted.
+        of: part and number of the description that it is a share of, e.g. ("friction", "coulomb").
     """
     known = Parameter(
         name="",
@@ -154,6 +158,7 @@ def parameter(
         tries=tries,
         default=default,
         scale=scale,
+        of=of,
     )
     if default is None:
         return field(metadata={_KEY: known})

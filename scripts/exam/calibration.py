@@ -1,6 +1,5 @@
 """How well a robot's numbers are known: every machine of an exam differs from its description by that much."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -8,7 +7,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.effects import Effect
-from ffgym.effects.measurement import ToolFrame
+from ffgym.effects.measurement.tool_frame import ToolFrame
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine
 from scripts.exam.hidden import Hidden
@@ -21,18 +20,6 @@ TORQUE_OFFSET = 0.01
 
 TOOL_OFFSET = 15e-6
 """Standard deviation of the place of the reflector along each axis [m]; chosen: a fit of a few hundred positions."""
-
-_SHARES_OF: Mapping[tuple[str, str], tuple[str, str]] = MappingProxyType(
-    {
-        ("coulomb_level", "change"): ("friction", "coulomb"),
-        ("viscous_level", "change"): ("friction", "viscous"),
-        ("presliding", "stiffness"): ("friction", "bristle_stiffness"),
-        ("presliding", "damping"): ("friction", "bristle_damping"),
-        ("joint_stiffness", "change"): ("drive", "joint_stiffness"),
-        ("rotor_inertia", "change"): ("drive", "rotor_inertia"),
-    }
-)
-"""Parameters of effects that are a share of a number of the description."""
 
 
 def miscalibrated(robot: RobotDescription, rng: np.random.Generator) -> RobotDescription:
@@ -81,9 +68,10 @@ def errors_beside(hidden: Hidden, described: RobotDescription, machine: Machine,
         machine: the one that makes the log, without the effect.
         offset: what its current sensors show of no current, as torque, motor side [N m], shape (N,).
     """
-    numbers, found = hidden.numbers(described), {}
+    numbers, parameters, found = hidden.numbers(described), hidden.effect.parameters(), {}
     for name, value in numbers.items():
-        if value and (number := _SHARES_OF.get((hidden.effect.name, name))):
+        known = parameters.get(name)  # none for one part of a vector
+        if value and known is not None and (number := known.of):
             true, told = (getattr(getattr(robot, number[0]), number[1]) for robot in (machine.robot, described))
             j = described.joints.index(hidden.joint)
             found[name] = float((true[j] / told[j] - 1) * (1 + value))

@@ -10,7 +10,7 @@ from ffgym.diagnosis import closed_loop, diagnose, own_motion
 from ffgym.diagnosis.closed_loop import closed_loop_gain
 from ffgym.diagnosis.fit import fit as module
 from ffgym.effects import EFFECTS
-from ffgym.effects.friction import ViscousLevel
+from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.simulation.plant import Machine
 from tests.diagnosis import test_same_bytes
 from tests.diagnosis.test_continuous_time import left

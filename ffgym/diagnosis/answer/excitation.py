@@ -52,7 +52,7 @@ def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
         return "the model has no friction of its own at low speed (static equals coulomb), where this effect acts"
     if issubclass(kind, ModelEffect) and any(isinstance(effect, kind) for effect in machine.effects):
         return "the model has it already, and a machine cannot have it twice"
-    if kind.name == "payload" and log.robot.tool is None:
+    if kind.needs_tool and log.robot.tool is None:
         return "the robot has no tool"
     for name in kind.varies_with:
         if name == "temperature" and log.temperature is None and machine.climate is None:

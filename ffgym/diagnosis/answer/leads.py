@@ -1,31 +1,10 @@
 """From a pattern to the effects that have its form, each with the reason why it is no cause."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from types import MappingProxyType
 
-from ffgym.diagnosis.result import Cause, Pattern, PatternKind, Rival, Unjudged
-from ffgym.effects import EFFECTS
-
-FORMS: Mapping[tuple[PatternKind, str], tuple[str, ...]] = MappingProxyType(
-    {
-        ("sign-locked function", "load"): ("load_friction",),
-        ("sign-locked function", "motor angle"): ("position_friction",),
-        ("sign-locked function", "size of the motor speed"): ("nonlinear_viscous", "falling_friction"),
-        ("sign-locked function", "motor speed"): ("coulomb_level", "asymmetry"),
-        ("sign-locked function", "temperature"): ("temperature_friction",),
-        ("sign-locked function", "time"): ("viscous_drift", "coulomb_drift"),
-        ("sign-locked function", "travel since the last reversal"): ("presliding",),
-        ("sign-locked function", "time at rest before the move"): ("dwell_stiction",),
-        ("function", "motor speed"): ("viscous_level", "nonlinear_viscous", "asymmetry"),
-        ("function", "size of the motor speed"): ("asymmetry",),
-        ("function", "motor acceleration"): ("rotor_inertia",),
-        ("function", "motor angle"): ("gravity_term", "cable_pull"),
-        ("function", "load"): ("torque_constant", "payload"),
-        ("periodic", "motor angle"): ("cogging", "torque_ripple", "kinematic_error", "resolver_ripple"),
-    }
-)
-"""Effects whose equation has the form of a pattern of its own joint."""
+from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged
+from ffgym.effects import EFFECTS, Effect, ResolverEffect
 
 _QUIET = "it explains no more of motions that were not used than chance, or than a cause must"
 
@@ -47,12 +26,23 @@ def _leads(
     pattern: Pattern, causes: Sequence[Cause], rivals: Sequence[Rival], unjudged: Sequence[Unjudged]
 ) -> tuple[str, ...]:
     """One sentence for each effect of that form."""
-    found = []
-    for effect in FORMS.get((pattern.kind, pattern.variable), ()):
-        if EFFECTS[effect].side != "motor" and pattern.channel == "servo":
-            continue
-        found.append(f"{EFFECTS[effect].title}: {_reason(effect, pattern.component, causes, rivals, unjudged)}")
-    return tuple(found)
+    return tuple(
+        f"{kind.title}: {_reason(kind.name, pattern.component, causes, rivals, unjudged)}"
+        for kind in effects_of_form(pattern)
+        if kind.side == "motor" or pattern.channel != "servo"
+    )
+
+
+def effects_of_form(pattern: Pattern) -> list[type[Effect]]:
+    """Effects whose equation has the form of a pattern of its own joint, the nearest first.
+
+    Of those that are as near, torques come before springs, and what acts before what is measured.
+    """
+    form = (pattern.kind, pattern.variable)
+    found = [kind for kind in EFFECTS.values() if form in kind.patterns]
+    return sorted(
+        found, key=lambda kind: (kind.patterns.index(form), issubclass(kind, ResolverEffect), kind.needs_elasticity)
+    )
 
 
 def _reason(

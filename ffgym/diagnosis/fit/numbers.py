@@ -10,7 +10,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import Doubt
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.effects import ClockEffect, Effect, NativeEffect
-from ffgym.effects.friction import StribeckPeak
+from ffgym.effects.friction.stribeck import StribeckPeak
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine
 

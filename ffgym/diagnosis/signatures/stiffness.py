@@ -13,7 +13,7 @@ from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.diagnosis.signatures.parts import replayed_parts
 from ffgym.diagnosis.signatures.variant import with_effect
-from ffgym.effects.transmission import JointStiffness
+from ffgym.effects.transmission.stiffness import JointStiffness
 
 _CHANGES = (-0.24, -0.16, -0.08, 0.08, 0.16, 0.24)
 """Relative changes of a stiffness that are replayed; chosen: between two of them a swing

@@ -32,7 +32,7 @@ from ffgym.diagnosis.replay import Replay, replay
 from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.diagnosis.tuning.numbers import PRECISION, as_described, distance, with_numbers
-from ffgym.effects.drive import TorqueOffset
+from ffgym.effects.drive.offset import TorqueOffset
 from ffgym.recordings import Recording
 from ffgym.simulation.plant import Machine
 

@@ -12,10 +12,12 @@ from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.signatures.variant import STEP
 from ffgym.effects import Effect, NativeEffect
 from ffgym.effects.effect import Side
-from ffgym.effects.friction import CoulombLevel, PreslidingStiffness, ViscousLevel
-from ffgym.effects.load import RotorInertia
+from ffgym.effects.friction.coulomb import CoulombLevel
+from ffgym.effects.friction.presliding import PreslidingStiffness
+from ffgym.effects.friction.viscous import ViscousLevel
+from ffgym.effects.load.rotor_inertia import RotorInertia
 from ffgym.effects.parameters import parameter
-from ffgym.effects.transmission import JointStiffness
+from ffgym.effects.transmission.stiffness import JointStiffness
 from ffgym.robot import RobotDescription
 
 SPREAD = 2.0

@@ -1,5 +1,1 @@
 """Motor and current loop: what becomes of the torque that the servo commands."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

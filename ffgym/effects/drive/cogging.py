@@ -28,6 +28,7 @@ class Cogging(TorqueEffect):
     )
     confusable_with: ClassVar[tuple[str, ...]] = ("F9", "M2", "T5")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("periodic", "motor angle"),)
 
     amplitude: Array = parameter(
         "A, motor side",

@@ -25,6 +25,7 @@ class TorqueRipple(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step, a share of what the servo commands"
     confusable_with: ClassVar[tuple[str, ...]] = ("M1",)
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("periodic", "motor angle"),)
 
     share: Array = parameter(
         "r", unit="1", low=0.0, high=0.05, minimum=0.0, maximum=1.0, source="1 to 5 %; from memory of the literature"

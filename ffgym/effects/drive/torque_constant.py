@@ -23,6 +23,7 @@ class TorqueConstant(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step, a share of what the servo commands"
     confusable_with: ClassVar[tuple[str, ...]] = ("F6",)
     separating_motions: ClassVar[tuple[str, ...]] = ("holds", "slow_triangles")
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("function", "load"),)
 
     error: Array = parameter(
         "e", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="tolerance of magnets and current sensors, 10 %"

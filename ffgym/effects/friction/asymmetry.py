@@ -26,6 +26,11 @@ class Asymmetry(TorqueEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("G3", "M4")
     separating_motions: ClassVar[tuple[str, ...]] = ("holds", "slow_triangles")
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("sign-locked function", "motor speed"),
+        ("function", "size of the motor speed"),
+        ("function", "motor speed"),
+    )
 
     coulomb: Array = parameter(
         "a, of the Coulomb torque",

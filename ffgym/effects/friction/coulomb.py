@@ -24,6 +24,7 @@ class CoulombLevel(NativeEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("F7", "F13", "T3", "T4", "T6")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "warm_up")
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "motor speed"),)
 
     change: Array = parameter(
         "a, more Coulomb and breakaway torque as a share of the Coulomb torque",
@@ -32,6 +33,7 @@ class CoulombLevel(NativeEffect):
         high=0.3,
         minimum=-0.95,
         source="friction levels of one robot type differ by 30 % with temperature, load and wear (Bittencourt 2012)",
+        of=("friction", "coulomb"),
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:

@@ -27,6 +27,7 @@ class CoulombDrift(TorqueEffect):
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "slow_triangles")
     varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ("running",)
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "time"),)
 
     share: Array = parameter(
         "c, change in the end as a share of the Coulomb torque",

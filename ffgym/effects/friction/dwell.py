@@ -36,6 +36,7 @@ class DwellStiction(TorqueEffect):
     separating_motions: ClassVar[tuple[str, ...]] = ("dwell_restart",)
     at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "time at rest before the move"),)
 
     share: Array = parameter(
         "a, more breakaway torque after a long rest, as a share of it",

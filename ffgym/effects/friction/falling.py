@@ -35,6 +35,7 @@ class FallingFriction(TorqueEffect):
     at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
     generalises: ClassVar[tuple[str, ...]] = ("stribeck_peak",)
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "size of the motor speed"),)
 
     share: Array = parameter(
         "a, of the Coulomb torque",

@@ -26,6 +26,7 @@ class LoadFriction(TorqueEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("G1", "M3")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "load"),)
 
     share: Array = parameter(
         "lost share of the transmitted torque",

@@ -29,6 +29,10 @@ class NonlinearViscous(TorqueEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("F2", "F7")
     separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder",)
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("sign-locked function", "size of the motor speed"),
+        ("function", "motor speed"),
+    )
 
     share: Array = parameter(
         "a, more viscous friction at speed v_r, as a share of it",

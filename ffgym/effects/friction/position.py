@@ -26,6 +26,7 @@ class PositionFriction(TorqueEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("M1", "T5")
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "speed_ladder")
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "motor angle"),)
 
     share: Array = parameter(
         "a, of the Coulomb torque",

@@ -27,6 +27,7 @@ class PreslidingStiffness(NativeEffect):
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "speed_ladder", "dwell_restart")
     at_low_speed: ClassVar[bool] = True
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "travel since the last reversal"),)
 
     stiffness: Array = parameter(
         "a, more bristle stiffness as a share of it",
@@ -35,6 +36,7 @@ class PreslidingStiffness(NativeEffect):
         high=1.5,
         minimum=-0.95,
         source="travel until sliding 20 to 200 microrad behind the gearbox; from memory of the literature",
+        of=("friction", "bristle_stiffness"),
     )
     damping: Array = parameter(
         "b, more bristle damping as a share of it",
@@ -43,6 +45,7 @@ class PreslidingStiffness(NativeEffect):
         high=1.5,
         minimum=-1.0,
         source="chosen: as wide as that of the stiffness",
+        of=("friction", "bristle_damping"),
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:

@@ -35,6 +35,7 @@ class TemperatureFriction(TorqueEffect):
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "speed_ladder")
     varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ("temperature",)
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "temperature"),)
 
     viscous: Array = parameter(
         "c, share of viscous friction that depends on temperature",

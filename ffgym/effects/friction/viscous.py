@@ -24,6 +24,7 @@ class ViscousLevel(NativeEffect):
     confusable_with: ClassVar[tuple[str, ...]] = ("F7", "F8", "F12", "M5", "X3")
     separating_motions: ClassVar[tuple[str, ...]] = ("speed_ladder", "warm_up", "excitation")
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("function", "motor speed"),)
 
     change: Array = parameter(
         "a, more viscous friction as a share of it",
@@ -32,6 +33,7 @@ class ViscousLevel(NativeEffect):
         high=0.5,
         minimum=-1.0,
         source="halves over about 20 K of warm-up (Bittencourt et al. 2010); from memory of the literature",
+        of=("friction", "viscous"),
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:

@@ -39,6 +39,7 @@ class ViscousDrift(TorqueEffect):
     separating_motions: ClassVar[tuple[str, ...]] = ("warm_up", "speed_ladder")
     varies_with: ClassVar[tuple[Literal["temperature", "running"], ...]] = ("running",)
     needs_friction: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("sign-locked function", "time"),)
 
     share: Array = parameter(
         "c, share of viscous friction that is lost in the end",

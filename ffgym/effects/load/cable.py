@@ -30,6 +30,7 @@ class CablePull(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step on the link, with memory"
     confusable_with: ClassVar[tuple[str, ...]] = ("G3",)
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "holds")
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("function", "motor angle"),)
 
     stiffness: Array = parameter(
         "k_c, link side",

@@ -25,6 +25,7 @@ class GravityTerm(TorqueEffect):
     way_in: ClassVar[str] = "torque at every physics step on the link"
     confusable_with: ClassVar[tuple[str, ...]] = ("F5", "G4", "M4")
     separating_motions: ClassVar[tuple[str, ...]] = ("holds", "slow_triangles")
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("function", "motor angle"),)
 
     sine: Array = parameter(
         "c_1, link side", unit="N m", low=-100.0, high=100.0, source="chosen: 10 kg at 1 m, as a description may miss"

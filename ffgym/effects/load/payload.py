@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.effects.effect import NativeEffect, Side
 from ffgym.effects.parameters import parameter
@@ -27,6 +26,8 @@ class Payload(NativeEffect):
     way_in: ClassVar[str] = "native: mass, centre of mass and inertia of the tool"
     confusable_with: ClassVar[tuple[str, ...]] = ("F6", "G2", "T1", "T6")
     separating_motions: ClassVar[tuple[str, ...]] = ("holds", "slow_triangles", "excitation")
+    needs_tool: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("function", "load"),)
 
     mass: Array = parameter(
         "m", unit="kg", low=0.0, high=60.0, minimum=0.0, per="machine", source="robots for 10 to 250 kg; here 60 kg"
@@ -54,11 +55,6 @@ class Payload(NativeEffect):
         per="machine",
         source="chosen: a body of half a metre",
     )
-
-    def check_fits(self, robot: RobotDescription) -> None:
-        """See base class."""
-        if robot.tool is None:
-            raise FFGymError(f"Robot {robot.name!r} has no tool, so it cannot have effect payload.")
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
         """See base class."""

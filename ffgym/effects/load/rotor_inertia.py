@@ -23,6 +23,7 @@ class RotorInertia(NativeEffect):
     way_in: ClassVar[str] = "native: armature of the motor joint"
     confusable_with: ClassVar[tuple[str, ...]] = ("G1", "M5", "T8")
     separating_motions: ClassVar[tuple[str, ...]] = ("excitation",)
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("function", "motor acceleration"),)
 
     change: Array = parameter(
         "a, more rotor inertia as a share of it",
@@ -31,6 +32,7 @@ class RotorInertia(NativeEffect):
         high=0.2,
         minimum=-0.9,
         source="chosen: brakes and gear inputs that data sheets leave out",
+        of=("drive", "rotor_inertia"),
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:

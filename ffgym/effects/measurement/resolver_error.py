@@ -27,6 +27,7 @@ class ResolverRipple(ResolverEffect):
     way_in: ClassVar[str] = "added to what the servo compares with its set-points, and to the recorded motor angle"
     confusable_with: ClassVar[tuple[str, ...]] = ("T5",)
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "circles")
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("periodic", "motor angle"),)
 
     amplitude: Array = parameter(
         "A, motor side",

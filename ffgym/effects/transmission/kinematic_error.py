@@ -32,6 +32,7 @@ class KinematicError(TorqueEffect):
     separating_motions: ClassVar[tuple[str, ...]] = ("slow_triangles", "circles")
     needs_elasticity: ClassVar[bool] = True
     follows_motor: ClassVar[bool] = True
+    patterns: ClassVar[tuple[tuple[str, str], ...]] = (("periodic", "motor angle"),)
 
     amplitude: Array = parameter(
         "A, link side",

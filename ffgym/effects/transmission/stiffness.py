@@ -36,6 +36,7 @@ class JointStiffness(NativeEffect):
         high=0.3,
         minimum=-0.9,
         source="tolerance of gearboxes' torsional stiffness, 20 to 30 %; from memory of data sheets",
+        of=("drive", "joint_stiffness"),
     )
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:

@@ -1,9 +1,12 @@
 """Patterns lead to the effects that have their form, with the reason why each is no cause."""
 
 from dataclasses import replace
+from typing import get_args
 
-from ffgym.diagnosis.answer.leads import FORMS, with_leads
-from ffgym.diagnosis.result import Pattern, Unjudged
+import pytest
+
+from ffgym.diagnosis.answer.leads import effects_of_form, with_leads
+from ffgym.diagnosis.result import Pattern, PatternKind, Unjudged
 from ffgym.effects import EFFECTS
 from tests.diagnosis.result_samples import full_diagnosis
 
@@ -24,8 +27,22 @@ def leads(pattern, causes=(), rivals=(), not_excited=(), not_judgeable=()):
     return " ".join(found.leads)
 
 
-def test_every_form_names_effects_that_there_are():
-    assert {effect for effects in FORMS.values() for effect in effects} <= set(EFFECTS)
+def test_every_form_of_an_effect_is_one_that_patterns_have():
+    assert {kind for effect in EFFECTS.values() for kind, _ in effect.patterns} <= set(get_args(PatternKind))
+
+
+@pytest.mark.parametrize(
+    ("kind", "variable", "effects"),
+    [
+        ("function", "motor speed", ["viscous_level", "nonlinear_viscous", "asymmetry"]),
+        ("function", "load", ["torque_constant", "payload"]),
+        ("periodic", "motor angle", ["cogging", "torque_ripple", "kinematic_error", "resolver_ripple"]),
+        ("line", "time", []),
+    ],
+)
+def test_the_effect_whose_form_is_nearest_comes_first(kind, variable, effects):
+    found = effects_of_form(replace(PATTERN, kind=kind, variable=variable))
+    assert [effect.name for effect in found] == effects
 
 
 def test_a_pattern_with_the_form_of_an_effect_says_why_that_was_not_judged():

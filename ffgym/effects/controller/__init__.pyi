@@ -1,1 +1,0 @@
-from .servo_gains import ServoGains as ServoGains
