@@ -8,7 +8,7 @@ Rooms: `robot` (descriptions, models, kinematics, dynamics), `friction`, `paths`
 """
 
 from ffgym.core.errors import FFGymError as FFGymError
+from ffgym.core.registration import register as _register
 from ffgym.core.version import __version__ as __version__
-from ffgym.envs.registration import register as _register
 
 _register()

@@ -10,8 +10,8 @@ import tyro
 
 import ffgym.envs
 from ffgym.core.files import write_json
+from ffgym.core.registration import ENVIRONMENTS
 from ffgym.envs.fingerprint import fingerprint
-from ffgym.envs.registration import ENVIRONMENTS
 
 
 @dataclass(frozen=True)

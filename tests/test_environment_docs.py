@@ -7,8 +7,8 @@ from pathlib import Path
 import gymnasium as gym
 import pytest
 
+from ffgym.core.registration import ENVIRONMENTS
 from ffgym.envs import Settings
-from ffgym.envs.registration import ENVIRONMENTS
 from ffgym.envs.rewards import REWARDS
 from ffgym.envs.start import COMMON_OPTIONS
 from ffgym.simulation.plant import PlantDistribution

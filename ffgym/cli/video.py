@@ -12,8 +12,8 @@ from ffgym.cli._movie import check_movie, movie
 from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import write_json
+from ffgym.core.registration import ENVIRONMENTS
 from ffgym.core.types import Array
-from ffgym.envs.registration import ENVIRONMENTS
 from ffgym.robot import RobotDescription
 
 ACTION_SCALE = 8.0

@@ -94,7 +94,7 @@ def check(name: str) -> None:
         base, _, version = name.rpartition("-v")
         raise FFGymError(
             f"{name} is no longer what it was: {', '.join(changed)} changed. Results under this id would not compare: "
-            f"bump the version (register {base}-v{int(version) + 1} in ffgym/envs/registration.py, say what changed in "
+            f"bump the version (register {base}-v{int(version) + 1} in ffgym/core/registration.py, say what changed in "
             f"CHANGELOG.md), then run python -m scripts.env_fingerprints."
         )
 

@@ -13,7 +13,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 import ffgym
-from ffgym.envs.registration import ENVIRONMENTS
+from ffgym.core.registration import ENVIRONMENTS
 
 IDS = sorted(name for name in gym.registry if name.startswith("ffgym/"))
 PATIENT = [pytest.param(name, marks=pytest.mark.slow) if "Workcell" in name else name for name in IDS]

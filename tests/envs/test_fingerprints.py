@@ -9,8 +9,8 @@ import ffgym.envs.circle_path
 import ffgym.envs.core
 import ffgym.envs.rewards
 from ffgym.core.errors import FFGymError
+from ffgym.core.registration import ENVIRONMENTS
 from ffgym.envs.fingerprint import check, stored
-from ffgym.envs.registration import ENVIRONMENTS
 from scripts.env_fingerprints import Config, main
 
 
