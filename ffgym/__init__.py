@@ -1,14 +1,15 @@
 """Feed-forward friction compensation on industrial robots: simulation, baselines, learning, diagnosis.
 
-`import ffgym` registers the Gymnasium environments ffgym/CirclePath-v0, ffgym/OneAxis-v0, ffgym/JointMotion-v0 and
-ffgym/FollowPath-v0.
-
-Rooms: `robot` (descriptions, models, kinematics, dynamics), `friction`, `paths`, `control`, `plant`, `simulation`,
-`recordings`, `metrics`, `studies`, `envs`, `report`, `cli`. docs/architecture.md says who may know whom.
+`import ffgym` registers the Gymnasium environments of docs/environments. The public names of this package are loaded
+when they are first used; those of each room (`ffgym.robot`, `ffgym.envs`, `ffgym.agents`, ...) stand one level below.
+docs/api.md lists both; anything deeper may change.
 """
 
-from ffgym.core.errors import FFGymError as FFGymError
-from ffgym.core.registration import register as _register
+import lazy_loader
+
+from ffgym.core.registration import register
 from ffgym.core.version import __version__ as __version__
 
-_register()
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+register()
+del register

@@ -10,6 +10,8 @@ from .layers import Layer as Layer
 from .layers import LowPass as LowPass
 from .layers import Passing as Passing
 from .layers import Residual as Residual
+from .minari import collect as collect
+from .minari import write_dataset as write_dataset
 from .one_axis import OneAxisEnv as OneAxisEnv
 from .one_axis import OneAxisVectorEnv as OneAxisVectorEnv
 from .recorder import EpisodeRecorder as EpisodeRecorder

@@ -12,6 +12,11 @@ from .circles.page import render_report as render_report
 from .circles.page import write_report as write_report
 from .circles.tables import format_one_axis as format_one_axis
 from .circles.tables import format_text as format_text
+from .diagnosis import DiagnosisReport as DiagnosisReport
+from .diagnosis import format_diagnosis as format_diagnosis
+from .diagnosis import render_diagnosis_page as render_diagnosis_page
 from .laws import law_styles as law_styles
+from .learning.trials_plot import TrialCurves as TrialCurves
+from .learning.trials_plot import trials_figure as trials_figure
 from .motion.page import render_motion_page as render_motion_page
 from .motion.tables import format_motion as format_motion

@@ -1,3 +1,4 @@
+from .arm_file import read_arm as read_arm
 from .description import RobotDescription as RobotDescription
 from .description import log_header as log_header
 from .dynamics.arm import RigidArm as RigidArm
@@ -5,6 +6,7 @@ from .dynamics.torques import MotorTorque as MotorTorque
 from .dynamics.torques import motor_torque as motor_torque
 from .dynamics.torques import resonances as resonances
 from .dynamics.torques import static_deflection as static_deflection
+from .friction import LuGreParameters as LuGreParameters
 from .inverse_kinematics import pose_solutions as pose_solutions
 from .inverse_kinematics import solve_path as solve_path
 from .inverse_kinematics import solve_pose as solve_pose

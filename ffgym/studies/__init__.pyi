@@ -10,7 +10,10 @@ from .motions import MotionResult as MotionResult
 from .motions import MotionStudy as MotionStudy
 from .motions import StretchError as StretchError
 from .motions import motion_study as motion_study
+from .narx_study import lugre_samples as lugre_samples
+from .narx_study import sine as sine
 from .one_axis import OneAxisStudy as OneAxisStudy
 from .one_axis import SineResult as SineResult
 from .one_axis import one_axis_study as one_axis_study
 from .one_axis import sine_references as sine_references
+from .robot_check import check_robot as check_robot

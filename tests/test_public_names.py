@@ -1,0 +1,40 @@
+"""The face of the package: what is public, that it is there, and that documentation uses nothing else."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import ffgym
+from scripts.api_page import packages, page
+
+ROOT = Path(__file__).parent.parent
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+def test_the_page_of_public_names_is_current():
+    assert (ROOT / "docs" / "api.md").read_text(encoding="utf-8") == page(), "run: python -m scripts.api_page"
+
+
+@pytest.mark.parametrize("package", list(packages()), ids=lambda package: package.__name__)
+def test_no_public_name_is_that_of_a_module_beside_it(package):
+    folder = Path(package.__file__).parent
+    modules = {path.stem for path in folder.iterdir() if path.suffix == ".py" or path.is_dir()}
+    assert not modules & set(package.__all__)
+
+
+def test_the_package_offers_about_45_names_of_which_each_is_public_in_a_room():
+    assert 40 <= len(ffgym.__all__) <= 55
+    rooms = {id(getattr(room, name)) for room in packages() if room is not ffgym for name in room.__all__}
+    for name in set(ffgym.__all__) - {"FFGymError"}:
+        assert id(getattr(ffgym, name)) in rooms, name
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_documents_import_from_the_package_or_one_level_below(document):
+    imports = re.findall(
+        r"^[ >]*(?:from|import) (ffgym(?!\.agents|\.leaderboard)[\w.]*)",
+        document.read_text(encoding="utf-8"),
+        flags=re.M,
+    )
+    assert not [name for name in imports if name.count(".") > 1]
