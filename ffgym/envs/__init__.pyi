@@ -22,6 +22,7 @@ from .rewards import PathError as PathError
 from .rewards import RelativePathError as RelativePathError
 from .rewards import Reward as Reward
 from .rewards import Signals as Signals
+from .sb3 import make_sb3_env as make_sb3_env
 from .sensing import Sensing as Sensing
 from .settings import Settings as Settings
 from .stage import Stage as Stage
