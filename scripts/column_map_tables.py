@@ -14,7 +14,7 @@ from ffgym.logs.column_map.column import COLUMN_KEYS
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES
 from ffgym.logs.column_map.rewire import REWIRE_KEYS
 from ffgym.logs.column_map.units import COUNTS, KELVIN, UNITS
-from ffgym.logs.formats.text_layout import LAYOUT_KEYS
+from ffgym.logs.text_layout import LAYOUT_KEYS
 from scripts.format_tables import with_tables
 
 

@@ -4,8 +4,9 @@ from .column_map import load_columns as load_columns
 from .column_map import parse_columns as parse_columns
 from .contents import Contents as Contents
 from .corrected import write_corrected as write_corrected
-from .formats.read import read_contents as read_contents
-from .formats.text_layout import TextLayout as TextLayout
+from .log_format import LogFormat as LogFormat
+from .log_format import log_formats as log_formats
+from .log_format import read_contents as read_contents
 from .quality import CHECKS as CHECKS
 from .quality import NEEDS as NEEDS
 from .quality import STAGES as STAGES
@@ -22,3 +23,4 @@ from .quality import judged as judged
 from .quality import notes_of as notes_of
 from .read import read_log as read_log
 from .read import read_logs as read_logs
+from .text_layout import TextLayout as TextLayout

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ffgym.logs.column_map.load import TO_FILL_IN
 from ffgym.logs.contents import NUMBERS, Contents, readable
-from ffgym.logs.formats.text_layout import TextLayout
+from ffgym.logs.text_layout import TextLayout
 
 _WANTED = ("motor.position", "motor.effort", "reference.position")
 """Columns that most methods need, which a draft has tables for."""

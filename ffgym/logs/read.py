@@ -9,8 +9,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.logs.column_map import ColumnMap, load_columns
 from ffgym.logs.convert import recordings_of
 from ffgym.logs.drive_units import with_drive_units
-from ffgym.logs.formats.read import bare_name, read_contents
 from ffgym.logs.header import header_of, robot_of
+from ffgym.logs.log_format import bare_name, read_contents
 from ffgym.recordings import Header, Recording, read_recording
 from ffgym.robot import RobotDescription
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.logs import ColumnMap, parse_columns
+from ffgym.logs import ColumnMap, Contents, LogFormat, parse_columns
+from ffgym.logs.log_format import one_error
 
 N_ROWS = 7
 RATIOS = np.array([120.0, -80.0])
@@ -51,6 +52,12 @@ def column_map(*tables: str, log: str = LOG) -> ColumnMap:
 def write_npz(folder: Path, name: str = "run.npz", **changes: Any) -> Path:
     np.savez(folder / name, **arrays(**changes))
     return folder / name
+
+
+def decoded(kind: LogFormat, data: bytes) -> Contents:
+    """Arrays in the bytes of a file."""
+    with one_error(kind.title):
+        return kind.decode(data, "x")
 
 
 def refused(*words: str) -> Any:

@@ -17,8 +17,8 @@ from ffgym.logs.column_map.load import column_map_of
 from ffgym.logs.column_map.units import COUNTS, UNITS, conversion
 from ffgym.logs.convert import recordings_of
 from ffgym.logs.drive_units import with_drive_units
-from ffgym.logs.formats.text_layout import LAYOUT_KEYS, TextLayout
 from ffgym.logs.header import header_of
+from ffgym.logs.text_layout import LAYOUT_KEYS, TextLayout
 from ffgym.recordings import Header
 
 

@@ -4,8 +4,7 @@ import re
 from pathlib import Path
 
 from ffgym.cli.main import main
-from ffgym.logs import builtin_columns, parse_columns
-from ffgym.logs.formats.read import BAGS, FILES, FOLDERS, TEXT_FILES
+from ffgym.logs import builtin_columns, log_formats, parse_columns
 from scripts.column_map_tables import filled
 
 PAGE = (Path(__file__).parents[2] / "docs" / "column_maps.md").read_text(encoding="utf-8")
@@ -40,7 +39,9 @@ def test_the_maps_on_the_page_are_valid():
 
 def test_every_format_and_built_in_map_is_on_the_page():
     formats = PAGE.split("## Formats")[1].split("## Column maps that ship")[0]
-    for name in (*TEXT_FILES, *FILES, *BAGS, *FOLDERS):
+    shipped = [kind for kind in log_formats() if type(kind).__module__.startswith("ffgym.")]
+    assert len(shipped) == 8
+    for name in (name for kind in shipped for name in (*kind.suffixes, kind.folder) if name):
         assert f"`{name}`" in formats
     shipped = re.findall(r"^\| `(\w+)` \|", PAGE.split("## Column maps that ship")[1], flags=re.M)
     assert tuple(shipped) == builtin_columns()

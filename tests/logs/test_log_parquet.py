@@ -8,10 +8,10 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from log_samples import column_map, refused
+from log_samples import column_map, decoded, refused
 
 from ffgym.logs import read_contents, read_log, read_logs
-from ffgym.logs.formats.parquet import read_parquet
+from ffgym.logs.formats.parquet import Parquet
 
 T = 0.02 * np.arange(6)
 Q = np.column_stack([np.sin(T), np.cos(T)])
@@ -43,7 +43,8 @@ def lists(values):
 
 def test_columns_lists_and_structures_are_read_to_the_bit():
     start = datetime(2026, 1, 1)
-    contents = read_parquet(
+    contents = decoded(
+        Parquet(),
         stored(
             t=T,
             q=lists(Q),
@@ -56,7 +57,6 @@ def test_columns_lists_and_structures_are_read_to_the_bit():
             ragged=pa.array([[1.0] * i for i in range(6)]),
             raw=pa.array([b"x"] * 6),
         ),
-        "x",
     )
     expected = {"t": T, "q": Q, "also": Q, "cube": np.arange(24.0).reshape(6, 2, 2), "arm.x": range(6)}
     expected |= {"arm.deep.y": 0.5 * np.arange(6), "n": [1, np.nan, 3, 4, 5, 6]}
@@ -73,7 +73,7 @@ def test_columns_lists_and_structures_are_read_to_the_bit():
 @pytest.mark.parametrize("data", [b"PAR1", stored(t=T)[:-20], b"PAR1" + bytes(200) + b"PAR1"])
 def test_a_damaged_file_is_one_error(data):
     with refused("Not a Parquet file, or damaged, cut short or protected by a password"):
-        read_parquet(data, "x")
+        decoded(Parquet(), data)
 
 
 @pytest.fixture

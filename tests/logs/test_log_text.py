@@ -8,7 +8,7 @@ from log_samples import refused
 
 from ffgym.core.errors import FFGymError
 from ffgym.logs import TextLayout
-from ffgym.logs.formats.text import read_text_table
+from ffgym.logs.formats.text import Text
 
 NAMES = ("t", "q1", "q2")
 ROWS = np.array([[0.0, 1.5, -2.25], [0.004, 1e-7, 3e22], [0.008, 0.1, 1 / 3]])
@@ -20,7 +20,7 @@ def table(delimiter=",", decimal=".", end="\n", names=NAMES, before="", after=""
 
 
 def read(text, layout=None, encoding="utf-8"):
-    return read_text_table(text.encode(encoding), "log.csv", layout or TextLayout())
+    return Text().decode(text.encode(encoding), "log.csv", layout)
 
 
 def check(contents, names=NAMES):

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any, final
 
 from ffgym.logs.column_map.column import Column
-from ffgym.logs.formats.text_layout import TextLayout
+from ffgym.logs.text_layout import TextLayout
 from ffgym.recordings.rewiring import Rewiring
 
 LOG_KEYS: Mapping[str, str] = MappingProxyType(

@@ -11,7 +11,7 @@ from ffgym.core.files import read_text
 from ffgym.logs.column_map.column import Column, parse_column
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES, ColumnMap
 from ffgym.logs.column_map.rewire import parse_rewiring
-from ffgym.logs.formats.text_layout import TextLayout
+from ffgym.logs.text_layout import TextLayout
 from ffgym.recordings.schema import closest
 
 TO_FILL_IN = "?"

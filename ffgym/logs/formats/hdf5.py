@@ -5,12 +5,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any, final
 
-import h5py
+import lazy_loader
 import numpy as np
 
 from ffgym.logs.contents import NUMBERS, Contents
-from ffgym.logs.formats.damage import one_error
-from ffgym.logs.formats.matlab import OBJECT
+from ffgym.logs.log_format import LogFormat
+
+h5py = lazy_loader.load("h5py")
+
+OBJECT = "a MATLAB object (table, timeseries, string ...); in MATLAB, save its numbers as arrays, e.g. x = ts.Data"
+"""Why a variable is skipped."""
 
 
 @final
@@ -31,28 +35,26 @@ class _Found:
             yield from group.items()
 
 
-def read_hdf5(data: bytes, where: str) -> Contents:
-    """Data sets of numbers in an HDF5 file by their paths, e.g. `arm/position`.
+class Hdf5(LogFormat):
+    """Data sets of numbers by their paths, e.g. `arm/position`."""
 
-    Raises:
-        FFGymError: if it is damaged.
-    """
-    found = _Found()
-    with one_error("an HDF5 file"), h5py.File(io.BytesIO(data), "r") as file:
-        _collect_hdf5(file, "", found)
-    return Contents(where=where, arrays=found.arrays, skipped=found.skipped)
+    title = "an HDF5 file"
+    suffixes = (".h5", ".hdf5")
+    packages = ("h5py",)
+    extra = "ffgym[logs]"
+
+    def decode(self, data: bytes, where: str) -> Contents:
+        """See base class."""
+        found = _Found()
+        with h5py.File(io.BytesIO(data), "r") as file:
+            _collect_hdf5(file, "", found)
+        return Contents(where=where, arrays=found.arrays, skipped=found.skipped)
 
 
 def read_mat73(data: bytes, where: str) -> Contents:
-    """Variables of a MATLAB 7.3 file, named as `read_mat` does: `log.q`, `run(2).q`, `cell{1}`.
-
-    Axes are those that MATLAB shows; HDF5 stores them in reverse.
-
-    Raises:
-        FFGymError: if it is damaged.
-    """
+    """Variables of a MATLAB 7.3 file: `log.q`, `run(2).q`, `cell{1}`; HDF5 stores their axes in reverse."""
     found = _Found()
-    with one_error("a MATLAB file"), h5py.File(io.BytesIO(data), "r") as file:
+    with h5py.File(io.BytesIO(data), "r") as file:
         for name, item in found.entries(file):
             if not name.startswith("#"):  # what references lead to, and objects
                 _collect_mat(file, name, item, found)

@@ -9,24 +9,20 @@ from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError
 from ffgym.logs.contents import Contents
+from ffgym.logs.log_format import LogFormat
 
 
-def read_json(data: bytes, where: str) -> Contents:
-    """Arrays of a JSON file: `q`, or `arm.q` in objects within objects; of rows that are objects, a column per key.
+class Json(LogFormat):
+    """Arrays by key: `q`, or `arm.q` in objects within objects; of rows that are objects, a column per key."""
 
-    Raises:
-        FFGymError: if it is no JSON text, or holds no arrays.
-    """
-    tree = _tree(data)
-    arrays: dict[str, NDArray[Any]] = {}
-    skipped: dict[str, str] = {}
-    for name, value in _leaves("", tree):
-        array = _array(value)
-        if array is None:
-            skipped[name or "the file"] = "a list of rows of different kinds or lengths"
-        else:
-            arrays[name] = array
-    return Contents(where=where, arrays=arrays, skipped=skipped)
+    title = "a JSON file"
+    suffixes = (".json", ".jsonl")
+
+    def decode(self, data: bytes, where: str) -> Contents:
+        """See base class."""
+        arrays = {name: _array(value) for name, value in _leaves("", _tree(data))}
+        skipped = {n: "a list of rows of different kinds or lengths" for n, array in arrays.items() if array is None}
+        return Contents(where=where, arrays={n: a for n, a in arrays.items() if a is not None}, skipped=skipped)
 
 
 def _tree(data: bytes) -> Any:

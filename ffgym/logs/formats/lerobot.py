@@ -4,58 +4,63 @@ import json
 from pathlib import Path
 from typing import Any
 
+import lazy_loader
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_bytes, read_text
 from ffgym.logs.contents import NUMBERS, Contents
-from ffgym.logs.formats.damage import one_error
-from ffgym.logs.formats.parquet import contents_of
+from ffgym.logs.formats.parquet import contents_of, read_table
+from ffgym.logs.log_format import LogFormat, one_error
+from ffgym.logs.text_layout import TextLayout
 
-INFO = Path("meta", "info.json")
-"""File that makes a folder a LeRobot data set."""
+pa = lazy_loader.load("pyarrow")
 
 
-def read_lerobot(folder: Path) -> Contents:
+class LeRobot(LogFormat):
     """Columns of all episodes below each other, in the order of file names; `episode_index` tells them apart.
 
     A feature whose entries have names is there as a whole, e.g. `observation.state` (T, K), and entry by entry, e.g.
     `observation.state.shoulder`; `fps` is the rate in Hz.
-
-    Raises:
-        FFGymError: if a file is missing or damaged, or files differ in their columns.
     """
-    info = _info(folder)
-    files = sorted(folder.glob("data/*/*.parquet"))
-    if not files:
-        raise FFGymError(f"There are no data/chunk-*/*.parquet files beside {INFO}. Copy the whole data set.")
-    tables = []
-    for file in files:
-        with one_error(f"a Parquet file ({file.relative_to(folder)})"):
-            tables.append(pq.read_table(pa.BufferReader(read_bytes(file))))
-    with one_error("a LeRobot data set of files with the same columns"):
-        contents = contents_of(pa.concat_tables(tables), str(folder))
-    arrays = dict(contents.arrays)
-    for feature, names in _named(info).items():
-        if feature in arrays and arrays[feature].shape[1:] == (len(names),):
-            arrays |= {f"{feature}.{name}": arrays[feature][:, i] for i, name in enumerate(names)}
-    rate = np.asarray(info.get("fps"))
-    if rate.dtype.kind in NUMBERS:
-        arrays["fps"] = rate
-    return Contents(where=str(folder), arrays=arrays, skipped=contents.skipped)
+
+    title = "a LeRobot data set"
+    folder = "meta/info.json"
+    packages = ("pyarrow",)
+    extra = "ffgym[logs]"
+
+    def read(self, path: Path, layout: TextLayout) -> Contents:
+        """See base class."""
+        info = _info(path)
+        files = sorted(path.glob("data/*/*.parquet"))
+        if not files:
+            raise FFGymError(
+                f"There are no data/chunk-*/*.parquet files beside {self.folder}. Copy the whole data set."
+            )
+        tables = []
+        for file in files:
+            with one_error(f"a Parquet file ({file.relative_to(path)})"):
+                tables.append(read_table(read_bytes(file)))
+        with one_error("a LeRobot data set of files with the same columns"):
+            contents = contents_of(pa.concat_tables(tables), str(path))
+        arrays = dict(contents.arrays)
+        for feature, names in _named(info).items():
+            if feature in arrays and arrays[feature].shape[1:] == (len(names),):
+                arrays |= {f"{feature}.{name}": arrays[feature][:, i] for i, name in enumerate(names)}
+        rate = np.asarray(info.get("fps"))
+        if rate.dtype.kind in NUMBERS:
+            arrays["fps"] = rate
+        return Contents(where=str(path), arrays=arrays, skipped=contents.skipped)
 
 
 def _info(folder: Path) -> dict[str, Any]:
+    text = read_text(folder / LeRobot.folder)
     try:
-        info = json.loads(read_text(folder / INFO))
+        info = json.loads(text)
     except (ValueError, RecursionError) as error:
-        if isinstance(error, FFGymError):
-            raise
-        raise FFGymError(f"{INFO} is not JSON: {error}.") from error
+        raise FFGymError(f"{LeRobot.folder} is not JSON: {error}.") from error
     if not isinstance(info, dict):
-        raise FFGymError(f"{INFO} must be a JSON object, got {type(info).__name__}.")
+        raise FFGymError(f"{LeRobot.folder} must be a JSON object, got {type(info).__name__}.")
     return info
 
 

@@ -9,21 +9,24 @@ from numpy.typing import NDArray
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import decode_arrays
 from ffgym.logs.contents import Contents
+from ffgym.logs.log_format import LogFormat
 
 TIME_SERIES = frozenset({"times", "data", "signal_mapping"})
 """Arrays that `mujoco.sysid.TimeSeries.save_to_disk` writes: data (T, K), and which columns each signal has."""
 
 
-def read_npz(data: bytes, where: str) -> Contents:
-    """Arrays of an NPZ file.
+class Npz(LogFormat):
+    """Arrays by name; Python objects are refused."""
 
-    Raises:
-        FFGymError: if it is damaged, or holds Python objects.
-    """
-    arrays = decode_arrays(data)
-    if set(arrays) == TIME_SERIES:
-        arrays |= _signals(arrays)
-    return Contents(where=where, arrays=arrays)
+    title = "an NPZ file"
+    suffixes = (".npz",)
+
+    def decode(self, data: bytes, where: str) -> Contents:
+        """See base class."""
+        arrays = decode_arrays(data)
+        if set(arrays) == TIME_SERIES:
+            arrays |= _signals(arrays)
+        return Contents(where=where, arrays=arrays)
 
 
 def _signals(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:

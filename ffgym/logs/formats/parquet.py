@@ -2,23 +2,34 @@
 
 from typing import Any
 
+import lazy_loader
 import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ffgym.logs.contents import Contents
-from ffgym.logs.formats.damage import one_error
+from ffgym.logs.log_format import LogFormat
+
+pa = lazy_loader.load("pyarrow")
 
 
-def read_parquet(data: bytes, where: str) -> Contents:
-    """Columns of a Parquet file. Times of a calendar become whole numbers of nanoseconds since 1970.
+class Parquet(LogFormat):
+    """Columns; times of a calendar become whole numbers of nanoseconds since 1970."""
 
-    Raises:
-        FFGymError: if it is damaged or encrypted.
-    """
-    with one_error("a Parquet file"):
-        return contents_of(pq.read_table(pa.BufferReader(data)), where)
+    title = "a Parquet file"
+    suffixes = (".parquet",)
+    packages = ("pyarrow",)
+    extra = "ffgym[logs]"
+
+    def decode(self, data: bytes, where: str) -> Contents:
+        """See base class."""
+        return contents_of(read_table(data), where)
+
+
+def read_table(data: bytes) -> Any:
+    """Arrow table of a Parquet file."""
+    from pyarrow.parquet import read_table as read
+
+    return read(pa.BufferReader(data))
 
 
 def contents_of(table: Any, where: str) -> Contents:

@@ -1,18 +1,23 @@
 """CSV, TSV and other tables in text: delimiters, decimal commas, lines before the table, a row of units."""
 
 import csv
+import gzip
 import re
+import zlib
 from array import array
 from collections import Counter
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_bytes
 from ffgym.logs.contents import Contents
-from ffgym.logs.formats.text_layout import TextLayout
+from ffgym.logs.log_format import PACKED, LogFormat
+from ffgym.logs.text_layout import TextLayout
 
 DELIMITERS = ("\t", ";", ",")
 """Tried in this order; a comma may also be a decimal one. Blank space comes last."""
@@ -23,30 +28,54 @@ _MISSING = frozenset({"", "nan", "NaN", "NAN", "-nan", "#N/A", "N/A", "null", "N
 """Cells without a sample."""
 
 
-def read_text_table(data: bytes, where: str, layout: TextLayout) -> Contents:
-    """Columns of a text file: numbers, or text where a cell is neither a number nor empty.
+class Text(LogFormat):
+    """Columns of numbers by their titles, or of text where a cell is neither a number nor empty."""
 
-    Raises:
-        FFGymError: if it is not text of the given encoding, or rows differ in their number of cells.
-    """
-    lines = _decoded(data, layout).replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n")
-    names_row = _names_row(lines, layout)
-    _check_units_row(lines, names_row or 0, layout)
-    first = layout.first_row or max(names_row or 0, layout.units_row or 0) + 1
-    delimiter = layout.delimiter or _delimiter(lines, names_row or first, layout)
-    rows = _rows(lines, first, delimiter, layout)
-    if not rows:
-        raise FFGymError(f"There are no rows from line {first} on.")
-    if names_row:
-        titles = _split(lines[names_row - 1], delimiter, names_row)
-        if not any(titles):
-            raise FFGymError(f"Line {names_row} holds no names of columns; names_row in [file] says where they are.")
-    else:
-        titles = [str(i + 1) for i in range(len(rows[0][1]))]
-    titles, table = _rectangular(titles, rows)
-    names = _names(titles)
-    cells = zip(names, zip(*table, strict=True), strict=True)
-    return Contents(where=where, arrays={name: _column(column, layout.decimal) for name, column in cells})
+    title = "a table in text"
+    suffixes = (".csv", ".tsv", ".txt", ".dat", ".asc")
+    is_text = True
+
+    def recognises(self, path: Path) -> bool:
+        """See base class; gzip may have packed the file."""
+        packed = path.suffix.lower() == PACKED
+        return super().recognises(Path(path.stem) if packed and path.is_file() else path)
+
+    def read(self, path: Path, layout: TextLayout) -> Contents:
+        """See base class."""
+        data = read_bytes(path)
+        return self.decode(_unpacked(data) if path.suffix.lower() == PACKED else data, str(path), layout)
+
+    def decode(self, data: bytes, where: str, layout: TextLayout | None = None) -> Contents:
+        """See base class; `layout` says what cannot be seen."""
+        layout = layout or TextLayout()
+        lines = _decoded(data, layout).replace("\r\n", "\n").replace("\r", "\n").removesuffix("\n").split("\n")
+        names_row = _names_row(lines, layout)
+        _check_units_row(lines, names_row or 0, layout)
+        first = layout.first_row or max(names_row or 0, layout.units_row or 0) + 1
+        delimiter = layout.delimiter or _delimiter(lines, names_row or first, layout)
+        rows = _rows(lines, first, delimiter, layout)
+        if not rows:
+            raise FFGymError(f"There are no rows from line {first} on.")
+        if names_row:
+            titles = _split(lines[names_row - 1], delimiter, names_row)
+            if not any(titles):
+                raise FFGymError(
+                    f"Line {names_row} holds no names of columns; names_row in [file] says where they are."
+                )
+        else:
+            titles = [str(i + 1) for i in range(len(rows[0][1]))]
+        titles, table = _rectangular(titles, rows)
+        names = _names(titles)
+        cells = zip(names, zip(*table, strict=True), strict=True)
+        return Contents(where=where, arrays={name: _column(column, layout.decimal) for name, column in cells})
+
+
+def _unpacked(data: bytes) -> bytes:
+    """Bytes of a gzip file."""
+    try:
+        return gzip.decompress(data)
+    except (OSError, EOFError, zlib.error) as error:
+        raise FFGymError(f"is no whole gzip file: {error}. Copy it again.") from error
 
 
 def _decoded(data: bytes, layout: TextLayout) -> str:
