@@ -32,8 +32,7 @@ from ffgym.studies.narx_study import (
     static_misfit,
 )
 from scripts.convergence_table import renewed
-from scripts.thesis.narx import spread
-from scripts.thesis.narx_extended import VALIDATING
+from scripts.thesis.tables import VALIDATING, spread
 
 CANDIDATES = {each.name: each for each in (*PUBLISHED, *OTHERS, *EXTENDED)}
 

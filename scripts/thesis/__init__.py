@@ -1,13 +1,13 @@
 """Chapters 4 to 6 of the thesis, simulated: its figures, tables and claims beside ours."""
 
 from scripts.thesis.catalogue import ITEMS as ITEMS
-from scripts.thesis.items import Item as Item
-from scripts.thesis.items import chosen as chosen
+from scripts.thesis.catalogue import Item as Item
+from scripts.thesis.catalogue import chosen as chosen
 from scripts.thesis.laboratory import SEED as SEED
 from scripts.thesis.laboratory import Laboratory as Laboratory
-from scripts.thesis.page import render_page as render_page
-from scripts.thesis.reproduce import Reproduced as Reproduced
-from scripts.thesis.reproduce import as_json as as_json
-from scripts.thesis.reproduce import count as count
-from scripts.thesis.reproduce import fingerprints as fingerprints
-from scripts.thesis.reproduce import reproduce as reproduce
+from scripts.thesis.results import Reproduced as Reproduced
+from scripts.thesis.results import as_json as as_json
+from scripts.thesis.results import count as count
+from scripts.thesis.results import fingerprints as fingerprints
+from scripts.thesis.results import render_page as render_page
+from scripts.thesis.results import reproduce as reproduce

@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from ffgym.report.circles.comparison import FACTOR as FACTOR
+
 if TYPE_CHECKING:
     from scripts.thesis.laboratory import Laboratory
 
@@ -22,6 +24,8 @@ PARTLY = 0.5
 CLEAR = 0.25
 """Share of an error that must be gone where the thesis says 'significant'; chosen: below every mean reduction that it
 calls so (32 % and more, Tables 4.1 and 5.1)."""
+KEPT = 1 - CLEAR
+"""Share that may then be left."""
 ZERO = 0.05
 """Share of the uncompensated value that counts as 'zero' or 'the same curve'; chosen: a line's width in a figure."""
 SIMILAR = 0.15
@@ -31,6 +35,22 @@ ROUGH = 0.30
 """RMS difference over RMS friction that a 'reasonable approximation' may have; chosen before any network was looked at.
 It is strict: static LuGre itself is 34 to 79 % off dynamic LuGre (p1, 10 mm/s). docs/reproduction.md says which
 verdicts another value would change."""
+BROKEN = 0.7
+"""Share of the path error of dynamic LuGre that must be gone for its limit to count as broken; chosen."""
+GOOD_FIT = 90.0
+"""Fit [%] from which a curve is called a good fit; chosen: the difference is then a tenth of the friction's swing."""
+
+BEND = 1.0
+"""Motor speed [rad/s] below which the thesis sees friction's nonlinearity (5.1.1)."""
+INPUT_RANGE = 20.0
+"""Largest motor speed [rad/s] at 100 mm/s as thesis 5.1.1 reads it from Figure 5.2."""
+QUICK = 5
+"""Iterations that count as quick: a third of the 15 of thesis 5.3.1; chosen."""
+REST = 0.1
+"""Share of the whole fall that may be left after them; chosen."""
+
+THRESHOLDS: dict[str, float] = {name: value for name, value in vars().items() if isinstance(value, int | float)}
+"""All of these by name, for the table of claims."""
 
 
 @dataclass(frozen=True, kw_only=True)

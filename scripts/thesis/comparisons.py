@@ -1,144 +1,109 @@
-"""The comparisons that claims are made of: errors with one law against errors with another, circle by circle."""
+"""The engine of the claims' table: a row becomes comparisons of numbers that are measured in results."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterator, Mapping
+from inspect import signature
+from itertools import product
+from typing import Any
 
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.recordings.metrics import motor_error_rms
 from ffgym.report import law_styles
-from ffgym.studies import Cell, CircleStudy, OneAxisStudy
-from scripts.thesis.claims import CLEAR, Check
+from scripts.thesis import measures
+from scripts.thesis.claims import THRESHOLDS, Check
+from scripts.thesis.laboratory import Laboratory
+
+Cells = Mapping[str, Any]
+"""Cells of the table by name, e.g. law, position and speed [m/s]; see `claims.toml`."""
+
+RULES = ("kind", "each", "but", "checks", "where", "value", "limit")
+"""Entries of a row that say how to compare; the others are cells."""
 
 
-def label(law: str) -> str:
-    """Words for a law."""
-    return law_styles([law])[law].label
-
-
-def against(law: str, than: str, by: float = 0.0) -> str:
-    """Words for two laws that are compared, the other one's error less a share `by` of it."""
-    return f"{label(law)} against {f'{1 - by:.0%} of ' if by else ''}{label(than)}"
-
-
-def place(cell: Cell) -> str:
-    """Where a circle is, for readers."""
-    return f"{cell.position}, r = {cell.radius_mm:g} mm, {cell.speed_mm_s:g} mm/s"
-
-
-def lower_path_errors(
-    study: CircleStudy, law: str, than: str, by: float = 0.0, radii_mm: Iterable[float] | None = None
-) -> list[Check]:
-    """Whether the RMS path error of every circle is lower with `law` than with another, by a share `by` of it."""
-    wanted = None if radii_mm is None else set(radii_mm)
-    checks = []
-    for cell in study.select(agent=law):
-        if wanted is None or cell.radius_mm in wanted:
-            other = same_circle(study, cell, than)
-            where = f"{against(law, than, by)}, {place(cell)} [mm]"
-            checks.append(Check(where=where, value=cell.rms_mm, limit=(1 - by) * other.rms_mm))
-    return checks
-
-
-def same_circle(study: CircleStudy, cell: Cell, law: str) -> Cell:
-    """The circle of a cell with another law."""
-    return study.select(agent=law, position=cell.position, radius_mm=cell.radius_mm, speed_mm_s=cell.speed_mm_s)[0]
-
-
-def lower_motor_errors(
-    study: CircleStudy, law: str, than: str, by: float = 0.0, joints: Sequence[int] | None = None
-) -> list[Check]:
-    """Whether the RMS motor error of every joint is lower with `law` than with another, by a share `by` of it.
+def compare(row: Cells, cells: Cells, table: Cells, laboratory: Laboratory) -> list[Check]:
+    """Comparisons of a row of the table, in the order of its `each`.
 
     Args:
-        study: the circle test.
-        law: name.
-        than: name of the other law.
-        by: share of the other's error that must be gone.
-        joints: numbers of the joints that count, from 1; None takes all.
+        row: the row, or one of its `checks`.
+        cells: cells that it shares with others.
+        table: the whole table, for its lists and kinds.
+        laboratory: whose results are measured; what it does not have (None) is not compared.
     """
-    chosen = [i for i in range(study.robot.n_joints) if joints is None or i + 1 in joints]
-    checks = []
-    for (name, position, speed), recording in study.recordings.items():
-        if name == law:
-            ours = motor_rms_mrad(study, law, position, speed)
-            theirs = (1 - by) * motor_rms_mrad(study, than, position, speed)
-            where = f"{against(law, than, by)}, {recording.header.segment}"
-            checks += [
-                Check(where=f"{where}, joint {i + 1} [mrad]", value=float(ours[i]), limit=float(theirs[i]))
-                for i in chosen
-            ]
+    row = {**table["kind"].get(row.get("kind"), {}), **row}
+    cells = {**cells, **{name: value for name, value in row.items() if name not in RULES}}
+    checks: list[Check] = []
+    for combination in _combinations(row.get("each", {}), table["lists"]):
+        here = {**cells, **combination}
+        if "but" in row and row["but"].items() <= here.items():
+            continue
+        if "checks" in row:
+            for part in row["checks"]:
+                checks += compare(part, here, table, laboratory)
+        else:
+            value, limit = (number(row[side], here, laboratory) for side in ("value", "limit"))
+            if value is not None and limit is not None:
+                checks += _checks(text(row["where"], here), value, limit)
     return checks
 
 
-def motor_rms_mrad(study: CircleStudy, law: str, position: str, speed: float) -> Array:
-    """RMS motor error over a whole motion without standstill [mrad], motor side, shape (N,); `speed` in m/s."""
-    return motor_error_rms(study.recordings[law, position, speed]) * 1e3
+def number(entry: Any, cells: Cells, laboratory: Laboratory) -> Any:
+    """Number that an entry of the table stands for, or one per random start; None where nothing can be measured."""
+    if isinstance(entry, str):
+        first, _, second = entry.rpartition(" - ")
+        return _named(first, cells) - _named(second, cells) if first else _named(second, cells)
+    if not isinstance(entry, Mapping):
+        return entry
+    if "apart" in entry:
+        one, other = (number(each, cells, laboratory) for each in entry["apart"])
+        return abs(one - other)
+    found = call(getattr(measures, entry["measure"]), laboratory, {**cells, **entry})
+    return None if found is None else number(entry.get("times", 1.0), cells, laboratory) * found
 
 
-def mean_motor_reduction(study: CircleStudy, law: str, than: str = "none") -> float:
-    """Share of the RMS motor error that is gone, mean over joints and motions of the study."""
-    keys = [(position, speed) for name, position, speed in study.recordings if name == law]
-    shares = [1 - motor_rms_mrad(study, law, *key) / motor_rms_mrad(study, than, *key) for key in keys]
-    return float(np.mean(shares))
+def call(function: Callable[..., Any], laboratory: Laboratory, cells: Cells) -> Any:
+    """Call a function of the laboratory with those of the cells that it asks for."""
+    known = THRESHOLDS | measures.RECORDS | dict(cells)
+    asked = {name: cells[name] for name in signature(function).parameters if name in cells}
+    named = {name: known[value[1:]] for name, value in asked.items() if str(value).startswith("$")}
+    return function(laboratory, **asked | named)
 
 
-def mean_path_reduction(study: CircleStudy, law: str, than: str = "none", radius_mm: float | None = None) -> float:
-    """Share of the mean RMS path error that is gone, over all circles of the study or those of one radius."""
-    cells = [cell for cell in study.select(agent=law) if radius_mm in (None, cell.radius_mm)]
-    ours = np.mean([cell.rms_mm for cell in cells])
-    theirs = np.mean([same_circle(study, cell, than).rms_mm for cell in cells])
-    return float(1 - ours / theirs)
+def text(template: str, cells: Cells) -> str:
+    """Words of the table, with cells and thresholds in their places."""
+    words = THRESHOLDS | dict(cells)
+    if "law" in cells:
+        words["law"] = law_styles([cells["law"]])[cells["law"]].label
+    if "than" in cells and "law" in cells:
+        by = number(cells.get("by", 0.0), cells, measures.NOTHING)
+        than = law_styles([cells["than"]])[cells["than"]].label
+        words["against"] = f"{words['law']} against {f'{1 - by:.0%} of ' if by else ''}{than}"
+    if "speed" in cells:
+        words["mm_s"] = cells["speed"] * 1e3
+    return template.format(**words)
 
 
-def clear_mean_gain(study: CircleStudy, laws: Sequence[str]) -> list[Check]:
-    """Whether each law takes a clear share of the mean RMS path error away."""
+def _combinations(each: Cells, lists: Mapping[str, list[Any]]) -> Iterator[dict[str, Any]]:
+    """Cells of each combination, the first varying slowest; a name such as 'radius, smaller' is of pairs."""
+    values = [lists[value] if isinstance(value, str) else value for value in each.values()]
+    for combination in product(*values):
+        found: dict[str, Any] = {}
+        for name, value in zip(each, combination, strict=True):
+            parts = name.split(", ")
+            found |= {name: value} if len(parts) == 1 else dict(zip(parts, value, strict=True))
+        yield found
+
+
+def _named(name: str, cells: Cells) -> float:
+    """Number of a cell, of a threshold, or as it is written."""
+    value = cells.get(name, THRESHOLDS.get(name, name))
+    return float(number(value, {}, measures.NOTHING) if isinstance(value, str) and value != name else value)
+
+
+def _checks(where: str, value: float | Array, limit: float | Array) -> list[Check]:
+    if np.ndim(value) == np.ndim(limit) == 0:
+        return [Check(where=where, value=float(value), limit=float(limit))]
+    pairs = zip(*np.broadcast_arrays(value, limit), strict=True)
     return [
-        Check(
-            where=f"{label(law)}, share of the mean RMS path error that is left",
-            value=1 - mean_path_reduction(study, law),
-            limit=1 - CLEAR,
-        )
-        for law in laws
-    ]
-
-
-def less_gained_than(study: CircleStudy, other: CircleStudy, laws: Sequence[str]) -> list[Check]:
-    """Whether a smaller share of the mean RMS path error is gone in one study than in the other, law by law."""
-    here, there = (f"{part.cells[0].speed_mm_s:g} mm/s" for part in (study, other))
-    return [
-        Check(
-            where=f"{label(law)}, share of the mean RMS path error that is gone, {here} against {there}",
-            value=mean_path_reduction(study, law),
-            limit=mean_path_reduction(other, law),
-        )
-        for law in laws
-    ]
-
-
-def sine_rms_mrad(study: OneAxisStudy, law: str, frequency: float) -> float:
-    """RMS motor error of the sine test [mrad], motor side; `frequency` in Hz."""
-    [result] = [r for r in study.results if (r.agent, r.frequency_hz) == (law, frequency)]
-    return result.motor_rms_rad * 1e3
-
-
-def lower_sine_errors(study: OneAxisStudy, law: str, than: str, frequency: float, by: float = 0.0) -> Check:
-    """Whether the RMS motor error of the sine test is lower with `law` than with another, by a share `by` of it."""
-    return Check(
-        where=f"{against(law, than, by)}, {frequency:g} Hz [mrad]",
-        value=sine_rms_mrad(study, law, frequency),
-        limit=(1 - by) * sine_rms_mrad(study, than, frequency),
-    )
-
-
-def less_left_than(study: OneAxisStudy, laws: Sequence[str], frequency: float, other: float) -> list[Check]:
-    """Whether a smaller share of the RMS motor error is left at one frequency [Hz] than at the other."""
-    left = {(result.agent, result.frequency_hz): 1 - result.reduction for result in study.results}
-    return [
-        Check(
-            where=f"{label(law)}, share of the RMS error that is left, {frequency:g} against {other:g} Hz",
-            value=left[law, frequency],
-            limit=left[law, other],
-        )
-        for law in laws
+        Check(where=f"start {i}, {where}", value=float(one), limit=float(other))
+        for i, (one, other) in enumerate(pairs, start=1)
     ]

@@ -2,15 +2,16 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.catalogue import CATALOGUE, Setting
+from ffgym.agents.catalogue import CATALOGUE, Entry, Setting, entry_of
 from ffgym.agents.common.lessons import thesis_motions, training_motions
+from ffgym.agents.common.trials import CountedTrial
 from ffgym.agents.learning.progress import Learning
 from ffgym.agents.splines.recipes import thesis_training
-from ffgym.control import DynamicLuGreExact, NoCompensation
+from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation
 from ffgym.diagnosis.identification.narx import Samples
 from ffgym.envs.rigs import rig_of
 from ffgym.paths import SPEEDS, Reference
@@ -20,7 +21,6 @@ from ffgym.simulation import Rig
 from ffgym.simulation.run import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
 from ffgym.studies.narx_study import EXTENDED, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
-from scripts.thesis.contenders import Contender, contender
 from scripts.thesis.measured_friction import MeasuredFriction, measure_friction
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
@@ -43,6 +43,24 @@ FAST = SPEEDS[1]
 def silent(title: str, unit: str) -> AbstractContextManager[Progress]:
     """A stage that nobody watches."""
     return nullcontext(lambda done, total: None)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Contender:
+    """A member of the agents' catalogue, ready to run, with what it needed to try."""
+
+    entry: Entry
+    law: FeedForwardLaw
+    trials: int
+    robot_seconds: float
+
+
+def contender(name: str, setting: Setting) -> Contender:
+    """Make a member of the catalogue; learning members run their trials here."""
+    counted = CountedTrial(setting.trial)
+    entry = entry_of(name)
+    law = entry.make(replace(setting, trial=counted))
+    return Contender(entry=entry, law=law, trials=counted.trials, robot_seconds=counted.robot_seconds)
 
 
 class Laboratory:

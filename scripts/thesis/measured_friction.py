@@ -1,7 +1,7 @@
 """Friction of a workcell's joints as measurements show it: constant speeds and the fifteen records of Table 6.1."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification import (
@@ -45,21 +45,27 @@ class MeasuredFriction:
     """Its records of Table 6.1 that were made, by number."""
     found: FrictionIdentification
     """From the ladders and set D."""
+    _errors: dict[str, dict[int, Validation]] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def index(self) -> int:
         """Place of the joint."""
         return self.found.prior.joints.index(self.joint)
 
-    @property
-    def old(self) -> LuGreParameters:
-        """Friction that the controller's model carries."""
-        return self.found.prior.friction
+    def model(self, name: str) -> LuGreParameters:
+        """Friction that was 'identified', or the 'original' one that the controller's model carries."""
+        return {"identified": self.found.friction, "original": self.found.prior.friction}[name]
 
     @property
     def known(self) -> dict[str, Array]:
         """What was found about the model of the arm, which is no friction."""
         return {"inertia_error": self.found.inertia_error, "offset": self.found.offset}
+
+    def errors_of(self, model: str) -> dict[int, Validation]:
+        """What a model leaves of each record, by number; found once."""
+        if model not in self._errors:
+            self._errors[model] = self.errors(self.model(model))
+        return self._errors[model]
 
     def errors(self, friction: LuGreParameters) -> dict[int, Validation]:
         """What parameters leave of each record, by number; inertia error and offset count for all alike."""

@@ -1,8 +1,17 @@
-"""The report's figures under the names of the thesis' figures."""
+"""The report's figures under the names of the thesis' figures: what the table of claims calls `figures`."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from ffgym.agents.learning.progress import Learning
+import numpy as np
+
+from ffgym.agents.bspline import StaticBSN
+from ffgym.agents.common.lessons import thesis_motions
+from ffgym.agents.common.trials import SimulatedTrial
+from ffgym.agents.splines.basis import FINE_RANGE, SplineBasis
+from ffgym.agents.stability.check import learning_curves
+from ffgym.paths import SPEEDS
+from ffgym.published import FRICTION_RECORDS
 from ffgym.report import ReportFigure, law_styles
 from ffgym.report.circles.bars import motor_error_caption, motor_error_figure
 from ffgym.report.circles.friction_loops import (
@@ -13,86 +22,209 @@ from ffgym.report.circles.friction_loops import (
 )
 from ffgym.report.circles.one_axis_plot import one_axis_caption, one_axis_figure
 from ffgym.report.circles.paths_plot import paths_caption, paths_figure
+from ffgym.report.identification import friction_loops_figure, friction_over_time_figure
+from ffgym.report.identification.narx_plot import fits_figure, narx_figure
+from ffgym.report.identification.stribeck_plot import stribeck_figure
+from ffgym.report.learning.agents_plot import agents_figure
+from ffgym.report.learning.basis_plot import basis_figure
+from ffgym.report.learning.feedback_plot import feedback_over_speed_figure, feedback_parts_figure
+from ffgym.report.learning.learning_plot import learning_caption, learning_figure
 from ffgym.report.learning.training_plot import Training, training_caption, training_figure
-from ffgym.studies import CircleStudy, OneAxisStudy
+from ffgym.robot import RigidArm
+from ffgym.studies import CircleStudy
+from ffgym.studies.narx_study import ESTIMATION, VALIDATION, record_name
+from scripts.thesis.laboratory import Laboratory
+from scripts.thesis.measures import record_share, top_speeds
+from scripts.thesis.tables import VALIDATING, fit_of_static, mean_rms, spread
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RATES = (0.4, 0.8, 1.6, 2.2)
+"""Learning rates of the figure of stability: half and all of that of thesis 5.3.1, and two beyond; chosen."""
+ITERATIONS = 15
+"""As in thesis 5.3.1."""
 
 
-def axis_friction(name: str, study: OneAxisStudy) -> list[ReportFigure]:
+def axis_friction(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
     """Friction of one axis over speed, and what each law adds."""
-    return [
-        ReportFigure(
-            name=name,
-            title="Friction and added torque over speed",
-            thesis="",
-            caption=one_axis_loops_caption(study),
-            figure=one_axis_loops_figure(study),
-        )
-    ]
+    study = getattr(laboratory, of).only(frequencies=[frequency])
+    title = "Friction and added torque over speed"
+    return [_figure(name, title, one_axis_loops_caption(study), one_axis_loops_figure(study))]
 
 
-def axis_outputs(name: str, study: OneAxisStudy) -> list[ReportFigure]:
-    """Speed, error and feedback of one axis over time, at the only frequency of the study."""
-    [frequency] = {f for _, f in study.recordings}
-    return [
-        ReportFigure(
-            name=name,
-            title="Speed, motor error and feedback before and after",
-            thesis="",
-            caption=one_axis_caption(study, frequency),
-            figure=one_axis_figure(study, frequency),
-        )
-    ]
+def axis_outputs(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
+    """Speed, error and feedback of one axis over time."""
+    study = getattr(laboratory, of).only(frequencies=[frequency])
+    title = "Speed, motor error and feedback before and after"
+    return [_figure(name, title, one_axis_caption(study, frequency), one_axis_figure(study, frequency))]
 
 
-def paths_and_errors(name: str, study: CircleStudy) -> list[ReportFigure]:
+def paths(laboratory: Laboratory, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
     """Path of the tool (a) and motor errors (b)."""
+    return _paths(name, getattr(laboratory, of).only(positions=[position], speeds=[speed]))
+
+
+def network_paths(laboratory: Laboratory, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
+    """The same with both networks and no compensation."""
+    laws = ["none", "bsn_static", "bsn_extended"]
+    return _paths(name, getattr(laboratory, of).only(laws=laws, positions=[position], speeds=[speed]))
+
+
+def _paths(name: str, study: CircleStudy) -> list[ReportFigure]:
     return [
-        ReportFigure(
-            name=f"{name}a",
-            title="Path of the tool",
-            thesis="",
-            caption=paths_caption(study),
-            figure=paths_figure(study),
+        _figure(f"{name}a", "Path of the tool", paths_caption(study), paths_figure(study)),
+        _figure(
+            f"{name}b", "RMS motor position error per joint", motor_error_caption(study), motor_error_figure(study)
         ),
-        ReportFigure(
-            name=f"{name}b",
-            title="RMS motor position error per joint",
-            thesis="",
-            caption=motor_error_caption(study),
-            figure=motor_error_figure(study),
-        ),
     ]
 
 
-def joint_friction(name: str, study: CircleStudy, beside: str) -> list[ReportFigure]:
-    """Friction of each joint over speed, what each law adds, and what the law `beside` would add."""
+def joint_friction(laboratory: Laboratory, name: str, of: str, speed: float) -> list[ReportFigure]:
+    """Friction of each joint over speed at p1, what each law adds, and what dynamic LuGre would add."""
+    study = getattr(laboratory, of).only(positions=["p1"], speeds=[speed])
+    caption = joint_loops_caption(study, beside="lugre_dynamic")
+    figure = joint_loops_figure(study, beside="lugre_dynamic")
+    return [_figure(name, "Friction and added torque of each joint over speed", caption, figure)]
+
+
+def training(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
+    """Mean squares of error and learning signal of each network over iterations; all learn on one motion."""
+    joints = (laboratory.axis if of == "axis_learning" else laboratory.robot).joints
+    found = [
+        Training(title=law_styles([law])[law].label, error=each.error[:, 0], signal=each.signal[:, 0])
+        for law, each in getattr(laboratory, of).items()
+    ]
+    title = "Mean squares of error and learning signal over iterations"
+    return [_figure(name, title, training_caption(found, joints), training_figure(found, joints))]
+
+
+def basis(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+    """Basis functions of a B-spline network."""
+    basis = SplineBasis()
+    speeds = np.linspace(basis.knots[0], basis.knots[-1], 8001)
+    values, splines = basis.active(speeds)
+    curves = np.zeros((len(speeds), basis.n_splines))
+    np.put_along_axis(curves, splines, values, axis=1)
+    caption = f"{basis.n_splines} splines of order {basis.order} on {len(basis.knots)} knots; their sum is 1."
+    return [_figure(name, "Basis functions of a network", caption, basis_figure(speeds, curves, FINE_RANGE))]
+
+
+def feedback_over_speed(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+    """Feedback of each joint at p1, 100 mm/s."""
+    speeds = ", ".join(f"{speed:.3g}" for speed in top_speeds(laboratory, 0.100))
+    caption = f"No compensation, p1, 100 mm/s, without standstill. Largest speeds: {speeds} rad/s."
+    figure = feedback_over_speed_figure(laboratory.lugre_circles.recordings["none", "p1", 0.100])
+    return [_figure(name, "Feedback over motor speed", caption, figure)]
+
+
+def feedback_parts(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+    """Feedback of joint 2 at p1, 10 mm/s, and its integral part."""
+    title = "Feedback of joint 2 with and without its integral part"
+    caption = "No compensation, p1, 10 mm/s. The integral part carries gravity, so that u_p has no offset."
+    figure = feedback_parts_figure(laboratory.lugre_circles.recordings["none", "p1", 0.010], joint=1)
+    return [_figure(name, title, caption, figure)]
+
+
+def static_friction(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+    """Friction of joint 1 at constant speeds."""
+    measured = laboratory.joint_1
+    caption = f"{measured.joint} of a workcell; without what both directions do not share. "
+    title = "Friction at constant speeds, and the identified static model"
+    figure = stribeck_figure(measured.found)
+    return [_figure(name, title, f"{caption}Before: the model of the controller.", figure)]
+
+
+def records_over_speed(
+    laboratory: Laboratory, name: str, what: str, numbers: Sequence[int], models: Sequence[str]
+) -> list[ReportFigure]:
+    """Friction of records of joint 1 over motor speed, one panel each, with models."""
+    measured = laboratory.joint_1
+    shown, curves = [measured.records[number] for number in numbers], {each: measured.model(each) for each in models}
+    figure = friction_loops_figure(shown, measured.index, curves, known=measured.known)
+    return [_figure(name, what, _records_caption(laboratory, numbers, models), figure)]
+
+
+def record_over_both(
+    laboratory: Laboratory, name: str, what: str, number: int, models: Sequence[str]
+) -> list[ReportFigure]:
+    """Friction of one record over time (a) and over motor speed (b)."""
+    measured = laboratory.joint_1
+    curves = {each: measured.model(each) for each in models}
+    over_time = friction_over_time_figure(measured.records[number], measured.index, curves, known=measured.known)
+    caption = _records_caption(laboratory, [number], models)
     return [
-        ReportFigure(
-            name=name,
-            title="Friction and added torque of each joint over speed",
-            thesis="",
-            caption=joint_loops_caption(study, beside=beside),
-            figure=joint_loops_figure(study, beside=beside),
-        )
+        _figure(f"{name}a", f"{what}, over time", caption, over_time),
+        *records_over_speed(laboratory, f"{name}b", f"{what}, over speed", [number], models),
     ]
 
 
-def trainings(learning: Mapping[str, Learning]) -> list[Training]:
-    """How each network learned, for figures; all learn on one motion."""
+def _records_caption(laboratory: Laboratory, numbers: Sequence[int], models: Sequence[str]) -> str:
+    named = {each.number: each for each in FRICTION_RECORDS}
+    shown = ", ".join(f"{named[n].amplitude:g} sin(2π {named[n].frequency:g} t) (record {n})" for n in numbers)
+    caption = f"Speed of the motor {shown}; {laboratory.joint_1.joint} of a workcell."
+    for model in models:
+        shares = ", ".join(f"{record_share(laboratory, number, model):.0%}" for number in numbers)
+        caption += f" RMS error of the {model} model over RMS friction: {shares}."
+    return caption
+
+
+def network_torque(laboratory: Laboratory, name: str, of: str, network: str) -> list[ReportFigure]:
+    """A NARX network in free run and the LuGre model."""
+    found = getattr(laboratory, of)[network]
+    parts = [
+        f"{what}: free run {spread(found.errors[record].simulation.fit)} %, "
+        f"one step {spread(found.errors[record].prediction.fit)} %"
+        for record, what in ((ESTIMATION, "estimation"), (VALIDATION, "validation"))
+    ]
+    starts = found.model.n_joints
+    caption = f"Fit, median of {starts} random starts (least to most); {'; '.join(parts)}. Drawn is the free run."
+    title = f"NARX network of {found.candidate.label} and the LuGre model"
+    return [_figure(name, title, caption, narx_figure(found, laboratory.narx_records))]
+
+
+def reach_of_networks(laboratory: Laboratory) -> list[ReportFigure]:
+    """Fits of extended NARX networks to motions that they were not fitted to."""
+    names = [ESTIMATION, VALIDATION, *map(record_name, VALIDATING), *laboratory.narx_reach]
+    fits = {
+        fit.candidate.label: np.stack([fit.errors[name].simulation.fit for name in names], axis=1)
+        for fit in laboratory.narx_extended.values()
+    }
+    title = "Fit of the networks on motions they were not fitted to"
+    caption = (
+        "Free run; marks are medians of the random starts, bars reach from worst to best. What is below 0 "
+        "errs more than the mean torque would, and is not drawn. The four on the right are unlike all records of "
+        "Table 6.1; A in rad/s, f in Hz."
+    )
+    floors = np.array([fit_of_static(laboratory, name) for name in names])
+    return [_figure("narx-reach", title, caption, fits_figure(fits, floors, names))]
+
+
+def agents(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+    """Mean path errors of every agent."""
+    titles = {each.law.name: each.entry.title for each in laboratory.contenders}
+    errors = {titles[law]: values for law, values in mean_rms(laboratory).items()}
+    caption = "Mean RMS path error over 12 circles at each speed, logarithmic."
     return [
-        Training(title=law_styles([name])[name].label, error=each.error[:, 0], signal=each.signal[:, 0])
-        for name, each in learning.items()
+        _figure(name, "Mean path error of every law", caption, agents_figure(errors, [speed * 1e3 for speed in SPEEDS]))
     ]
 
 
-def training_curves(name: str, learning: Mapping[str, Learning], joints: Sequence[str]) -> list[ReportFigure]:
-    """Mean squares of error and learning signal of each network over iterations."""
-    return [
-        ReportFigure(
-            name=name,
-            title="Mean squares of error and learning signal over iterations",
-            thesis="",
-            caption=training_caption(trainings(learning), joints),
-            figure=training_figure(trainings(learning), joints),
-        )
-    ]
+def stability(laboratory: Laboratory, name: str) -> list[ReportFigure]:
+    """Learning of a static network on one axis at several rates."""
+    arm = RigidArm(laboratory.axis)
+    trial = SimulatedTrial(arm=arm, n_threads=laboratory.n_threads)
+    curves = learning_curves(StaticBSN.zero(1), trial, thesis_motions(arm)[0], RATES, ITERATIONS)
+    title = "Learning at several rates, predicted and simulated"
+    return [_figure(name, title, learning_caption(curves), learning_figure(curves))]
+
+
+def reidentified(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
+    """Motor errors with old and with identified parameters."""
+    study = getattr(laboratory, of)
+    title = "RMS motor position error per joint, with old and with identified parameters"
+    return [_figure(name, title, motor_error_caption(study), motor_error_figure(study))]
+
+
+def _figure(name: str, title: str, caption: str, figure: "Figure") -> ReportFigure:
+    return ReportFigure(name=name, title=title, thesis="", caption=caption, figure=figure)

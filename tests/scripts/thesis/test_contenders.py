@@ -11,7 +11,7 @@ from ffgym.control import NoCompensation
 from ffgym.simulation import Run
 from scripts.thesis import ITEMS
 from scripts.thesis.claims import judge
-from scripts.thesis.contenders import contender
+from scripts.thesis.laboratory import contender
 
 CLAIMS = {claim.name: claim for item in ITEMS for claim in item.claims}
 [AGENTS] = [item for item in ITEMS if item.name == "agents"]
