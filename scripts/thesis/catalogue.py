@@ -60,7 +60,8 @@ def chosen(items: Sequence[Item], only: Sequence[str]) -> list[Item]:
     return [item for item in items if not only or item.name in only or item.chapter in only]
 
 
-def _claim(row: dict[str, Any], cells: Cells) -> Claim:
+def _claim(entry: Cells, cells: Cells) -> Claim:
+    row = dict(entry)
     name, statement, criterion = (row.pop(key) for key in ("name", "statement", "criterion"))
     share, published = row.pop("share", "EVERY"), row.pop("published", False)
 
@@ -77,7 +78,8 @@ def _claim(row: dict[str, Any], cells: Cells) -> Claim:
     )
 
 
-def _item(row: dict[str, Any]) -> Item:
+def _item(entry: Cells) -> Item:
+    row = dict(entry)
     cells = row.pop("with", {})
     numbers = [partial(call, getattr(tables, name), cells=cells) for name in row.pop("numbers", ())]
     shown: dict[str, Any] = {

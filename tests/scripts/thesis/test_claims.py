@@ -1,8 +1,13 @@
 """Verdicts follow from comparisons, by the share of them that is true."""
 
+from inspect import getmembers, isfunction, signature
+
 import pytest
 
+from scripts.thesis import measures
+from scripts.thesis.catalogue import TABLE
 from scripts.thesis.claims import EVERY, MOST, Check, Claim, judge, verdict_of
+from scripts.thesis.comparisons import RULES, compare
 
 
 def checks(*truths: bool) -> list[Check]:
@@ -51,3 +56,32 @@ def test_of_many_true_comparisons_a_judgement_shows_the_closest(laboratory):
 
 def test_where_nothing_is_comparable_the_judgement_says_why(laboratory):
     assert judge(claim_of(), laboratory).text == "Because."
+
+
+CELLS = {name for _, each in getmembers(measures, isfunction) for name in signature(each).parameters}
+ABOUT = {"name", "statement", "criterion", "share", "published"}
+ENTRIES = CELLS | ABOUT | {"measure", "times", "apart", *RULES, "than", "by", "smaller"}
+
+
+def entries(row) -> set[str]:
+    """Every key of a row and of what is in it."""
+    if isinstance(row, list):
+        return {name for part in row for name in entries(part)}
+    if not isinstance(row, dict):
+        return set()
+    inner = {name for value in row.values() for name in entries(value)}
+    return inner | {part for name in row for part in name.split(", ")}
+
+
+def test_every_entry_of_the_table_is_a_cell_that_some_measure_asks_for_or_a_rule():
+    rows = [row for item in TABLE["item"] for row in item.get("claim", [])]
+    assert rows
+    assert entries([*rows, *TABLE["kind"].values()]) <= ENTRIES
+
+
+def test_a_cell_of_a_row_counts_for_more_than_that_of_its_item(laboratory, made_up_circles):
+    laboratory.lugre_circles = made_up_circles(("none", "lugre_static"), lambda law, speed, *where: speed)
+    row = {"where": "{law}, {mm_s:g} mm/s", "value": {"measure": "path"}, "limit": "1 - CLEAR", "speed": 0.04}
+    cells = {"of": "lugre_circles", "law": "lugre_static", "position": "p1", "speed": 0.01}
+    [check] = compare(row, cells, TABLE, laboratory)
+    assert (check.where, check.value, check.limit) == ("static LuGre, 40 mm/s", pytest.approx(0.04), 0.75)
