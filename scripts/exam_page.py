@@ -12,13 +12,13 @@ from pathlib import Path
 
 from ffgym.core.errors import FFGymError
 from ffgym.report import save_figure
-from scripts.convergence_table import renewed
 from scripts.exam.case import Row
 from scripts.exam.exams import EXAMS, ExamName
 from scripts.exam.marks import Mark
 from scripts.exam.report import outcomes_figure
 from scripts.exam.results import read_marks
 from scripts.exam.text import figures_text, misses_text, outcomes_text
+from scripts.tables.page import renewed
 
 PAGE = Path(__file__).parents[1] / "docs" / "bench_diagnosis.md"
 _PARTS: Mapping[ExamName, str] = {"own": "exam", "independent": "independent"}

@@ -1,4 +1,4 @@
-"""The pages of the effect library: current, complete, and their examples run."""
+"""The pages of the effect library: complete, and their examples run."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,6 @@ import pytest
 
 from ffgym.effects import EFFECTS
 from ffgym.simulation.protocols import PROTOCOLS
-from scripts.effect_tables import page, table
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "effects"
@@ -17,14 +16,8 @@ def blocks(document, language):
     return re.findall(rf"```{language}\n(.*?)```", document.read_text(encoding="utf-8"), flags=re.S)
 
 
-def test_there_is_one_current_page_for_each_effect():
+def test_there_is_one_page_for_each_effect():
     assert {path.stem for path in FOLDER.glob("*.md")} == set(EFFECTS) | {"README"}
-    for name, effect in EFFECTS.items():
-        assert (FOLDER / f"{name}.md").read_text(encoding="utf-8") == page(effect), "python -m scripts.effect_tables"
-
-
-def test_the_table_of_all_effects_is_current():
-    assert table() in (FOLDER / "README.md").read_text(encoding="utf-8"), "python -m scripts.effect_tables"
 
 
 def test_what_looks_alike_does_so_both_ways_and_some_protocol_separates_it():

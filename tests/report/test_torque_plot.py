@@ -6,7 +6,7 @@ import pytest
 from ffgym.report.robot.torque_plot import torque_figure
 from ffgym.robot import load_robot
 from ffgym.studies.torque_prediction import TorquePrediction
-from scripts.torque_table import table
+from scripts.tables.recorded import torque_table
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def test_errors_are_over_the_scored_samples_alone(prediction):
 
 
 def test_table_has_a_row_for_each_joint_and_a_column_for_each_prediction(prediction):
-    assert table(prediction).splitlines() == [
+    assert torque_table(prediction).splitlines() == [
         "| joint | measured RMS | description | published friction |",
         "|---|---|---|---|",
         "| shoulder | 5.00 | 1.00, 20%, 1.00 | 0.00, 0%, 0.00 |",

@@ -1,9 +1,8 @@
-"""The simulation approaches the truth at the order of its method, and the script of docs/physics.md reports it."""
+"""The simulation approaches the truth at the order of its method, and the tables of docs/physics.md report it."""
 
 import numpy as np
-import pytest
 
-from scripts.convergence_table import Config, energy_drift, lugre_errors, main, renewed
+from scripts.tables.physics import convergence, energy_drift, lugre_errors
 
 
 def test_error_of_an_inertia_with_lugre_friction_falls_in_proportion_to_the_step(one_axis):
@@ -19,22 +18,9 @@ def test_energy_drift_of_the_script_falls_in_proportion_to_the_step(irb4600):
     assert drift[0] < 0.1 * swing[0]
 
 
-def test_script_makes_every_table_of_the_page_and_renews_it_in_place(tmp_path, capsys):
-    page = tmp_path / "physics.md"
-    page.write_text("a\n" + "".join(f"<!-- {name} -->\nold\n<!-- end -->\n" for name in ("lugre", "energy", "circles")))
-    budget = Config(
-        steps=(0.002, 0.001), energy_steps=(0.0005, 0.00025), duration=0.1, positions=("p1",), speeds=(0.1,),
-        radii=(0.001,), write=page,
-    )  # fmt: skip
-    tables = main(budget)
+def test_the_page_has_a_table_of_each_kind_of_error():
+    budget = {"positions": ["p1"], "speeds": [0.1], "radii": [0.001]}
+    tables = convergence(steps=(0.002, 0.001), energy_steps=(0.0005, 0.00025), duration=0.1, **budget).parts
     assert set(tables) == {"lugre", "energy", "circles"}
-    text = page.read_text()
-    assert "old" not in text
-    assert all(table in text for table in tables.values())
     assert tables["circles"].count("\n") == 1 + 5
-    assert "physics_dt" in capsys.readouterr().out
-
-
-def test_a_page_without_marks_is_not_touched():
-    with pytest.raises(ValueError, match="lacks the marks"):
-        renewed("nothing here", {"lugre": "table"})
+    assert tables["energy"].splitlines()[0].startswith("| physics_dt [ms] | energy drift [J] |")

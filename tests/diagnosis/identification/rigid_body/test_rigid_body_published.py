@@ -8,16 +8,15 @@ from scipy.signal import butter, cheby1, filtfilt
 
 from ffgym.diagnosis.identification.rigid_body import RigidBodyOptions, identify_rigid_body
 from ffgym.diagnosis.identification.rigid_body.bodies import bodies_of, pseudo_inertia
-from ffgym.logs import read_log
 from ffgym.published import EMPS_ASYMMETRIC, EMPS_SYMMETRIC, EmpsModel
-from ffgym.studies.measured import measured_folder
-from scripts.rigid_body_tables import (
+from scripts.tables.recorded import (
     ASYMMETRIC_TERMS,
     AUTHORS_FILTERING,
     NEAR_CAD,
     doubtful_axis,
     emps_fits,
     kr300_fits,
+    measured,
     model_of,
     numbers_of,
     spring_fits,
@@ -30,13 +29,12 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def emps():
-    return read_log(measured_folder() / "emps" / "emps_id.npz", "emps")
+    return measured("emps", "emps_id")
 
 
 @pytest.fixture(scope="module")
 def runs():
-    folder = measured_folder() / "kuka_kr300_2020"
-    return {run: read_log(folder / f"{run}.npz", "kuka_kr300_2020") for run in ("A", "C")}
+    return {run: measured("kuka_kr300_2020", run) for run in ("A", "C")}
 
 
 @pytest.fixture(scope="module")

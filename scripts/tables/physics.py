@@ -1,20 +1,18 @@
-"""How far the physics step is from the limit of small steps: the tables of docs/physics.md.
-
-`python -m scripts.convergence_table` prints the tables and renews them in the page, in about half a minute.
-"""
+"""How far the physics step is from the limit of small steps: docs/physics.md, in about half a minute."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from ffgym.core.types import Array
+from ffgym.paths import RADII, SPEEDS
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription, load_robot, solve_path
 from ffgym.simulation.plant import Plant, PlantState
 from ffgym.studies import CircleStudy, circle_study
+from scripts.tables.page import Contents, markdown
 
 STEPS = tuple(0.002 / 2**k for k in range(6))
 """Physics steps of the LuGre table [s]."""
@@ -24,45 +22,44 @@ TORQUE, FREQUENCY = 1.0, 2.0
 """Sinusoidal motor torque of the LuGre table [N m], [Hz]: about twice the breakaway torque."""
 BENT = 2e-3
 """Size of the deflection that the energy table starts from [rad]."""
-PAGE = Path(__file__).parents[1] / "docs" / "physics.md"
 METRICS = ("rms_mm", "max_mm", "rms_3d_mm", "max_3d_mm", "motor_rms_rad")
 
 
-@dataclass(frozen=True)
-class Config:
-    """What to compute."""
+def convergence(
+    robot: str = "irb4600_60_205",
+    steps: Sequence[float] = STEPS,
+    energy_steps: Sequence[float] = ENERGY_STEPS,
+    duration: float = 1.0,
+    positions: Sequence[str] | None = None,
+    speeds: Sequence[float] = SPEEDS,
+    radii: Sequence[float] = RADII,
+) -> Contents:
+    """All tables of the page.
 
-    robot: str = "irb4600_60_205"
-    """Robot of the energy and circle tables."""
-    steps: tuple[float, ...] = STEPS
-    """Physics steps of the LuGre table [s], each half the one before."""
-    energy_steps: tuple[float, ...] = ENERGY_STEPS
-    """Physics steps of the energy table [s], each half the one before."""
-    duration: float = 1.0
-    """Simulated time of the LuGre table [s]."""
-    positions: tuple[str, ...] | None = None
-    """Positions of the circle table; None takes all."""
-    speeds: tuple[float, ...] = (0.010, 0.040, 0.100)
-    """TCP speeds of the circle table [m/s]."""
-    radii: tuple[float, ...] = (0.001, 0.003, 0.005)
-    """Circle radii of the circle table [m]."""
-    write: Path | None = PAGE
-    """Markdown file whose marked tables are replaced; None only prints."""
-
-
-def main(config: Config) -> dict[str, str]:
-    """Compute all tables; returns them as Markdown by name."""
-    robot = load_robot(config.robot)
-    tables = {
-        "lugre": lugre_table(load_robot("one_axis"), config.steps, config.duration),
-        "energy": energy_table(robot, config.energy_steps),
-        "circles": circle_table(robot, config),
-    }
-    for table in tables.values():
-        print(table, end="\n\n")
-    if config.write is not None:
-        config.write.write_text(renewed(config.write.read_text(encoding="utf-8"), tables), encoding="utf-8")
-    return tables
+    Args:
+        robot: name of the robot of the energy and circle tables.
+        steps: physics steps of the LuGre table [s], each half the one before.
+        energy_steps: the same of the energy table.
+        duration: simulated time of the LuGre table [s].
+        positions: of the circle table; None takes all.
+        speeds: TCP speeds of the circle table [m/s].
+        radii: circle radii of the circle table [m].
+    """
+    described = load_robot(robot)
+    halved = ModelOptions(physics_dt=described.physics_dt / 2, looks=False)
+    coarse, fine = (
+        circle_study(described, positions=positions, speeds=speeds, radii=radii, options=options)
+        for options in (None, halved)
+    )
+    head = ("speed [mm/s]", "metric", "median change [%]", "worst change [%]", "worst law", "largest change")
+    changes = [_change(coarse, fine, speed, metric) for speed in speeds for metric in METRICS]
+    return Contents(
+        parts={
+            "lugre": _lugre_table(load_robot("one_axis"), steps, duration),
+            "energy": _energy_table(described, energy_steps),
+            "circles": markdown(head, changes),
+        }
+    )
 
 
 def free_of_servo(robot: RobotDescription) -> RobotDescription:
@@ -154,39 +151,23 @@ def _energies(plant: Plant, qpos: Array, qvel: Array) -> tuple[Array, Array]:
     return total, 0.5 * (elastic * deflection**2).sum(axis=1)
 
 
-def lugre_table(robot: RobotDescription, steps: Sequence[float], duration: float) -> str:
-    """Markdown table of `lugre_errors`."""
+def _lugre_table(robot: RobotDescription, steps: Sequence[float], duration: float) -> str:
     errors = lugre_errors(robot, steps, duration)
     rows = [
         [f"{step * 1e3:g}", f"{dq * 1e3:.4g}", f"{z * 1e6:.4g}", *orders]
         for step, (dq, z), orders in zip(steps, errors, _orders(errors), strict=True)
     ]
-    head = ["physics_dt [ms]", "speed error [mrad/s]", "bristle error [µrad]", "order (speed)", "order (bristle)"]
-    return _markdown(head, rows)
+    head = ("physics_dt [ms]", "speed error [mrad/s]", "bristle error [µrad]", "order (speed)", "order (bristle)")
+    return markdown(head, rows)
 
 
-def energy_table(robot: RobotDescription, steps: Sequence[float]) -> str:
-    """Markdown table of `energy_drift`."""
+def _energy_table(robot: RobotDescription, steps: Sequence[float]) -> str:
     drift = energy_drift(robot, steps)
     rows = [
         [f"{step * 1e3:g}", f"{energy:.3g}", f"{100 * energy / swing:.2g}", order]
         for step, (energy, swing), (order, _) in zip(steps, drift, _orders(drift), strict=True)
     ]
-    return _markdown(["physics_dt [ms]", "energy drift [J]", "share of the spring energy [%]", "order"], rows)
-
-
-def circle_table(robot: RobotDescription, config: Config) -> str:
-    """Markdown table of what halving the physics step changes in the circle study."""
-    halved = ModelOptions(physics_dt=robot.physics_dt / 2, looks=False)
-    positions, speeds, radii = config.positions, config.speeds, config.radii
-    coarse, fine = (
-        circle_study(robot, positions=positions, speeds=speeds, radii=radii, options=options)
-        for options in (None, halved)
-    )
-    rows = [_change(coarse, fine, speed, metric) for speed in config.speeds for metric in METRICS]
-    return _markdown(
-        ["speed [mm/s]", "metric", "median change [%]", "worst change [%]", "worst law", "largest change"], rows
-    )
+    return markdown(("physics_dt [ms]", "energy drift [J]", "share of the spring energy [%]", "order"), rows)
 
 
 def _change(coarse: CircleStudy, fine: CircleStudy, speed: float, metric: str) -> list[str]:
@@ -199,40 +180,18 @@ def _change(coarse: CircleStudy, fine: CircleStudy, speed: float, metric: str) -
     ]
     difference = np.array([abs(x - y) for _, x, y in pairs])
     relative = difference / np.array([y for _, _, y in pairs])
-    unit, scale = ("mrad", 1e3) if metric.endswith("rad") else ("µm", 1e3)
+    unit = "mrad" if metric.endswith("rad") else "µm"
     return [
         f"{speed * 1e3:g}",
         metric,
         f"{100 * np.median(relative):.3g}",
         f"{100 * relative.max():.3g}",
         pairs[int(np.argmax(relative))][0],
-        f"{scale * difference.max():.2g} {unit}",
+        f"{1e3 * difference.max():.2g} {unit}",
     ]
-
-
-def renewed(text: str, tables: dict[str, str]) -> str:
-    """`text` with what stands between `<!-- name -->` and `<!-- end -->` replaced by each table."""
-    for name, table in tables.items():
-        before, mark, rest = text.partition(f"<!-- {name} -->\n")
-        _, end, after = rest.partition("<!-- end -->")
-        if not mark or not end:
-            raise ValueError(f"The file lacks the marks '<!-- {name} -->' and '<!-- end -->' around table {name!r}.")
-        text = f"{before}{mark}{table}\n{end}{after}"
-    return text
 
 
 def _orders(errors: Array) -> list[list[str]]:
     """Observed order of each column from one row to the next, empty in the first row."""
     orders = np.log2(errors[:-1] / errors[1:])
     return [[""] * errors.shape[1], *([f"{order:.2f}" for order in row] for row in orders)]
-
-
-def _markdown(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
-
-
-if __name__ == "__main__":
-    import tyro
-
-    main(tyro.cli(Config))

@@ -1,0 +1,78 @@
+"""Tables and pictures of documentation pages that are made, not written: one registry, one command.
+
+`python -m scripts.tables` renews the pages that follow from the code alone, in seconds; a test compares them.
+`python -m scripts.tables --page physics.md narx.md` renews others, which are simulated or fitted, in minutes.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from ffgym.core.errors import check_choice
+from ffgym.core.files import check_writable, write_json
+from ffgym.core.provenance import versions
+from ffgym.effects import EFFECTS
+from ffgym.report import save_figure
+from ffgym.robot import builtin_robots
+from scripts.tables import definitions, effects, friction, laws, physics, recorded
+from scripts.tables.page import DOCS, DPI, Contents
+
+DEFINED: Mapping[str, Callable[[], Contents]] = {
+    "column_maps.md": definitions.column_maps,
+    "motion_files.md": definitions.motion_files,
+    "protocols.md": definitions.protocols,
+    "robot_description.md": definitions.robot_description,
+    **{f"robots/{name}.md": partial(definitions.robot, name) for name in builtin_robots()},
+    "effects/README.md": effects.overview,
+    **{f"effects/{name}.md": partial(effects.page, effect) for name, effect in EFFECTS.items()},
+}
+"""Pages that follow from the code, by their place in docs/."""
+
+COMPUTED: Mapping[str, Callable[[], Contents]] = {
+    "agents/elastic.md": laws.elastic,
+    "agents/model.md": laws.model,
+    "diagnosis.md": recorded.diagnosis,
+    "identification.md": friction.coverage,
+    "narx.md": friction.networks,
+    "physics.md": physics.convergence,
+    "rigid_body_identification.md": recorded.rigid_bodies,
+    "torque_prediction.md": recorded.torques,
+}
+"""Pages with results, which take minutes; functions of the same names take smaller budgets and other robots."""
+
+PAGES = {**DEFINED, **COMPUTED}
+
+
+@dataclass(frozen=True)
+class Config:
+    """Which pages, and where they go."""
+
+    page: tuple[str, ...] = tuple(DEFINED)
+    """Pages to renew, by their place in docs/; none given is all that follow from the code."""
+    docs: Path = DOCS
+    """Folder of the pages."""
+    json: Path | None = None
+    """Also write the numbers behind the tables to this file."""
+    pictures: Path | None = None
+    """Also write every picture to this folder, those that no page shows too."""
+
+
+def main(config: Config) -> dict[str, Contents]:
+    """Make the pages; returns what stands on them."""
+    for name in config.page:
+        check_choice("page", name, list(PAGES))
+    if config.json is not None:
+        check_writable(config.json)
+    made = {}
+    for name in config.page:
+        made[name] = PAGES[name]()
+        made[name].write(config.docs / name)
+        print(f"renewed {name}")
+    if config.json is not None:
+        write_json(config.json, {"versions": versions(), **{name: each.numbers for name, each in made.items()}})
+    if config.pictures is not None:
+        for contents in made.values():
+            for name, figure in contents.pictures.items():
+                save_figure(figure, config.pictures / f"{name}.png", DPI)
+    return made

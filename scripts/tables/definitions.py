@@ -1,0 +1,181 @@
+"""Pages about files and formats: robots, column maps, motion files and protocols."""
+
+import inspect
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, Field, fields
+from typing import Any
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.logs.column_map.column import COLUMN_KEYS
+from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES
+from ffgym.logs.column_map.rewire import REWIRE_KEYS
+from ffgym.logs.column_map.units import COUNTS, KELVIN, UNITS
+from ffgym.logs.text_layout import LAYOUT_KEYS
+from ffgym.paths.limits import MotionLimits
+from ffgym.paths.motions.load import HEAD, builtin_files
+from ffgym.paths.motions.parts import PARTS, entries
+from ffgym.paths.motions.parts.part import is_required
+from ffgym.robot import RigidArm, load_robot
+from ffgym.robot.reading.draft import CAPABILITIES, Capability
+from ffgym.robot.reading.quantity import OTHER_UNITS
+from ffgym.robot.reading.rules import RULES
+from ffgym.simulation.protocols import PROTOCOLS, Protocol
+from ffgym.simulation.protocols.motion_file import MotionFile
+from ffgym.simulation.protocols.protocol import settings
+from ffgym.simulation.protocols.stage import Stage
+from scripts.tables.page import WHOLE, Contents, markdown
+
+_ROBOTS = {"irb4600_60_205": "six-axis robot", "one_axis": "one axis"}
+"""Robots that durations of protocols are told for, and what the heading calls them."""
+
+
+def robot_description() -> Contents:
+    """Every entry of a description, and what each function needs."""
+    rows = []
+    for path, rule in RULES.items():
+        comma = "," if len(rule.shape) == 1 else ""
+        shape = f"({', '.join(map(str, rule.shape))}{comma})" if rule.shape else "number"
+        units = " or ".join((rule.unit, *OTHER_UNITS.get(rule.unit, {})))
+        required = "no" if rule.optional else "yes"
+        rows.append((f"`{path}`", shape, units, rule.side or "", required, rule.meaning))
+    functions = [(entry.title, _needs(entry)) for entry in CAPABILITIES]
+    return Contents(
+        parts={
+            "entries": markdown(("entry", "shape", "unit", "side", "required", "meaning"), rows),
+            "functions": markdown(("function", "entries"), functions),
+        }
+    )
+
+
+def _needs(entry: Capability) -> str:
+    """Entries that a function needs; those that every function needs the table says once."""
+    whole = {path for path, rule in RULES.items() if not rule.optional}
+    needs = [path for path in entry.needs if path not in CAPABILITIES[0].needs] or list(entry.needs)
+    if whole <= set(entry.needs):
+        needs = ["all that are required", *(path for path in entry.needs if path not in whole)]
+    return ", ".join(f"`{path}`" if "." in path else path for path in needs)
+
+
+def robot(name: str) -> Contents:
+    """Every number of a built-in robot with unit, side, origin and source."""
+    described = load_robot(name)
+    rows = []
+    for path, quantity in described.quantities.items():
+        prior = "" if quantity.prior is None else f"<br>prior: {_numbers(quantity.prior)}"
+        origin, source = ", ".join(quantity.origin), quantity.source.replace("|", "\\|")
+        value = f"{_numbers(quantity.value)}{prior}"
+        rows.append((f"`{path}`", value, quantity.unit, quantity.side or "", origin, source))
+    text = f"""# {described.title} (`{described.name}`)
+
+Written by `python -m scripts.tables` from the description in `ffgym/robot/data`; SI units, rad.
+
+- *sourced*: published; *derived*: computed from published numbers; *chosen*: an engineering choice;
+- *fitted*: see [calibration](../calibration.md); prior is what it replaced.
+
+{markdown(("entry", "value", "unit", "side", "origin", "source"), rows)}
+"""
+    return Contents(parts={WHOLE: text})
+
+
+def _numbers(value: Array) -> str:
+    """Numbers to 6 digits; the rows of a matrix are separated by semicolons."""
+    if value.ndim == 2:
+        return "; ".join(_numbers(row) for row in value)
+    return ", ".join(f"{x:.6g}" for x in np.atleast_1d(value))
+
+
+def column_maps() -> Contents:
+    """Every key of a column map, and the units that numbers may come in."""
+    keys = {
+        "tables": TABLES,
+        "log": LOG_KEYS,
+        "columns": COLUMN_KEYS,
+        "motions": MOTION_KEYS,
+        "rewire": REWIRE_KEYS,
+        "file": LAYOUT_KEYS,
+    }
+    units = []
+    for si, others in UNITS.items():
+        also = [unit for unit, angle in COUNTS.items() if angle == si] + ([KELVIN] if si == "degC" else [])
+        units.append((f"`{si}`", ", ".join(f"`{unit}`" for unit in (si, *others, *also))))
+    parts = {name: _named("key", "meaning", meanings) for name, meanings in keys.items()}
+    return Contents(parts=parts | {"units": markdown(("kept in", "may come in"), units)})
+
+
+def motion_files() -> Contents:
+    """What a motion file may say, its parts and limits, and the built-in motions with the first comment of each."""
+    meanings = re.findall(r'^    (\w+): [^\n]*\n    """(.*?)"""', inspect.getsource(MotionLimits), flags=re.M | re.S)
+    limits = [
+        (f"`{name}`", _default(f), meaning) for (name, meaning), f in zip(meanings, fields(MotionLimits), strict=True)
+    ]
+    files = sorted(builtin_files().items())
+    comments = {
+        name: re.search(r"^\s*[#!] (.*)$", file.read_text(encoding="utf-8"), flags=re.M) for name, file in files
+    }
+    return Contents(
+        parts={
+            "head": _named("entry", "meaning", HEAD),
+            "parts": "\n\n".join(
+                _section(kind, part.__doc__ or "", "entry", entries(part)) for kind, part in PARTS.items()
+            ),
+            "limits": markdown(("limit", "default", "meaning"), limits),
+            "built-in": _named("name", "motion", {name: found[1] if found else "" for name, found in comments.items()}),
+        }
+    )
+
+
+def protocols() -> Contents:
+    """What each protocol serves, how long it takes, and its settings."""
+    arms = [RigidArm(load_robot(name)) for name in _ROBOTS]
+    rows = [
+        (f"[`{name}`](#{name})", protocol.purpose, *(_duration(protocol, arm) for arm in arms))
+        for name, protocol in PROTOCOLS.items()
+    ]
+    kinds: list[type[Protocol]] = [*PROTOCOLS.values(), MotionFile]
+    sections = [
+        _section(
+            protocol.name,
+            " ".join((protocol.__doc__ or "").split("\n    Reference:")[0].split()),
+            "setting",
+            settings(protocol),
+        )
+        for protocol in kinds
+    ]
+    purposes = markdown(("protocol", "serves", *_ROBOTS.values()), rows)
+    return Contents(parts={"purposes": purposes, "settings": "\n\n".join(sections)})
+
+
+def _duration(protocol: type[Protocol], arm: RigidArm) -> str:
+    try:
+        motions = protocol().motions(Stage(arm=arm))
+    except FFGymError:
+        return ""
+    return f"{len(motions)}: {sum(motion.reference.duration for motion in motions):.0f} s"
+
+
+def _section(title: str, summary: str, what: str, entries: Iterable[Field[Any]]) -> str:
+    """Heading, summary and table of the fields of a part or protocol."""
+    rows = [
+        (f"`{f.name}`", f.metadata["unit"], "required" if is_required(f) else _default(f), f.metadata["meaning"])
+        for f in entries
+    ]
+    return f"### {title}\n\n{summary}\n\n{markdown((what, 'unit', 'default', 'meaning'), rows)}"
+
+
+def _default(f: Field[Any]) -> str:
+    """Default of a field as a file would write it."""
+    if f.default is MISSING or f.default is None or f.default == "":
+        return ""
+    if isinstance(f.default, bool):
+        return str(f.default).lower()
+    if isinstance(f.default, tuple):
+        return f"[{', '.join(f'{x:g}' for x in f.default)}]"
+    return f"{f.default:g}" if isinstance(f.default, float) else str(f.default)
+
+
+def _named(name: str, meaning: str, meanings: Mapping[str, str]) -> str:
+    return markdown((name, meaning), [(f"`{key}`", text) for key, text in meanings.items()])

@@ -1,0 +1,141 @@
+"""Feed-forward from models on circles: docs/agents/elastic.md (a minute) and docs/agents/model.md (three minutes)."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ffgym.agents import dynamic_lugre
+from ffgym.agents.elastic import elastic_feedforward, elastic_law
+from ffgym.agents.model import left_alone, model_law
+from ffgym.control import FeedForwardLaw
+from ffgym.effects import EFFECTS, Effect
+from ffgym.paths import RADII, SPEEDS
+from ffgym.robot import RigidArm, RobotDescription, load_robot
+from ffgym.simulation import SimulatedRig
+from ffgym.simulation.plant import Climate, Machine
+from ffgym.studies import CircleStudy, circle_study
+from scripts.tables.page import Contents, markdown
+
+WARM = Climate(ambient=20.0, rise=np.array([25.0]), running_since=3600.0)
+"""Climate of the machines with an effect, so that effects of temperature and time show."""
+
+
+def elastic(
+    robot: str = "irb4600_60_205",
+    positions: Sequence[str] | None = None,
+    speeds: Sequence[float] = SPEEDS,
+    radii: Sequence[float] = RADII,
+) -> Contents:
+    """What elastic feed-forward is worth, with a wrong model, and what limits it: mean RMS path error [mm].
+
+    Args:
+        robot: name of the simulated robot, and of the model that is made wrong.
+        positions: of the circles; None takes all.
+        speeds: TCP speeds [m/s].
+        radii: circle radii [m].
+    """
+    described = load_robot(robot)
+    cases: dict[str, dict[str, tuple[RobotDescription, FeedForwardLaw]]] = {
+        "law": {law.name: (described, law) for law in laws_of(described)},
+        "machine": {name: (each, elastic_feedforward(each)) for name, each in machines_of(described).items()},
+    }
+    parts = {}
+    for what, rows in cases.items():
+        errors = {
+            name: _mean_rms(
+                circle_study(each, laws=[law], positions=positions, speeds=speeds, radii=radii), law, speeds
+            )
+            for name, (each, law) in rows.items()
+        }
+        table = [(name, *(f"{error:.4f}" for error in found)) for name, found in errors.items()]
+        parts[f"{what}s"] = markdown((what, *(f"{v * 1e3:g} mm/s" for v in speeds)), table)
+    return Contents(parts=parts)
+
+
+def laws_of(robot: RobotDescription) -> list[FeedForwardLaw]:
+    """Dynamic LuGre, and elastic feed-forward whole, in parts, and wrong by what one may expect."""
+    law, arm, drive, bodies = elastic_feedforward(robot), RigidArm(robot), robot.drive, robot.bodies
+    springs = elastic_feedforward(robot, compensate_friction=False)
+    named: list[FeedForwardLaw] = [replace(springs, name="springs without friction")]
+    named += [replace(law, preview=preview, name=f"{preview} samples ahead") for preview in (3, 5)]
+    models = {}
+    for percent in (-20, -10, 10, 20):
+        factor = 1 + percent / 100
+        soft = replace(
+            drive, joint_stiffness=drive.joint_stiffness * factor, joint_damping=drive.joint_damping * factor
+        )
+        models[f"stiffness {percent:+d} %"] = replace(robot, drive=soft)
+    for percent in (-30, 30):
+        factor = 1 + percent / 100
+        friction = robot.friction.scaled(coulomb=factor, static=factor, viscous=factor)
+        models[f"friction {percent:+d} %"] = replace(robot, friction=friction)
+    for percent in (-5, 5):
+        factor = 1 + percent / 100
+        links = replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor)
+        models[f"link masses {percent:+d} %"] = replace(robot, bodies=links)
+    wrong = [elastic_law(RigidArm(model), arm, name) for name, model in models.items()]
+    return [dynamic_lugre(robot), law, *named, *wrong]
+
+
+def machines_of(robot: RobotDescription) -> dict[str, RobotDescription]:
+    """The robot without one of the things that limit the law; each is its own model."""
+    drive, servo = robot.drive, robot.servo
+    strong = replace(robot, drive=replace(drive, peak_torque=2 * drive.peak_torque))
+    return {
+        "as it is": robot,
+        "without gravity": replace(robot, gravity=np.zeros(3)),
+        "physics at a quarter of its step": replace(robot, physics_dt=robot.physics_dt / 4),
+        "twice the peak torque": strong,
+        "and half the control step": replace(strong, servo=replace(servo, control_dt=servo.control_dt / 2)),
+    }
+
+
+def model(
+    robot: str = "irb4600_60_205",
+    effects: Sequence[str] = tuple(EFFECTS),
+    share: float = 0.7,
+    positions: Sequence[str] = ("p2",),
+    speeds: Sequence[float] = SPEEDS,
+    radii: Sequence[float] = (0.001, 0.003),
+) -> Contents:
+    """What feed-forward from a machine's own model gives back of what each effect takes: mean RMS path error [um].
+
+    Args:
+        robot: name of the nominal robot, which the controller knows.
+        effects: effects to put on it, one at a time; those that no torque compensates are left out.
+        share: of the strongest plausible size.
+        positions: of the circles.
+        speeds: TCP speeds [m/s].
+        radii: circle radii [m].
+    """
+    arm = RigidArm(load_robot(robot))
+    rows = []
+    for name in effects:
+        machine = Machine(robot=arm.robot, effects=(strong(EFFECTS[name], arm.robot, share),), climate=WARM)
+        if not left_alone(machine):
+            laws = [elastic_law(arm), model_law(machine, arm)]
+            rig = SimulatedRig(arm=arm, machine=machine)
+            study = circle_study(rig, laws=laws, positions=positions, speeds=speeds, radii=radii)
+            pairs = zip(*(_mean_rms(study, law, speeds) for law in laws), strict=True)
+            rows.append((f"`{name}`", *(f"{error * 1e3:.1f}" for pair in pairs for error in pair)))
+    heads = [f"{law}, {speed * 1e3:g} mm/s" for speed in speeds for law in ("elastic", "model")]
+    return Contents(parts={"effects": markdown(("effect", *heads), rows)})
+
+
+def strong(effect: type[Effect], robot: RobotDescription, share: float) -> Effect:
+    """The effect on all joints, a share of the way to the farther end of each parameter's plausible range."""
+    values: dict[str, Any] = {}
+    for name, known in effect.parameters().items():
+        if known.null is not None:
+            far = max((known.low, known.high), key=lambda end: abs(end - known.neutral))
+            size = known.neutral + share * (far - known.neutral)
+            values[name] = size * (1 - np.eye(robot.n_joints)) if known.per == "pair" else size
+    return effect.on(robot, **values)
+
+
+def _mean_rms(study: CircleStudy, law: FeedForwardLaw, speeds: Sequence[float]) -> list[float]:
+    """Mean RMS path error of a law [mm], speed by speed."""
+    cells = [study.select(agent=law.name, speed_mm_s=round(speed * 1e3, 6)) for speed in speeds]
+    return [float(np.mean([cell.rms_mm for cell in each])) for each in cells]
