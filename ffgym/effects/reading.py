@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.toml import toml_key, toml_table
 from ffgym.core.types import Array
 from ffgym.effects.catalogue import EFFECTS
 from ffgym.effects.effect import Effect
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
-from ffgym.robot.template.text import text
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,14 +102,12 @@ def effects_toml(effects: Sequence[Effect], source: str, origins: Sequence[Origi
     lines = []
     for i, effect in enumerate(effects):
         origin = origins[i] if i < len(origins) else Origin()
-        lines.append(f"[effects.{_title(effect.name, origin.label, used)}]")
+        entries: dict[str, Mapping[str, Any]] = {}
         for known in effect.parameters().values():
-            value = np.asarray(getattr(effect, known.name)).tolist()
-            said = text(origin.sources.get(known.name, source))
-            sure = origin.intervals.get(known.name)
-            interval = "" if sure is None else f", interval = {sure.tolist()}"
-            lines.append(f'{known.name} = {{ value = {value}, unit = "{known.unit}"{interval}, source = {said} }}')
-        lines.append("")
+            entry = {"value": np.asarray(getattr(effect, known.name)), "unit": known.unit}
+            entry |= {"interval": origin.intervals[known.name]} if known.name in origin.intervals else {}
+            entries[known.name] = entry | {"source": origin.sources.get(known.name, source)}
+        lines += [*toml_table(f"effects.{_title(effect.name, origin.label, used)}", entries), ""]
     return "\n".join(lines)
 
 
@@ -121,4 +119,4 @@ def _title(name: str, label: str, used: set[str]) -> str:
         count += 1
         title = f"{first}:{count}"
     used.add(title)
-    return text(title) if ":" in title else title
+    return toml_key(title)

@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from ffgym.core.files import write_text
+from ffgym.core.toml import toml_key, toml_value
 from ffgym.logs.column_map.load import load_columns, map_text
 from ffgym.logs.column_map.rewire import rewiring_table
 from ffgym.recordings.rewiring import Rewiring
-from ffgym.robot.template.text import text
 
 
 def write_corrected(
@@ -44,30 +44,14 @@ def _tables(prefix: str, tree: Mapping[str, Any]) -> list[str]:
     """Lines of a table and of the tables in it."""
     plain = {key: value for key, value in tree.items() if not _is_table(prefix, value)}
     lines = [f"[{prefix}]"] if prefix and plain else []
-    lines += [f"{_key(key)} = {_value(value)}" for key, value in plain.items()]
+    lines += [f"{toml_key(key)} = {toml_value(value)}" for key, value in plain.items()]
     lines += [""] if plain else []
     for key, value in tree.items():
         if _is_table(prefix, value):
-            lines += _tables(f"{prefix}.{_key(key)}" if prefix else _key(key), value)
+            lines += _tables(f"{prefix}.{toml_key(key)}" if prefix else toml_key(key), value)
     return lines
 
 
 def _is_table(prefix: str, value: Any) -> bool:
     """Whether a value stands in a table of its own; those of [meta] and [log] are written in their line."""
     return isinstance(value, dict) and prefix.split(".")[0] not in ("meta", "log")
-
-
-def _key(key: str) -> str:
-    return key if key.replace("_", "").replace("-", "").isalnum() and key.isascii() else text(key)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, str):
-        return text(value)
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, list | tuple):
-        return f"[{', '.join(map(_value, value))}]"
-    if isinstance(value, dict):
-        return f"{{ {', '.join(f'{_key(k)} = {_value(v)}' for k, v in value.items())} }}"
-    return repr(value) if isinstance(value, int | float) else value.isoformat()

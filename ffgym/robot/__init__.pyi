@@ -18,8 +18,6 @@ from .model.spec import ModelOptions as ModelOptions
 from .model.spec import build_spec as build_spec
 from .model.spec import compile_model as compile_model
 from .parts import Servo as Servo
-from .reading.draft import CAPABILITIES as CAPABILITIES
-from .reading.draft import Capability as Capability
 from .reading.draft import RobotDraft as RobotDraft
 from .reading.load import builtin_parameters as builtin_parameters
 from .reading.load import builtin_robots as builtin_robots
@@ -28,3 +26,5 @@ from .reading.load import load_robot as load_robot
 from .reading.load import parse_robot as parse_robot
 from .reading.load import robot_of as robot_of
 from .reading.load import with_parameters as with_parameters
+from .reading.rules import CAPABILITIES as CAPABILITIES
+from .reading.rules import Capability as Capability

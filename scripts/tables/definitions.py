@@ -20,9 +20,8 @@ from ffgym.paths.motions.load import HEAD, builtin_files
 from ffgym.paths.motions.parts import PARTS, entries
 from ffgym.paths.motions.parts.part import is_required
 from ffgym.robot import RigidArm, load_robot
-from ffgym.robot.reading.draft import CAPABILITIES, Capability
 from ffgym.robot.reading.quantity import OTHER_UNITS
-from ffgym.robot.reading.rules import RULES
+from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES, Capability
 from ffgym.simulation.protocols import PROTOCOLS, Protocol
 from ffgym.simulation.protocols.motion_file import MotionFile
 from ffgym.simulation.protocols.protocol import settings
@@ -53,7 +52,7 @@ def robot_description() -> Contents:
 
 def _needs(entry: Capability) -> str:
     """Entries that a function needs; those that every function needs the table says once."""
-    whole = {path for path, rule in RULES.items() if not rule.optional}
+    whole = set(REQUIRED)
     needs = [path for path in entry.needs if path not in CAPABILITIES[0].needs] or list(entry.needs)
     if whole <= set(entry.needs):
         needs = ["all that are required", *(path for path in entry.needs if path not in whole)]

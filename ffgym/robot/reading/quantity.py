@@ -51,6 +51,12 @@ class Rule:
     """True if +inf is valid (a rigid joint)."""
     optional: bool = False
     """True if a description may do without."""
+    where: str = ""
+    """Where its numbers are found."""
+    typical: str = ""
+    """How large it usually is; empty where that says nothing."""
+    sliding: str = ""
+    """The same for a sliding joint, where its unit is another."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

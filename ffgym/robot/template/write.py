@@ -1,49 +1,29 @@
 """The table for a new robot: what its arm file says, what can be proposed, and a place for everything else."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import wrap
+from typing import Any
 
 import numpy as np
 
-from ffgym.core.types import Array
-from ffgym.robot.arm_file import ArmFile, JointHints, flange_at
-from ffgym.robot.reading.draft import needed_by
+from ffgym.core.toml import toml_table
+from ffgym.robot.arm_file import ArmFile, flange_at
 from ffgym.robot.reading.quantity import LINK, MOTOR, Rule
-from ffgym.robot.reading.rules import POINT, RULES
-from ffgym.robot.template.guide import ADVICE, Advice
+from ffgym.robot.reading.rules import POINT, RULES, needed_by
 from ffgym.robot.template.proposals import Proposal
-from ffgym.robot.template.text import MARK, empty_entry, filled_entry, marked, names, text
+from ffgym.robot.template.text import MARK, empty_entry, filled_entry
 
-_HINTS: Mapping[str, tuple[Callable[[JointHints], float | None], str | None, str]] = {
-    "kinematics.max_speed": (lambda hint: hint.speed, LINK, "speed limits"),
-    "drive.gear_ratio": (lambda hint: hint.gear_ratio, None, "gear of transmission or actuator"),
-    "drive.rotor_inertia": (
-        lambda hint: hint.armature,
-        LINK,
-        "armature, the rotor at the joint; a simulator's number unless measured",
-    ),
-    "drive.peak_torque": (lambda hint: hint.effort, LINK, "effort or force limits"),
-    "friction.coulomb": (lambda hint: hint.friction, LINK, "joint friction; a simulator's number unless measured"),
-    "friction.viscous": (lambda hint: hint.damping, LINK, "joint damping; a simulator's number unless measured"),
+_SIMULATED = "a simulator's number unless measured"
+_HINTS: Mapping[str, tuple[str, str | None, str]] = {
+    "kinematics.max_speed": ("speed", LINK, "speed limits"),
+    "drive.gear_ratio": ("gear_ratio", None, "gear of transmission or actuator"),
+    "drive.rotor_inertia": ("armature", LINK, f"armature, the rotor at the joint; {_SIMULATED}"),
+    "drive.peak_torque": ("effort", LINK, "effort or force limits"),
+    "friction.coulomb": ("friction", LINK, f"joint friction; {_SIMULATED}"),
+    "friction.viscous": ("damping", LINK, f"joint damping; {_SIMULATED}"),
 }
-"""Entry, the hint for a joint, the side it is on, and what it is in the file."""
-
-
-def hinted(arm: ArmFile) -> dict[str, Proposal]:
-    """Entries that the file hints at for some joints or all, by path; NaN stands for joints that it is silent about."""
-    found = {}
-    for path, (of, side, what) in _HINTS.items():
-        value = _numbers([of(hint) for hint in arm.hints])
-        if path not in arm.quantities and not np.all(np.isnan(value)):
-            source = f"{Path(arm.path).name}: {what}"
-            found[path] = Proposal(path=path, value=value, source=source, origin="sourced", side=side)
-    return found
-
-
-def _numbers(values: list[float | None]) -> Array:
-    return np.array([np.nan if value is None else value for value in values])
-
+"""Entry, the field of `JointHints` that hints at it, the side it is on, and what it is in the file."""
 
 _WIDTH = 118
 """Columns of comments."""
@@ -79,10 +59,8 @@ def template(
     given = set(arm.quantities) | (set(flange_at(arm, frame)) if frame else set())
     hints = hinted(arm)
     blocks = {path: _block(path, rule, hints.get(path), arm.types) for path, rule in RULES.items() if path not in given}
-    head = {"name": text(name), "title": text(name), "model": text(model)}
-    head |= {"joints": names(joints)} if joints is not None else {}
-    head |= {"tool_frame": text(frame)} if frame else {}
-    head |= {} if looks else {"looks": text("none")}
+    head = {"name": name, "title": name, "model": model, "joints": None if joints is None else list(joints)}
+    head |= {"tool_frame": frame, "looks": None if looks else "none"}
     parts = [_head(name, arm, head), _said(arm, given)]
     parts += [block for path, block in blocks.items() if not RULES[path].optional]
     parts.append(["# ------ What follows is optional."])
@@ -91,7 +69,18 @@ def template(
     return "\n\n".join("\n".join(part) for part in parts) + "\n"
 
 
-def _head(name: str, arm: ArmFile, entries: Mapping[str, str]) -> list[str]:
+def hinted(arm: ArmFile) -> dict[str, Proposal]:
+    """Entries that the file hints at for some joints or all, by path; NaN stands for joints that it is silent about."""
+    found = {}
+    for path, (name, side, what) in _HINTS.items():
+        value = np.array([getattr(hint, name) for hint in arm.hints], dtype=np.float64)  # None becomes NaN
+        if path not in arm.quantities and not np.all(np.isnan(value)):
+            source = f"{Path(arm.path).name}: {what}"
+            found[path] = Proposal(path=path, value=value, source=source, origin="sourced", side=side)
+    return found
+
+
+def _head(name: str, arm: ArmFile, entries: Mapping[str, Any]) -> list[str]:
     """How to fill the table in, and who the robot is."""
     mark = MARK.strip()
     lines = _comment(
@@ -101,7 +90,7 @@ def _head(name: str, arm: ArmFile, entries: Mapping[str, str]) -> list[str]:
     )
     lines += _comment("ffgym robot check FILE says what is missing, and what works without it.")
     lines += _comment("ffgym robot fill FILE fills in what follows from the rest by rules of thumb.")
-    lines += ["", "[robot]", *(f"{key} = {value}" for key, value in entries.items())]
+    lines += ["", *toml_table("robot", entries)]
     lines += _comment(f"Its joints, from the base outwards: {', '.join(arm.joints)}.")
     if arm.frames:
         lines += _comment(f"Frames on {arm.links[-1]} that tool_frame may name: {', '.join(arm.frames)}.")
@@ -118,30 +107,26 @@ def _said(arm: ArmFile, given: set[str]) -> list[str]:
 
 def _block(path: str, rule: Rule, hint: Proposal | None, types: tuple[str, ...]) -> list[str]:
     """Comment and table of an entry."""
-    if hint is None:
-        return _help(path, rule, types) + empty_entry(path, rule, types)
-    lines = filled_entry(hint, rule, types)
-    unknown = any("?" in line for line in lines if line.startswith("value"))
-    return _help(path, rule, types) + (marked(lines) if unknown else lines)
+    lines = empty_entry(path, rule, types) if hint is None else filled_entry(hint, rule, types)
+    return _help(path, rule, types) + lines
 
 
 def _help(path: str, rule: Rule, types: tuple[str, ...]) -> list[str]:
     """What an entry is, how large it usually is, where it is found, and what it is for."""
     size = " x ".join(str(len(types) if s == "N" else s) for s in rule.shape)
     sides = f"; as it counts on the {rule.side} side, or on the other, said by side" if rule.gear_power else ""
-    advice = ADVICE[path]
     numbers = f"{size} numbers" if size else "One number"
     return [
         f"# --- {path}: {rule.meaning}",
-        *_comment(f"{numbers}{sides}.{_usual(advice, rule, types)} Where: {advice.where}. {_use(path, rule)}"),
+        *_comment(f"{numbers}{sides}.{_usual(rule, types)} Where: {rule.where}. {_use(path, rule)}"),
     ]
 
 
-def _usual(advice: Advice, rule: Rule, types: tuple[str, ...]) -> str:
+def _usual(rule: Rule, types: tuple[str, ...]) -> str:
     """How large it is for such joints."""
     own_unit = rule.slide_unit is not None and rule.side != MOTOR
-    hinged = "" if own_unit and "hinge" not in types else advice.typical
-    sliding = advice.sliding if "slide" in types else ""
+    hinged = "" if own_unit and "hinge" not in types else rule.typical
+    sliding = rule.sliding if "slide" in types else ""
     said = "; ".join(dict.fromkeys(filter(None, (hinged, sliding))))
     return f" Usual: {said}." if said else ""
 

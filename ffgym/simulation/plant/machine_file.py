@@ -21,10 +21,10 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import read_text
+from ffgym.core.toml import toml_table
 from ffgym.effects import EFFECTS, Effect, Origin, read_effects, read_origins
 from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_draft, load_robot
 from ffgym.robot.reading.load import GROUPS, draft_with_numbers, with_numbers
-from ffgym.robot.template.text import text
 from ffgym.simulation.plant.climate import Climate
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.sameness import check_same_controller
@@ -156,11 +156,11 @@ def parse_climate(tables: Mapping[str, Any]) -> Climate:
 
 def climate_toml(climate: Climate, source: str) -> str:
     """Text of the table [climate] that `parse_climate` reads back to the bit."""
-    lines = ["[climate]"]
-    for f in fields(climate):
-        value = np.asarray(getattr(climate, f.name)).tolist()
-        lines.append(f'{f.name} = {{ value = {value}, unit = "{CLIMATE_UNITS[f.name]}", source = {text(source)} }}')
-    return "\n".join(lines) + "\n"
+    entries = {
+        f.name: {"value": np.asarray(getattr(climate, f.name)), "unit": CLIMATE_UNITS[f.name], "source": source}
+        for f in fields(climate)
+    }
+    return "\n".join(toml_table("climate", entries)) + "\n"
 
 
 def _table(tree: Mapping[str, Any], name: str) -> Mapping[str, Any]:

@@ -9,12 +9,12 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_text
+from ffgym.core.toml import single, toml_table
 from ffgym.effects import Origin, effects_toml
 from ffgym.robot import ModelOptions, RobotDescription, builtin_robots, load_draft, load_robot
 from ffgym.robot.reading.load import GROUPS
 from ffgym.robot.reading.quantity import JointFrame, si_units
 from ffgym.robot.reading.rules import RULES
-from ffgym.robot.template.text import names, text
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.machine_file import climate_toml, parse_machine
 from ffgym.simulation.plant.sameness import check_same_controller
@@ -66,7 +66,7 @@ def machine_text(
     """
     machine = Machine.of(machine)
     known, named = _named(machine.robot, robot, folder)
-    parts = [f"[machine]\ntitle = {text(str(title))}\nrobot = {text(named)}\n"]
+    parts = ["\n".join(toml_table("machine", {"title": str(title), "robot": named})) + "\n"]
     parts += _numbers(machine.robot, known, source)
     parts.append(effects_toml(machine.effects, source, origins))
     if machine.climate is not None:
@@ -119,11 +119,7 @@ def _numbers(robot: RobotDescription, known: RobotDescription, source: str) -> l
             continue
         given = robot.quantities.get(path)
         said = given.source if given is not None and np.array_equal(given.value, mine) else source
-        units = si_units(rule, rule.side, joints)
-        unit = text(units[0]) if len(units) == 1 else names(units)
-        side = f"side = {text(rule.side)}\n" if rule.side else ""
-        tables.append(
-            f"[{path}]\nvalue = {np.asarray(mine).tolist()}\nunit = {unit}\n{side}"
-            f'origin = "derived"\nsource = {text(said)}\n'
-        )
+        unit = single(si_units(rule, rule.side, joints))
+        entries = {"value": np.asarray(mine), "unit": unit, "side": rule.side, "origin": "derived", "source": said}
+        tables.append("\n".join(toml_table(path, entries)) + "\n")
     return tables

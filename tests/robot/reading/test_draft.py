@@ -12,14 +12,12 @@ import tomlkit
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm, load_robot, parse_robot, resonances
 from ffgym.robot.reading import draft
-from ffgym.robot.reading.draft import CAPABILITIES, capability, needed_by
 from ffgym.robot.reading.load import load_draft
 from ffgym.robot.reading.parse import parse_draft
-from ffgym.robot.reading.rules import RULES
+from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES, capability, needed_by
 
 NAME = "irb4600_60_205"
 TREE = tomllib.loads((resources.files("ffgym.robot") / "data" / f"{NAME}.toml").read_text(encoding="utf-8"))
-REQUIRED = [path for path, rule in RULES.items() if not rule.optional]
 GEOMETRY = {"kinematics.position", "kinematics.axis", "kinematics.range"}
 
 

@@ -9,7 +9,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.robot import builtin_robots, load_robot, parse_robot
 from ffgym.robot.reading.quantity import ORIGINS
-from ffgym.robot.reading.rules import RULES
+from ffgym.robot.reading.rules import REQUIRED, RULES
 
 ROBOTS = ("ball_screw", "irb4600_60_205", "kuka_kr300_r2500", "one_axis", "two_link")
 THESIS_ROBOTS = ("irb4600_60_205", "one_axis")
@@ -39,7 +39,7 @@ def test_a_copy_of_a_built_in_file_is_the_same_robot(name, tmp_path):
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_number_has_unit_origin_and_source(name):
     robot = load_robot(name)
-    wanted = {path for path, rule in RULES.items() if not rule.optional}
+    wanted = set(REQUIRED)
     assert wanted <= robot.quantities.keys()
     for path, quantity in robot.quantities.items():
         assert quantity.unit

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from ffgym.robot import RigidArm, RobotDraft, load_draft
 from ffgym.robot.arm_file import read_arm
 from ffgym.robot.reading.parse import parse_draft
-from ffgym.robot.reading.rules import RULES
+from ffgym.robot.reading.rules import REQUIRED, RULES
 from ffgym.robot.template import filled_text, propose, template
-from ffgym.robot.template.guide import ADVICE
+from ffgym.robot.template.proposals import BRISTLE_TIME, DAMPING_TIME, PRESLIDING, STATIC_SHARE, STRIBECK_VELOCITY
 from tests.robot.template.arm_xml import ARM, NUMBERS, entry
 
 HINTED = """<robot name="r">
@@ -59,16 +59,23 @@ def uncommented(text, path):
     return "\n".join(entry)
 
 
-def test_every_entry_of_a_description_has_advice_and_no_other():
-    assert ADVICE.keys() == RULES.keys()
+def test_every_entry_says_where_its_numbers_are_found_and_which_are_proposed():
+    assert all(rule.where for rule in RULES.values())
+    for path, proposed in {
+        "drive.joint_damping": f"{DAMPING_TIME:g} s x stiffness",
+        "friction.static": f"{STATIC_SHARE:g} x coulomb",
+        "friction.stribeck_velocity": f"{STRIBECK_VELOCITY:g} rad/s",
+        "friction.bristle_stiffness": f"coulomb / {PRESLIDING * 1e3:g} mrad",
+        "friction.bristle_damping": f"{BRISTLE_TIME * 1e3:g} ms x bristle stiffness",
+    }.items():
+        assert RULES[path].where.endswith(f"`ffgym robot fill` proposes {proposed}")
 
 
 def test_a_new_table_is_a_draft_that_lacks_what_the_arm_file_does_not_say(folder):
     draft = drafted(folder, new(folder))
     assert draft.can("link_torque")
     arm = read_arm(folder / "arm.xml")
-    required = {path for path, rule in RULES.items() if not rule.optional}
-    assert set(draft.missing) == required - set(arm.quantities)
+    assert set(draft.missing) == set(REQUIRED) - set(arm.quantities)
 
 
 def test_every_entry_has_its_place_with_meaning_and_advice_and_nothing_is_said_twice(folder):
@@ -80,10 +87,10 @@ def test_every_entry_has_its_place_with_meaning_and_advice_and_nothing_is_said_t
         flat = text.replace("\n# ", " ")
         if path not in given:
             assert f"--- {path}: {rule.meaning}" in flat
-            assert ADVICE[path].where in flat
+            assert rule.where in flat
 
 
-@pytest.mark.parametrize("path", [path for path, rule in RULES.items() if not rule.optional])
+@pytest.mark.parametrize("path", REQUIRED)
 def test_an_entry_whose_marks_are_taken_away_is_valid(folder, path):
     text = new(folder)
     if f"#? [{path}]" in text:
@@ -97,7 +104,7 @@ SCARA = """<mujoco><worldbody><body name="a"><joint name="j" axis="0 0 1" range=
   </body></body></worldbody></mujoco>"""
 
 
-@pytest.mark.parametrize("path", [path for path, rule in RULES.items() if not rule.optional])
+@pytest.mark.parametrize("path", REQUIRED)
 def test_units_of_sliding_joints_are_those_that_are_read(folder, path):
     (folder / "scara.xml").write_text(SCARA)
     text = new(folder, "scara.xml")

@@ -1,0 +1,38 @@
+"""TOML as text: the one writer of the project. Numbers keep every bit."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+
+def toml_value(value: Any) -> str:
+    """Text, truth value, number, date, array or list of these as TOML; a mapping becomes an inline table."""
+    if isinstance(value, str):  # JSON's text is TOML's, but for a control character that JSON leaves as it is
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        return f"{{ {', '.join(f'{toml_key(key)} = {toml_value(entry)}' for key, entry in value.items())} }}"
+    if isinstance(value, np.ndarray | np.generic):
+        return toml_value(value.tolist())
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(toml_value, value))}]"
+    return repr(value) if isinstance(value, int | float) else str(value.isoformat())
+
+
+def toml_key(key: str) -> str:
+    """Key as it is, or in quotes where it needs them."""
+    return key if key.replace("_", "").replace("-", "").isalnum() and key.isascii() else toml_value(key)
+
+
+def toml_table(path: str, entries: Mapping[str, Any]) -> list[str]:
+    """Lines of the table [path]; entries that are None are left out."""
+    rows = [f"{toml_key(key)} = {toml_value(value)}" for key, value in entries.items() if value is not None]
+    return [f"[{path}]", *rows]
+
+
+def single(values: Sequence[str]) -> str | Sequence[str]:
+    """The only one of some names, or all where there are several, as descriptions give units and origins."""
+    return values[0] if len(values) == 1 else values
