@@ -1,0 +1,80 @@
+"""The built wheel: one top-level package, which lives beside others that are called agents."""
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+SCRIPT = """
+import agents, ffgym, ffgym.agents, gymnasium
+assert ffgym.agents.LawAgent.__module__ == "ffgym.agents.common.law_agent", ffgym.agents.LawAgent.__module__
+gymnasium.make("ffgym/OneAxis-v0").reset(seed=0)
+print(agents.__file__)
+print(ffgym.__file__)
+"""
+
+
+def pip(*arguments):
+    subprocess.run([sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", *arguments], check=True)
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """The wheel, built from a copy, so that nothing is left in the repository."""
+    source, folder = tmp_path_factory.mktemp("source") / "ffgym", tmp_path_factory.mktemp("wheel")
+    leave_out = shutil.ignore_patterns("__pycache__")
+    for name in ("ffgym", "agents"):
+        shutil.copytree(ROOT / name, source / name, symlinks=True, ignore=leave_out)
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    pip("wheel", "--no-deps", "--wheel-dir", str(folder), str(source))
+    (path,) = folder.glob("*.whl")
+    return path
+
+
+def test_it_holds_one_package_with_its_agents_and_all_their_files(wheel):
+    names = zipfile.ZipFile(wheel).namelist()
+    tops = {name.split("/")[0] for name in names}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"ffgym"}
+    files = [path for path in (ROOT / "agents").rglob("*") if path.is_file() and "__pycache__" not in path.parts]
+    assert not {f"ffgym/agents/{path.relative_to(ROOT / 'agents').as_posix()}" for path in files} - set(names)
+
+
+def test_a_script_beside_a_folder_called_agents_uses_both(wheel, tmp_path):
+    pip("install", "--no-deps", "--target", str(tmp_path / "installed"), str(wheel))
+    (tmp_path / "project" / "agents").mkdir(parents=True)
+    (tmp_path / "project" / "agents" / "__init__.py").touch()
+    script = tmp_path / "project" / "main.py"
+    script.write_text(SCRIPT)
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(tmp_path / "installed")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    agents, ffgym = done.stdout.split()
+    assert Path(agents).is_relative_to(tmp_path / "project")
+    assert Path(ffgym).is_relative_to(tmp_path / "installed")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", ["ffgym", "openai-agents"])
+def test_it_is_installed_beside_another_package_called_agents_in_either_order(wheel, tmp_path, first):
+    subprocess.run([sys.executable, "-m", "venv", str(tmp_path / "env")], check=True)
+    python = str(tmp_path / "env" / ("Scripts" if os.name == "nt" else "bin") / "python")
+    both = [str(wheel), "openai-agents"]
+    for what in both if first == "ffgym" else reversed(both):
+        subprocess.run([python, "-m", "pip", "--quiet", "install", what], check=True)
+    script = tmp_path / "main.py"
+    script.write_text("import agents\nassert agents.Agent and agents.Runner\n" + SCRIPT)
+    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    done = subprocess.run([python, str(script)], cwd=tmp_path, env=clean, capture_output=True, text=True, check=True)
+    assert all(Path(line).is_relative_to(tmp_path / "env") for line in done.stdout.split())
