@@ -4,36 +4,59 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
-from typing import Any
+from typing import Any, NamedTuple
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import installed
+from ffgym.core.version import __version__
 
 DESCRIPTION = "Feed-forward friction compensation on industrial robots: simulate, measure, identify, learn, compare."
-"""What `ffgym --help` begins with."""
+"""First line of `ffgym --help`."""
+
+
+class Command(NamedTuple):
+    """A subcommand: its class, its first line in lists, and an example."""
+
+    place: str
+    """Module below ffgym.cli, and class."""
+    summary: str
+    example: str
+
 
 COMMANDS = {
-    "demo": "Demo",
-    "diagnose": "Diagnose",
-    "export": "Export",
-    "identify": "Identify",
-    "improve": "Improve",
-    "leaderboard": "Leaderboard",
-    "lffc": "Lffc",
-    "log": "Log",
-    "record": "Record",
-    "robot": "Robot",
-    "simulate": "Simulate",
-    "stability": "Stability",
-    "submit": "Submit",
-    "train": "Train",
-    "verify": "Verify",
-    "video": "Video",
+    "demo": Command("demo:Demo", "circle test of the thesis, and a diagnosis", "ffgym demo --positions p1"),
+    "robot": Command("robot:Robot", "describe a robot: new, fill, check", "ffgym robot new arm.urdf --out mine.toml"),
+    "simulate": Command("simulate:Simulate", "any robot on any motion", "ffgym simulate irb4600_60_205 circles"),
+    "play": Command("play:Play", "an episode as a video", "ffgym play --law lugre_dynamic --out episode.mp4"),
+    "export": Command("export:Export", "a motion in files for plain MuJoCo", "ffgym export irb4600_60_205 circles"),
+    "record": Command("record:Record", "measure by protocols", "ffgym record one_axis speed_ladder --out logs"),
+    "log": Command(
+        "log:Log", "logs of other tools: columns, convert, check", "ffgym log check logs/*.npz --robot one_axis"
+    ),
+    "identify": Command("identify:Identify", "from logs to parameters", "ffgym identify logs --robot one_axis"),
+    "diagnose": Command(
+        "diagnose:Diagnose", "what a simulation gets wrong, and why", "ffgym diagnose logs --robot one_axis"
+    ),
+    "improve": Command("improve:Improve", "what a diagnosed model gains in control", "ffgym improve machine.toml"),
+    "train": Command(
+        "train:Train", "a policy on top of a law", "ffgym train --algorithm ppo --base elastic --out mine"
+    ),
+    "lffc": Command("lffc:Lffc", "B-spline learning feed-forward", "ffgym lffc --help"),
+    "stability": Command("stability:Stability", "limits of a learning rate", "ffgym stability --help"),
+    "leaderboard": Command(
+        "leaderboard:Leaderboard", "all agents, compared", "ffgym leaderboard --agents none elastic"
+    ),
+    "submit": Command("submit:Submit", "make a submission of an agent", "ffgym submit mine.npz --name mine"),
+    "verify": Command("verify:Verify", "run a submission again", "ffgym verify mine.json"),
 }
-"""Classes of subcommands, each in the module of its name."""
+"""Subcommands by name, in the order of `ffgym --help`."""
 
-_MOVED = {"bench-diagnosis": "python -m scripts.exam", "reproduce": "python -m scripts.thesis"}
-"""Commands of earlier versions, and what does their work now: commands of the repository run in its folder."""
+_MOVED = {
+    "bench-diagnosis": "python -m scripts.exam, in a clone of the repository",
+    "reproduce": "python -m scripts.thesis, in a clone of the repository",
+    "video": "ffgym play",
+}
+"""Commands of earlier versions, and what does their work now."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -70,20 +93,35 @@ def _guarded(run: Callable[[], int]) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
-    import tyro
-
     given = list(sys.argv[1:] if arguments is None else arguments)
-    if given and given[0] in _MOVED:
-        now = _MOVED[given[0]]
-        raise FFGymError(f"ffgym {given[0]} is a command of the repository now: run {now!r} in a clone of it.")
-    if given and given[0] in COMMANDS:
-        return _run_one(_command(given[0]), f"ffgym {given[0]}", given[1:])
-    commands: dict[str, Any] = {name: _command(name) for name in COMMANDS}
-    chosen = tyro.extras.subcommand_cli_from_dict(
-        commands, prog="ffgym", description=DESCRIPTION, args=given, config=(tyro.conf.OmitSubcommandPrefixes,)
+    if given in (["--version"], ["-V"]):
+        print(f"ffgym {__version__}")
+        return 0
+    if given in (["--help"], ["-h"]):
+        print(_overview())
+        return 0
+    name = next((name for name in (" ".join(given[:2]), *given[:1]) if name in COMMANDS), None)
+    if name is None:
+        word = given[0] if given else ""
+        if word in _MOVED:
+            raise FFGymError(f"ffgym {word} has another name now: {_MOVED[word]}.")
+        print(f"ffgym: error: unknown command {word!r}\n\n{_overview()}", file=sys.stderr)
+        raise SystemExit(2)
+    options = given[len(name.split()) :]
+    if {"--help", "-h"} & set(options):
+        print(f"example: {COMMANDS[name].example}\n")
+    return _run_one(_command(name), f"ffgym {name}", options)
+
+
+def _overview() -> str:
+    """Commands with a line each."""
+    width = max(map(len, COMMANDS))
+    lines = [f"  {name:<{width}}  {command.summary}" for name, command in COMMANDS.items()]
+    examples = [f"  {COMMANDS[name].example}" for name in ("demo", "simulate", "diagnose")]
+    head = [f"usage: ffgym COMMAND ...    {DESCRIPTION}", "", "examples:", *examples, "", "commands:"]
+    return "\n".join(
+        [*head, *lines, "", "ffgym COMMAND --help tells the options of a command, ffgym --version the version."]
     )
-    chosen.run()
-    return 0
 
 
 def _run_one(command: type[Any], prog: str, arguments: list[str]) -> int:
@@ -94,7 +132,7 @@ def _run_one(command: type[Any], prog: str, arguments: list[str]) -> int:
 
 
 def _command(name: str) -> type[Any]:
-    """The class of a subcommand; no other is imported, which takes a second."""
-    module = import_module(f"ffgym.cli.{name.replace('-', '_')}")
-    command: type[Any] = getattr(module, COMMANDS[name])
+    """Import the class of a subcommand, and no other."""
+    module, _, name = COMMANDS[name].place.partition(":")
+    command: type[Any] = getattr(import_module(f"ffgym.cli.{module}"), name)
     return command

@@ -3,24 +3,13 @@
 import platform
 from importlib import metadata
 
-import gymnasium
-import mujoco
-import numpy as np
-import scipy
-
 from ffgym.core.version import __version__
 
 
 def versions() -> dict[str, str]:
     """Versions of everything that can change a number."""
-    return {
-        "ffgym": __version__,
-        "mujoco": mujoco.__version__,
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "gymnasium": gymnasium.__version__,
-        "python": platform.python_version(),
-    }
+    libraries = {name: metadata.version(name) for name in ("mujoco", "numpy", "scipy", "gymnasium")}
+    return {"ffgym": __version__, **libraries, "python": platform.python_version()}
 
 
 def installed(package: str) -> bool:

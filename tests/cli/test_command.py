@@ -9,7 +9,7 @@ import pytest
 
 from ffgym.cli.demo import Demo
 from ffgym.cli.export import Export
-from ffgym.cli.main import COMMANDS, _command, main
+from ffgym.cli.main import _MOVED, COMMANDS, _command, main
 from ffgym.core.errors import FFGymError
 from ffgym.core.version import __version__
 from ffgym.diagnosis import Examined
@@ -124,7 +124,29 @@ def test_help_is_exit_code_0(capsys):
     with pytest.raises(SystemExit) as caught:
         main(["demo", "--help"])
     assert caught.value.code == 0
-    assert "--speeds-mm-s" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "--speeds-mm-s" in out
+    assert out.startswith("example: ffgym demo ")
+
+
+@pytest.mark.parametrize("option", ["--help", "-h"])
+def test_help_lists_every_command_with_an_example(option, capsys):
+    assert main([option]) == 0
+    out = capsys.readouterr().out
+    assert all(f"  {name} " in out for name in COMMANDS)
+    assert all(command.example.startswith(f"ffgym {name} ") for name, command in COMMANDS.items())
+
+
+def test_version_is_the_package_s(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"ffgym {__version__}\n"
+
+
+@pytest.mark.parametrize("old", sorted(_MOVED))
+def test_an_old_name_answers_with_the_new_one(old, capsys):
+    assert main([old]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert _MOVED[old] in line
 
 
 def test_a_process_returns_the_exit_code(tmp_path):
@@ -254,10 +276,10 @@ def test_agents_and_parameters_that_are_not_there_are_one_line(arguments, messag
 
 
 def test_every_subcommand_is_found_and_only_the_one_that_runs_is_imported():
-    assert all(_command(name).__name__ == COMMANDS[name] for name in COMMANDS)
+    assert all(_command(name).__name__ == COMMANDS[name].place.split(":")[1] for name in COMMANDS)
     script = (
         "import sys; from ffgym.cli.main import main; assert main(['diagnose', '--seed', '-1']) == 1; "
-        "print([name for name in sys.modules if name in ('ffgym.cli.lffc', 'ffgym.cli.video')])"
+        "print([name for name in sys.modules if name in ('ffgym.cli.lffc', 'ffgym.cli.play')])"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

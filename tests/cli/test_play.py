@@ -1,4 +1,4 @@
-"""`ffgym video`: files that can be read back, numbers, and requests that cannot be met."""
+"""`ffgym play`: files that can be read back, numbers, and requests that cannot be met."""
 
 import json
 import re
@@ -9,7 +9,7 @@ import tyro
 
 from ffgym.cli import _movie
 from ffgym.cli.main import main
-from ffgym.cli.video import Video
+from ffgym.cli.play import Play
 from ffgym.envs.rigs import rig_of
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 
@@ -24,7 +24,7 @@ def filmed(tmp_path_factory, needs_gl):
     """Folder with a video of one fast circle, and its numbers."""
     folder = tmp_path_factory.mktemp("video")
     files = ("--out", str(folder / "circle.mp4"), "--json", str(folder / "circle.json"))
-    assert main(["video", *files, "--law", "lugre_dynamic", *CIRCLE, "--playback", "0.5", "--fps", "20"]) == 0
+    assert main(["play", *files, "--law", "lugre_dynamic", *CIRCLE, "--playback", "0.5", "--fps", "20"]) == 0
     return folder
 
 
@@ -41,7 +41,7 @@ def test_the_video_has_the_frames_that_its_speed_asks_for(filmed):
 
 def test_the_numbers_say_what_was_filmed_and_where_it_comes_from(filmed, irb4600):
     numbers = json.loads((filmed / "circle.json").read_text())
-    assert numbers["command"] == "ffgym video"
+    assert numbers["command"] == "ffgym play"
     assert numbers["config"]["law"] == "lugre_dynamic"
     assert numbers["task"] == {"position": "p1", "speed": 0.1, "radii": [0.003]}
     assert numbers["seed"] == 0
@@ -56,7 +56,7 @@ def test_the_numbers_say_what_was_filmed_and_where_it_comes_from(filmed, irb4600
 def test_a_gif_of_one_axis(needs_gl, tmp_path, capsys):
     out = tmp_path / "axis.gif"
     arguments = ("--env", "ffgym/OneAxis-v0", "--frequency-hz", "3", "--playback", "10", "--fps", "5", *SMALL)
-    assert main(["video", "--out", str(out), *arguments]) == 0
+    assert main(["play", "--out", str(out), *arguments]) == 0
     assert iio.improps(out).shape == (6, 90, 160, 3)
     assert iio.immeta(out)["duration"] == 200
     assert "6 frames" in capsys.readouterr().out
@@ -65,7 +65,7 @@ def test_a_gif_of_one_axis(needs_gl, tmp_path, capsys):
 def test_another_robot_on_a_motion_of_its_own(needs_gl, tmp_path, capsys):
     out, numbers = tmp_path / "screw.gif", tmp_path / "screw.json"
     arguments = ("--env", "ffgym/FollowPath-v0", "--robot", "ball_screw", "--path", "sine", "--playback", "10", *SMALL)
-    assert main(["video", "--out", str(out), "--json", str(numbers), *arguments, "--fps", "5"]) == 0
+    assert main(["play", "--out", str(out), "--json", str(numbers), *arguments, "--fps", "5"]) == 0
     values = json.loads(numbers.read_text())
     assert (values["robot"], values["task"]) == ("ball_screw", {"path": "sine"})
     assert values["rms_path_error_mm"] is None
@@ -77,7 +77,7 @@ def test_a_workcell_is_filmed_as_what_it_is(env, needs_gl, tmp_path):
     out, numbers = tmp_path / "cell.gif", tmp_path / "cell.json"
     circle = ("--speed-mm-s", "100", "--radii-mm", "1", "--playback", "10", "--fps", "5")
     arguments = ("--env", env, "--robot", "workcell:thesis", "--json", str(numbers), *circle, *SMALL)
-    assert main(["video", "--out", str(out), *arguments]) == 0
+    assert main(["play", "--out", str(out), *arguments]) == 0
     values = json.loads(numbers.read_text())
     assert values["robot"] == "workcell:thesis"
     assert values["physics_fingerprint"] == rig_of("workcell:thesis").fingerprint
@@ -109,7 +109,7 @@ def test_a_video_that_cannot_be_made_is_one_line_and_exit_code_1(arguments, mess
     arguments = [str(tmp_path / a) if a.startswith(("a.", "nowhere")) else a for a in arguments]
     if "--out" not in arguments:
         arguments = ["--out", str(tmp_path / "b.mp4"), *arguments]
-    assert main(["video", *SMALL, *arguments]) == 1
+    assert main(["play", *SMALL, *arguments]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("ffgym: error: ")
     assert message in line
@@ -118,7 +118,7 @@ def test_a_video_that_cannot_be_made_is_one_line_and_exit_code_1(arguments, mess
 
 def test_a_missing_package_is_named(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(_movie, "installed", lambda name: name != "imageio-ffmpeg")
-    assert main(["video", "--out", str(tmp_path / "a.mp4")]) == 1
+    assert main(["play", "--out", str(tmp_path / "a.mp4")]) == 1
     assert "needs imageio-ffmpeg; pip install 'ffgym[video]'" in capsys.readouterr().err
 
 
@@ -126,7 +126,7 @@ def test_a_missing_package_is_named(monkeypatch, capsys, tmp_path):
 def test_an_interrupt_leaves_no_half_file_and_the_old_one(suffix, needs_gl, monkeypatch, tmp_path):
     out = tmp_path / f"old{suffix}"
     out.write_bytes(b"old")
-    made = Video._make
+    made = Play._make
 
     def make(self):
         env = made(self)
@@ -140,15 +140,15 @@ def test_an_interrupt_leaves_no_half_file_and_the_old_one(suffix, needs_gl, monk
         monkeypatch.setattr(env, "step", interrupted)
         return env
 
-    monkeypatch.setattr(Video, "_make", make)
-    assert main(["video", "--out", str(out), *CIRCLE]) == 130
+    monkeypatch.setattr(Play, "_make", make)
+    assert main(["play", "--out", str(out), *CIRCLE]) == 130
     assert [p.name for p in tmp_path.iterdir()] == [out.name]
     assert out.read_bytes() == b"old"
 
 
 def test_the_commands_of_the_documentation_parse():
     text = (Path(__file__).parents[2] / "docs" / "rendering.md").read_text(encoding="utf-8")
-    commands = re.findall(r"^ffgym video (.*)$", text, flags=re.M)
+    commands = re.findall(r"^ffgym play (.*)$", text, flags=re.M)
     assert len(commands) == 2
     for command in commands:
-        tyro.cli(Video, args=command.split())._check()
+        tyro.cli(Play, args=command.split())._check()

@@ -1,4 +1,4 @@
-"""`ffgym video`: one episode of an environment as a video."""
+"""`ffgym play`: one episode of an environment as a video."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ LAWS = {"none": "no compensation", "lugre_static": "static LuGre", "lugre_dynami
 
 
 @dataclass(frozen=True)
-class Video:
+class Play:
     """Film one episode under a feed-forward law; the error is drawn magnified, the picture says how much."""
 
     out: Path = Path("episode.mp4")
@@ -181,6 +181,6 @@ class Video:
     def _provenance(self, env: Any) -> dict[str, Any]:
         """Origin of the numbers."""
         info = provenance(
-            "ffgym video", self, self.robot or env.core.robot.name, env.core.plant.fingerprint(), seed=self.seed
+            "ffgym play", self, self.robot or env.core.robot.name, env.core.plant.fingerprint(), seed=self.seed
         )
         return info | {"task": env.core.motions[0].task}
