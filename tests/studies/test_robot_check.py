@@ -12,7 +12,7 @@ from ffgym.robot import ModelOptions, RigidArm, RobotDraft, builtin_robots, load
 from ffgym.simulation.plant import Plant
 from ffgym.studies.robot_check import check_robot, skeleton
 from ffgym.studies.robot_check.doubts import doubts_about
-from ffgym.studies.robot_check.draft import poses_in_range, tips
+from ffgym.studies.robot_check.shape import poses_in_range, tips
 
 IRB = "irb4600_60_205"
 

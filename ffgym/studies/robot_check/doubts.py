@@ -1,43 +1,208 @@
-"""Everything that is asked of a description, with the entries that each question needs."""
+"""Numbers of a description that are valid but hardly true, or hardly useful: mostly slips of unit, side or frame."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
-from ffgym.robot import RobotDescription, RobotDraft
-from ffgym.studies.robot_check import body_doubts, drive_doubts
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.robot import RigidArm, RobotDescription, RobotDraft, resonances
+from ffgym.studies.robot_check.loads import inertia_of, margin_of
+from ffgym.studies.robot_check.shape import rest_position, skeleton
+
+Found = Iterable[tuple[float, dict[str, Any]]]
+"""Numbers that are judged, and the words that the sentence about each has a place for, e.g. the joint."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Question:
-    """A question of plausibility."""
+    """A question of plausibility, asked of one number of the robot or of one per joint or body."""
 
-    capability: str
-    """What the description must allow, see `ffgym.robot.reading.draft`."""
-    also: tuple[str, ...]
-    """Entries that it needs beside."""
-    ask: Callable[[RobotDescription], Iterator[str]]
-    """Yields a sentence per doubt, which begins with the entry."""
-
-
-QUESTIONS = (
-    Question("link_torque", (), body_doubts.far_masses),
-    Question("link_torque", (), body_doubts.odd_inertias),
-    Question("link_torque", (), body_doubts.odd_gravity),
-    Question("motor_torque", (), drive_doubts.odd_rotors),
-    Question("kinematics", ("drive.gear_ratio", "kinematics.max_speed"), drive_doubts.fast_motors),
-    Question("locked_resonances", (), drive_doubts.odd_resonances),
-    Question("locked_resonances", ("drive.joint_damping",), drive_doubts.slow_damping),
-    Question("torque_margin", (), drive_doubts.weak_motors),
-    Question("lugre_dynamic", (), drive_doubts.odd_bristles),
-    Question("simulation", (), drive_doubts.long_step),
-)
-"""All questions; one is skipped where the description does not say enough to ask it."""
+    needs: tuple[str, ...]
+    """Capability that the description must have (`ffgym.robot.CAPABILITIES`), and entries that are needed beside it."""
+    measure: Callable[[RobotDescription], Found]
+    doubt: str
+    """Sentence about a number outside the limits, which begins with the entry and has places for `value` and words."""
+    low: float = -np.inf
+    high: float = np.inf
 
 
 def doubts_about(draft: RobotDraft) -> list[str]:
     """Sentences about numbers that are valid but hardly true, each beginning with the entry."""
-    found: list[str] = []
-    for question in QUESTIONS:
-        if draft.can(question.capability, *question.also):
-            found += question.ask(draft.description_for(question.capability, *question.also))
-    return found
+    return [
+        question.doubt.format(value=value, low=question.low, high=question.high, **words)
+        for question in QUESTIONS
+        if draft.can(*question.needs)  # it is skipped where the description does not say enough to ask it
+        for value, words in question.measure(draft.description_for(*question.needs))
+        if value < question.low or value > question.high
+    ]
+
+
+def _per_joint(robot: RobotDescription, values: Array, **words: Array) -> Found:
+    for j, joint in enumerate(robot.joints):
+        yield float(values[j]), {"joint": joint, **{name: float(each[j]) for name, each in words.items()}}
+
+
+def _longest_link(robot: RobotDescription) -> float:
+    """Longest distance between neighbouring joints, or the last one and the TCP [m]; 0 for one joint without tool."""
+    steps = [*robot.kinematics.position[1:]]
+    if robot.tool is not None:
+        steps.append(robot.tool.position + robot.tool.rotation @ robot.tool.tcp)
+    return max((float(np.linalg.norm(step)) for step in steps), default=0.0)
+
+
+def _mass_distances(robot: RobotDescription) -> Found:
+    """Distances of centres of mass from their joints, in lengths of the longest link."""
+    longest = _longest_link(robot)
+    for link, com in zip(robot.links, robot.bodies.com, strict=True):
+        if longest > 0:
+            distance = float(np.linalg.norm(com))
+            yield distance / longest, {"link": link, "distance": distance, "longest": longest}
+
+
+def _ellipsoids(robot: RobotDescription) -> list[tuple[str, float, float]]:
+    """Name, mass [kg] and largest half axis of the inertia ellipsoid [m] of each body."""
+    bones = skeleton(robot, np.clip(0.0, *robot.kinematics.range.T))
+    return list(zip(bones.bodies, bones.mass.tolist(), bones.half_axes.max(axis=1).tolist(), strict=True))
+
+
+def _body_sizes(robot: RobotDescription) -> Found:
+    """Half axes of bodies in lengths of the longest link."""
+    longest = _longest_link(robot)
+    for body, _, half_axis in _ellipsoids(robot):
+        if longest > 0:
+            yield half_axis / longest, {"body": body, "size": 2 * half_axis, "longest": longest}
+
+
+def _densities(robot: RobotDescription) -> Found:
+    """Least densities of bodies: of a ball around the inertia ellipsoid [kg/m^3]."""
+    for body, mass, half_axis in _ellipsoids(robot):
+        volume = max(4 / 3 * np.pi * half_axis**3, 1e-300)
+        yield mass / volume, {"body": body, "mass": mass, "size_mm": 2e3 * half_axis}
+
+
+def _rates(robot: RobotDescription) -> Found:
+    """Fastest oscillation, and what damps the rotors, as radians in one physics step."""
+    free = resonances(RigidArm(robot), rest_position(robot), "free")
+    rates = {f"the resonance of {f:.0f} Hz with the motors free": 2 * np.pi * f for f in free[-1:]}
+    drive, friction = robot.drive, robot.friction
+    damping = (friction.bristle_damping + friction.viscous + robot.servo.velocity_gain) / drive.rotor_inertia
+    bristle = np.sqrt(friction.bristle_stiffness / drive.rotor_inertia)
+    rates[f"what friction and servo damp the rotor of {robot.joints[int(damping.argmax())]} by"] = float(damping.max())
+    rates[f"the rotor of {robot.joints[int(bristle.argmax())]} on its bristles"] = float(bristle.max())
+    for what, rate in rates.items():
+        yield rate * robot.physics_dt, {"what": what, "dt": robot.physics_dt, "enough": _STEP / rate}
+
+
+def _margin(numerator: str) -> Callable[[RobotDescription], Found]:
+    """Measure of a torque over the peak torque."""
+
+    def measure(robot: RobotDescription) -> Found:
+        margin = margin_of(robot, rest_position(robot))
+        torque = getattr(margin, numerator)
+        return _per_joint(robot, torque / margin.peak, torque=torque, peak=margin.peak)
+
+    return measure
+
+
+_STEP = 1.0
+"""Largest rate x physics step: one radian of an oscillation; at 2 the integration explodes."""
+
+QUESTIONS = (
+    Question(  # beyond it the centre of mass lies outside any usual link
+        needs=("link_torque",),
+        measure=_mass_distances,
+        high=1.5,
+        doubt="links.com: the centre of mass of {link} is {distance:.3g} m from its joint, while the longest link "
+        "has {longest:.3g} m. Is it in the link frame, and in m?",
+    ),
+    Question(  # a thin rod has 0.65 of its own length
+        needs=("link_torque",),
+        measure=_body_sizes,
+        high=2.0,
+        doubt="links.inertia: mass and inertia of {body} belong to a body of {size:.3g} m, while the longest link has "
+        "{longest:.3g} m. Is the inertia about the centre of mass, and in kg m^2?",
+    ),
+    Question(  # gold and tungsten have 19.3e3
+        needs=("link_torque",),
+        measure=_densities,
+        high=20e3,
+        doubt="links.inertia: {mass:.3g} kg of {body} would fit into {size_mm:.3g} mm only if denser than gold. Is the "
+        "inertia in kg m^2?",
+    ),
+    Question(  # with room for rounding; none at all is a robot in space
+        needs=("link_torque",),
+        measure=lambda robot: [(float(np.linalg.norm(robot.gravity)), {})] if np.any(robot.gravity) else [],
+        low=9.7,
+        high=9.9,
+        doubt="simulation.gravity is {value:.4g} m/s^2, on the ground it is 9.81.",
+    ),
+    Question(  # built robots have 0.03 to 20; a rotor in kg cm^2 is off by 1e4
+        needs=("motor_torque",),
+        measure=lambda robot: _per_joint(
+            robot, inertia_of(robot, rest_position(robot)).ratio, rotor=robot.drive.rotor_inertia
+        ),
+        low=1e-3,
+        high=1e3,
+        doubt="drive.rotor_inertia of {joint}: the links weigh {value:.3g} times as much on the motor as the rotor of "
+        "{rotor:.3g} kg m^2. Was it given in kg cm^2 (1e-4 kg m^2), or the gear ratio the wrong way round?",
+    ),
+    Question(  # 14 000 turns a minute; degrees taken for radians give 57 times as much
+        needs=("kinematics", "drive.gear_ratio", "kinematics.max_speed"),
+        measure=lambda robot: _per_joint(robot, np.abs(robot.drive.gear_ratio) * robot.kinematics.max_speed),
+        high=1500.0,
+        doubt="kinematics.max_speed of {joint}: its motor would turn at {value:.0f} rad/s. Is the speed in its unit, "
+        "deg/s or rad/s, and the gear ratio right?",
+    ),
+    Question(  # a lower one is a pendulum rather than an arm, a higher one no metal structure of an arm
+        needs=("locked_resonances",),
+        measure=lambda robot: [(f, {}) for f in resonances(RigidArm(robot), rest_position(robot))],
+        low=1.0,
+        high=1000.0,
+        doubt="drive.joint_stiffness gives a resonance of {value:.3g} Hz with the motors held; arms have {low:g} to "
+        "{high:g} Hz. Is it in N m/rad, link side? A joint that does not bend has inf.",
+    ),
+    Question(  # published robots have 1e-4 to 1.3e-3
+        needs=("locked_resonances", "drive.joint_damping"),
+        measure=lambda robot: _per_joint(robot, robot.drive.joint_damping / robot.drive.joint_stiffness),
+        high=1e-2,
+        doubt="drive.joint_damping of {joint} is {value:.2g} s x stiffness; robots have 1e-4 to 1e-3 s.",
+    ),
+    Question(  # robots lose 2 to 10 %
+        needs=("torque_margin",),
+        measure=_margin("breakaway"),
+        high=0.5,
+        doubt="friction.static of {joint}, {torque:.3g} N m, is {value:.0%} of drive.peak_torque, {peak:.3g} N m. Are "
+        "both on the motor side?",
+    ),
+    Question(  # by the viscous line, which overstates it: the built-in robots have up to 1.5
+        needs=("torque_margin",),
+        measure=_margin("friction_at_speed"),
+        high=2.0,
+        doubt="friction.viscous of {joint} takes {value:.0%} of drive.peak_torque at the speed limit. Is it a "
+        "simulator's number, or on the other side of the gearbox?",
+    ),
+    Question(
+        needs=("torque_margin",),
+        measure=_margin("gravity"),
+        high=1.0,
+        doubt="drive.peak_torque of {joint}, {peak:.3g} N m, cannot hold gravity, {torque:.3g} N m on the motor in the "
+        "worst pose of its range. Are both on the motor side, is a counterbalance missing ([springs])?",
+    ),
+    Question(  # motor angle over which bristles bend before they slip; motors with gears have 1e-3 to 2e-2
+        needs=("lugre_dynamic",),
+        measure=lambda robot: _per_joint(robot, robot.friction.coulomb / robot.friction.bristle_stiffness),
+        low=1e-4,
+        high=0.1,
+        doubt="friction.bristle_stiffness of {joint}: it slips after {value:.2g} rad of the motor; motors with gears "
+        "have 1e-3 to 2e-2 rad. Is it on the motor side?",
+    ),
+    Question(
+        needs=("simulation",),
+        measure=_rates,
+        high=_STEP,
+        doubt="simulation.physics_dt = {dt:g} s is long for {what}: {enough:.2g} s or less follows it.",
+    ),
+)
+"""All questions, each with the reason for its limits."""

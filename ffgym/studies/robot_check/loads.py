@@ -1,12 +1,15 @@
-"""What gravity, friction and inertia ask of the motors."""
+"""What gravity, friction, inertia and the circle test ask of the motors."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.robot import RigidArm, RobotDescription
-from ffgym.studies.robot_check.draft import poses_in_range
+from ffgym.paths import SPEEDS
+from ffgym.robot import RigidArm, RobotDescription, motor_torque
+from ffgym.studies.circles import circle_references
+from ffgym.studies.robot_check.shape import poses_in_range
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,15 +56,28 @@ class Inertia:
     """Links over rotor, both on the motor side: above about 10, servos are hard to tune."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CircleUse:
+    """Largest use along the circles at every position of the work area, without oscillation."""
+
+    speed: float
+    """Of the TCP [m/s]."""
+    torque: Array | None = None
+    """Share of the peak torque, shape (N,); None if the robot cannot follow."""
+    joint_speed: Array | None = None
+    """Share of the joint speed limits, shape (N,); None if the robot cannot follow."""
+    problem: str = ""
+    """Why it cannot follow."""
+
+
 def gravity_of(robot: RobotDescription, places: dict[str, Array], *, with_gears: bool) -> Gravity:
     """Holding torque at joint positions by name, and its worst over the ranges; `with_gears` also at the motors."""
     arm = RigidArm(robot)
     everywhere = arm.holding_torque(poses_in_range(robot))
-    at_motors = np.abs(robot.drive.motor_torque(everywhere)).max(axis=0) if with_gears else None
     return Gravity(
         places={name: arm.holding_torque(q[None])[0] for name, q in places.items()},
         worst=np.abs(everywhere).max(axis=0),
-        motor_worst=at_motors,
+        motor_worst=np.abs(robot.drive.motor_torque(everywhere)).max(axis=0) if with_gears else None,
     )
 
 
@@ -77,11 +93,9 @@ def margin_of(robot: RobotDescription, q: Array) -> Margin:
     drive, friction = robot.drive, robot.friction
     gravity = gravity_of(robot, {}, with_gears=True).motor_worst
     assert gravity is not None
-    speed = np.abs(drive.gear_ratio) * robot.kinematics.max_speed
-    at_speed = friction.steady_torque(speed)
+    at_speed = friction.steady_torque(np.abs(drive.gear_ratio) * robot.kinematics.max_speed)
     left = drive.peak_torque - gravity - friction.static
-    inertia = inertia_of(robot, q)
-    turned = drive.rotor_inertia + inertia.link / drive.gear_ratio**2
+    turned = drive.rotor_inertia + inertia_of(robot, q).link / drive.gear_ratio**2
     return Margin(
         peak=drive.peak_torque,
         gravity=gravity,
@@ -90,4 +104,20 @@ def margin_of(robot: RobotDescription, q: Array) -> Margin:
         at_start=left / drive.peak_torque,
         at_speed=(drive.peak_torque - gravity - at_speed) / drive.peak_torque,
         acceleration=np.maximum(left, 0.0) / turned / np.abs(drive.gear_ratio),
+    )
+
+
+def circle_use(robot: RobotDescription, speed: float = SPEEDS[1]) -> CircleUse:
+    """Use along the circles of the thesis at a TCP speed [m/s]; up to 40 mm/s the robot of the thesis followed."""
+    arm = RigidArm(robot)
+    try:
+        references = circle_references(arm, None, [speed]).values()
+    except FFGymError as error:
+        return CircleUse(speed=speed, problem=str(error))
+    torques = [np.abs(motor_torque(arm, r.q, r.dq, r.ddq).total).max(axis=0) for r in references]
+    speeds = [np.abs(r.dq).max(axis=0) for r in references]
+    return CircleUse(
+        speed=speed,
+        torque=np.max(torques, axis=0) / robot.drive.peak_torque,
+        joint_speed=np.max(speeds, axis=0) / robot.kinematics.max_speed,
     )

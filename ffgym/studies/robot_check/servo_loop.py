@@ -13,7 +13,7 @@ from ffgym.simulation.plant import Plant
 
 _OPTIONS = ModelOptions(friction=False, looks=False)
 """Friction only damps small motions, so that a loop that is stable without it is stable with it, unless the step is too
-long for that damping, which `drive_doubts.long_step` asks."""
+long for that damping, which `doubts` asks."""
 _NUDGE = 1e-6
 """Step of the finite differences [rad, m]: the cube root of the rounding error, to an order of magnitude."""
 _STABLE = 1 + 1e-7

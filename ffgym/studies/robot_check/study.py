@@ -4,12 +4,20 @@ from dataclasses import asdict, dataclass, fields, is_dataclass
 from typing import Any
 
 from ffgym.core.types import Array
-from ffgym.robot import CAPABILITIES, Capability, RigidArm, RobotDraft, resonances
-from ffgym.studies.robot_check.circle_use import CircleUse, circle_use
+from ffgym.robot import CAPABILITIES, Capability, RigidArm, RobotDescription, RobotDraft, resonances
 from ffgym.studies.robot_check.doubts import doubts_about
-from ffgym.studies.robot_check.loads import Gravity, Inertia, Margin, gravity_of, inertia_of, margin_of
-from ffgym.studies.robot_check.places import Place, Reach, places_of, reach_of, rest_place
+from ffgym.studies.robot_check.loads import (
+    CircleUse,
+    Gravity,
+    Inertia,
+    Margin,
+    circle_use,
+    gravity_of,
+    inertia_of,
+    margin_of,
+)
 from ffgym.studies.robot_check.servo_loop import ServoLoop, servo_loop
+from ffgym.studies.robot_check.shape import Place, Reach, places_of, reach_of, rest_place
 
 _SMALL_MARGIN = 2.0
 """Gain margin below which a servo counts as tight; the rule of thumb of 6 dB."""
@@ -69,69 +77,51 @@ class RobotCheck:
 
 def check_robot(draft: RobotDraft) -> RobotCheck:
     """Compute all that a description, complete or not, says enough for."""
-    has_shape = draft.can("kinematics")
-    shape = draft.description_for("kinematics") if has_shape else None
+
+    def known(*needs: str) -> RobotDescription | None:
+        return draft.description_for(*needs) if draft.can(*needs) else None
+
+    shape, masses, links = known("kinematics"), known("kinematics", "links.mass"), known("link_torque")
     rest = None if shape is None else rest_place(shape)
     places = () if shape is None else tuple(places_of(shape))
     reached = {place.name: place.q for place in places if place.q is not None}
-    servo = _servo(draft, rest)
+    at = None if rest is None else rest.q
+    driven, strong, whole = (
+        None if at is None else known(needs) for needs in ("motor_torque", "torque_margin", "simulation")
+    )
+    with_gears = draft.can("link_torque", "drive.gear_ratio")
+    servo = servo_loop(draft.complete(), rest.name, at) if whole and rest is not None and at is not None else None
     return RobotCheck(
         draft=draft,
         lacks={entry.name: draft.lacks(entry.name) for entry in CAPABILITIES},
         reach=None if shape is None else reach_of(shape),
         rest=rest,
         places=places,
-        mass=_mass(draft),
-        resonances=_resonances(draft, reached),
-        gravity=_gravity(draft, reached),
-        inertia=_inertia(draft, rest),
-        margin=_margin(draft, rest),
+        mass=None if masses is None else _mass(masses),
+        resonances=_resonances(known("locked_resonances"), reached, free=draft.can("resonances")),
+        gravity=None if links is None else gravity_of(links, reached, with_gears=with_gears),
+        inertia=None if driven is None or at is None else inertia_of(driven, at),
+        margin=None if strong is None or at is None else margin_of(strong, at),
         circles=circle_use(draft.complete()) if draft.can("circles") else None,
         servo=servo,
         doubts=(*doubts_about(draft), *_place_doubts(places), *_servo_doubts(servo)),
     )
 
 
-def _mass(draft: RobotDraft) -> float | None:
-    if not draft.can("kinematics", "links.mass"):
-        return None
-    robot = draft.description_for("kinematics", "links.mass")
+def _mass(robot: RobotDescription) -> float:
     return float(robot.bodies.mass.sum()) + (0.0 if robot.tool is None else robot.tool.mass)
 
 
-def _resonances(draft: RobotDraft, places: dict[str, Array]) -> dict[str, Resonances] | None:
-    if not draft.can("locked_resonances"):
+def _resonances(
+    robot: RobotDescription | None, places: dict[str, Array], *, free: bool
+) -> dict[str, Resonances] | None:
+    if robot is None:
         return None
-    arm, free = RigidArm(draft.description_for("locked_resonances")), draft.can("resonances")
+    arm = RigidArm(robot)
     return {
         name: Resonances(locked=resonances(arm, q), free=resonances(arm, q, "free") if free else None)
         for name, q in places.items()
     }
-
-
-def _gravity(draft: RobotDraft, places: dict[str, Array]) -> Gravity | None:
-    if not draft.can("link_torque"):
-        return None
-    with_gears = draft.can("link_torque", "drive.gear_ratio")
-    return gravity_of(draft.description_for("link_torque"), places, with_gears=with_gears)
-
-
-def _inertia(draft: RobotDraft, rest: Place | None) -> Inertia | None:
-    if rest is None or rest.q is None or not draft.can("motor_torque"):
-        return None
-    return inertia_of(draft.description_for("motor_torque"), rest.q)
-
-
-def _margin(draft: RobotDraft, rest: Place | None) -> Margin | None:
-    if rest is None or rest.q is None or not draft.can("torque_margin"):
-        return None
-    return margin_of(draft.description_for("torque_margin"), rest.q)
-
-
-def _servo(draft: RobotDraft, rest: Place | None) -> ServoLoop | None:
-    if rest is None or rest.q is None or not draft.can("simulation"):
-        return None
-    return servo_loop(draft.complete(), rest.name, rest.q)
 
 
 def _place_doubts(places: tuple[Place, ...]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Where joints, axes and masses of an arm are, from kinematics and masses alone."""
+"""Where an arm and its parts are: skeleton, reach, and the positions of the work area."""
 
 from dataclasses import dataclass
 
@@ -6,8 +6,9 @@ import mujoco
 import numpy as np
 from scipy.stats import qmc
 
+from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.robot import ModelOptions, RobotDescription, compile_model
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, compile_model, solve_pose
 
 _BARE = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
 """Links on joints, and nothing else."""
@@ -81,6 +82,79 @@ def poses_in_range(robot: RobotDescription, count: int = POSES) -> Array:
     turn = np.where(robot.kinematics.is_sliding, np.inf, 2 * np.pi)
     spread = qmc.Halton(robot.n_joints, scramble=False).random(count)
     return low + spread * np.minimum(high - low, turn)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reach:
+    """Where the tip comes (TCP, or origin of the last link) over poses spread over the joint ranges, in the world."""
+
+    distance: float
+    """Largest distance from the first joint [m]."""
+    low: Array
+    """Corner of the box around all points [m], shape (3,)."""
+    high: Array
+    """Corner of the box around all points [m], shape (3,)."""
+    points: Array
+    """All points [m], shape (T, 3)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Place:
+    """A pose that loads and resonances are told for."""
+
+    name: str
+    q: Array | None
+    """Joint positions, link side, shape (N,); None if the place cannot be reached."""
+    condition: float | None = None
+    """Condition number of the Jacobian of the TCP there; None without a tool."""
+    problem: str = ""
+    """Why it cannot be reached."""
+
+
+def reach_of(robot: RobotDescription) -> Reach:
+    """Reach of a robot; needs kinematics only."""
+    poses = poses_in_range(robot)
+    points = tips(robot, poses)
+    first = skeleton(robot, poses[0]).joints[0]
+    return Reach(
+        distance=float(np.linalg.norm(points - first, axis=1).max()),
+        low=points.min(axis=0),
+        high=points.max(axis=0),
+        points=points,
+    )
+
+
+def places_of(robot: RobotDescription) -> list[Place]:
+    """Positions of the work area, or else the pose with every joint as near to 0 as it can be."""
+    area = robot.work_area
+    if area is None or not area.positions or robot.tool is None:
+        return [rest_place(robot)]
+    arm, places = RigidArm(robot), []
+    for name, point in area.positions.items():
+        try:
+            q = solve_pose(arm, point, area.tool_rotation, area.home)
+            places.append(Place(name=name, q=q, condition=_condition(arm, q)))
+        except FFGymError as error:
+            places.append(Place(name=name, q=None, problem=str(error)))
+    return places
+
+
+def rest_place(robot: RobotDescription) -> Place:
+    """Home of the work area, or the joint positions nearest to 0 within the ranges."""
+    q = rest_position(robot)
+    nearest = "q nearest to 0" if np.any(q) else "q = 0"
+    name = nearest if robot.work_area is None else "home"
+    return Place(name=name, q=q, condition=None if robot.tool is None else _condition(RigidArm(robot), q))
+
+
+def rest_position(robot: RobotDescription) -> Array:
+    """Joint positions of home, or those nearest to 0 within the ranges, shape (N,)."""
+    area = robot.work_area
+    return np.clip(0.0, *robot.kinematics.range.T) if area is None else area.home
+
+
+def _condition(arm: RigidArm, q: Array) -> float:
+    return float(np.linalg.cond(arm.jacobian(q[None]))[0])
 
 
 def _tip(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
