@@ -29,8 +29,9 @@ def compare(row: Cells, cells: Cells, table: Cells, laboratory: Laboratory) -> l
         table: the whole table, for its lists and kinds.
         laboratory: whose results are measured; what it does not have (None) is not compared.
     """
-    row = {**table["kind"].get(row.get("kind"), {}), **row}
-    cells = {**cells, **{name: value for name, value in row.items() if name not in RULES}}
+    kind = table["kind"].get(row.get("kind"), {})
+    cells = {**_cells(kind), **cells, **_cells(row)}
+    row = {**kind, **row}
     checks: list[Check] = []
     for combination in _combinations(row.get("each", {}), table["lists"]):
         here = {**cells, **combination}
@@ -80,6 +81,10 @@ def text(template: str, cells: Cells) -> str:
     if "speed" in cells:
         words["mm_s"] = cells["speed"] * 1e3
     return template.format(**words)
+
+
+def _cells(row: Cells) -> Cells:
+    return {name: value for name, value in row.items() if name not in RULES}
 
 
 def _combinations(each: Cells, lists: Mapping[str, list[Any]]) -> Iterator[dict[str, Any]]:
