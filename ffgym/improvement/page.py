@@ -9,8 +9,8 @@ from ffgym.improvement.text import change, verdict_of
 from ffgym.report import ReportFigure
 from ffgym.report.circles.paths_plot import paths_caption, paths_figure
 from ffgym.report.diagnosis.words import size_text, title_of
-from ffgym.report.html import embedded, provenance_lines, render
 from ffgym.report.learning.agents_plot import agents_figure
+from ffgym.report.page import provenance_lines, render
 
 
 def render_improvement(improvement: Improvement, info: Mapping[str, Any]) -> str:
@@ -35,7 +35,7 @@ def render_improvement(improvement: Improvement, info: Mapping[str, Any]) -> str
         rounds=[_shown(each) for each in improvement.rounds],
         speeds=list(dict.fromkeys(score.speed_mm_s for score in scores)),
         rows=[(title, [(score, change(score)) for score in own]) for title, own in rows],
-        figures=[embedded(each) for each in improvement_figures(improvement)],
+        figures=list(improvement_figures(improvement)),
         provenance=provenance_lines(info),
     )
 

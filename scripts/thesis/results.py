@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ffgym.report import ReportFigure, SpeedTable, law_styles
-from ffgym.report.html import embedded, provenance_lines, render
+from ffgym.report.page import provenance_lines, render
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 from scripts.thesis.catalogue import Item
 from scripts.thesis.claims import EVERY, MAJORITY, MOST, PARTLY, VERDICTS, Check, Judgement, Verdict, judge
@@ -86,13 +86,12 @@ def render_page(results: Sequence[Reproduced], info: Mapping[str, Any]) -> str:
     Raises:
         FFGymError: if matplotlib or jinja2 is missing.
     """
-    shown = [{**vars(result), "figures": [embedded(figure) for figure in result.figures]} for result in results]
     chapters = dict.fromkeys(result.item.chapter for result in results)
     return render(
         "reproduction.html.j2",
         counts=count(results),
         results=results,
-        chapters={TITLES[chapter]: [one for one in shown if one["item"].chapter == chapter] for chapter in chapters},
+        chapters={TITLES[chapter]: [one for one in results if one.item.chapter == chapter] for chapter in chapters},
         styles=law_styles([agent for result in results for table in result.tables for agent in table.agents]),
         shares={"every": EVERY, "most": MOST, "majority": MAJORITY, "partly": PARTLY},
         provenance=provenance_lines(info),

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.report._matplotlib import encode_figure, house_style, new_figure
+from ffgym.report.figure import encode_figure, house_style, new_figure
 
 
 def drawn(n_points):

@@ -9,12 +9,12 @@ from matplotlib.colors import to_hex
 from ffgym.core.errors import FFGymError
 from ffgym.recordings.metrics import motor_error, motor_error_rms, relative_rms
 from ffgym.report import circle_figures, one_axis_figures, save_figure
-from ffgym.report._matplotlib import encode_figure
 from ffgym.report.circles.bars import motor_error_figure
 from ffgym.report.circles.friction_loops import joint_loops_caption, joint_loops_figure
 from ffgym.report.circles.one_axis_plot import one_axis_figure
-from ffgym.report.circles.paths_plot import flat_circles, magnification, paths_figure
+from ffgym.report.circles.paths_plot import flat_circles, magnification_of, paths_figure
 from ffgym.report.circles.ratios_plot import ratios_figure
+from ffgym.report.figure import encode_figure
 from ffgym.report.laws import law_styles
 
 
@@ -47,7 +47,7 @@ def test_paths_at_true_scale_run_where_the_tool_was(circle):
 
 def test_no_enlarged_circle_passes_its_own_centre(circle):
     for speed in (0.04, 0.1):
-        factor = magnification(circle, speed)
+        factor = magnification_of(circle, speed)
         flats = [
             flat for key, recording in circle.recordings.items() if key[2] == speed for flat in flat_circles(recording)
         ]
@@ -57,7 +57,7 @@ def test_no_enlarged_circle_passes_its_own_centre(circle):
 def test_paths_grid_has_a_row_per_speed_and_says_its_magnification(circle):
     titles = [axes.get_title() for axes in paths_figure(circle).axes]
     for title, speed in zip(titles, (0.04, 0.1), strict=True):
-        factor = magnification(circle, speed)
+        factor = magnification_of(circle, speed)
         assert title == f"p1, {speed * 1e3:g} mm/s, " + ("true scale" if factor == 1 else f"error × {factor:g}")
 
 
@@ -167,7 +167,7 @@ def test_importing_the_report_loads_neither_matplotlib_nor_jinja():
 def test_drawing_does_not_load_pyplot():
     code = """
 import sys
-from ffgym.report._matplotlib import encode_figure
+from ffgym.report.figure import encode_figure
 from ffgym.report.circles.one_axis_plot import one_axis_figure
 from ffgym.robot import load_robot
 from ffgym.studies import one_axis_study

@@ -14,7 +14,7 @@ from ffgym.recordings.metrics import Contour
 from ffgym.report import format_motion, render_motion_page
 from ffgym.report.motion.page import motion_figures
 from ffgym.report.motion.thinning import POINTS, peaks_kept
-from ffgym.report.motion.tool_path_plot import SHARE, magnification, sights_of
+from ffgym.report.tool_path import SHARE, ToolPath, scale_of_error, sights_of
 from ffgym.simulation import SimulatedRig
 from ffgym.studies import circle_references, motion_study
 
@@ -78,11 +78,8 @@ def test_other_paths_are_seen_from_above_and_from_the_longer_side(size, labels):
 
 @given(st.floats(1e-9, 1.0))
 def test_the_magnification_is_round_and_as_large_as_the_share_allows(largest):
-    contour = Contour(
-        rows=np.arange(2), nearest=np.array([[0.0, 0, 0], [3.0, 4, 0]]), error=np.array([[0, 0, largest]] * 2),
-        lag=np.zeros(2),
-    )  # fmt: skip
-    factor = magnification({"law": contour})
+    beside = np.array([[0.0, 0, 0], [3.0, 4, 0]])
+    factor = scale_of_error([ToolPath(label="law", nearest=beside, error=np.array([[0, 0, largest]] * 2))], beside)
     assert f"{factor:e}"[0] in "125"
     assert float(f"{factor:.0e}") == pytest.approx(factor)
     assert factor == 1 or factor * largest <= SHARE * 5 * (1 + 1e-9)
@@ -90,8 +87,8 @@ def test_the_magnification_is_round_and_as_large_as_the_share_allows(largest):
 
 
 def test_a_tool_without_any_deviation_is_drawn_to_scale():
-    still = Contour(rows=np.arange(2), nearest=np.eye(3)[:2], error=np.zeros((2, 3)), lag=np.zeros(2))
-    assert magnification({"law": still}) == 1.0
+    still = ToolPath(label="law", nearest=np.eye(3)[:2], error=np.zeros((2, 3)))
+    assert scale_of_error([still], still.nearest) == 1.0
 
 
 def test_the_drawn_path_leaves_the_reference_by_the_magnified_error(study):

@@ -12,9 +12,10 @@ from ffgym.envs.rendering.canvas import Caption, Panel
 from ffgym.envs.rendering.gauge import Dial, Gauge, Ruler
 from ffgym.envs.rendering.marks import Ball, Curve, Mark
 from ffgym.envs.rendering.options import Rendering
-from ffgym.envs.rendering.paper import Sheet, round_down
+from ffgym.envs.rendering.paper import Sheet
 from ffgym.envs.rendering.tool_view import REFERENCE, TRAIL
 from ffgym.envs.rendering.view import View
+from ffgym.recordings.metrics import magnification, magnified
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore
@@ -47,7 +48,7 @@ class AxisView(View):
         self._joint[i] = j = int(np.argmax(np.ptp(motion.reference.q, axis=0) / np.ptp(kinematics.range, axis=1)))
         unit = float(np.ptp(kinematics.range[j])) / 2 if kinematics.is_sliding[j] else 1.0
         fastest = float(np.abs(motion.reference.dq[:, j]).max()) / unit
-        self._factor[i] = max(1.0, round_down(MAGNIFIED_SPEED / max(fastest, 1e-3)))
+        self._factor[i] = magnification(MAGNIFIED_SPEED, max(fastest, 1e-3))
 
     def sample(self, ids: IntArray) -> Array:
         """Reference and error now, shape (B', 2)."""
@@ -71,7 +72,7 @@ class AxisView(View):
         age = np.linspace(1, 0, len(recent)) * len(recent) * self.core.robot.servo.control_dt / RECENT
         thick = 0.008 * gauge.radius
         reference = gauge.points(age, recent[:, 0])
-        drawn = gauge.points(age, recent[:, 0] + self.magnify(i) * recent[:, 1])
+        drawn = gauge.points(age, magnified(recent[:, 0], recent[:, 1], self.magnify(i)))
         return [
             *gauge.marks(),
             Curve(points=drawn, colour=TRAIL, width=3.5),

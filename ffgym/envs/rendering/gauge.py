@@ -8,7 +8,8 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.marks import Curve, Mark
-from ffgym.envs.rendering.paper import GREY, round_down
+from ffgym.envs.rendering.paper import GREY
+from ffgym.recordings.metrics import round_down
 
 TICK = np.deg2rad(15.0)
 """Between two ticks of a dial [rad]."""

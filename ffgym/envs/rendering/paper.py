@@ -8,6 +8,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.marks import Colour, Curve, Mark, Plate
+from ffgym.recordings.metrics import round_down
 
 WHITE: Colour = (0.97, 0.97, 0.96, 1.0)
 GREY: Colour = (0.80, 0.81, 0.83, 1.0)
@@ -60,12 +61,6 @@ class GridSheet(Sheet):
                 ends = np.stack([middle - self.reach * along, middle + self.reach * along])
                 marks.append(Curve(points=ends, colour=GREY))
         return marks
-
-
-def round_down(value: float) -> float:
-    """Largest of ..., 0.1, 0.2, 0.5, 1, 2, 5, 10, ... that is not above `value`, which is > 0."""
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(max(step for step in (1.0, 2.0, 5.0) if step <= value / power * (1 + 1e-9)) * power)
 
 
 def spaced(points: Array, step: float) -> Array:

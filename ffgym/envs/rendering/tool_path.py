@@ -7,7 +7,7 @@ import numpy as np
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.motion import Motion
 from ffgym.envs.rendering.camera import Camera
-from ffgym.envs.rendering.paper import round_down
+from ffgym.recordings.metrics import magnification
 
 FREE_RADIUS = 0.03
 """Half of what the close-up shows of a motion without circles [m]."""
@@ -61,7 +61,7 @@ class ToolPath:
             centre=centre,
             normal=normal if normal[2] >= 0 else -normal,
             radius=radius,
-            magnify=max(1.0, round_down(TYPICAL_SHARE * radius / typical)),
+            magnify=magnification(TYPICAL_SHARE * radius, typical),
         )
 
     def camera(self, now: Array) -> Camera:

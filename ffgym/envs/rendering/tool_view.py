@@ -14,6 +14,7 @@ from ffgym.envs.rendering.options import Rendering
 from ffgym.envs.rendering.paper import GridSheet, spaced
 from ffgym.envs.rendering.tool_path import ToolPath
 from ffgym.envs.rendering.view import View
+from ffgym.recordings.metrics import magnified
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore
@@ -78,7 +79,7 @@ class ToolView(View):
         """See base class."""
         path = self._paths[i]
         toward = 0.02 * path.radius * path.camera(trail[-1, :3]).backward  # what comes later is drawn above
-        drawn = trail[:, :3] + self.magnify(i) * trail[:, 3:] + 3 * toward
+        drawn = magnified(trail[:, :3], trail[:, 3:], self.magnify(i)) + 3 * toward
         now, error = trail[-1, :3] + 3 * toward, drawn[-1]
         past, present = path.seen(len(trail))
         step = 0.01 * path.radius

@@ -18,8 +18,8 @@ from ffgym.leaderboard.presentation.tool_paths import ToolPaths
 from ffgym.leaderboard.presentation.words import SELECTION_TITLES, group_title, headline, residual_sentence
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
-from ffgym.report.html import provenance_lines, render
 from ffgym.report.laws import UNCOMPENSATED
+from ffgym.report.page import provenance_lines, render
 
 
 def render_page(

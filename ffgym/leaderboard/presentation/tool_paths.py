@@ -12,7 +12,9 @@ from ffgym.core.types import Array
 from ffgym.leaderboard.plants import THESIS_WORKCELL
 from ffgym.leaderboard.presentation.svg import COLOURS, number, polyline
 from ffgym.leaderboard.results import Row, Trail
-from ffgym.report.circles.paths_plot import MAGNIFICATIONS
+from ffgym.recordings.metrics import magnification, magnified, nearest_on_polylines
+from ffgym.report.circles.paths_plot import MOST
+from ffgym.report.tool_path import scale_words
 
 _POINTS = 150
 """Points drawn of one path at most, enough for a line without corners at this size."""
@@ -39,7 +41,7 @@ class ToolPath:
     def __post_init__(self) -> None:
         reference = check_shape("reference", self.reference, (None, 2))
         tool = _thinned(check_shape("tool", self.tool, (None, 2)))
-        near = _nearest(tool, reference)
+        near = nearest_on_polylines(tool, np.broadcast_to(reference, (len(tool), *reference.shape)))
         object.__setattr__(self, "_reference", _thinned(reference))
         object.__setattr__(self, "_error", np.stack([near, tool - near]))
 
@@ -51,14 +53,14 @@ class ToolPath:
     def enlarged(self, factor: float) -> Array:
         """Path of the tool with its distance from the nearest point of the reference enlarged [mm], shape (T, 2)."""
         near, error = self._error
-        return np.asarray(near + factor * error)
+        return magnified(near, error, factor)
 
     @property
     def magnification(self) -> float:
         """Largest factor that leaves the path recognisable."""
         largest = float(np.linalg.norm(self._error[1], axis=1).max())
         room = _REACH * float(np.ptp(self._reference, axis=0).max()) / 2
-        return next((factor for factor in MAGNIFICATIONS if factor * largest <= room), MAGNIFICATIONS[-1])
+        return magnification(room, largest, MOST)
 
 
 ToolPaths = Mapping[str, Mapping[float, ToolPath]]
@@ -118,7 +120,7 @@ def _picture(path: ToolPath, zero: ToolPath | None, speed: float) -> Picture:
     low, span = every.min(axis=0), float(np.ptp(every, axis=0).max()) * 1.06
     corner = low - (span - np.ptp(every, axis=0)) / 2
     box = f"{number(corner[0])} {number(-corner[1] - span)} {number(span)} {number(span)}"
-    words = "true scale" if factor == 1 else f"error × {factor:g}"
+    words = scale_words(factor)
     svg = (
         f'<svg viewBox="{box}" width="{_SIZE}" height="{_SIZE}" role="img" aria-label="Path of the tool at '
         f'{speed:g} mm/s, {words}">{"".join(lines)}</svg>'
@@ -128,13 +130,3 @@ def _picture(path: ToolPath, zero: ToolPath | None, speed: float) -> Picture:
 
 def _thinned(points: Array) -> Array:
     return points[np.unique(np.linspace(0, len(points) - 1, min(_POINTS, len(points))).round().astype(int))]
-
-
-def _nearest(points: Array, path: Array) -> Array:
-    """Nearest point of a chain of lines to each point, shape (T, 2)."""
-    starts, steps = path[:-1], np.diff(path, axis=0)
-    lengths = np.maximum((steps**2).sum(axis=1), np.finfo(float).tiny)
-    along = np.clip(((points[:, None] - starts) * steps).sum(axis=-1) / lengths, 0, 1)
-    feet = starts + along[..., None] * steps
-    best = ((points[:, None] - feet) ** 2).sum(axis=-1).argmin(axis=1)
-    return np.asarray(feet[np.arange(len(points)), best])

@@ -3,9 +3,13 @@ from .circle import fit_circle as fit_circle
 from .contour import Contour as Contour
 from .contour import ContourError as ContourError
 from .contour import contour_errors as contour_errors
+from .contour import nearest_on_polylines as nearest_on_polylines
 from .contour import start_offset as start_offset
 from .friction_error import friction_miss as friction_miss
 from .friction_error import relative_rms as relative_rms
+from .magnify import magnification as magnification
+from .magnify import magnified as magnified
+from .magnify import round_down as round_down
 from .motor_errors import motor_error as motor_error
 from .motor_errors import motor_error_rms as motor_error_rms
 from .path_error import PathError as PathError

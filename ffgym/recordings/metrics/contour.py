@@ -154,12 +154,12 @@ def _refined(points: Array, near: Array, curve: CubicSpline, t: Array) -> Array:
     for first in range(0, len(points), _BLOCK):
         block = slice(first, first + _BLOCK)
         drawn = curve(np.clip(near[block, None] + steps, t[0], t[-1]))
-        nearest[block] = _on_polylines(points[block], drawn)
+        nearest[block] = nearest_on_polylines(points[block], drawn)
     return nearest
 
 
-def _on_polylines(points: Array, corners: Array) -> Array:
-    """Nearest points (T, 3) to `points` (T, 3), each on a polyline of its own, with corners (T, C, 3)."""
+def nearest_on_polylines(points: Array, corners: Array) -> Array:
+    """Nearest points (T, D) to `points` (T, D), each on a polyline of its own, with corners (T, C, D)."""
     start, along = corners[:, :-1], np.diff(corners, axis=1)
     square = (along**2).sum(axis=2)
     ahead = ((points[:, None] - start) * along).sum(axis=2)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.recordings.metrics import motor_error_rms
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import CircleStudy
 

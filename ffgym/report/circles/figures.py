@@ -1,8 +1,5 @@
 """Every figure of the report, with its caption and the figure of the thesis that it corresponds to."""
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
 from ffgym.report.circles.bars import motor_error_caption, motor_error_figure
 from ffgym.report.circles.comparison import circle_tables
 from ffgym.report.circles.friction_loops import (
@@ -14,23 +11,8 @@ from ffgym.report.circles.friction_loops import (
 from ffgym.report.circles.one_axis_plot import one_axis_caption, one_axis_figure
 from ffgym.report.circles.paths_plot import paths_caption, paths_figure
 from ffgym.report.circles.ratios_plot import ratios_caption, ratios_figure
+from ffgym.report.figure import ReportFigure
 from ffgym.studies import CircleStudy, OneAxisStudy
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ReportFigure:
-    """One figure of the report."""
-
-    name: str
-    """For file names and links."""
-    title: str
-    thesis: str
-    """Where the thesis shows the same; empty where the page says it."""
-    caption: str
-    figure: "Figure"
 
 
 def circle_figures(study: CircleStudy) -> list[ReportFigure]:

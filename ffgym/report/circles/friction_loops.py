@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.types import Array, BoolArray
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import friction_miss, relative_rms
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, compensated, law_styles
 from ffgym.studies import CircleStudy, OneAxisStudy
 from ffgym.studies.one_axis import SETTLED

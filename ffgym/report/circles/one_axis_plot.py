@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from ffgym.core.types import Array
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, baseline_of, compensated, law_styles
 from ffgym.studies import OneAxisStudy
 from ffgym.studies.one_axis import SETTLED

@@ -12,8 +12,8 @@ from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, n
 from ffgym.report.circles.figures import circle_figures, one_axis_figures
 from ffgym.report.circles.findings import PARTLY, REPRODUCED, findings
 from ffgym.report.circles.headline import headline
-from ffgym.report.html import embedded, provenance_lines, render
 from ffgym.report.laws import UNCOMPENSATED, baseline_of, law_styles
+from ffgym.report.page import provenance_lines, render
 from ffgym.studies import CircleStudy, OneAxisStudy
 
 
@@ -55,8 +55,8 @@ def render_report(circle_study: CircleStudy, one_axis_study: OneAxisStudy, info:
         uncompensated=UNCOMPENSATED,
         sines=one_axis_study.results,
         findings=findings(circle_study),
-        circle_figures=[embedded(figure) for figure in circle_figures(circle_study)],
-        one_axis_figures=[embedded(figure) for figure in one_axis_figures(one_axis_study)],
+        circle_figures=list(circle_figures(circle_study)),
+        one_axis_figures=list(one_axis_figures(one_axis_study)),
         provenance=provenance(circle_study, one_axis_study, info),
         factor=FACTOR,
         shares={"reproduced": REPRODUCED, "partly reproduced": PARTLY},

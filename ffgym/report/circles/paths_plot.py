@@ -10,17 +10,18 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
 from ffgym.paths.circles import Plane, plane_of
 from ffgym.recordings import Phase, Recording
-from ffgym.recordings.metrics import Circle, circle_deviation, fit_circle, standstill_offset
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.recordings.metrics import Circle, circle_deviation, fit_circle, magnification, magnified, standstill_offset
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, law_styles
+from ffgym.report.tool_path import scale_words
 from ffgym.studies import CircleStudy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MAGNIFICATIONS = (100, 50, 20, 10, 5, 2, 1)
-"""Factors that a path error may be drawn with."""
+MOST = 100.0
+"""Largest factor that a path error is drawn with."""
 _POINTS = 600
 """Points drawn on one circle, enough for a line without corners."""
 
@@ -40,7 +41,8 @@ class FlatCircle:
 
     def path(self, magnification: float) -> Array:
         """Path of the tool [mm] with its deviation enlarged, shape (T, 2)."""
-        return self.centre + (self.radius + magnification * self.outward)[:, None] * _unit(self.angle)
+        outwards = _unit(self.angle)
+        return magnified(self.centre + self.radius * outwards, self.outward[:, None] * outwards, magnification)
 
     def reference(self) -> Array:
         """The circle [mm], shape (200, 2)."""
@@ -64,16 +66,13 @@ def flat_circles(recording: Recording) -> list[FlatCircle]:
     return [_flat(tcp[rows], fit, fits[0].centre, plane) for rows, fit in zip(stretches, fits, strict=True)]
 
 
-def magnification(study: CircleStudy, speed: float) -> float:
+def magnification_of(study: CircleStudy, speed: float) -> float:
     """Largest factor at `speed` [m/s] with which no circle reaches its neighbours or its own centre."""
     recordings = [recording for (_, _, v), recording in study.recordings.items() if v == speed]
     circles = [circle for recording in recordings for circle in flat_circles(recording)]
     radii = sorted({round(circle.radius, 2) for circle in circles})
     gap = float(np.diff([0.0, *radii]).max() if len(radii) < 3 else np.median(np.diff(radii)))
-    for factor in MAGNIFICATIONS:
-        if all(_stays_readable(circle, factor, gap) for circle in circles):
-            return factor
-    return MAGNIFICATIONS[-1]
+    return min(_largest_factor(circle, gap) for circle in circles)
 
 
 def paths_figure(
@@ -94,11 +93,11 @@ def paths_figure(
         figure = new_figure(max(3.0 * len(columns), 5.0), 3.05 * len(rows) + 0.6)
         grid = figure.subplots(len(rows), len(columns), squeeze=False)
         for i, speed in enumerate(rows):
-            factor = magnification(study, speed)
+            factor = magnification_of(study, speed)
             for j, position in enumerate(columns):
                 recordings = {law: study.recordings[law, position, speed] for law in laws}
                 _draw(grid[i][j], recordings, factor, styles)
-                grid[i][j].set_title(f"{position}, {speed * 1e3:g} mm/s, {_drawn(factor)}")
+                grid[i][j].set_title(f"{position}, {speed * 1e3:g} mm/s, {scale_words(factor)}")
                 grid[i][j].set_ylabel("y [mm]" if j == 0 else "")
                 grid[-1][j].set_xlabel("x [mm]")
             _share_limits(grid[i])
@@ -109,7 +108,7 @@ def paths_figure(
 def paths_caption(study: CircleStudy) -> str:
     """What the figure shows, with its magnifications and where the largest deviation of each speed is."""
     speeds = sorted({speed for _, _, speed in study.recordings})
-    factors = ", ".join(f"{_drawn(magnification(study, speed))} at {speed * 1e3:g} mm/s" for speed in speeds)
+    factors = ", ".join(f"{scale_words(magnification_of(study, speed))} at {speed * 1e3:g} mm/s" for speed in speeds)
     styles = law_styles(law for law, _, _ in study.recordings)
     worst = [max(study.select(speed_mm_s=round(v * 1e3, 6)), key=lambda cell: cell.max_mm) for v in speeds]
     peaks = "; ".join(
@@ -146,17 +145,14 @@ def _share_limits(row: "Sequence[Axes]") -> None:
         axes.locator_params(nbins=8, steps=[1, 2, 5, 10])
 
 
-def _drawn(factor: float) -> str:
-    return "true scale" if factor == 1 else f"error × {factor:g}"
-
-
 def _radii(study: CircleStudy) -> list[float]:
     return sorted({round(cell.radius_mm, 2) for cell in study.cells})
 
 
-def _stays_readable(circle: FlatCircle, factor: float, gap: float) -> bool:
-    enlarged = factor * circle.outward
-    return bool(np.abs(enlarged).max() <= 0.9 * gap and -enlarged.min() <= 0.95 * circle.radius)
+def _largest_factor(circle: FlatCircle, gap: float) -> float:
+    """Factor with which a circle neither comes near its neighbours, `gap` [mm] away, nor near its own centre."""
+    beside = magnification(0.9 * gap, float(np.abs(circle.outward).max()), MOST)
+    return min(beside, magnification(0.95 * circle.radius, float(np.maximum(-circle.outward, 0.0).max()), MOST))
 
 
 def _rows(recording: Recording, phase: Phase) -> BoolArray:

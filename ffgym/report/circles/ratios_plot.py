@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from ffgym.core.errors import FFGymError
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, nearness
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import CircleStudy
 

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ffgym.diagnosis.result import Diagnosis
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.diagnosis.words import place_of, rivals_of
+from ffgym.report.figure import house_style, legend_above, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

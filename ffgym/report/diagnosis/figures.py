@@ -8,7 +8,6 @@ import numpy as np
 from ffgym.diagnosis.log_rows import log_rows
 from ffgym.diagnosis.regimes import motion_map, regime_map
 from ffgym.diagnosis.residual import Channel
-from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.diagnosis.candidates_plot import candidates_figure
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place, worst_motions
 from ffgym.report.diagnosis.joint_units import in_joint_units, scale_of
@@ -20,6 +19,7 @@ from ffgym.report.diagnosis.profiles_plot import profiles_caption, profiles_figu
 from ffgym.report.diagnosis.spectrum_plot import spectrum_caption, spectrum_figure
 from ffgym.report.diagnosis.time_plot import time_figure
 from ffgym.report.diagnosis.tool_plot import tool_caption, tool_figure
+from ffgym.report.figure import ReportFigure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

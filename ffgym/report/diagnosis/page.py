@@ -1,13 +1,11 @@
 """A diagnosis on a page that can be sent, for readers who do not know the tool."""
 
 from collections.abc import Sequence
-from itertools import count
 from typing import Any
 
 from ffgym.diagnosis.closed_loop import LoopLevel
 from ffgym.diagnosis.regimes import REGIMES
 from ffgym.diagnosis.result import Level, Rival
-from ffgym.report.circles.figures import ReportFigure
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.figures import (
     candidate_figures,
@@ -19,7 +17,8 @@ from ffgym.report.diagnosis.figures import (
 from ffgym.report.diagnosis.joint_units import in_joint_units
 from ffgym.report.diagnosis.models import FINE
 from ffgym.report.diagnosis.words import VERDICTS, place_of, rivals_of, signature_of, size_text, title_of, together
-from ffgym.report.html import embedded, provenance_lines, render
+from ffgym.report.figure import ReportFigure
+from ffgym.report.page import provenance_lines, render
 
 _MOST_RIVALS = 8
 """Rivals of a cause that the table lists, those that explain most; a tie is always listed."""
@@ -55,9 +54,9 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
     )
 
 
-def _figures(report: DiagnosisReport) -> dict[str, list[dict[str, Any]]]:
-    """Pictures by the section that they stand in, numbered in the order of the page."""
-    sections: dict[str, list[ReportFigure]] = {
+def _figures(report: DiagnosisReport) -> dict[str, list[ReportFigure]]:
+    """Pictures by the section that they stand in, in the order of the page."""
+    return {
         "gain": level_figures(report),
         "maps": map_figures(report),
         "evidence": [
@@ -65,11 +64,6 @@ def _figures(report: DiagnosisReport) -> dict[str, list[dict[str, Any]]]:
             *tool_figures(report),
         ],
         "candidates": candidate_figures(report),
-    }
-    number = count(1)
-    return {
-        section: [embedded(figure) | {"number": f"Figure {next(number)}"} for figure in figures]
-        for section, figures in sections.items()
     }
 
 

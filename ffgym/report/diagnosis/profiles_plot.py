@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from ffgym.diagnosis.log_rows import LogRows
 from ffgym.diagnosis.profiles import VARIABLES, Profile, Variable, profiles
 from ffgym.diagnosis.residual import UNITS, Channel
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.identification.stribeck_plot import NEW, OLD
 
 if TYPE_CHECKING:

@@ -11,9 +11,9 @@ from ffgym.diagnosis.log_rows import LogRows, log_rows
 from ffgym.diagnosis.patterns import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
 from ffgym.diagnosis.residual import Channel, Residual, components
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.diagnosis.joint_units import fine_scale_of
 from ffgym.report.diagnosis.models import LOOKS
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.motion.thinning import peaks_kept
 
 if TYPE_CHECKING:

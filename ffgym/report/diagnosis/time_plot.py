@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ffgym.diagnosis.residual import Channel, Residual
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
 from ffgym.report.diagnosis.joint_units import fine_scale_of, scale_of
 from ffgym.report.diagnosis.models import LOOKS, NOMINAL, counting, motor_speed
+from ffgym.report.figure import house_style, legend_above, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

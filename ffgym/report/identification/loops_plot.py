@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification import FrictionTorque, predicted_friction
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.identification.stribeck_plot import MEASURED, NEW, OLD
 from ffgym.robot.friction import LuGreParameters
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx import Samples
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import law_styles
 from ffgym.studies.narx_study import ESTIMATION, VALIDATION, NarxFit
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.report.circles.figures import ReportFigure
-from ffgym.report.html import embedded, provenance_lines, render
+from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.friction_report import FrictionReport
 from ffgym.report.identification.loops_plot import friction_loops_figure
 from ffgym.report.identification.stribeck_plot import stribeck_figure
 from ffgym.report.identification.text import LETTERS, interval_text
+from ffgym.report.page import provenance_lines, render
 
 _MOST = 6
 """Records of a joint that are shown."""
@@ -40,7 +40,7 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
         interval=interval_text,
         validation=list(zip(report.before, report.after, strict=True)),
         doubts=list(report.doubts),
-        figures=[embedded(figure) for figure in friction_figures(report)],
+        figures=list(friction_figures(report)),
         provenance=provenance_lines(info) | written,
     )
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from ffgym.recordings import Recording
-from ffgym.report.circles.figures import ReportFigure
-from ffgym.report.html import embedded, provenance_lines, render
+from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.rigid_body_report import SURE, RigidBodyReport, base_rows, body_rows, parameter_rows
+from ffgym.report.page import provenance_lines, render
 from ffgym.report.robot.torque_plot import torque_figure
 from ffgym.studies.torque_prediction import TorquePrediction
 
@@ -41,7 +41,7 @@ def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mappi
         combinations=base_rows(fit),
         validation=report.validation,
         doubts=list(report.doubts),
-        figures=[embedded(_figure(report, recording, words)) for recording in shown],
+        figures=[_figure(report, recording, words) for recording in shown],
         provenance=provenance_lines(info) | written,
     )
 

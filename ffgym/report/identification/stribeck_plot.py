@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ffgym.diagnosis.identification import FrictionIdentification, JointFriction
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

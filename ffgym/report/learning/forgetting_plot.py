@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ffgym.core.types import Array
-from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report.figure import house_style, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array, ComplexArray
-from ffgym.report._matplotlib import house_style, new_figure
+from ffgym.report.figure import house_style, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

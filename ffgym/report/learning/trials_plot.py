@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import law_styles
 
 if TYPE_CHECKING:

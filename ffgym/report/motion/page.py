@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
-from ffgym.report.circles.figures import ReportFigure
-from ffgym.report.html import embedded, provenance_lines, render
+from ffgym.report.figure import ReportFigure
 from ffgym.report.laws import law_styles
 from ffgym.report.motion.plot import (
     motor_errors_caption,
@@ -15,7 +14,8 @@ from ffgym.report.motion.plot import (
     torques_caption,
     torques_figure,
 )
-from ffgym.report.motion.tool_path_plot import tool_path_caption, tool_path_figure
+from ffgym.report.motion.tool_plot import motion_path_caption, motion_path_figure
+from ffgym.report.page import provenance_lines, render
 from ffgym.studies import MotionStudy
 
 
@@ -34,7 +34,7 @@ def render_motion_page(study: MotionStudy, notes: Sequence[str], info: Mapping[s
         {
             "reference": reference,
             "results": [result for result in study.results if result.motion == name],
-            "figures": [embedded(figure) for figure in motion_figures(study, name)],
+            "figures": list(motion_figures(study, name)),
         }
         for name, reference in study.references.items()
     ]
@@ -58,7 +58,7 @@ def motion_figures(study: MotionStudy, motion: str) -> list[ReportFigure]:
     if not any(result.path for result in study.results if result.motion == motion):
         return joint_figures
     return [
-        _figure("path", "Path of the tool", tool_path_caption, tool_path_figure, study, motion),
+        _figure("path", "Path of the tool", motion_path_caption, motion_path_figure, study, motion),
         _figure("path-error", "Path error over time", path_error_caption, path_error_figure, study, motion),
         *joint_figures,
     ]

@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import Contour, motor_error
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import law_styles
 from ffgym.report.motion.thinning import peaks_kept
 from ffgym.studies import MotionResult, MotionStudy

@@ -5,8 +5,8 @@ from datetime import UTC, datetime
 from typing import Any
 
 from ffgym.logs.quality import QualityReport
-from ffgym.report.circles.figures import ReportFigure
-from ffgym.report.html import embedded, provenance_lines, render
+from ffgym.report.figure import ReportFigure
+from ffgym.report.page import provenance_lines, render
 from ffgym.report.quality.plot import limits_caption, limits_figure
 from ffgym.report.quality.text import headline
 
@@ -22,7 +22,7 @@ def render_quality_page(reports: Sequence[tuple[str, QualityReport]], info: Mapp
         FFGymError: if matplotlib or jinja2 is missing.
     """
     logs = [
-        {"name": name, "report": report, "headline": headline(report), "figure": embedded(_figure(report, place))}
+        {"name": name, "report": report, "headline": headline(report), "figure": _figure(report, place)}
         for place, (name, report) in enumerate(reports)
     ]
     written = {"written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")}

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
-from ffgym.report.circles.figures import ReportFigure
-from ffgym.report.html import embedded, provenance_lines, render
+from ffgym.report.figure import ReportFigure
+from ffgym.report.page import provenance_lines, render
 from ffgym.report.robot.plot import robot_caption, robot_figure
 from ffgym.report.robot.rendering import rendered_robot
 from ffgym.report.robot.tables import robot_tables
@@ -30,7 +30,7 @@ def render_robot_page(check: RobotCheck, info: Mapping[str, Any]) -> str:
         facts=facts(check),
         doubts=check.doubts,
         tables=robot_tables(check),
-        figures=[embedded(figure) for figure in robot_figures(check)],
+        figures=list(robot_figures(check)),
         entries=list(check.draft.quantities.items()),
         provenance=provenance_lines(info) | written,
     )

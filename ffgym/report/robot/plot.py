@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.report._matplotlib import house_style, new_figure, require_matplotlib
+from ffgym.report.figure import house_style, new_figure, require_matplotlib
 from ffgym.studies.robot_check import POSES, RobotCheck, Skeleton, skeleton
 
 if TYPE_CHECKING:

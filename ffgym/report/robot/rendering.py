@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.canvas import Canvas, Panel
-from ffgym.report._matplotlib import new_figure
+from ffgym.report.figure import new_figure
 from ffgym.robot import ModelOptions, compile_model
 from ffgym.studies.robot_check import RobotCheck
 

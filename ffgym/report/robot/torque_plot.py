@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.studies.torque_prediction import TorquePrediction
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ffgym.core.errors import FFGymError
-from ffgym.report._matplotlib import house_style, legend_above, new_figure
+from ffgym.report.figure import house_style, legend_above, new_figure
 from scripts.exam.case import ROWS
 from scripts.exam.marks import Mark
 from scripts.exam.table import BANDS

@@ -1,9 +1,15 @@
-"""The one door to matplotlib: imported when a figure is made, without pyplot, windows or lasting settings."""
+"""One figure for every reader: a picture with its words, saved as a file or embedded in a page.
 
+This is the one door to matplotlib, which is imported when a figure is made: no pyplot, no windows, no lasting settings.
+"""
+
+import base64
 import io
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
 from math import ceil
 from pathlib import Path
 from types import ModuleType
@@ -42,8 +48,42 @@ _DENSE = 100_000
 """Points of a figure's lines from which on they are drawn as pixels: as vectors they take 20 bytes each, and a page of
 several such figures could not be sent."""
 
+_EMBEDDED_DPI = 220
+"""Pixels per inch of dense lines in a page, so that they stay sharp on a fine screen."""
+
 _LEGEND_HANDLE, _LEGEND_LETTER = 0.55, 0.065
 """Width of an entry's line with its margins and of a letter [inch], at the font size above; measured, rounded up."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ReportFigure:
+    """A picture with its words."""
+
+    name: str
+    """For file names and links."""
+    title: str
+    """Also what the picture is to those who do not see it."""
+    caption: str
+    figure: "Figure"
+    thesis: str = ""
+    """Where the thesis shows the same; empty where the page says it."""
+    kind: str = field(default="figure", init=False)
+    """Kind of part of a page."""
+
+    @property
+    def width(self) -> int:
+        """Own width on a page [pixel]."""
+        return round(self.figure.get_figwidth() * 96)
+
+    @cached_property
+    def source(self) -> str:
+        """The picture itself as an address, so that a page needs no other file; drawn once, as layouts drift."""
+        picture = base64.b64encode(encode_figure(self.figure, "svg", _EMBEDDED_DPI)).decode()
+        return f"data:image/svg+xml;base64,{picture}"
+
+    def save(self, path: str | os.PathLike[str], dpi: float = 150) -> Path:
+        """Write the picture as `save_figure` does."""
+        return save_figure(self.figure, path, dpi)
 
 
 def require_matplotlib() -> ModuleType:
@@ -74,6 +114,33 @@ def new_figure(width: float, height: float) -> "Figure":
     """Empty figure of that size [inch] that belongs to no window."""
     figure: Figure = require_matplotlib().figure.Figure(figsize=(width, height), layout="constrained")
     return figure
+
+
+@contextmanager
+def panels(
+    rows: int = 1, columns: int = 1, *, size: tuple[float, float], legend: bool = True, **options: Any
+) -> Iterator[tuple["Figure", Any]]:
+    """Draw on a new figure in the house style; above it stands a legend of all that is drawn in any panel.
+
+    Args:
+        rows: of panels.
+        columns: of panels.
+        size: width and height [inch].
+        legend: whether there is one.
+        options: of matplotlib's `subplots`, e.g. sharex.
+
+    Yields:
+        The figure and its axes, shape (rows, columns).
+    """
+    with house_style():
+        figure = new_figure(*size)
+        yield figure, figure.subplots(rows, columns, squeeze=False, **options)
+        entries: dict[str, Any] = {}
+        for axes in figure.axes if legend else ():
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+                entries.setdefault(label, handle)
+        if entries:
+            legend_above(figure, list(entries.values()), list(entries))
 
 
 def legend_above(figure: "Figure", handles: Sequence[Any], labels: Sequence[str]) -> None:

@@ -1,0 +1,152 @@
+"""One page for every reader: a single HTML file that needs nothing else. This is the one door to jinja2."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from importlib import resources
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+from ffgym.core.errors import FFGymError
+from ffgym.report.circles.comparison import percent
+from ffgym.report.figure import ReportFigure, require_matplotlib
+from ffgym.report.table import Table
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+    from markupsafe import Markup
+
+
+@dataclass(frozen=True)
+class Note:
+    """A paragraph in small pale letters."""
+
+    text: str
+    kind: str = field(default="note", init=False)
+
+
+@dataclass(frozen=True)
+class Legend:
+    """A paragraph with the colours of what pictures and tables show."""
+
+    text: str
+    colours: Mapping[str, str]
+    """By the words for what has the colour."""
+    kind: str = field(default="legend", init=False)
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list with bullets."""
+
+    entries: Sequence[str]
+    kind: str = field(default="items", init=False)
+
+
+@dataclass(frozen=True)
+class Details:
+    """Parts that a page shows when it is asked to."""
+
+    summary: str
+    parts: "Sequence[Part]"
+    kind: str = field(default="details", init=False)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with what stands below it."""
+
+    title: str
+    parts: "Sequence[Part]"
+    headline: Sequence[str] = ()
+    """Paragraphs in a box below the heading."""
+    kind: str = field(default="section", init=False)
+
+
+Part = str | Note | Legend | Items | Details | Section | Table | ReportFigure
+"""Part of a page; a text is a paragraph, in which `code` and **bold** are set as in Markdown. A section in a section
+has a smaller heading."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Page:
+    """A page that can be sent."""
+
+    title: str
+    subtitle: str = ""
+    headline: Sequence[str] = ()
+    """What a reader who stops here should know, a paragraph each."""
+    parts: Sequence[Part] = ()
+    provenance: Mapping[str, Any]
+    """Where the numbers come from, by name; a dict in it gives a line per entry."""
+    is_dated: bool = True
+    """Whether the page says when it was written; without, the same parts give the same bytes."""
+
+    def html(self) -> str:
+        """HTML of the page; figures are numbered in its order.
+
+        Raises:
+            FFGymError: if matplotlib or jinja2 is missing.
+        """
+        written = {"written": now()} if self.is_dated else {}
+        return render("page.html.j2", page=self, provenance=provenance_lines(self.provenance) | written)
+
+
+def render(name: str, **context: Any) -> str:
+    """HTML of the template of that name, for pages that need more than `Page` has.
+
+    Raises:
+        FFGymError: if matplotlib or jinja2 is missing.
+    """
+    require_matplotlib()
+    return _environment().get_template(name).render(next_number=count(1).__next__, **context)
+
+
+def now() -> str:
+    """Time at which a page is written."""
+    return datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+
+
+def provenance_lines(info: Mapping[str, Any]) -> dict[str, str]:
+    """Names and values as text; the entries of a dict become lines, those of a list stand in one."""
+    lines: dict[str, str] = {}
+    for name, value in info.items():
+        if isinstance(value, Mapping):
+            lines |= provenance_lines(value)
+        elif isinstance(value, list | tuple):
+            lines[name.replace("_", " ")] = ", ".join(str(entry) for entry in value) or "none"
+        else:
+            lines[name.replace("_", " ")] = "none" if value is None else str(value)
+    return lines
+
+
+def resource(name: str) -> str:
+    """Text of a file beside the templates."""
+    return (resources.files("ffgym.report") / "templates" / name).read_text(encoding="utf-8")
+
+
+def _environment() -> "Environment":
+    try:
+        from jinja2 import Environment, FunctionLoader, StrictUndefined
+    except ImportError as error:
+        raise FFGymError("The report page needs jinja2; pip install 'ffgym[report]'.") from error
+    environment = Environment(
+        loader=FunctionLoader(resource),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["prose"] = _prose
+    environment.filters["change"] = lambda share: "–" if share is None else percent(share)
+    environment.filters["mm"] = lambda value, digits=3: "–" if value is None else f"{value:.{digits}f}"
+    return environment
+
+
+def _prose(text: str) -> "Markup":
+    """Escaped text in which `code` and **bold** are set."""
+    from markupsafe import Markup, escape
+
+    marked = re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text)))
+    return Markup(re.sub(r"\*\*(.+?)\*\*", r"<b>\1</b>", marked))

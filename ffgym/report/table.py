@@ -1,0 +1,183 @@
+"""One table for every reader: the same rows as text for a terminal, as Markdown, and as HTML of a page."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
+from textwrap import wrap
+from typing import Any, Literal
+
+WIDTH = 120
+"""Columns of a terminal that every line fits in."""
+
+Kind = Literal["number", "text", "name", "code", "prose"]
+"""Alignment of a column: numbers stand on the right of a page, all others on the left. A terminal cuts names, which
+come from files, at 30 letters; prose wraps on a page."""
+
+_CLASSES = {"number": "", "text": "l", "name": "l", "code": "l", "prose": "wrap"}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A text with what stands pale behind it."""
+
+    text: str
+    detail: str = ""
+    style: str = ""
+    """CSS classes on a page."""
+    colour: str = ""
+    """Colour of a swatch before the text on a page."""
+
+    @property
+    def plain(self) -> str:
+        """Text and detail in one line."""
+        return f"{self.text} {self.detail}".strip()
+
+
+def pair(value: float | None, detail: float | None, form: str, form_of_detail: str = "") -> Cell | None:
+    """A number with another one in brackets, e.g. an RMS and its largest value; None without the first one."""
+    if value is None:
+        return None
+    behind = "-" if detail is None else format(detail, form_of_detail or form)
+    return Cell(format(value, form), f"({behind})")
+
+
+@dataclass(frozen=True)
+class Column:
+    """A heading and a value for each row."""
+
+    heading: str
+    values: Sequence[Any]
+    """Numbers, texts, cells; None where there is nothing to show."""
+    form: str = ""
+    """Format of numbers, e.g. '.3f'."""
+    unit: str = ""
+    """Unit of all numbers, which stands behind the heading."""
+    kind: Kind = "number"
+    group: str = ""
+    """Heading above this and its neighbours of the same group."""
+    colour: str = ""
+    """Colour of a swatch before the heading of the group, or before the own one, on a page."""
+    style: str = ""
+    """CSS classes of the cells on a page."""
+
+    @property
+    def title(self) -> str:
+        """Heading with the unit."""
+        return f"{self.heading} [{self.unit}]" if self.unit else self.heading
+
+    @property
+    def css(self) -> str:
+        """Classes that all cells and the heading have on a page."""
+        return _CLASSES[self.kind]
+
+    def cells(self, nothing: str = "-") -> list[Cell]:
+        """A cell for each row, with `nothing` where there is no value."""
+        return [self._cell(value, nothing) for value in self.values]
+
+    def _cell(self, value: Any, nothing: str) -> Cell:
+        if isinstance(value, Cell):
+            return value
+        if value is None:
+            return Cell(nothing)
+        return Cell(value if isinstance(value, str) else format(value, self.form))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """Columns of equal length with what is said of them."""
+
+    columns: Sequence[Column]
+    name: str = ""
+    """For links and scripts."""
+    title: str = ""
+    note: str = ""
+    """How to read it."""
+    fixed: int = 1
+    """Columns on the left that are repeated where a terminal is too narrow for all."""
+    ruled_by: int | None = None
+    """Column at whose changes a page draws a line."""
+    strong: Sequence[int] = ()
+    """Rows that a page emphasises, e.g. means; -1 is the last one."""
+    kind: str = field(default="table", init=False)
+    """Kind of part of a page."""
+
+    @classmethod
+    def of_rows(cls, headings: Sequence[str], rows: Sequence[Sequence[Any]], **options: Any) -> "Table":
+        """Table of texts that come row by row."""
+        kinds: Kind = "text"
+        columns = [Column(heading, [row[k] for row in rows], kind=kinds) for k, heading in enumerate(headings)]
+        return cls(columns=columns, **options)
+
+    @property
+    def n_rows(self) -> int:
+        """Number of rows below the heading."""
+        return len(self.columns[0].values) if self.columns else 0
+
+    @property
+    def groups(self) -> list[tuple[str, list[Column]]]:
+        """Neighbouring columns by the heading they share; without one each stands alone."""
+        grouped = groupby(enumerate(self.columns), key=lambda entry: entry[1].group or entry[0])
+        return [(key if isinstance(key, str) else "", [column for _, column in own]) for key, own in grouped]
+
+    @property
+    def rows(self) -> list[tuple[str, list[tuple[str, Cell]]]]:
+        """Each row as a page has it: its CSS classes, and its cells with theirs."""
+        columns = [column.cells("–") for column in self.columns]
+        edges = {id(own[0]) for title, own in self.groups if title}
+        css = [" ".join(filter(None, (c.css, "edge" * (id(c) in edges), c.style))) for c in self.columns]
+        strong = {k % self.n_rows for k in self.strong} if self.n_rows else set()
+        rows = []
+        for k, cells in enumerate(zip(*columns, strict=True)):
+            changes = self.ruled_by is not None and cells[self.ruled_by] != columns[self.ruled_by][k - 1]
+            classes = " ".join(["mean"] * (k in strong) + ["first"] * (changes or (k in strong and k > 0)))
+            shown = [(f"{own} {cell.style}".strip(), cell) for own, cell in zip(css, cells, strict=True)]
+            rows.append((classes, shown))
+        return rows
+
+    def text(self) -> str:
+        """Table for a terminal; columns that do not fit go below, each time with the fixed ones on their left."""
+        left = _joined(self.columns[: self.fixed])
+        has_groups = any(title for title, _ in self.groups)
+        left = [" " * len(left[0])] * has_groups + left
+        tables: list[list[str]] = []
+        for title, columns in Table(columns=self.columns[self.fixed :]).groups:
+            lines = [shortened(title)] * has_groups + _joined(columns)
+            width = max(len(line) for line in lines)
+            between = " | " if title or not tables or len(tables[-1][0]) == len(left[0]) else "  "
+            if not tables or len(tables[-1][0]) + len(between) + width > WIDTH:
+                tables.append(left)
+                between = " | "
+            tables[-1] = [f"{row}{between}{line:<{width}}" for row, line in zip(tables[-1], lines, strict=True)]
+        return "\n\n".join("\n".join(line.rstrip() for line in table) for table in tables or [left])
+
+    def markdown(self) -> str:
+        """Table in Markdown."""
+        rows = [[column.title for column in self.columns]]
+        rows += [[cell.plain for cell in row] for row in zip(*(column.cells() for column in self.columns), strict=True)]
+        head, *lines = [" | ".join(text.replace("|", r"\|") for text in row) for row in rows]
+        return "\n".join([f"| {head} |", "|---" * len(self.columns) + "|", *(f"| {line} |" for line in lines)])
+
+
+def _joined(columns: Sequence[Column]) -> list[str]:
+    """Columns side by side, as lines of equal length."""
+    texts = [
+        [column.title, *(shortened(c.plain) if column.kind == "name" else c.plain for c in column.cells())]
+        for column in columns
+    ]
+    widths = [max(map(len, column)) for column in texts]
+    return ["  ".join(f"{t:<{w}}" for t, w in zip(row, widths, strict=True)) for row in zip(*texts, strict=True)]
+
+
+def shortened(name: str, room: int = 30) -> str:
+    """Names come from files and may be long; a line has room for 30 letters."""
+    return name if len(name) <= room else name[: room - 1] + "…"
+
+
+def filled(text: str) -> str:
+    """Text in lines that fit a terminal."""
+    return "\n".join(wrap(text, WIDTH))
+
+
+def underlined(title: str) -> str:
+    """Title of a text for a terminal."""
+    return f"{title}\n{'-' * min(len(title), WIDTH)}"
