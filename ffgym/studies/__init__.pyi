@@ -1,10 +1,10 @@
-from .circle_metrics import CircleScore as CircleScore
-from .circle_metrics import circle_scores as circle_scores
-from .circle_metrics import in_mm as in_mm
 from .circles import Cell as Cell
+from .circles import CircleScore as CircleScore
 from .circles import CircleStudy as CircleStudy
 from .circles import circle_references as circle_references
+from .circles import circle_scores as circle_scores
 from .circles import circle_study as circle_study
+from .circles import in_mm as in_mm
 from .circles import thesis_laws as thesis_laws
 from .motions import MotionResult as MotionResult
 from .motions import MotionStudy as MotionStudy

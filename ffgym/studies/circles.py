@@ -3,15 +3,60 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation, StaticLuGre
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.paths import RADII, SPEEDS, Reference, cartesian_reference, circle_test
 from ffgym.recordings import Recording
+from ffgym.recordings.metrics import motor_error_rms, path_errors
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
-from ffgym.simulation import Rig, Run, SimulatedRig
+from ffgym.simulation import Rig, SimulatedRig
 from ffgym.simulation.run import Progress
-from ffgym.studies.circle_metrics import circle_scores, in_mm
-from ffgym.studies.selection import distinct, picked
+from ffgym.studies.selection import picked, record_all
+
+
+@dataclass(frozen=True, kw_only=True)
+class CircleScore:
+    """One circle: path error [mm] and motor error [rad]."""
+
+    radius_mm: float
+    rms_mm: float
+    """In the plane of the circle, as the thesis."""
+    max_mm: float
+    rms_3d_mm: float
+    """In space."""
+    max_3d_mm: float
+    motor_rms_rad: list[float]
+    """Per joint, motor side, over lead-in, circle and lead-out."""
+
+
+def circle_scores(recording: Recording, radii: Sequence[float]) -> list[CircleScore]:
+    """Figures of the circles of these radii [m], in the order in which they were run.
+
+    Raises:
+        FFGymError: if the recording lacks a column.
+    """
+    leads = zip(recording.phases_of("lead_in"), recording.phases_of("lead_out"), strict=True)
+    scores = []
+    for error, radius, (lead_in, lead_out) in zip(path_errors(recording), radii, leads, strict=True):
+        stretch = recording.slice(lead_in.start, lead_out.end)
+        scores.append(
+            CircleScore(
+                radius_mm=in_mm(radius),
+                rms_mm=error.rms * 1e3,
+                max_mm=error.max * 1e3,
+                rms_3d_mm=error.rms_3d * 1e3,
+                max_3d_mm=error.max_3d * 1e3,
+                motor_rms_rad=[float(x) for x in np.asarray(motor_error_rms(stretch))],
+            )
+        )
+    return scores
+
+
+def in_mm(length: float) -> float:
+    """Millimetres as cells carry them, without the rounding of binary fractions."""
+    return round(float(length) * 1e3, 6)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,23 +209,13 @@ def circle_study(
     """
     rig = robot if isinstance(robot, Rig) else SimulatedRig(arm=RigidArm(robot), options=options)
     references = circle_references(rig.arm, positions, speeds, radii)
-    laws = distinct(thesis_laws(rig.robot) if laws is None else laws)
-    keys = [(law, *key) for key in references for law in laws]
-    runs = [Run(reference=references[position, speed], law=law) for law, position, speed in keys]
-    results = rig.run(runs, seed=seed, n_threads=n_threads, progress=progress)
-    recordings = {
-        (law.name, position, speed): recording for (law, position, speed), recording in zip(keys, results, strict=True)
-    }
+    laws = thesis_laws(rig.robot) if laws is None else laws
+    recordings = record_all(rig, references, laws, seed=seed, n_threads=n_threads, progress=progress)
     plant = rig.name if plant is None else plant
-    cells = [cell for key, recording in recordings.items() for cell in _cells(*key, plant, radii, recording)]
-    fingerprint = str(results[0].header.provenance["physics_fingerprint"])
-    return CircleStudy(robot=rig.robot, cells=cells, recordings=recordings, fingerprint=fingerprint)
-
-
-def _cells(
-    agent: str, position: str, speed: float, plant: str, radii: Sequence[float], recording: Recording
-) -> list[Cell]:
-    return [
+    cells = [
         Cell(agent=agent, plant=plant, position=position, speed_mm_s=in_mm(speed), **vars(score))
+        for (agent, position, speed), recording in recordings.items()
         for score in circle_scores(recording, radii)
     ]
+    fingerprint = str(next(iter(recordings.values())).header.provenance["physics_fingerprint"])
+    return CircleStudy(robot=rig.robot, cells=cells, recordings=recordings, fingerprint=fingerprint)

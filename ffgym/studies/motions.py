@@ -13,7 +13,7 @@ from ffgym.recordings.metrics import contour_errors, motor_error
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, Run, SimulatedRig
 from ffgym.simulation.run import Progress, one_robot
-from ffgym.studies.selection import distinct
+from ffgym.studies.selection import record_all
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,17 +111,13 @@ def motion_study(
     for reference in references:
         if not np.any(reference.dq):
             raise FFGymError(f"Motion {reference.name!r} is all standstill, so that it has no error to score.")
-    runs = [Run(reference=reference, law=law) for reference in references for law in distinct(laws)]
-    robot = one_robot(runs)
+    robot = one_robot([Run(reference=reference) for reference in references])
+    motions = dict(zip(names, references, strict=True))
     rig = rig or SimulatedRig(arm=RigidArm(robot))
-    recorded = rig.run(runs, seed=seed, record_dt=record_dt, n_threads=n_threads, progress=progress)
-    pairs = list(zip(runs, recorded, strict=True))
-    return MotionStudy(
-        robot=robot,
-        references=dict(zip(names, references, strict=True)),
-        results=[_result(run, recording) for run, recording in pairs],
-        recordings={(run.law.name, run.reference.name): recording for run, recording in pairs},
-    )
+    options = {"seed": seed, "record_dt": record_dt, "n_threads": n_threads, "progress": progress}
+    recordings = record_all(rig, motions, laws, **options)
+    results = [_result(agent, motions[motion], recording) for (agent, motion), recording in recordings.items()]
+    return MotionStudy(robot=robot, references=motions, results=results, recordings=recordings)
 
 
 def _overloaded(joints: Sequence[str], torque_use: Sequence[float]) -> list[str]:
@@ -130,17 +126,17 @@ def _overloaded(joints: Sequence[str], torque_use: Sequence[float]) -> list[str]
     ]
 
 
-def _result(run: Run, recording: Recording) -> MotionResult:
-    robot = run.reference.robot
+def _result(agent: str, reference: Reference, recording: Recording) -> MotionResult:
+    robot = reference.robot
     error = motor_error(recording)[~recording.mask(kind="standstill")]
     torque = recording.joint_array("command.effort")
     return MotionResult(
-        agent=run.law.name,
-        motion=run.reference.name,
+        agent=agent,
+        motion=reference.name,
         motor_rms_rad=np.sqrt(np.mean(error**2, axis=0)).tolist(),
         motor_max_rad=np.abs(error).max(axis=0).tolist(),
         torque_use=(np.abs(torque).max(axis=0) / robot.drive.peak_torque).tolist(),
-        speed_use=(np.abs(run.reference.dq).max(axis=0) / robot.kinematics.max_speed).tolist(),
+        speed_use=(np.abs(reference.dq).max(axis=0) / robot.kinematics.max_speed).tolist(),
         path=_path(recording) if recording.has("tcp.position") else [],
     )
 

@@ -10,10 +10,10 @@ from ffgym.core.errors import FFGymError
 from ffgym.paths import Reference, joint_reference, joint_sine
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
-from ffgym.robot import RobotDescription
-from ffgym.simulation import Run, simulate
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation import SimulatedRig
 from ffgym.studies.circles import thesis_laws
-from ffgym.studies.selection import distinct, picked
+from ffgym.studies.selection import picked, record_all
 
 AMPLITUDE = 1.0
 """A [rad], motor side, thesis (4.7)."""
@@ -99,11 +99,9 @@ def one_axis_study(
     Raises:
         FFGymError: if the robot has more than one joint, there is nothing to simulate, or two laws share a name.
     """
-    laws = distinct(thesis_laws(robot) if laws is None else laws)
+    laws = thesis_laws(robot) if laws is None else laws
     references = sine_references(robot, frequencies)
-    keys = [(law, f) for f in frequencies for law in laws]
-    recorded = simulate([Run(reference=references[f], law=law) for law, f in keys])
-    recordings = {(law.name, f): recording for (law, f), recording in zip(keys, recorded, strict=True)}
+    recordings = record_all(SimulatedRig(arm=RigidArm(robot)), references, laws)
     return OneAxisStudy(robot=robot, results=_results(recordings, laws[0].name), recordings=recordings)
 
 

@@ -1,25 +1,41 @@
-"""Results are filed by name: names that differ, and a choice among them."""
+"""Results are filed by name: motions recorded with laws whose names differ, and a choice among them."""
 
-from collections.abc import Iterable, Sequence
-from typing import TypeVar
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, TypeVar
 
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
+from ffgym.paths import Reference
+from ffgym.recordings import Recording
+from ffgym.simulation import Rig, Run
 
 Key = TypeVar("Key", bound=tuple[object, ...])
-"""What results are filed under, e.g. law, position and speed."""
+"""Name of a result, e.g. law, position and speed."""
 
 
-def distinct(laws: Sequence[FeedForwardLaw]) -> Sequence[FeedForwardLaw]:
-    """Return `laws` if their names differ, since results are filed by name.
+def record_all(
+    rig: Rig, references: Mapping[Any, Reference], laws: Sequence[FeedForwardLaw], **options: Any
+) -> dict[Any, Recording]:
+    """Every motion with every law, side by side, filed by the law's name and the parts of the motion's key.
+
+    Args:
+        rig: where they are run.
+        references: motions by key, which may be a tuple.
+        laws: feed-forward laws.
+        options: of `Rig.run`.
 
     Raises:
-        FFGymError: if two share a name.
+        FFGymError: if two laws share a name, or there is nothing to run.
     """
     names = [law.name for law in laws]
     if len(set(names)) < len(names):
         raise FFGymError(f"Feed-forward laws {names} of one study must have different names.")
-    return laws
+    runs = {
+        (law.name, *(key if isinstance(key, tuple) else (key,))): Run(reference=reference, law=law)
+        for key, reference in references.items()
+        for law in laws
+    }
+    return dict(zip(runs, rig.run(list(runs.values()), **options), strict=True))
 
 
 def picked(keys: Iterable[Key], **wanted: Sequence[object] | None) -> list[Key]:
