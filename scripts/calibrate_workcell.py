@@ -20,9 +20,8 @@ import tyro
 from ffgym.core.files import write_json
 from ffgym.robot import load_robot
 from ffgym.workcell import workcell
-from scripts.workcell.free import FREE, SPREAD
+from scripts.workcell.free import FREE, SPREAD, prior_trees
 from scripts.workcell.objective import LAWS, SPEEDS, Objective
-from scripts.workcell.prior import prior_trees
 from scripts.workcell.search import Point, search
 from scripts.workcell.table import measured_cells, summary, table_lines
 from scripts.workcell.writing import write_result

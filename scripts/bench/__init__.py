@@ -6,25 +6,14 @@ python -m scripts.bench
 import os
 import platform
 import time
-from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 from ffgym.core.files import check_writable, write_json
 from ffgym.core.provenance import versions
 from ffgym.robot import compile_model, load_robot, physics_fingerprint
-from scripts.bench.agents import decision_ratios
-from scripts.bench.effects import effect_ratios
-from scripts.bench.environments import (
-    CIRCLES,
-    against_the_engine,
-    against_vectors_of_single_ones,
-    beginnings,
-)
-from scripts.bench.memory import import_time, memory_of
-from scripts.bench.simulation import simulation_ratios
-from scripts.bench.training import training_ratios
+from scripts.bench.cases import parts
 from scripts.bench.turns import Amount, Ratio
 
 Part = Literal["simulation", "effects", "environments", "vectors", "agents", "training", "memory"]
@@ -54,47 +43,22 @@ def main(config: Config) -> list[Ratio | Amount]:
         check_writable(config.json)
     print(f"{'':48} {'rate':>10} {'against':>10} {'':12} {'median':>6} (quartiles)")
     began, results = time.perf_counter(), []
-    for result in measurements(config):
-        print(result, flush=True)
-        results.append(result)
+    measurements = parts(config.robot, config.repeats, config.long_repeats, config.threads)
+    for measure in (measure for part, each in measurements.items() if part in config.parts for measure in each):
+        for result in measure():
+            print(result, flush=True)
+            results.append(result)
     if any(isinstance(result, Ratio) and result.is_wide for result in results):
         print("WIDE: the machine was busy with something else; measure again")
     print(f"{time.perf_counter() - began:.0f} s on {os.cpu_count()} cores")
     if config.json is not None:
-        write_json(config.json, _as_dict(config, results))
+        robot = load_robot(config.robot)
+        document = {
+            "config": {**asdict(config), "json": str(config.json)},
+            "versions": versions(),
+            "physics_fingerprint": {robot.name: physics_fingerprint(compile_model(robot))},
+            "machine": {"cores": os.cpu_count(), "system": platform.platform(), "processor": platform.machine()},
+            "results": [result.as_dict() for result in results],
+        }
+        write_json(config.json, document)
     return results
-
-
-def measurements(config: Config) -> Iterator[Ratio | Amount]:
-    """All that is asked for, one after the other."""
-    if "simulation" in config.parts:
-        yield from simulation_ratios(config.robot, config.long_repeats, config.threads)
-    if "effects" in config.parts:
-        yield from effect_ratios(config.robot, config.repeats, config.threads)
-    if "environments" in config.parts:
-        yield from against_the_engine(config.repeats, config.threads)
-        yield from beginnings(config.threads)
-    if "vectors" in config.parts:
-        yield from against_vectors_of_single_ones(config.repeats, config.threads)
-    if "agents" in config.parts:
-        yield from decision_ratios((1, 64), config.long_repeats)
-    if "training" in config.parts:
-        learned = training_ratios(config.long_repeats)
-        yield from learned
-        if not learned:
-            print("training: left out, needs stable-baselines3; pip install 'ffgym[rl]'")
-    if "memory" in config.parts:
-        yield memory_of(CIRCLES, 1024, wanted=300.0)
-        yield memory_of("ffgym/JointMotion-v0", 1024)
-        yield import_time(5)
-
-
-def _as_dict(config: Config, results: list[Ratio | Amount]) -> dict[str, Any]:
-    robot = load_robot(config.robot)
-    return {
-        "config": {**asdict(config), "json": str(config.json)},
-        "versions": versions(),
-        "physics_fingerprint": {robot.name: physics_fingerprint(compile_model(robot))},
-        "machine": {"cores": os.cpu_count(), "system": platform.platform(), "processor": platform.machine()},
-        "results": [result.as_dict() for result in results],
-    }

@@ -11,12 +11,18 @@ from ffgym.robot import RigidArm
 from ffgym.simulation import Run
 from ffgym.studies import circle_references, thesis_laws
 from scripts.bench import Config, main
-from scripts.bench.agents import decision_ratios
-from scripts.bench.effects import effect_ratios
-from scripts.bench.environments import CIRCLES, Bare, Stepped
-from scripts.bench.memory import import_time, memory_of
-from scripts.bench.simulation import bare_rate, measure
-from scripts.bench.training import training_ratios
+from scripts.bench.cases import (
+    CIRCLES,
+    Bare,
+    Stepped,
+    bare_rate,
+    decision_ratios,
+    effect_ratios,
+    import_time,
+    measure,
+    memory_of,
+    training_ratios,
+)
 from scripts.bench.turns import Ratio, take_turns
 
 
@@ -91,7 +97,7 @@ def test_the_training_rate_is_measured_where_the_learner_is_installed():
 
 
 def test_training_is_left_out_where_the_learner_is_missing(monkeypatch, capsys):
-    monkeypatch.setattr("scripts.bench.training.installed", lambda package: False)
+    monkeypatch.setattr("scripts.bench.cases.installed", lambda package: False)
     assert main(Config(parts=("training",))) == []
     assert "training: left out" in capsys.readouterr().out
 

@@ -15,9 +15,8 @@ from ffgym.workcell.reading import build
 from scripts.calibrate_workcell import Config, main
 from scripts.workcell import objective as objectives
 from scripts.workcell import writing
-from scripts.workcell.free import FREE, SPREAD, applied, changed_entries, table_at
+from scripts.workcell.free import FREE, SPREAD, applied, changed_entries, prior_trees, table_at
 from scripts.workcell.objective import Objective
-from scripts.workcell.prior import prior_trees
 from scripts.workcell.search import search
 from scripts.workcell.table import SPEEDS, summary, table_lines
 from scripts.workcell.writing import rounded, write_result
