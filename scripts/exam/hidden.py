@@ -11,7 +11,8 @@ from ffgym.effects import Effect
 from ffgym.effects.parameters import Parameter
 from ffgym.paths.motions.parts.part import resting_position
 from ffgym.robot import RobotDescription
-from scripts.exam.equations import Clue, DamagedTooth, Outsider, Variant
+from scripts.exam.equations import Clue, Outsider, Variant
+from scripts.exam.equations.outsiders import DamagedTooth
 
 _AS_DESCRIBED = ("reference",)
 """Shapes that are not drawn: a description holds at the temperature of the room in which it was made."""

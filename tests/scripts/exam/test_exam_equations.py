@@ -8,28 +8,28 @@ from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Climate, Machine
-from scripts.exam.equations import (
-    OUTSIDERS,
-    VARIANTS,
-    DahlHysteresis,
-    DamagedTooth,
+from scripts.exam.equations import OUTSIDERS, VARIANTS
+from scripts.exam.equations.frame import lagging
+from scripts.exam.equations.friction import (
     DirectionalEfficiency,
     MaxwellSlip,
     PowerViscous,
-    QuinticSpring,
     RateAndState,
+    TanhStribeck,
+    TwoWaveFriction,
+    VogelOil,
+)
+from scripts.exam.equations.joints import (
+    DahlHysteresis,
+    QuinticSpring,
     RoundGap,
     SmoothCable,
     SteppedSpring,
-    TanhStribeck,
     TwoLags,
-    TwoWaveFriction,
     TwoWaveGearError,
     TwoWaveResolver,
-    VogelOil,
-    WanderingTorque,
 )
-from scripts.exam.equations.dahl import lagging
+from scripts.exam.equations.outsiders import DamagedTooth, WanderingTorque
 from scripts.exam.hidden import drawn
 from tests.effects.effect_samples import as_strong_as_plausible, state_of, without_effect
 

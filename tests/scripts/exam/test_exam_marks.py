@@ -8,7 +8,9 @@ from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.result import Cause, Diagnosis, Pattern, Rival, Size
 from ffgym.effects import EFFECTS
 from scripts.exam.draw import draw_case
-from scripts.exam.equations import Clue, FloorVibration, RubbingHose, TwoWaveCogging
+from scripts.exam.equations import Clue
+from scripts.exam.equations.joints import TwoWaveCogging
+from scripts.exam.equations.outsiders import FloorVibration, RubbingHose
 from scripts.exam.gain import Gain, gain_of
 from scripts.exam.hidden import Hidden
 from scripts.exam.loudness import Paper
