@@ -40,9 +40,9 @@ bench: .venv/.dev
 
 exam: .venv/.dev
 	$(BIN)/python -m scripts.exam --seed $(SEED) --jobs 2 --out out/exam
-	$(BIN)/python -m scripts.exam_page --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
+	$(BIN)/python -m scripts.exam.page --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
 	$(BIN)/python -m scripts.exam --exam independent --seed $(SEED) --jobs 2 --out out/exam
-	$(BIN)/python -m scripts.exam_page --exam independent --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
+	$(BIN)/python -m scripts.exam.page --exam independent --seed $(SEED) --out out/exam --commit $$(git describe --always --dirty)
 
 thesis: .venv/.dev
 	$(BIN)/python -m scripts.thesis $(THESIS)

@@ -24,7 +24,7 @@ from ffgym.simulation.protocols import plan_session, record
 from ffgym.simulation.protocols.diagnosis import Diagnosis
 from ffgym.workcell import SealedMachine, Workcell, workcell
 from ffgym.workcell.equations import GearLosses, TorqueRipple
-from scripts.exam.calibration import TOOL_OFFSET, TORQUE_OFFSET, miscalibrated
+from scripts.exam.draw import TOOL_OFFSET, TORQUE_OFFSET, miscalibrated
 
 SAMPLE_TIME = 0.004
 """Sample time of the logs [s]: that of the thesis' robot."""

@@ -11,15 +11,10 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.files import write_json
 from ffgym.report import check_figure, save_figure
-from ffgym.robot import RigidArm, load_robot
-from ffgym.simulation import SimulatedRig
-from scripts.exam.case import ROWS
-from scripts.exam.exams import EXAMS, Exam, ExamName
-from scripts.exam.marks import Mark
-from scripts.exam.report import outcomes_figure
-from scripts.exam.results import read_marks, write_marks
-from scripts.exam.sitting import Question, hold
-from scripts.exam.text import figures_text, misses_text, outcomes_text
+from scripts.exam.exams import EXAMS, Exam, ExamName, hold
+from scripts.exam.marks import Mark, read_marks, write_marks
+from scripts.exam.paper import ROWS, Question
+from scripts.exam.report import figures_text, misses_text, outcomes_figure, outcomes_text
 
 _MOST = 10_000
 """Most questions of a row; more are surely a slip."""
@@ -55,21 +50,22 @@ class HoldExam:
         check_outputs({"--json": self.json, "--figure": self.figure})
         if self.figure is not None:
             check_figure(self.figure)
-        place = self._place()
+        exam, place = self._exam, self._place()
+        head = exam.head(self.seed)
         questions = self._questions()
-        kept = [] if place is None else read_marks(place, self.seed, self.exam)
+        kept = [] if place is None else read_marks(place, head)
         known = {(mark.row, mark.number) for mark in kept}
         asked = set(questions)
         marks = [mark for mark in kept if (mark.row, mark.number) in asked]
         todo = [question for question in questions if question not in known]
         with progress_bar("diagnosing", "logs") as progress:
-            for mark in hold(todo, seed=self.seed, jobs=self.jobs, progress=progress, exam=self.exam):
+            for mark in hold(todo, exam=exam, seed=self.seed, jobs=self.jobs, progress=progress):
                 marks.append(mark)
                 if place is not None:
                     kept.append(mark)
-                    write_marks(place, self.seed, kept, self.exam)
+                    write_marks(place, head, kept)
         order = {question: k for k, question in enumerate(questions)}
-        self._tell(sorted(marks, key=lambda mark: order[mark.row, mark.number]))
+        self._report(sorted(marks, key=lambda mark: order[mark.row, mark.number]))
 
     def _questions(self) -> list[Question]:
         """Questions that are asked."""
@@ -96,19 +92,13 @@ class HoldExam:
         check_outputs({"--out": place})
         return place
 
-    def _physics(self) -> str | None:
-        """Fingerprint of the simulation that made the logs; None where none of the project's did."""
-        if self.exam == "independent":
-            return None
-        return SimulatedRig(arm=RigidArm(load_robot(self._exam.robot))).fingerprint
-
-    def _tell(self, marks: Sequence[Mark]) -> None:
+    def _report(self, marks: Sequence[Mark]) -> None:
         lines = self._exam.table(marks)
         print("\n\n".join(part for part in (figures_text(lines), outcomes_text(marks), misses_text(marks)) if part))
         if self.figure is not None:
             print(f"\npicture: {save_figure(outcomes_figure(marks), self.figure)}")
         if self.json is not None:
-            origin = provenance("python -m scripts.exam", self, self._exam.robot, self._physics(), self.seed)
+            origin = provenance("python -m scripts.exam", self, self._exam.robot, self._exam.fingerprint, self.seed)
             figures = [asdict(line) for line in lines]
             write_json(self.json, origin | {"figures": figures, "marks": [asdict(mark) for mark in marks]})
             print(f"\nnumbers: {self.json}")

@@ -1,46 +1,267 @@
-"""Both exams: what each asks, and what it demands."""
+"""Exams are held: questions handed out, answers marked; both exams of the project."""
 
-from collections.abc import Callable, Mapping, Sequence
+import json
+import multiprocessing
+import signal
+import tempfile
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
 from types import MappingProxyType
-from typing import Literal, final, get_args
+from typing import Any, ClassVar, Literal, final, get_args
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.provenance import versions
+from ffgym.diagnosis import Memory, diagnose
+from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.result import Diagnosis
+from ffgym.robot import RigidArm, load_robot
+from ffgym.simulation import SimulatedRig
+from ffgym.simulation.protocols import load_protocols
+from ffgym.simulation.run import Progress
 from scripts.exam import draw
-from scripts.exam.case import Row
-from scripts.exam.figures import Line
+from scripts.exam.draw import ROBOT, draw_case
+from scripts.exam.gain import gain_of
 from scripts.exam.independent import question
-from scripts.exam.independent.table import independent_table
-from scripts.exam.marks import Mark
-from scripts.exam.table import table
+from scripts.exam.loudness import OwnPaper, hand_out
+from scripts.exam.marks import Mark, Outcome, mark_of, outcome
+from scripts.exam.paper import Paper, Question, Row
+from scripts.exam.tables import Line, independent_table, table
 
-ExamName = Literal["own", "independent"]
-EXAM_NAMES: tuple[ExamName, ...] = get_args(ExamName)
-"""Exams: logs of the project's own simulation of one robot; logs of a plant that shares nothing with it."""
+REPEATED = 25
+"""Every so many questions of a row are answered twice, to see whether the bytes are the same."""
+
+LOUD = 10.0
+"""Loudness from which on the gain of an answer is demanded, and computed."""
+
+GAINED = 3
+"""The gain of the answer is computed for every so many questions of a row: that takes as long as the answer."""
+
+_LATER = 60.0
+"""Time after a poor log at which what it proposes is recorded [s]; chosen: what it takes to read the proposal."""
+
+
+class Exam(ABC):
+    """Questions, how they are answered, and what is demanded of the answers."""
+
+    robot: str
+    """Name of its robot."""
+    part: ClassVar[str]
+    """Mark of its results on the page, and name of their picture."""
+
+    @property
+    @abstractmethod
+    def counts(self) -> Mapping[Row, int]:
+        """Questions of a whole exam, by row."""
+
+    @abstractmethod
+    def table(self, marks: Sequence[Mark]) -> list[Line]:
+        """Figures beside demands."""
+
+    @abstractmethod
+    def paper(self, row: Row, number: int, seed: int) -> Paper:
+        """A question as it is handed out."""
+
+    @abstractmethod
+    def file_of(self, seed: int) -> str:
+        """Name of the file of marks."""
+
+    @property
+    def fingerprint(self) -> str | None:
+        """Fingerprint of the simulation that made the logs; None where none of the project's did."""
+        return SimulatedRig(arm=RigidArm(load_robot(self.robot))).fingerprint
+
+    def head(self, seed: int) -> dict[str, Any]:
+        """First line of the file of marks: what all of them depend on beside the question."""
+        return {"format": "ffgym-exam", "seed": seed, "versions": versions()}
+
+    def answer(self, paper: Paper) -> Diagnosis:
+        """The diagnosis of a log, by what is told of its machine."""
+        return diagnose(paper.robot, paper.log, calibration=paper.calibration, memory=_memory())
+
+    def extras(self, paper: Paper, answer: Diagnosis) -> dict[str, Any]:
+        """Further fields of the mark."""
+        return {}
 
 
 @final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Exam:
-    """What is asked and demanded."""
+@dataclass(frozen=True)
+class OwnExam(Exam):
+    """Logs of one robot by the project's own simulation."""
 
-    counts: Mapping[Row, int]
-    """Questions of a whole exam, by row."""
-    table: Callable[[Sequence[Mark]], list[Line]]
-    """Figures beside demands."""
-    robot: str
-    """Name of its robot."""
-    prefix: str
-    """Begins the names of files of marks."""
+    robot: str = ROBOT
+    part: ClassVar[str] = "exam"
+
+    @property
+    def counts(self) -> Mapping[Row, int]:
+        """See base class."""
+        return draw.COUNTS
+
+    def table(self, marks: Sequence[Mark]) -> list[Line]:
+        """See base class."""
+        return table(marks)
 
     def file_of(self, seed: int) -> str:
-        """Name of the file of marks."""
-        return f"{self.prefix}seed_{seed}.jsonl"
+        """See base class."""
+        return f"seed_{seed}.jsonl"
+
+    def paper(self, row: Row, number: int, seed: int) -> OwnPaper:
+        """See base class."""
+        return hand_out(draw_case(row, number, seed=seed, arm=_arm(self.robot)))
+
+    def extras(self, paper: Paper, answer: Diagnosis) -> dict[str, Any]:
+        """What a poor log's proposal resolves, and what a loud effect's model gains."""
+        assert isinstance(paper, OwnPaper)
+        then = self._resolve(paper, answer) if paper.case.is_poor else None
+        loudness = min((one.loudness for one in paper.truth), default=0.0)
+        gain = None
+        if paper.number % GAINED == 0 and loudness >= LOUD and answer.verdict in ("named", "partly"):
+            gain = gain_of(paper.case, answer.causes, answer.numbers)
+        return {"then": then, "gain": gain}
+
+    def _resolve(self, paper: OwnPaper, answer: Diagnosis) -> Outcome | None:
+        """What the diagnosis comes to with the motions that it proposes; None if it proposes none."""
+        if answer.separating_motion is None:
+            return None
+        case = paper.case
+        ends = [recording.header.meta["session_start"] + recording.t[-1] for recording in paper.log]
+        with tempfile.TemporaryDirectory() as folder:
+            place = Path(folder) / "proposed.toml"
+            place.write_text(answer.separating_motion.toml, encoding="utf-8")
+            more = case.bench.with_protocols(load_protocols(place)).record(
+                case.complete,
+                seed=int(case.generator(1).integers(2**32)),
+                current_offset=case.current_offset,
+                start=float(max(ends)) + _LATER,
+            )
+        later = [recording.renamed(f"proposed/{recording.header.segment}") for recording in more]
+        both = Paper(row=paper.row, number=paper.number, robot=paper.robot, log=(*paper.log, *later))
+        return outcome(self.answer(both), paper.truth)
 
 
-EXAMS: Mapping[ExamName, Exam] = MappingProxyType(
-    {
-        "own": Exam(counts=draw.COUNTS, table=table, robot=draw.ROBOT, prefix=""),
-        "independent": Exam(counts=question.COUNTS, table=independent_table, robot="drawn", prefix="independent_"),
-    }
-)
-"""Each exam by its name."""
+@final
+@dataclass(frozen=True)
+class IndependentExam(Exam):
+    """Logs of drawn machines by a plant that shares nothing with the simulation."""
+
+    robot: str = "drawn"
+    part: ClassVar[str] = "independent"
+
+    @property
+    def counts(self) -> Mapping[Row, int]:
+        """See base class."""
+        return question.COUNTS
+
+    @property
+    def fingerprint(self) -> None:
+        """See base class."""
+        return None
+
+    def table(self, marks: Sequence[Mark]) -> list[Line]:
+        """See base class."""
+        return independent_table(marks)
+
+    def head(self, seed: int) -> dict[str, Any]:
+        """See base class."""
+        return {"format": "ffgym-exam", "exam": "independent", "seed": seed, "versions": versions()}
+
+    def file_of(self, seed: int) -> str:
+        """See base class."""
+        return f"independent_seed_{seed}.jsonl"
+
+    def paper(self, row: Row, number: int, seed: int) -> Paper:
+        """See base class."""
+        return question.hand_out(row, number, seed=seed)
+
+    def answer(self, paper: Paper) -> Diagnosis:
+        """The diagnosis; one that ends in an error is an answer, too, and a wrong one."""
+        try:
+            return diagnose(paper.robot, paper.log, calibration=paper.calibration)
+        except Exception as error:  # whatever it is, a good log has no diagnosis
+            return Diagnosis(
+                verdict="insufficient",
+                sentence=f"{type(error).__name__}: {error}",
+                robot=paper.robot.name,
+                motions=tuple(recording.header.segment for recording in paper.log),
+            )
+
+
+ExamName = Literal["own", "independent"]
+EXAM_NAMES: tuple[ExamName, ...] = get_args(ExamName)
+
+EXAMS: Mapping[ExamName, Exam] = MappingProxyType({"own": OwnExam(), "independent": IndependentExam()})
+"""Exams of the project by name."""
+
+
+@cache
+def _arm(robot: str) -> RigidArm:
+    """The nominal robot."""
+    return RigidArm(load_robot(robot))
+
+
+@cache
+def _memory() -> Memory:
+    """Memory that questions of one process share: most are of the same motions."""
+    return Memory()
+
+
+def examine(question: Question, *, exam: Exam, seed: int) -> Mark:
+    """The mark of one question.
+
+    Raises:
+        FFGymError: if its log cannot be recorded or diagnosed; the message begins with the question.
+    """
+    row, number = question
+    try:
+        paper = exam.paper(row, number, seed)
+        began = time.perf_counter()
+        answer = exam.answer(paper)
+        seconds = time.perf_counter() - began
+        same = _bytes(answer) == _bytes(exam.answer(paper)) if number % REPEATED == 0 else None
+        extras = exam.extras(paper, answer)
+    except FFGymError as error:
+        raise FFGymError(f"Question {row}-{number} of seed {seed}: {error}") from error
+    return mark_of(paper, answer, seconds=seconds, same_bytes=same, **extras)
+
+
+def _bytes(answer: Diagnosis) -> str:
+    return json.dumps(diagnosis_document(answer))
+
+
+def hold(
+    questions: Sequence[Question], *, exam: Exam, seed: int, jobs: int = 1, progress: Progress | None = None
+) -> Iterator[Mark]:
+    """Marks of questions as they come; their order depends on how long each takes.
+
+    Args:
+        questions: rows and numbers.
+        exam: whose they are.
+        seed: of the exam.
+        jobs: processes.
+        progress: called after each, with how many are done and how many there are.
+
+    Raises:
+        FFGymError: if one cannot be recorded or diagnosed.
+    """
+    ask: Callable[[Question], Mark] = partial(examine, exam=exam, seed=seed)
+    if jobs == 1:
+        yield from _counted(map(ask, questions), len(questions), progress)
+        return
+    context = multiprocessing.get_context("spawn")  # what the engine's threads hold is not copied
+    with context.Pool(jobs, initializer=_ignore_interruption) as pool:
+        yield from _counted(pool.imap_unordered(ask, questions), len(questions), progress)
+
+
+def _ignore_interruption() -> None:
+    """Leave an interruption to the process that hands out the questions, which ends the others."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _counted(marks: Iterator[Mark], total: int, progress: Progress | None) -> Iterator[Mark]:
+    for done, mark in enumerate(marks, start=1):
+        yield mark
+        if progress is not None:
+            progress(done, total)

@@ -13,6 +13,7 @@ from ffgym.paths.motions.parts.part import resting_position
 from ffgym.robot import RobotDescription
 from scripts.exam.equations import Clue, Outsider, Variant
 from scripts.exam.equations.outsiders import DamagedTooth
+from scripts.exam.paper import Truth
 
 _AS_DESCRIBED = ("reference",)
 """Shapes that are not drawn: a description holds at the temperature of the room in which it was made."""
@@ -72,17 +73,24 @@ class Hidden:
                 found |= {f"{name}.{part}": float(x) for part, x in zip(parts, value, strict=True)}
         return {name: value + self.beside.get(name, 0.0) for name, value in found.items()}
 
+    def truth(self, robot: RobotDescription, loudness: float) -> Truth:
+        """What marks need of it."""
+        return Truth(
+            effect=self.name,
+            answer=self.answer,
+            joint=self.joint,
+            is_foreign=self.is_foreign,
+            loudness=loudness,
+            numbers=self.numbers(robot),
+        )
+
     def times(self, factor: float) -> "Hidden":
         """The same, smaller or larger; shapes stay."""
-        return replace(self, effect=_scaled(self.effect, factor))
-
-
-def _scaled(effect: Effect, factor: float) -> Effect:
-    values = {}
-    for name, known in effect.parameters().items():
-        value = getattr(effect, name)
-        values[name] = value if known.null is None else known.null + factor * (value - known.null)
-    return type(effect)(**values)
+        values = {}
+        for name, known in self.effect.parameters().items():
+            value = getattr(self.effect, name)
+            values[name] = value if known.null is None else known.null + factor * (value - known.null)
+        return replace(self, effect=type(self.effect)(**values))
 
 
 def drawn(kind: type[Effect], robot: RobotDescription, rng: np.random.Generator, joint: str | None = None) -> Hidden:

@@ -29,12 +29,11 @@ from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.parts import Parts
 from ffgym.effects import Effect
 from ffgym.recordings import Recording
-from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Climate, Machine
-from scripts.exam.calibration import errors_beside
-from scripts.exam.case import Case, Row, protocol_of
+from scripts.exam.bench import Bench
+from scripts.exam.draw import Case, errors_beside
 from scripts.exam.hidden import Hidden
-from scripts.exam.recording import log_of_case, recorded
+from scripts.exam.paper import Paper
 
 _NOISE_SEED = 0
 """Of the log that tells the noise; one for all exams, whose noise is the same to a per cent."""
@@ -93,10 +92,9 @@ def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, calibration: Sequ
 class Listener:
     """Hears what effects add to the log of a robot that has none."""
 
-    def __init__(self, arm: RigidArm, poor: bool, lacks: tuple[str, ...]) -> None:
-        self._arm, self._poor, self._lacks = arm, poor, lacks
-        self._nominal = Machine(robot=arm.robot)
-        log = self._log(())
+    def __init__(self, bench: Bench) -> None:
+        self._bench, self._nominal = bench, Machine(robot=bench.arm.robot)
+        self.log = log = self._log(())
         self._run = replay(log, self._nominal)
         self._without, self._valid = predicted(self._run), valid_rows(log)
         self._residual = residual_rows(log, self._without)
@@ -109,7 +107,7 @@ class Listener:
 
     def energy(self, effect: Effect) -> float:
         """Energy that an effect adds, in energies of the noise."""
-        machine = Machine(robot=self._arm.robot, effects=(effect,))
+        machine = replace(self._nominal, effects=(effect,))
         added = self._yardstick.energy(
             self._changed(predicted(replay(self._run.log, machine, self._run)), self._without)
         )
@@ -121,10 +119,8 @@ class Listener:
 
     def _log(self, effects: tuple[Effect, ...]) -> Log:
         """With the same noise at all times."""
-        robot = self._arm.robot
-        machine = Machine(robot=robot, effects=effects, climate=Climate())
-        protocols = [protocol_of(robot, poor=self._poor)]
-        return log_of(robot, recorded(self._arm, machine, protocols, seed=_NOISE_SEED, lacks=self._lacks))
+        machine = replace(self._nominal, effects=effects, climate=Climate())
+        return log_of(machine.robot, self._bench.record(machine, seed=_NOISE_SEED))
 
     def _changed(self, one: Rows, other: Rows) -> Rows:
         return self._counted({channel: values - other[channel] for channel, values in one.items()})
@@ -134,60 +130,52 @@ class Listener:
 
 
 @cache
-def listener_of_exam(arm: RigidArm, poor: bool, lacks: tuple[str, ...]) -> Listener:
-    """To the motions of an exam; made once."""
-    return Listener(arm, poor, lacks)
+def listener_of(bench: Bench) -> Listener:
+    """Listener to the motions of a bench; made once."""
+    return Listener(bench)
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Paper:
-    """A question as it is handed out, and what only the examiner knows of it."""
+class OwnPaper(Paper):
+    """A question about a machine of the project's own simulation."""
 
     case: Case
-    """With effects as large as they are in the log."""
-    log: tuple[Recording, ...]
-    loudness: tuple[float, ...]
-    """Of each hidden effect."""
-
-    @property
-    def row(self) -> Row:
-        """Kind of question."""
-        return self.case.row
-
-    @property
-    def number(self) -> int:
-        """Within its row."""
-        return self.case.number
-
-    @property
-    def robot(self) -> RobotDescription:
-        """What is told of the machine."""
-        return self.case.arm.robot
-
-    @property
-    def hidden(self) -> tuple[Hidden, ...]:
-        """What only the examiner knows."""
-        return self.case.hidden
+    """The question, with effects as large as they are in the log."""
 
 
-def handed_out(case: Case) -> Paper:
+def hand_out(case: Case) -> OwnPaper:
     """The log of a question, with effects as loud as they are to be, or as they can be within their plausible size."""
-    if not case.hidden:
-        return Paper(case=case, log=tuple(log_of_case(case)), loudness=())
-    lacks = tuple(family for family in case.lacks if family != "temperature")  # an effect is as loud without it
-    listener = listener_of_exam(case.arm, case.is_poor, lacks)
-    full = [_at_most(listener, one) for one in case.hidden]
-    sized = tuple(one for one, _ in full)
-    if case.loudness:
-        sized = tuple(
-            one.times(_factor(wanted, added)) for (one, added), wanted in zip(full, case.loudness, strict=True)
-        )
-    log = log_of_case(case, case.with_hidden(sized))
-    heard = tuple(1 + listener.energy(one.effect) for one in sized)
-    described, machine, offset = case.arm.robot, case.machine, case.current_offset
-    sized = tuple(replace(one, beside=errors_beside(one, described, machine, offset)) for one in sized)
-    return Paper(case=replace(case, hidden=sized), log=tuple(log), loudness=heard)
+    sized, heard = tuple[Hidden, ...](), tuple[float, ...]()
+    if case.hidden:
+        listener = listener_of(case.audible)
+        full = [_at_most(listener, one) for one in case.hidden]
+        sized = tuple(one for one, _ in full)
+        if case.loudness:
+            sized = tuple(
+                one.times(_factor(wanted, added)) for (one, added), wanted in zip(full, case.loudness, strict=True)
+            )
+        heard = tuple(1 + listener.energy(one.effect) for one in sized)
+    case, robot = replace(case, hidden=sized), case.robot
+    log = record_case(case)
+    sized = tuple(
+        replace(one, beside=errors_beside(one, robot, case.machine, case.current_offset)) for one in case.hidden
+    )
+    return OwnPaper(
+        row=case.row,
+        number=case.number,
+        robot=robot,
+        log=tuple(log),
+        truth=tuple(one.truth(robot, loud) for one, loud in zip(sized, heard, strict=True)),
+        clue=sized[0].clue(robot) if sized else None,
+        case=replace(case, hidden=sized),
+    )
+
+
+def record_case(case: Case) -> list[Recording]:
+    """The log of a question."""
+    seed = int(case.generator().integers(2**32))
+    return case.bench.record(case.complete, seed=seed, current_offset=case.current_offset)
 
 
 def _at_most(listener: Listener, hidden: Hidden) -> tuple[Hidden, float]:

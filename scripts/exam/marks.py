@@ -1,16 +1,20 @@
 """What an answer is worth: whether it names what is hidden, names what is not there, or says that it cannot tell."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, final
 
-from ffgym.diagnosis.result import Diagnosis, Pattern
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import read_text, write_text
+from ffgym.core.typed_json import from_json, to_json
+from ffgym.diagnosis.result import Cause, Diagnosis, Pattern
 from ffgym.effects import EFFECTS
-from scripts.exam.case import Row
 from scripts.exam.equations import Clue
-from scripts.exam.gain import Gain
-from scripts.exam.secret import Asked, Secret
-from scripts.exam.sizes import SizeMark, marked_cycles, marked_sizes
+from scripts.exam.paper import ROWS, Paper, Row, Truth
 
 Outcome = Literal[
     "right", "surplus", "part", "tie", "none", "unknown", "insufficient", "wrong", "wrong_partly", "wrong_tie"
@@ -27,6 +31,33 @@ _HARMONICS = 7
 """Multiples of a frequency that count for it: pulses and switches have many, the first need not be the largest."""
 
 
+_SHAPE = 0.1
+"""Relative error of a shape that is chosen beside the size beyond which sizes mean different things."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SizeMark:
+    """A size in an answer, and the true one, in the unit of the parameter."""
+
+    name: str
+    said: float
+    true: float
+    interval: tuple[float, float]
+    scale: float
+    """How far the true one is from null; of a vector its length."""
+
+    @property
+    def error(self) -> float:
+        """Relative."""
+        return abs(self.said - self.true) / self.scale
+
+    @property
+    def is_covered(self) -> bool:
+        """Whether the interval holds the true size."""
+        return self.interval[0] <= self.true <= self.interval[1]
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
 class Said:
@@ -39,17 +70,15 @@ class Said:
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Truth:
-    """What was hidden."""
+class Gain:
+    """What simulation and machine differ by, in full closed loop, on two motions that were not diagnosed."""
 
-    effect: str
-    """As the exam calls it."""
-    answer: str
-    """As a diagnosis should; empty outside the library."""
-    joint: str
-    is_foreign: bool
-    loudness: float
-    numbers: dict[str, float]
+    leftover: float
+    """Energy with the causes, over that of noise and calibration without anything hidden; worst joint or axis."""
+    before: float
+    """RMS distance of the tool between the machine and its nominal model [m]."""
+    after: float
+    """The same with the causes."""
 
 
 @final
@@ -101,29 +130,18 @@ class Mark:
         return f"{self.row}-{self.number}"
 
 
-def marked(paper: Asked, answer: Diagnosis, **more: Any) -> Mark:
+def mark_of(paper: Paper, answer: Diagnosis, **more: Any) -> Mark:
     """The mark of an answer; `more` are fields of it that others know."""
-    robot, hidden = paper.robot, paper.hidden
     named = [(_family(cause.effect), cause.joint) for cause in answer.causes]
-    truths = [(_family(one.answer), one.joint) for one in hidden]
+    truths = [(_family(one.answer), one.joint) for one in paper.truth]
     tells = answer.verdict in ("named", "partly", "ambiguous")
-    clue = hidden[0].clue(robot) if hidden else None
-    sizes = [size for one in hidden for size in marked_sizes(one, answer, robot)] if answer.verdict == "named" else []
+    sized = paper.truth if answer.verdict == "named" else ()
+    joints, clue = paper.robot.joints, paper.clue
     return Mark(
         row=paper.row,
         number=paper.number,
-        truth=tuple(
-            Truth(
-                effect=one.name,
-                answer=one.answer,
-                joint=one.joint,
-                is_foreign=one.is_foreign,
-                loudness=loudness,
-                numbers=one.numbers(robot),
-            )
-            for one, loudness in _with_loudness(paper)
-        ),
-        outcome=outcome(answer, hidden),
+        truth=paper.truth,
+        outcome=outcome(answer, paper.truth),
         verdict=answer.verdict,
         sentence=answer.sentence,
         causes=tuple(Said(effect=c.effect, joint=c.joint, held_out_gain=c.held_out_gain) for c in answer.causes),
@@ -131,20 +149,17 @@ def marked(paper: Asked, answer: Diagnosis, **more: Any) -> Mark:
             Said(effect=r.effect, joint=r.joint, held_out_gain=r.held_out_gain) for r in answer.rivals if r.tied
         ),
         first_is_right=tells and bool(named) and named[0] in truths,
-        sizes=tuple(sizes),
-        cycles_off=marked_cycles(hidden[0], answer, robot) if hidden else None,
-        clue_found=None if clue is None else finds(clue, answer.patterns, hidden[0].joint, robot.joints),
+        sizes=tuple(size for one in sized for size in _sizes(one, answer)),
+        cycles_off=_cycles_off(paper.truth[0], answer) if paper.truth else None,
+        clue_found=None if clue is None else finds(clue, answer.patterns, paper.truth[0].joint, joints),
         patterns=tuple(pattern.message for pattern in answer.patterns[:3]),
+        conditions=paper.conditions,
         proposed=answer.separating_motion.protocol if answer.separating_motion else None,
         **more,
     )
 
 
-def _with_loudness(paper: Asked) -> list[tuple[Secret, float]]:
-    return list(zip(paper.hidden, paper.loudness, strict=True))
-
-
-def outcome(answer: Diagnosis, hidden: Sequence[Secret]) -> Outcome:
+def outcome(answer: Diagnosis, hidden: Sequence[Truth]) -> Outcome:
     """What an answer comes to."""
     if answer.verdict in ("none", "unknown", "insufficient"):
         return answer.verdict
@@ -187,3 +202,85 @@ def _multiple(said: float | None, true: float | None) -> bool:
         return False
     times = max(1, round(said / true))
     return times <= _HARMONICS and abs(said / (times * true) - 1) <= _TOLERANCE
+
+
+def _causes(hidden: Truth, answer: Diagnosis) -> list[Cause]:
+    """Causes that name what is hidden: one, or one for each wave."""
+    return [c for c in answer.causes if (c.effect, c.joint) == (hidden.answer, hidden.joint)]
+
+
+def _sizes(hidden: Truth, answer: Diagnosis) -> list[SizeMark]:
+    """Sizes of an effect of the library that is named; none where another shape was chosen, or the equation differs."""
+    cause = next(iter(_causes(hidden, answer)), None)
+    if cause is None or hidden.is_foreign or not _same_shape(hidden, cause):
+        return []
+    numbers, found = hidden.numbers, []
+    for said in cause.parameters:
+        known = EFFECTS[hidden.answer].parameters().get(said.name.partition(".")[0])
+        if known is None or known.null is None or said.name not in numbers:
+            continue
+        true = numbers[said.name]
+        parts = [f"{known.name}.{axis}" for axis in "xyz"] if known.per == "vector" else [said.name]
+        scale = float(np.linalg.norm([numbers[part] - known.null for part in parts]))
+        if scale > 0:
+            found.append(SizeMark(name=said.name, said=said.value, true=true, interval=said.interval, scale=scale))
+    return found
+
+
+def _same_shape(hidden: Truth, cause: Cause) -> bool:
+    known, numbers = EFFECTS[hidden.answer].parameters(), hidden.numbers
+    for name, value in cause.fixed.items():
+        parameter = known.get(name.partition(".")[0])
+        told = name in numbers  # an equation of its own may have no such number
+        if parameter is None or not told or parameter.null is not None or parameter.role in ("phase", "cycles"):
+            continue
+        if not np.allclose(value, numbers[name], rtol=_SHAPE, atol=0):
+            return False
+    return True
+
+
+def _cycles_off(hidden: Truth, answer: Diagnosis) -> float | None:
+    """Cycles per motor turn in an answer less the true ones, of the wave of the cause that is nearest to the main one.
+
+    None where nothing is periodic, or it is not named.
+    """
+    known = EFFECTS[hidden.answer].parameters() if hidden.answer else {}
+    name = next((p.name for p in known.values() if p.role == "cycles" and p.unit == "1"), None)
+    if name is None or name not in (true := hidden.numbers):
+        return None
+    said = [{p.name: p.value for p in cause.parameters} | cause.fixed for cause in _causes(hidden, answer)]
+    off = [float(numbers[name] - true[name]) for numbers in said if name in numbers]
+    return min(off, key=abs, default=None)
+
+
+def write_marks(path: Path, head: Mapping[str, Any], marks: Sequence[Mark]) -> None:
+    """Write all marks, one line for each question, whole or not at all, in the order of the exam.
+
+    Args:
+        path: of the file.
+        head: its first line, which says what all marks depend on beside the question.
+        marks: in any order.
+    """
+    ordered = sorted(marks, key=lambda mark: (ROWS.index(mark.row), mark.number))
+    write_text(path, "".join(json.dumps(line) + "\n" for line in (head, *(to_json(mark) for mark in ordered))))
+
+
+def read_marks(path: Path, head: Mapping[str, Any]) -> list[Mark]:
+    """Marks of an exam that was begun; none if there is no file.
+
+    Raises:
+        FFGymError: if the file is damaged, or has another head: that of another exam or of other versions.
+    """
+    if not path.exists():
+        return []
+    try:
+        first, *lines = [json.loads(line) for line in read_text(path).splitlines()]
+        found = [from_json(Mark, line, "mark") for line in lines]
+    except (ValueError, RecursionError) as error:
+        raise FFGymError(f"{path}: is damaged: {error}. Remove it to begin again.") from error
+    if first != head:
+        raise FFGymError(
+            f"{path}: holds marks of another seed or exam, or of other versions ({first}). Choose another folder, or "
+            "remove it."
+        )
+    return found

@@ -13,8 +13,8 @@ from ffgym.effects import EFFECTS
 from scripts.exam.draw import draw_case
 from scripts.exam.equations import OUTSIDERS, VARIANTS
 from scripts.exam.hidden import Hidden
+from scripts.exam.loudness import record_case
 from scripts.exam.marks import finds, outcome
-from scripts.exam.recording import log_of_case
 
 SEED = 2026
 """Of the errors of calibration and the noise."""
@@ -48,7 +48,7 @@ def question(arm):
 def answer(irb4600):
     """A function that diagnoses the log of a question."""
     memory = Memory()
-    return lambda case: diagnose(irb4600, log_of_case(case), memory=memory)
+    return lambda case: diagnose(irb4600, record_case(case), memory=memory)
 
 
 @pytest.mark.parametrize("number", [0, pytest.param(1, marks=pytest.mark.slow)])

@@ -10,7 +10,7 @@ from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.noise import Faultless, noise_of
 from ffgym.diagnosis.replay import replay
 from ffgym.simulation.plant import Machine
-from scripts.exam.independent.question import handed_out
+from scripts.exam.independent.question import hand_out
 from scripts.exam.independent.sensors import QUIET, TORQUE_NOISE, Columns
 
 
@@ -33,7 +33,7 @@ def test_no_motion_has_much_less_noise_than_all_though_an_encoder_shows_none_whi
 def test_what_a_model_foretells_above_the_band_of_motions_is_no_noise(row_dt):
     """Quiet sensors of a rigid arm that reverses: its torque has more above 38 Hz than their noise."""
     plain = Columns(tracker=False, set_points=False, feedback=False, speed=False, temperature=False)
-    paper = handed_out(
+    paper = hand_out(
         "clean", 0, seed=4, n=2, elastic=False, noise="quiet", row_dt=row_dt, control="documented", columns=plain
     )
     run = replay(log_of(paper.robot, paper.log), Machine.of(paper.robot))

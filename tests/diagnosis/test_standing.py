@@ -14,7 +14,7 @@ from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.standing import misread_friction
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import load_protocols
-from scripts.exam.recording import recorded
+from scripts.exam.bench import Bench
 
 BLOCK = 60
 """Rows of a mean [8 ms each]: torque noise of one row is an eighth of itself there."""
@@ -23,7 +23,7 @@ BLOCK = 60
 @pytest.fixture(scope="module")
 def log(arm):
     machine = Machine(robot=arm.robot)
-    return log_of(arm.robot, recorded(arm, machine, load_protocols("dwell_restart"), seed=3))
+    return log_of(arm.robot, Bench(arm=arm, protocols=tuple(load_protocols("dwell_restart"))).record(machine, seed=3))
 
 
 @pytest.fixture(scope="module")

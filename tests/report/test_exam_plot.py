@@ -3,9 +3,9 @@
 import pytest
 
 from ffgym.core.errors import FFGymError
-from scripts.exam.marks import Mark, Truth
-from scripts.exam.report import outcomes_figure
-from scripts.exam.report.outcomes_plot import GOOD, PART, SILENT, TIE, WRONG, summed_up
+from scripts.exam.marks import Mark
+from scripts.exam.paper import Truth
+from scripts.exam.report import GOOD, PART, SILENT, TIE, WRONG, outcomes_figure, summed_up
 
 
 def mark(row="single", outcome="right", verdict="named", loudness=20.0, number=0):

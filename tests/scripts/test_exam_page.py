@@ -7,10 +7,12 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from scripts.exam.draw import COUNTS
-from scripts.exam.results import write_marks
-from scripts.exam_page import PAGE, Config, main
+from scripts.exam.exams import EXAMS
+from scripts.exam.marks import write_marks
+from scripts.exam.page import PAGE, Config, main
 from tests.report.test_exam_plot import mark
 
+HEAD = EXAMS["own"].head(12)
 MARKS = [mark("clean", "none", "none"), mark("foreign", "wrong", "named", number=3)]
 
 
@@ -23,7 +25,7 @@ def config(tmp_path):
 
 
 def test_tables_misses_and_the_picture_are_written(config):
-    write_marks(config.out / "seed_12.jsonl", 12, MARKS)
+    write_marks(config.out / "seed_12.jsonl", HEAD, MARKS)
     text = main(config)
     assert config.page.read_text(encoding="utf-8") == f"a\n<!-- exam -->\n{text}\n<!-- end -->\nb\n"
     assert "--seed 12" in text
@@ -39,9 +41,9 @@ def test_a_whole_exam_says_so(config):
         for row, n in COUNTS.items()
         for k in range(n)
     ]
-    write_marks(config.out / "seed_12.jsonl", 12, whole)
+    write_marks(config.out / "seed_12.jsonl", HEAD, whole)
     assert f"all {sum(COUNTS.values())} questions." in main(config)
-    write_marks(config.out / "seed_12.jsonl", 12, [*whole, replace(whole[0], number=COUNTS["clean"])])
+    write_marks(config.out / "seed_12.jsonl", HEAD, [*whole, replace(whole[0], number=COUNTS["clean"])])
     assert f"all {sum(COUNTS.values())} questions, and 1 more of some rows." in main(config)
 
 
@@ -54,7 +56,7 @@ def test_without_marks_nothing_is_written(config):
 def test_the_second_exam_has_a_part_of_its_own(config):
     config = replace(config, exam="independent")
     config.page.write_text("<!-- exam -->\nold\n<!-- end -->\n<!-- independent -->\n<!-- end -->\n", encoding="utf-8")
-    write_marks(config.out / "independent_seed_12.jsonl", 12, MARKS[:1], "independent")
+    write_marks(config.out / "independent_seed_12.jsonl", EXAMS["independent"].head(12), MARKS[:1])
     text = main(config)
     assert "--exam independent --seed 12" in text
     assert "1 of 410 questions (1 of 200 `clean`" in text

@@ -14,6 +14,7 @@ from scripts.exam.equations import Clue
 from scripts.exam.independent.arm import joined
 from scripts.exam.independent.machine import Numbers, with_fault
 from scripts.exam.independent.sensors import Columns, View
+from scripts.exam.paper import Truth
 
 _LIMIT_OF_OFFSET = 0.1
 """Largest offset of a torque [N m]: of an effect that the library finds plausible."""
@@ -100,6 +101,17 @@ class Concealed:
         """Parameters by the names that causes have."""
         told = self.kind.told(self.size, self.shape)
         return {name: value + self.beside.get(name, 0.0) for name, value in told.items()}
+
+    def truth(self, robot: RobotDescription, loudness: float) -> Truth:
+        """What marks need of it."""
+        return Truth(
+            effect=self.name,
+            answer=self.answer,
+            joint=self.joint,
+            is_foreign=self.is_foreign,
+            loudness=loudness,
+            numbers=self.numbers(robot),
+        )
 
     def on(self, machine: Changed) -> Changed:
         """A machine that has it."""

@@ -9,14 +9,12 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.recordings import Recording
-from ffgym.robot import RobotDescription
-from scripts.exam.case import Row
 from scripts.exam.independent.hidden import KINDS, Concealed, concealed, possible
 from scripts.exam.independent.loudness import loudness
 from scripts.exam.independent.machine import numbers_of
 from scripts.exam.independent.sensors import Columns, Exact, logged
 from scripts.exam.independent.setup import Setup, drawn_setup, simulated
+from scripts.exam.paper import Paper, Row
 
 COUNTS: Mapping[Row, int] = MappingProxyType({"clean": 200, "single": 180, "outside": 30})
 """Questions of a whole exam, by row: nothing hidden; an effect; one outside the library."""
@@ -36,28 +34,14 @@ _DRAWS = 20
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class IndependentPaper:
-    """A question as it is handed out, and what only the examiner knows of it."""
+class IndependentPaper(Paper):
+    """A question about a drawn machine."""
 
-    row: Row
-    number: int
     setup: Setup
-    hidden: tuple[Concealed, ...]
-    log: tuple[Recording, ...]
-    loudness: tuple[float, ...]
-
-    @property
-    def robot(self) -> RobotDescription:
-        """What is told of the machine."""
-        return self.setup.robot
-
-    @property
-    def calibration(self) -> Calibration:
-        """What is told of how sure that is."""
-        return Calibration.of_share(self.setup.share)
+    """The machine, without what is hidden."""
 
 
-def handed_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPaper:
+def hand_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPaper:
     """Question `number` of a row; it depends on nothing but these and the seed.
 
     Args:
@@ -75,11 +59,11 @@ def handed_out(row: Row, number: int, *, seed: int, **fixed: Any) -> Independent
     setup = drawn_setup(rng, **fixed)
     if row == "clean":
         (exact,) = simulated(setup, [(setup.numbers, setup.view)])
-        return _paper(row, number, setup, (), exact, (), rng)
+        return _paper(row, number, setup, None, 0.0, exact, rng)
     name, setup = _kind(row, number, seed, setup, rng)
     hidden, without, exact = _draw_stable(name, setup, rng)
     error = hidden.size if hidden.kind.of_number else 0.0
-    return _paper(row, number, setup, (hidden,), exact, (loudness(setup, without, exact, error=error),), rng)
+    return _paper(row, number, setup, hidden, loudness(setup, without, exact, error=error), exact, rng)
 
 
 def _draw_stable(
@@ -144,9 +128,9 @@ def _paper(
     row: Row,
     number: int,
     setup: Setup,
-    hidden: tuple[Concealed, ...],
+    hidden: Concealed | None,
+    heard: float,
     exact: Exact,
-    heard: tuple[float, ...],
     rng: np.random.Generator,
 ) -> IndependentPaper:
     count, motions = exact.angle.shape[:2]
@@ -160,4 +144,14 @@ def _paper(
         lengths=[count] * motions,
         rng=rng,
     )
-    return IndependentPaper(row=row, number=number, setup=setup, hidden=hidden, log=tuple(log), loudness=heard)
+    return IndependentPaper(
+        row=row,
+        number=number,
+        robot=setup.robot,
+        log=tuple(log),
+        calibration=Calibration.of_share(setup.share),
+        truth=() if hidden is None else (hidden.truth(setup.robot, heard),),
+        clue=None if hidden is None else hidden.clue(setup.robot),
+        conditions=setup.label,
+        setup=setup,
+    )

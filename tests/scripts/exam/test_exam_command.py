@@ -4,9 +4,8 @@ import json
 
 import pytest
 
-from scripts.exam import sitting
+from scripts.exam import exams
 from scripts.exam.__main__ import main
-from scripts.exam.independent import sitting as independent
 from scripts.exam.marks import Mark
 
 
@@ -15,7 +14,7 @@ def asked(monkeypatch):
     """Questions that were asked; answers come from no diagnosis."""
     questions = []
 
-    def answer(question, *, seed):
+    def answer(question, *, exam, seed):
         if len(questions) == answer.most:
             raise KeyboardInterrupt
         questions.append(question)
@@ -35,8 +34,7 @@ def asked(monkeypatch):
 
     answer.most = 10**6
     questions_of = type("Asked", (), {"questions": questions, "answer": answer})
-    monkeypatch.setattr(sitting, "examined", answer)
-    monkeypatch.setattr(independent, "examined", answer)
+    monkeypatch.setattr(exams, "examine", answer)
     return questions_of
 
 

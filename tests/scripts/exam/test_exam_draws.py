@@ -7,9 +7,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
-from scripts.exam.calibration import SPREAD, errors_beside, miscalibrated
-from scripts.exam.case import ROWS
-from scripts.exam.draw import COUNTS, LOUDEST, QUIETEST, draw_case
+from scripts.exam.draw import COUNTS, LOUDEST, QUIETEST, SPREAD, draw_case, errors_beside, miscalibrated
 from scripts.exam.equations import OUTSIDERS, VARIANTS
 from scripts.exam.hidden import Hidden, drawn
 
@@ -21,7 +19,7 @@ def numbers(case):
     return hidden, case.loudness, robot.friction.coulomb.tolist(), robot.drive.joint_stiffness.tolist(), case.noise
 
 
-@pytest.mark.parametrize("row", ROWS)
+@pytest.mark.parametrize("row", COUNTS)
 def test_a_question_is_the_same_again_and_another_one_by_another_seed(row, arm):
     assert numbers(draw_case(row, 2, seed=1001, arm=arm)) == numbers(draw_case(row, 2, seed=1001, arm=arm))
     assert numbers(draw_case(row, 2, seed=1001, arm=arm)) != numbers(draw_case(row, 2, seed=1002, arm=arm))

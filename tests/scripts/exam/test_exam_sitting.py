@@ -6,7 +6,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.result import Cause, Diagnosis, SeparatingMotion, Size
-from scripts.exam import sitting
+from scripts.exam.exams import Exam, OwnExam, examine, hold
 
 COULOMB = Cause(
     effect="coulomb_level",
@@ -26,17 +26,17 @@ def said(verdict, **more):
 def test_what_a_poor_log_proposes_is_recorded_on_the_same_machine_and_diagnosed_with_it(monkeypatch):
     logs = []
 
-    def answered(log):
-        logs.append([recording.header.segment for recording in log])
-        if len(log) > 3:
+    def answer(exam, paper):
+        logs.append([recording.header.segment for recording in paper.log])
+        if len(paper.log) > 3:
             return said("none")
         proposed = SeparatingMotion(
             between=("a", "b"), protocol="proposed", toml='[[step]]\nprotocol = "dwell_restart"\n', expected=1.0
         )
         return said("ambiguous", causes=(COULOMB,), separating_motion=proposed)
 
-    monkeypatch.setattr(sitting, "answered", answered)
-    mark = sitting.examined(("poor_clean", 1), seed=1020)
+    monkeypatch.setattr(Exam, "answer", answer)
+    mark = examine(("poor_clean", 1), exam=OwnExam(), seed=1020)
     assert (mark.outcome, mark.proposed, mark.then) == ("wrong_tie", "proposed", "none")
     first, both = logs
     assert both[: len(first)] == first
@@ -45,24 +45,25 @@ def test_what_a_poor_log_proposes_is_recorded_on_the_same_machine_and_diagnosed_
 
 def test_every_so_often_a_question_is_answered_twice(monkeypatch):
     answers = iter([said("none"), said("none", threshold=0.1), said("none")])
-    monkeypatch.setattr(sitting, "answered", lambda log: next(answers))
-    assert sitting.examined(("poor_clean", 0), seed=1020).same_bytes is False
-    assert sitting.examined(("poor_clean", 1), seed=1020).same_bytes is None
+    monkeypatch.setattr(Exam, "answer", lambda exam, paper: next(answers))
+    assert examine(("poor_clean", 0), exam=OwnExam(), seed=1020).same_bytes is False
+    assert examine(("poor_clean", 1), exam=OwnExam(), seed=1020).same_bytes is None
 
 
 def test_a_question_that_cannot_be_answered_says_which_it_is(monkeypatch):
-    def refuse(log):
+    def refuse(exam, paper):
         raise FFGymError("no such log")
 
-    monkeypatch.setattr(sitting, "answered", refuse)
+    monkeypatch.setattr(Exam, "answer", refuse)
     with pytest.raises(FFGymError, match="poor_clean-1 of seed 1020: no such log"):
-        sitting.examined(("poor_clean", 1), seed=1020)
+        examine(("poor_clean", 1), exam=OwnExam(), seed=1020)
 
 
 @pytest.mark.slow
 def test_marks_are_the_same_at_any_number_of_processes():
     questions = [("poor_clean", 1), ("poor_clean", 2)]
     alone, beside = (
-        [replace(mark, seconds=0.0) for mark in sitting.hold(questions, seed=1020, jobs=jobs)] for jobs in (1, 2)
+        [replace(mark, seconds=0.0) for mark in hold(questions, exam=OwnExam(), seed=1020, jobs=jobs)]
+        for jobs in (1, 2)
     )
     assert sorted(alone, key=lambda mark: mark.number) == sorted(beside, key=lambda mark: mark.number)

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+from scripts.exam import exams
+from scripts.exam.exams import IndependentExam, examine
 from scripts.exam.independent import question, robots
-from scripts.exam.independent.question import handed_out
+from scripts.exam.independent.question import hand_out
 from scripts.exam.independent.sensors import Columns
-from scripts.exam.independent.sitting import answered, examined
-from scripts.exam.marks import marked
+from scripts.exam.marks import mark_of
 
 PLAIN = Columns(tracker=False, set_points=True, feedback=False, speed=False, temperature=False)
 SHORT = {"count": 4, "duration": 2.4}
@@ -40,8 +41,8 @@ def hiding(monkeypatch):
 
 @pytest.mark.parametrize(("n", "elastic"), [(1, False), pytest.param(2, True, marks=pytest.mark.slow)])
 def test_a_clean_log_is_clean(n, elastic, gears_that_keep_the_sign):
-    paper = handed_out("clean", 0, seed=3, n=n, elastic=elastic, **TIDY, **SHORT)
-    assert answered(paper).verdict == "none"
+    paper = hand_out("clean", 0, seed=3, n=n, elastic=elastic, **TIDY, **SHORT)
+    assert IndependentExam().answer(paper).verdict == "none"
 
 
 @pytest.mark.parametrize(
@@ -57,25 +58,25 @@ def test_a_clean_log_is_clean(n, elastic, gears_that_keep_the_sign):
 def test_what_sensors_and_numbers_leave_open_is_no_fault(conditions):
     if conditions.get("columns") == "feedback":
         conditions = conditions | {"columns": replace(PLAIN, set_points=False, feedback=True)}
-    paper = handed_out("clean", 0, seed=5, **(TIDY | conditions))
-    assert answered(paper).verdict == "none"
+    paper = hand_out("clean", 0, seed=5, **(TIDY | conditions))
+    assert IndependentExam().answer(paper).verdict == "none"
 
 
 @pytest.mark.slow
 def test_coriolis_torques_of_links_that_swing_are_no_fault():
     """Three fast elastic axes, whose quiet sensors hear a tenth of what their swinging takes."""
-    assert answered(handed_out("clean", 7, seed=101)).verdict == "none"
+    assert IndependentExam().answer(hand_out("clean", 7, seed=101)).verdict == "none"
 
 
 def test_numbers_that_are_off_by_more_than_slopes_tell_are_no_fault():
     """Two elastic axes that are known to 5 %, and swing: slopes leave forty times the noise, and two wrong springs."""
-    assert answered(handed_out("clean", 6, seed=1601)).verdict == "none"
+    assert IndependentExam().answer(hand_out("clean", 6, seed=1601)).verdict == "none"
 
 
 def test_an_effect_below_a_noise_floor_that_allows_for_too_much_is_named():
     """Sensors that are quieter than models foretell: a tenth of the floor is there, and load friction beside it."""
-    paper = handed_out("single", 3, seed=1601)
-    mark = marked(paper, answered(paper))
+    paper = hand_out("single", 3, seed=1601)
+    mark = mark_of(paper, IndependentExam().answer(paper))
     assert mark.outcome == "right"
     assert all(size.is_covered for size in mark.sizes)
 
@@ -92,20 +93,18 @@ def test_an_effect_below_a_noise_floor_that_allows_for_too_much_is_named():
 )
 def test_a_loud_effect_is_named(name, n, gears_that_keep_the_sign, hiding):
     hiding(name)
-    paper = handed_out("single", 0, seed=3, n=n, elastic=True, **TIDY, **SHORT)
-    assert paper.loudness[0] > 10
-    mark = marked(paper, answered(paper))
+    paper = hand_out("single", 0, seed=3, n=n, elastic=True, **TIDY, **SHORT)
+    assert paper.truth[0].loudness > 10
+    mark = mark_of(paper, IndependentExam().answer(paper))
     assert mark.outcome in ("right", "tie"), (mark.outcome, mark.sentence)
     assert not mark.names_wrongly
 
 
 def test_a_diagnosis_that_ends_in_an_error_is_an_answer(monkeypatch):
-    from scripts.exam.independent import sitting
-
-    small = handed_out("clean", 1, seed=3, n=1, count=1, duration=0.8)
-    monkeypatch.setattr(sitting, "handed_out", lambda row, number, seed: small)
-    monkeypatch.setattr(sitting, "diagnose", lambda *log, **more: (1,).index(2))
-    mark = examined(("clean", 1), seed=3)
+    small = hand_out("clean", 1, seed=3, n=1, count=1, duration=0.8)
+    monkeypatch.setattr(question, "hand_out", lambda row, number, seed: small)
+    monkeypatch.setattr(exams, "diagnose", lambda *log, **more: (1,).index(2))
+    mark = examine(("clean", 1), exam=IndependentExam(), seed=3)
     assert mark.outcome == "insufficient"
     assert mark.sentence.startswith("ValueError")
     assert mark.conditions == small.setup.label

@@ -1,6 +1,6 @@
 """Results of an exam of the diagnosis on its page: tables, picture and misses of docs/bench_diagnosis.md.
 
-`python -m scripts.exam_page --seed 2035` reads what `python -m scripts.exam --seed 2035 --out exam` has kept, and with
+`python -m scripts.exam.page --seed 2035` reads what `python -m scripts.exam --seed 2035 --out exam` has kept, and with
 `--exam independent` the same of the second exam; `make exam` runs all of them.
 """
 
@@ -12,17 +12,13 @@ from pathlib import Path
 
 from ffgym.core.errors import FFGymError
 from ffgym.report import save_figure
-from scripts.exam.case import Row
 from scripts.exam.exams import EXAMS, ExamName
-from scripts.exam.marks import Mark
-from scripts.exam.report import outcomes_figure
-from scripts.exam.results import read_marks
-from scripts.exam.text import figures_text, misses_text, outcomes_text
+from scripts.exam.marks import Mark, read_marks
+from scripts.exam.paper import Row
+from scripts.exam.report import figures_text, misses_text, outcomes_figure, outcomes_text
 from scripts.tables.page import renewed
 
-PAGE = Path(__file__).parents[1] / "docs" / "bench_diagnosis.md"
-_PARTS: Mapping[ExamName, str] = {"own": "exam", "independent": "independent"}
-"""Mark of each exam on the page, and name of its picture."""
+PAGE = Path(__file__).parents[2] / "docs" / "bench_diagnosis.md"
 
 DPI = 100
 """Pixels per inch of the picture."""
@@ -46,9 +42,10 @@ class Config:
 
 def main(config: Config) -> str:
     """Write the results; returns them as Markdown."""
-    exam, part = EXAMS[config.exam], _PARTS[config.exam]
+    exam = EXAMS[config.exam]
+    part = exam.part
     place = config.out / exam.file_of(config.seed)
-    marks = read_marks(place, config.seed, config.exam)
+    marks = read_marks(place, exam.head(config.seed))
     which = "" if config.exam == "own" else f"--exam {config.exam} "
     if not marks:
         raise FFGymError(

@@ -1,0 +1,69 @@
+"""A question of an exam as it is handed out, and what only the examiner knows of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal, final, get_args
+
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from scripts.exam.equations import Clue
+
+Row = Literal[
+    "clean",
+    "single",
+    "foreign",
+    "outside",
+    "periodic",
+    "pair",
+    "poor",
+    "poor_clean",
+    "no_tracker",
+    "no_temperature",
+    "size",
+]
+"""Kinds of questions: nothing hidden; an effect of the library; one in another equation; one outside the library; one
+that repeats with the motor; two effects; small circles alone, with and without an effect; logs without a column; an
+effect at several sizes on a robot of the user."""
+
+ROWS: tuple[Row, ...] = get_args(Row)
+
+Question = tuple[Row, int]
+"""Row and number within it, from 0 on."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Truth:
+    """A hidden effect, as large as in the log."""
+
+    effect: str
+    """Name in the exam."""
+    answer: str
+    """Name that a diagnosis should give; empty outside the library."""
+    joint: str
+    """Empty for the machine as a whole."""
+    is_foreign: bool
+    """Whether its equation is another than that of the library, so that sizes do not compare."""
+    loudness: float
+    """Distance from the noise, see `scripts.exam.loudness`."""
+    numbers: dict[str, float]
+    """Parameters by the names that causes have: `name.x` of vectors, `name.j4` of pairs."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Paper:
+    """A question as it is handed out."""
+
+    row: Row
+    number: int
+    robot: RobotDescription
+    """Description that the diagnosis is given."""
+    log: Sequence[Recording]
+    calibration: Calibration = field(default_factory=Calibration)
+    """Accuracy of the description that the diagnosis is given."""
+    truth: tuple[Truth, ...] = ()
+    clue: Clue | None = None
+    """What an answer must say, of an effect outside the library."""
+    conditions: str = ""
+    """Description of a machine, controller and log that are drawn."""
