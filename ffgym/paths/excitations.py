@@ -82,31 +82,8 @@ def constant_velocity(
         raise FFGymError("velocity is zero on every joint; give at least one joint a speed in rad/s, link side.")
     first = np.zeros_like(velocity) if start is None else check_shape("start", start, velocity.shape)
     duration = check_number("duration", duration, unit="s", low=0.0, open_low=True)
-    ramp = check_number("ramp", ramp, unit="s", low=0.0, open_low=True)
-    dwell = check_number("dwell", dwell, unit="s", low=0.0, open_low=True)
-    at_speed = first + velocity * ramp / 2
-    last = at_speed + velocity * (duration + ramp / 2)
-
-    def speed_up(tau: Array) -> tuple[Array, Array, Array]:
-        travelled, rate, change = smooth_ramp(tau, ramp, 1.0)
-        return first + np.outer(travelled, velocity), np.outer(rate, velocity), np.outer(change, velocity)
-
-    def run(tau: Array) -> tuple[Array, Array, Array]:
-        still = np.zeros((len(tau), len(velocity)))
-        return at_speed + np.outer(tau, velocity), still + velocity, still
-
-    def slow_down(tau: Array) -> tuple[Array, Array, Array]:
-        travelled, rate, change = smooth_ramp(ramp - tau, ramp, 1.0)
-        return last - np.outer(travelled, velocity), np.outer(rate, velocity), -np.outer(change, velocity)
-
-    segments = [
-        standstill("rest 0", first, dwell),
-        Segment(label="speed up", kind="lead_in", duration=ramp, evaluate=speed_up),
-        Segment(label="constant speed", kind="motion", duration=duration, evaluate=run),
-        Segment(label="slow down", kind="lead_out", duration=ramp, evaluate=slow_down),
-        standstill("rest 1", last, dwell),
-    ]
-    return joint_path(name, segments, dt)
+    run = SpeedStep(velocity=velocity, duration=duration, label="constant speed")
+    return speed_steps(first, [run], ramp=ramp, dwell=dwell, dt=dt, name=name)
 
 
 def joint_path(name: str, segments: list[Segment], dt: float) -> JointPath:
@@ -172,10 +149,7 @@ def random_multisine(
     phase = rng.uniform(0, 2 * np.pi, size=omega.shape)
 
     def unscaled(tau: Array) -> tuple[Array, Array, Array]:
-        angle = omega * tau[:, None, None] + phase
-        sines = np.sin(angle)
-        series = tuple(part.sum(axis=1) for part in (sines, omega * np.cos(angle), -(omega**2) * sines))
-        return faded(series, tau, moving, ramp)
+        return faded(_sines(omega, phase, 1.0, tau), tau, moving, ramp)
 
     fastest = np.abs(unscaled(np.arange(0.0, moving, dt))[1]).max(axis=0)
     size = peak_speed / fastest
@@ -184,12 +158,9 @@ def random_multisine(
         q, dq, ddq = unscaled(tau)
         return centre + size * q, size * dq, size * ddq
 
-    segments = [
-        standstill("rest 0", centre, dwell),
-        Segment(label="random sines", kind="motion", duration=moving, evaluate=evaluate),
-        standstill("rest 1", centre, dwell),
-    ]
-    return joint_path(name, segments, dt)
+    return _between_rests(
+        name, Segment(label="random sines", kind="motion", duration=moving, evaluate=evaluate), centre, dwell, dt
+    )
 
 
 def faded(series: tuple[Array, ...], tau: Array, moving: float, ramp: float) -> tuple[Array, Array, Array]:
@@ -266,26 +237,28 @@ def multisine(
     omega = 2 * np.pi * frequencies[:, None]
 
     def evaluate(tau: Array) -> tuple[Array, Array, Array]:
-        angle = omega * tau[:, None, None] + phases
-        sines, cosines = amplitude * np.sin(angle), amplitude * np.cos(angle)
-        series = (sines.sum(axis=1), (omega * cosines).sum(axis=1), -(omega**2 * sines).sum(axis=1))
-        q, dq, ddq = faded(series, tau, duration, ramp)
+        q, dq, ddq = faded(_sines(omega, phases, amplitude, tau), tau, duration, ramp)
         return centre + q, dq, ddq
 
-    segments = [
-        standstill("rest 0", centre, dwell),
-        Segment(label="sines", kind="motion", duration=duration, evaluate=evaluate),
-        standstill("rest 1", centre, dwell),
-    ]
-    return joint_path(name, segments, dt)
+    return _between_rests(
+        name, Segment(label="sines", kind="motion", duration=duration, evaluate=evaluate), centre, dwell, dt
+    )
+
+
+def _sines(omega: Array, phases: Array, amplitude: Array | float, tau: Array) -> tuple[Array, Array, Array]:
+    """Sum of sines of angular frequencies and phases (F, N) at times `tau` (T,), and its derivatives, (T, N) each."""
+    angle = omega * tau[:, None, None] + phases
+    sines, cosines = amplitude * np.sin(angle), amplitude * np.cos(angle)
+    return sines.sum(axis=1), (omega * cosines).sum(axis=1), -(omega**2 * sines).sum(axis=1)
+
+
+def _between_rests(name: str, segment: Segment, centre: Array, dwell: float, dt: float) -> JointPath:
+    """A segment that starts and ends at `centre`, with rests before and after."""
+    return joint_path(name, [standstill("rest 0", centre, dwell), segment, standstill("rest 1", centre, dwell)], dt)
 
 
 def check_below_nyquist(frequencies: Array, dt: float) -> None:
-    """Check that samples every `dt` [s] show what runs at `frequencies` [Hz], shape (F,).
-
-    Raises:
-        FFGymError: if one is not below half the sample rate.
-    """
+    """Check that samples every `dt` [s] show what runs at `frequencies` [Hz], shape (F,)."""
     if not np.all(frequencies < 0.5 / dt):
         raise FFGymError(
             f"frequencies = {frequencies.tolist()} Hz must be below half the sample rate, which is {0.5 / dt:g} Hz at "
@@ -449,11 +422,10 @@ def triangle(
 
 def _run(start: Array, step: SpeedStep) -> Segment:
     """Constant speed from `start`."""
-    still = np.zeros((1, len(start)))
 
     def evaluate(tau: Array) -> tuple[Array, Array, Array]:
-        rows = np.zeros((len(tau), len(start)))
-        return start + np.outer(tau, step.velocity), rows + step.velocity, rows + still
+        still = np.zeros((len(tau), len(start)))
+        return start + np.outer(tau, step.velocity), still + step.velocity, still
 
     kind: PhaseKind = "motion" if np.any(step.velocity) else "standstill"
     return Segment(label=step.label, kind=kind, duration=step.duration, evaluate=evaluate)

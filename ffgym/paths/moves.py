@@ -159,12 +159,15 @@ class Wait(Move):
         check_number("wait", self.duration, unit="s", low=0.0, open_low=True)
 
 
-def check_position(name: str, value: Array) -> Array:
-    """Return `value` as a position [m], shape (3,).
+ToolMove = MoveLinear | MoveArc | MoveSpline
+"""Moves whose path is given in space."""
 
-    Raises:
-        FFGymError: if it is none, or farther away than any robot reaches.
-    """
+JointMove = MoveJoint | MoveJointSpline
+"""Moves whose path is given in joint space."""
+
+
+def check_position(name: str, value: Array) -> Array:
+    """Return `value` as a position [m], shape (3,)."""
     position = check_shape(name, value, (3,))
     if np.abs(position).max() > FARTHEST:
         raise FFGymError(f"{name} = {position.tolist()} m is beyond {FARTHEST:g} m; is it in another unit?")

@@ -13,8 +13,8 @@ from ffgym.paths import Reference, cartesian_reference, joint_reference
 from ffgym.paths.circles import DWELL
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motion import JointPath
-from ffgym.paths.motions.joint_run import JointMove, check_range, joint_steps, run_joints, split_joints
-from ffgym.paths.motions.rows import APART, Rows, joined, rest
+from ffgym.paths.motions.joint_run import JointMove, check_range, joint_steps, run_joints
+from ffgym.paths.motions.rows import APART, Rows, joined, rest, split_steps
 from ffgym.paths.motions.tool_run import ToolMove, run_tool, tool_runs
 from ffgym.paths.moves import (
     Move,
@@ -118,7 +118,7 @@ class Planner:
         targets: list[Array] = []
         for move in moves:
             targets.append(self._through(move, targets[-1][-1] if targets else q))
-        groups, notes = split_joints(joint_steps(self.arm, moves, targets, q))
+        groups, notes = split_steps(joint_steps(self.arm, moves, targets, q))
         self._add([run_joints(self.arm, steps, self.limits) for steps in groups])
         self.notes += notes
 

@@ -5,7 +5,6 @@ the fastest joint takes at that speed.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,9 +14,9 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.paths.curves import Curve, Line, spline_through
 from ffgym.paths.limits import MARGIN, Bounds, MotionLimits, axis_bounds, stretches
-from ffgym.paths.motions.rows import Rows, phases_at, sample_times
-from ffgym.paths.moves import MoveJoint, MoveJointSpline, Speed, located
-from ffgym.paths.route import SHARPEST, Leg, corner_angle, rounded
+from ffgym.paths.motions.rows import Rows, Step, add_step, phases_at, sample_times
+from ffgym.paths.moves import JointMove, MoveJoint, Speed, located
+from ffgym.paths.route import Leg, rounded
 from ffgym.paths.timing import time_law
 from ffgym.robot import RigidArm
 
@@ -25,26 +24,8 @@ _ZONE_POINTS = 64
 """Points on half a leg at which the distance of the tool from its target is examined."""
 
 
-JointMove = MoveJoint | MoveJointSpline
-"""Moves whose path is given in joint space."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class JointStep:
-    """A move of the joints and the curve that it makes, in units of largest speeds."""
-
-    move: JointMove
-    leg: Leg
-    stops: bool
-    """Whether the joints are to rest at the target."""
-
-
 def check_range(arm: RigidArm, move: JointMove, target: Array) -> None:
-    """Check that joint positions `target` can be a target of `move`.
-
-    Raises:
-        FFGymError: if they lie beyond a limit, or are too few or too many.
-    """
+    """Check that joint positions `target` can be a target of `move`."""
     kinematics = arm.robot.kinematics
     if target.shape != (arm.robot.n_joints,):
         raise located(move, f"{len(target)} joint positions for the {arm.robot.n_joints} joints of {arm.robot.name!r}.")
@@ -58,23 +39,20 @@ def check_range(arm: RigidArm, move: JointMove, target: Array) -> None:
         )
 
 
-def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Array], q: Array) -> list[JointStep]:
+def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Array], q: Array) -> list[Step]:
     """Curves from `q` (N,) through joint positions `targets`, (K, N) for each move; moves that go nowhere make none.
 
     Raises:
         FFGymError: if a target lies beyond a joint limit, or has another number of joints.
     """
     unit = arm.robot.kinematics.max_speed
-    steps = []
+    steps: list[Step] = []
     for move, through in zip(moves, targets, strict=True):
         for target in through:
             check_range(arm, move, target)
         points = np.vstack([q[None], through]) / unit
         points = points[1:] if np.all(points[0] == points[1]) else points
-        if len(points) > 1:
-            steps.append(JointStep(move=move, leg=_leg(move, points), stops=move.zone.stops))
-        elif steps and move.zone.stops:
-            steps[-1] = replace(steps[-1], stops=True)
+        add_step(steps, move, _leg(move, points) if len(points) > 1 else None)
         q = through[-1]
     return steps
 
@@ -89,30 +67,7 @@ def _leg(move: JointMove, points: Array) -> Leg:
         raise located(move, str(error)) from error
 
 
-def split_joints(steps: Sequence[JointStep]) -> tuple[list[list[JointStep]], list[str]]:
-    """Groups of steps between which the joints stop, and a note for each stop that was not asked for."""
-    groups, notes = [[step] for step in steps[:1]], []
-    for before, after in pairwise(steps):
-        why = _no_corner(before, after)
-        if why and not before.stops:
-            notes.append(str(located(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
-        if why or before.stops:
-            groups.append([after])
-        else:
-            groups[-1].append(after)
-    return groups, notes
-
-
-def _no_corner(before: JointStep, after: JointStep) -> str:
-    """Why the path cannot go round the corner between two steps; empty if it can."""
-    if any(isinstance(step.move, MoveJointSpline) for step in (before, after)):
-        return "a spline starts and ends at rest"
-    if corner_angle(before.leg.curve, after.leg.curve) > SHARPEST:
-        return "the joints turn back there"
-    return ""
-
-
-def run_joints(arm: RigidArm, steps: Sequence[JointStep], limits: MotionLimits) -> Rows:
+def run_joints(arm: RigidArm, steps: Sequence[Step], limits: MotionLimits) -> Rows:
     """Joint motion from rest to rest through the targets of `steps`, as fast as speeds and limits allow.
 
     Raises:
@@ -136,7 +91,7 @@ def run_joints(arm: RigidArm, steps: Sequence[JointStep], limits: MotionLimits) 
     )
 
 
-def _zone(arm: RigidArm, before: JointStep, after: JointStep) -> float:
+def _zone(arm: RigidArm, before: Step, after: Step) -> float:
     """How far along both legs the tool stays within the zone around the target, at most half of the shorter leg."""
     if arm.robot.tool is None:
         raise located(before.move, f"A zone is a distance of the TCP, which {arm.robot.name!r} has not; stop there.")

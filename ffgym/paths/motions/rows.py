@@ -2,14 +2,17 @@
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.paths import Reference
+from ffgym.paths.curves import Still
 from ffgym.paths.motion import MAX_STEPS
+from ffgym.paths.moves import JointMove, MoveJointSpline, MoveSpline, ToolMove, located
+from ffgym.paths.route import SHARPEST, Leg, corner_angle
 from ffgym.paths.timing import TimeLaw
 from ffgym.recordings import Phase, PhaseKind
 from ffgym.robot import RobotDescription
@@ -31,6 +34,50 @@ class Rows:
     """Shape (T, N)."""
     phases: tuple[Phase, ...]
     """On the clock of the piece."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Step:
+    """A move and the leg that it makes, in space or in units of the joints' largest speeds."""
+
+    move: ToolMove | JointMove
+    leg: Leg
+    stops: bool
+    """Whether the robot is to rest at the target."""
+
+
+def add_step(steps: list[Step], move: ToolMove | JointMove, leg: Leg | None) -> None:
+    """Add the step of a move; one that goes nowhere makes none, but may stop the robot."""
+    if leg is not None:
+        steps.append(Step(move=move, leg=leg, stops=move.zone.stops))
+    elif steps and move.zone.stops:
+        steps[-1] = replace(steps[-1], stops=True)
+
+
+def split_steps(steps: Sequence[Step]) -> tuple[list[list[Step]], list[str]]:
+    """Groups of steps between which the robot stops, and a note for each stop that was not asked for."""
+    groups, notes = [[step] for step in steps[:1]], []
+    for before, after in itertools.pairwise(steps):
+        why = _no_corner(before, after)
+        if before.stops or why:
+            groups.append([after])
+        else:
+            groups[-1].append(after)
+        if why and not before.stops:
+            notes.append(str(located(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
+    return groups, notes
+
+
+def _no_corner(before: Step, after: Step) -> str:
+    """Why the path cannot go round the corner between two steps; empty if it can."""
+    steps = (before, after)
+    if any(isinstance(step.move, MoveSpline | MoveJointSpline) for step in steps):
+        return "a spline starts and ends at rest"
+    if any(isinstance(step.leg.curve, Still) for step in steps):
+        return "the tool turns on the spot"
+    if corner_angle(before.leg.curve, after.leg.curve) > SHARPEST:
+        return "the joints turn back there" if isinstance(before.move, JointMove) else "the path turns back there"
+    return ""
 
 
 def rest(q: Array, duration: float, dt: float, label: str) -> Rows:

@@ -1,8 +1,7 @@
 """Moves of the tool in space as joint motion, from rest to rest: legs, rounded corners, stops, bounds."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,17 +9,15 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.paths.curves import SAME, Arc, Curve, Line, Still, arc_through, spline_through
 from ffgym.paths.limits import Bounds, MotionLimits, axis_bounds, slope_of, stretches, tool_bounds
-from ffgym.paths.motions.rows import Rows, phases_at, sample_times
-from ffgym.paths.moves import Move, MoveArc, MoveLinear, MoveSpline, Pose, located
+from ffgym.paths.motions.rows import Rows, Step, add_step, phases_at, sample_times, split_steps
+from ffgym.paths.moves import Move, MoveArc, MoveSpline, Pose, ToolMove, located
 from ffgym.paths.route import (
-    SHARPEST,
     SMOOTH,
     Course,
     Leg,
     Route,
     SplineTurn,
     chained,
-    corner_angle,
     even_turn,
     rounded,
 )
@@ -172,20 +169,6 @@ def _blamed(arm: RigidArm, run: ToolRun, courses: Sequence[Course], q: Array) ->
     return run.moves[0]
 
 
-ToolMove = MoveLinear | MoveArc | MoveSpline
-"""Moves whose path is given in space."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Step:
-    """A move of the tool and the leg that it makes."""
-
-    move: ToolMove
-    leg: Leg
-    stops: bool
-    """Whether the robot is to rest at the target."""
-
-
 def tool_runs(moves: Sequence[ToolMove], position: Array, rotation: Array | None) -> tuple[list[ToolRun], list[str]]:
     """Runs from rest to rest through the targets of `moves`, and notes where the robot stops although it need not.
 
@@ -197,20 +180,17 @@ def tool_runs(moves: Sequence[ToolMove], position: Array, rotation: Array | None
     Raises:
         FFGymError: if a move cannot be made; the message begins with its place.
     """
-    steps = []
+    steps: list[Step] = []
     for move in moves:
         try:
             leg = _leg(move, position, rotation)
         except FFGymError as error:
             raise located(move, str(error)) from error
-        if leg is not None:
-            steps.append(Step(move=move, leg=leg, stops=move.zone.stops))
-        elif steps and move.zone.stops:
-            steps[-1] = replace(steps[-1], stops=True)
+        add_step(steps, move, leg)
         target = move.through[-1] if isinstance(move, MoveSpline) else move.to
         position = target.position
         rotation = None if rotation is None else _turned(target, rotation)
-    groups, notes = _split(steps)
+    groups, notes = split_steps(steps)
     return [_run(group) for group in groups], notes
 
 
@@ -249,33 +229,6 @@ def _spline_leg(move: MoveSpline, position: Array, rotation: Array | None) -> Le
         return Leg(curve=curve, speed=move.speed)
     rotations = np.stack([rotation, *(_turned(pose, rotation) for pose in poses)])
     return Leg(curve=curve, speed=move.speed, turning=SplineTurn(knots=curve.knots, rotations=rotations))
-
-
-def _split(steps: Sequence[Step]) -> tuple[list[list[Step]], list[str]]:
-    """Groups of steps between which the robot stops, and a note for each stop that was not asked for."""
-    groups: list[list[Step]] = [[step] for step in steps[:1]]
-    notes = []
-    for before, after in pairwise(steps):
-        why = _no_corner(before, after)
-        if before.stops or why:
-            groups.append([after])
-        else:
-            groups[-1].append(after)
-        if why and not before.stops:
-            notes.append(str(located(before.move, f"the robot stops at {before.move.label!r}, because {why}")))
-    return groups, notes
-
-
-def _no_corner(before: Step, after: Step) -> str:
-    """Why the path cannot go round the corner between two steps; empty if it can."""
-    steps = (before, after)
-    if any(isinstance(step.move, MoveSpline) for step in steps):
-        return "a spline starts and ends at rest"
-    if any(isinstance(step.leg.curve, Still) for step in steps):
-        return "the tool turns on the spot"
-    if corner_angle(before.leg.curve, after.leg.curve) > SHARPEST:
-        return "the path turns back there"
-    return ""
 
 
 def _run(steps: Sequence[Step]) -> ToolRun:

@@ -119,11 +119,7 @@ class Scope:
         return Datum("CONST", *PREDEFINED[key]) if key in PREDEFINED else None
 
     def get(self, reference: Reference) -> tuple[Type, Value]:
-        """Type and value of a datum or of one of its components.
-
-        Raises:
-            FFGymError: if there is no such datum or component.
-        """
+        """Type and value of a datum or of one of its components."""
         datum = self._found(reference)
         kind, value = datum.type, datum.value
         for index in self._path(reference, datum):
@@ -131,11 +127,7 @@ class Scope:
         return kind, value
 
     def type_of(self, reference: Reference) -> Type:
-        """Type of a datum or component that is to be changed.
-
-        Raises:
-            FFGymError: if there is no such datum or component, or it is constant.
-        """
+        """Type of a datum or component that is to be changed."""
         datum = self._found(reference)
         if datum.kind == "CONST":
             raise self.source.error(reference.place, f"{reference.parts[0]} is constant; declare it as VAR or PERS.")
@@ -175,11 +167,7 @@ def _replaced(value: Value, path: list[int], new: Value) -> Value:
 
 
 def declared_type(source: Source, declaration: Declaration) -> Type:
-    """Type of a declaration.
-
-    Raises:
-        FFGymError: if there is none of that name.
-    """
+    """Type of a declaration."""
     kind = TYPES.get(declaration.type_name.lower())
     if kind is None:
         raise source.error(
@@ -191,11 +179,7 @@ def declared_type(source: Source, declaration: Declaration) -> Type:
 
 
 def check_unique(source: Source, names: Iterable[Declaration | Procedure]) -> None:
-    """Refuse a name that is declared twice, whatever its case.
-
-    Raises:
-        FFGymError: at the second declaration.
-    """
+    """Refuse a name that is declared twice, whatever its case."""
     seen: dict[str, Place] = {}
     for named in names:
         first = seen.setdefault(named.name.lower(), named.place)
@@ -265,11 +249,7 @@ LARGEST_NUMBER = 1e38
 
 
 def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
-    """Value of an expression.
-
-    Raises:
-        FFGymError: if it is not of type `wanted`, names something unknown, or is no finite number.
-    """
+    """Value of an expression."""
     if isinstance(expression, Aggregate):
         return _aggregate(scope, expression, wanted)
     if isinstance(expression, Reference):
@@ -299,11 +279,7 @@ def evaluate_arguments(scope: Scope, paired: Paired, parameters: Sequence[Parame
 
 
 def declare(scope: Scope, declaration: Declaration) -> Datum:
-    """Datum that a declaration makes.
-
-    Raises:
-        FFGymError: if its type is unknown, or its value does not fit.
-    """
+    """Datum that a declaration makes."""
     kind = declared_type(scope.source, declaration)
     if declaration.value is not None:
         return Datum(declaration.kind, kind, evaluate(scope, declaration.value, kind))

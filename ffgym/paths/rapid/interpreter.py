@@ -145,11 +145,7 @@ class MoveBuilder:
             self._add(Wait(duration=duration, label=f"wait {duration:g} s", where=self.source.at(place)))
 
     def finish(self, place: Place) -> Execution:
-        """Everything that was collected; `place` is that of the entry.
-
-        Raises:
-            FFGymError: if there is no move, or the robot cannot hold the tool.
-        """
+        """Everything that was collected; `place` is that of the entry."""
         if not self.moves:
             raise self.source.error(place, "the program makes no move.")
         tool, first = self._tool or (TOOL0, place)

@@ -51,11 +51,7 @@ def unified(text: str) -> str:
 
 
 def read_source(path: str | Path) -> Source:
-    """Program file.
-
-    Raises:
-        FFGymError: if it cannot be read.
-    """
+    """Program file."""
     try:
         data = Path(path).read_bytes()
     except OSError as error:

@@ -87,11 +87,7 @@ def pose(target: Value, name: str, tool: Frame, work_object: Value) -> Pose:
 
 
 def work_frame(work_object: Value) -> Frame:
-    """Object frame of a wobjdata in the world.
-
-    Raises:
-        FFGymError: if it moves with the robot or a mechanical unit.
-    """
+    """Object frame of a wobjdata in the world."""
     robhold, ufprog, ufmec, uframe, oframe = work_object
     if robhold or not ufprog or ufmec:
         raise FFGymError(
@@ -101,11 +97,7 @@ def work_frame(work_object: Value) -> Frame:
 
 
 def joint_positions(target: Value, sliding: BoolArray, name: str) -> Array:
-    """Joint positions, link side [rad, or m where `sliding`], shape (N,), of a jointtarget.
-
-    Raises:
-        FFGymError: if it gives joints that the robot does not have, or uses an external axis.
-    """
+    """Joint positions, link side [rad, or m where `sliding`], shape (N,), of a jointtarget."""
     joints, external = target
     check_external_axes(external, name)
     if len(sliding) > len(joints):
@@ -120,11 +112,7 @@ def joint_positions(target: Value, sliding: BoolArray, name: str) -> Array:
 
 
 def quarter_turns(target: Value, name: str) -> Configuration:
-    """Quarter turns of axes 1, 4 and 6 that a robtarget asks for.
-
-    Raises:
-        FFGymError: if they are no whole numbers.
-    """
+    """Quarter turns of axes 1, 4 and 6 that a robtarget asks for."""
     cf1, cf4, cf6, _ = (
         check_whole(f"robconf of {name}", value, low=-MAX_QUARTERS, high=MAX_QUARTERS) for value in target[2]
     )
@@ -132,32 +120,20 @@ def quarter_turns(target: Value, name: str) -> Configuration:
 
 
 def check_external_axes(external: Value, name: str) -> None:
-    """Refuse external axes.
-
-    Raises:
-        FFGymError: if one of them is used.
-    """
+    """Refuse external axes."""
     used = [axis for (axis, _), value in zip(EXTJOINT.fields, external, strict=True) if value != UNUSED_AXIS]
     if used:
         raise FFGymError(f"{name} uses external axes ({', '.join(used)}), which are not supported; write 9E9 for each.")
 
 
 def speed(data: Value, tcp: float | None) -> Speed:
-    """Programmed speed of a speeddata; `tcp` [mm/s], if given, is used in place of its v_tcp.
-
-    Raises:
-        FFGymError: if it is not > 0.
-    """
+    """Programmed speed of a speeddata; `tcp` [mm/s], if given, is used in place of its v_tcp."""
     v_tcp, v_ori, *_ = data
     return Speed(tcp=(v_tcp if tcp is None else tcp) * MILLIMETRE, turn=float(np.deg2rad(v_ori)))
 
 
 def zone(data: Value, tcp: float | None) -> Zone:
-    """Zone of a zonedata; `tcp` [mm], if given, is used in place of its pzone_tcp. Only the TCP's zone counts.
-
-    Raises:
-        FFGymError: if it is a fly-by point without a zone.
-    """
+    """Zone of a zonedata; `tcp` [mm], if given, is used in place of its pzone_tcp. Only the TCP's zone counts."""
     finep, pzone_tcp, *_ = data
     if finep:
         return Zone()

@@ -168,9 +168,6 @@ def check_open(model: mujoco.MjModel, chain: Chain) -> None:
     """Check that no active constraint ties links of the chain to each other, to the world, or joints together.
 
     Constraints within one link (the linkage of a gripper that is held still) change nothing.
-
-    Raises:
-        FFGymError: if one does; the message names it.
     """
     for i in range(model.neq):
         if not model.eq_active0[i]:

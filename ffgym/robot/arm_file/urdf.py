@@ -81,11 +81,7 @@ _NO_MASSES = (
 
 
 def read_urdf(data: bytes, folder: Path, joints: Sequence[str] | None, *, looks: bool) -> Source:
-    """Read URDF from the bytes of a file in `folder`; planar and floating joints that are not in `joints` are fixed.
-
-    Raises:
-        FFGymError: if it is not the URDF of a tree of links.
-    """
+    """Read URDF from the bytes of a file in `folder`; planar and floating joints that are not in `joints` are fixed."""
     try:
         root = ET.fromstring(data)
     except (ET.ParseError, ValueError, LookupError) as error:  # LookupError: an encoding that Python does not know

@@ -39,11 +39,7 @@ class Goal:
 
     @classmethod
     def of(cls, positions: Array, rotation: Array | None) -> "Goal":
-        """Checked goal; one `rotation` (3, 3) holds for all positions.
-
-        Raises:
-            FFGymError: if there is no position, or shapes or values are wrong.
-        """
+        """Checked goal; one `rotation` (3, 3) holds for all positions."""
         positions = check_shape("positions", positions, (None, 3))
         if len(positions) == 0:
             raise FFGymError("positions is empty, must hold at least one TCP position.")

@@ -10,11 +10,7 @@ from ffgym.robot.parts import LIMIT_ROUNDING
 
 
 def check_possible(arm: RigidArm, goal: Goal) -> None:
-    """Check that the arm's build lets its tool move and turn as it is asked to, be it within reach or not.
-
-    Raises:
-        FFGymError: if a goal lies outside the plane or line of the TCP, or is turned as the tool cannot be.
-    """
+    """Check that the arm's build lets its tool move and turn as it is asked to, be it within reach or not."""
     position, rotation, jacobian = arm.pose_and_jacobian(any_poses(arm))
     moves, n_moves = _span(jacobian[:, :3])
     outside = np.linalg.norm((goal.positions - position[0]) @ moves[n_moves:].T, axis=1)
@@ -144,9 +140,6 @@ def first_pose(
 
     The search begins at the posture and at random poses around it, and goes on `anywhere` only if these lead nowhere.
     `sample` is for messages.
-
-    Raises:
-        FFGymError: if nothing is found.
     """
     q, met = _search(arm, goal, posture, _around(arm, posture.anchor))
     beyond = arm.robot.kinematics.beyond_limits(q).any(axis=1)

@@ -91,11 +91,7 @@ def inertial_element(body: Any) -> ET.Element:
 
 
 def actuator_element(part: Any) -> ET.Element:
-    """A servo as `pid` or a friction as `dcmotor`, whose attributes say what the numbers are.
-
-    Raises:
-        FFGymError: if it is another kind of actuator.
-    """
+    """A servo as `pid` or a friction as `dcmotor`, whose attributes say what the numbers are."""
     gain, bias, dynamics = part.gainprm, part.biasprm, part.dynprm
     if part.gaintype == mujoco.mjtGain.mjGAIN_PID:
         out = element("actuator", part, "pid")

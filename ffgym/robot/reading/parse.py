@@ -16,22 +16,14 @@ from ffgym.robot.reading.rules import POINT, RULES, SPRING_RULES
 
 
 def table_of(path: str, value: Any) -> dict[str, Any]:
-    """Return `value` if it is a table.
-
-    Raises:
-        FFGymError: if it is none.
-    """
+    """Return `value` if it is a table."""
     if not isinstance(value, dict):
         raise FFGymError(f"[{path}] must be a table, got {value!r}.")
     return value
 
 
 def names_of(what: str, value: Any) -> tuple[str, ...]:
-    """Return a list of names, one or more.
-
-    Raises:
-        FFGymError: if it is none.
-    """
+    """Return a list of names, one or more."""
     if not isinstance(value, list) or not value or not all(isinstance(name, str) and name for name in value):
         raise FFGymError(f"{what} must be names, non-empty text, got {value!r}.")
     return tuple(value)

@@ -170,9 +170,6 @@ def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Qua
         table: the parsed TOML table with `value`, `unit`, `origin`, `source` and maybe `side`, `prior`, `interval`.
         rule: what is wanted.
         joints: their types, and gear ratios if they are known.
-
-    Raises:
-        FFGymError: if anything is missing or invalid; the message names `path`.
     """
     if not isinstance(table, Mapping):
         raise FFGymError(f"{path} must be a table with value, unit, origin and source, got {table!r}.")

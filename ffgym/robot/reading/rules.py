@@ -60,11 +60,7 @@ CAPABILITIES: tuple[Capability, ...] = tuple(
 
 
 def capability(name: str) -> Capability:
-    """The capability of that name.
-
-    Raises:
-        FFGymError: if there is none.
-    """
+    """The capability of that name."""
     for entry in CAPABILITIES:
         if entry.name == name:
             return entry

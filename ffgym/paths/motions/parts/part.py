@@ -84,11 +84,7 @@ def resting_position(robot: RobotDescription) -> Array:
 
 
 def named_point(robot: RobotDescription, name: str) -> Array:
-    """Point of the robot's work area in the world [m], shape (3,).
-
-    Raises:
-        FFGymError: if it has none of that name.
-    """
+    """Point of the robot's work area in the world [m], shape (3,)."""
     points = {} if robot.work_area is None else robot.work_area.positions
     if not points:
         raise FFGymError(
@@ -107,9 +103,6 @@ def joint_values(robot: RobotDescription, name: str, value: Any, whole: Array, o
         value: one for all joints, a list of N, a table by joint, or text such as '10 %'.
         whole: what 100 % are, shape (N,).
         others: value of joints that a table leaves out.
-
-    Raises:
-        FFGymError: if it is none of these.
     """
     if isinstance(value, str):
         share = value.removesuffix("%").strip()
