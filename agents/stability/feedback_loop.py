@@ -9,7 +9,7 @@ reference exactly. Motor side, with w = d theta / dt, and deflection d of the jo
 tau_f is LuGre friction, linear in small deviations of speed and bristle; its slopes change along the reference, so that
 bristles hold a motor where it turns back, and hardly at all where it slides. J_l is the diagonal of the mass matrix at
 the mean posture, as if the other joints stood still; couplings between axes are left out. The servo is that of
-`ffgym.control.servo`.
+`ffgym.control.setpoints`.
 """
 
 from dataclasses import dataclass

@@ -2,6 +2,7 @@ from .feedforward import CausalLaw as CausalLaw
 from .feedforward import FeedForwardLaw as FeedForwardLaw
 from .feedforward import NoCompensation as NoCompensation
 from .feedforward import Window as Window
+from .feedforward import rigid_feedforward as rigid_feedforward
 from .lugre_laws import DynamicLuGre as DynamicLuGre
 from .lugre_laws import DynamicLuGreEuler as DynamicLuGreEuler
 from .lugre_laws import DynamicLuGreExact as DynamicLuGreExact
@@ -10,7 +11,6 @@ from .observation import ObservationLayout as ObservationLayout
 from .policy import Agent as Agent
 from .policy import Batchable as Batchable
 from .policy import Policy as Policy
-from .rigid_law import rigid_feedforward as rigid_feedforward
-from .servo import ServoTorque as ServoTorque
-from .servo import servo_torque as servo_torque
+from .setpoints import ServoTorque as ServoTorque
 from .setpoints import Setpoints as Setpoints
+from .setpoints import servo_torque as servo_torque

@@ -1,4 +1,4 @@
-"""Feed-forward laws: torque added to the drive's own control, from the reference alone."""
+"""Feed-forward laws: torque added to the drive's own control, from the reference alone; torque of the rigid arm."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -10,6 +10,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.paths.reference import Reference
+from ffgym.robot import RigidArm
 
 
 class FeedForwardLaw(ABC):
@@ -159,3 +160,15 @@ def _side_by_side(windows: Sequence[Window], k: int) -> Window:
         motor_ddq=np.stack([window.motor_ddq[k] for window in windows]),
         dt=windows[0].dt,
     )
+
+
+def rigid_feedforward(arm: RigidArm, reference: Reference) -> Array:
+    r"""Feed-forward torque u_ff, motor side [N m], shape (T, N).
+
+    .. math:: u_{ff} = G^{-T} (M(q) \ddot q + C(q, \dot q) \dot q) + J_m \ddot\theta
+
+    Gravity and friction are left to the feedback, as in the thesis (2.13).
+    """
+    drive = reference.robot.drive
+    links = arm.inverse_dynamics(reference.q, reference.dq, reference.ddq)
+    return drive.motor_torque(links) + drive.rotor_inertia * reference.motor_ddq

@@ -11,6 +11,7 @@ import numpy as np
 
 from ffgym.core.errors import check_shape
 from ffgym.core.types import Array, IntArray
+from ffgym.robot.parts import Servo
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -115,3 +116,33 @@ def _horner(out: Array, x: Array, coefficients: tuple[Array, ...]) -> None:
 def _ends(samples: Array) -> tuple[Array, Array]:
     """Values at the start and the end of each step."""
     return samples[:, :-1], samples[:, 1:]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ServoTorque:
+    """Feedback torque and its integral part, motor side [N m], any shape (..., N)."""
+
+    u_fb: Array
+    """All of the feedback, thesis' u_c."""
+    u_i: Array
+    """Its integral part."""
+
+    @property
+    def u_p(self) -> Array:
+        """What is left without the integral part, u_p = u_fb - u_i: the learning signal of chapter 5."""
+        return self.u_fb - self.u_i
+
+
+def servo_torque(servo: Servo, error: Array, error_rate: Array, integral: Array) -> ServoTorque:
+    r"""Feedback torque before the drive's limit, motor side.
+
+    .. math:: u_c = K_p e + K_v \dot e + u_I, \quad u_I = K_i \int e \, dt
+
+    Args:
+        servo: gains.
+        error: position error e = reference - measured [rad], shape (..., N).
+        error_rate: speed error [rad/s], shape (..., N).
+        integral: integral of the position error [rad s], shape (..., N).
+    """
+    u_i = servo.integral_gain * integral
+    return ServoTorque(u_fb=servo.position_gain * error + servo.velocity_gain * error_rate + u_i, u_i=u_i)

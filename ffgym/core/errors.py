@@ -1,6 +1,7 @@
 """One exception for everything a caller can get wrong, and the checks that raise it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,15 @@ from ffgym.core.types import Array
 
 class FFGymError(ValueError):
     """A request that cannot be met; the message names the thing, its value, what is valid and the way out."""
+
+
+@contextmanager
+def errors_at(where: str) -> Iterator[None]:
+    """Let the errors of a block begin with a place, unless it is empty or they do already."""
+    try:
+        yield
+    except FFGymError as error:
+        raise error if str(error).startswith(where) else FFGymError(f"{where}: {error}") from error
 
 
 def check_shape(name: str, value: Any, shape: Sequence[int | None]) -> Array:

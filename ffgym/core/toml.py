@@ -1,10 +1,21 @@
-"""TOML as text: the one writer of the project. Numbers keep every bit."""
+"""TOML: text to tables, and the one writer of the project. Numbers keep every bit."""
 
 import json
+import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+
+from ffgym.core.errors import FFGymError
+
+
+def parse_toml(text: str, what: str) -> dict[str, Any]:
+    """Tables of a text, which the error calls `what` if it is not TOML."""
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise FFGymError(f"{what} is not valid TOML: {error}.") from error
 
 
 def toml_value(value: Any) -> str:

@@ -13,8 +13,7 @@ import numpy as np
 from gymnasium import spaces
 
 from ffgym.control.observation import BOUND, ObservationLayout
-from ffgym.control.servo import servo_torque
-from ffgym.control.setpoints import interpolate_motion, interpolate_torque
+from ffgym.control.setpoints import interpolate_motion, interpolate_torque, servo_torque
 from ffgym.core.errors import check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.bank import MotionBank

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from ffgym.control.servo import ServoTorque
+from ffgym.control.setpoints import ServoTorque
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.types import Array, BoolArray
 from ffgym.robot import RobotDescription

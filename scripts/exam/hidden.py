@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.errors import check_choice
 from ffgym.effects import Effect
 from ffgym.effects.parameters import Parameter
-from ffgym.paths.motions.parts.part import resting_position
+from ffgym.paths.motions.part import resting_position
 from ffgym.robot import RobotDescription
 from scripts.exam.equations import Clue, Outsider, Variant
 from scripts.exam.equations.outsiders import DamagedTooth

@@ -16,9 +16,8 @@ from ffgym.logs.column_map.rewire import REWIRE_KEYS
 from ffgym.logs.column_map.units import COUNTS, KELVIN, UNITS
 from ffgym.logs.text_layout import LAYOUT_KEYS
 from ffgym.paths.limits import MotionLimits
-from ffgym.paths.motions.load import HEAD, builtin_files
-from ffgym.paths.motions.parts import PARTS, entries
-from ffgym.paths.motions.parts.part import is_required
+from ffgym.paths.motions.load import HEAD, PARTS, builtin_files
+from ffgym.paths.motions.part import entries, is_required
 from ffgym.robot import RigidArm, load_robot
 from ffgym.robot.reading.quantity import OTHER_UNITS
 from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES, Capability

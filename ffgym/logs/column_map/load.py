@@ -1,6 +1,5 @@
 """Column maps by name or from a file."""
 
-import tomllib
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text
+from ffgym.core.toml import parse_toml
 from ffgym.logs.column_map.column import Column, parse_column
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES, ColumnMap
 from ffgym.logs.column_map.rewire import parse_rewiring
@@ -72,18 +72,11 @@ def parse_columns(text: str, where: str = "column map", folder: str | Path = "."
     Raises:
         FFGymError: if the text is not TOML, or an entry is missing, unknown or invalid.
     """
-    tree = _tree(text, where)
+    tree = parse_toml(text, where)
     try:
         return column_map_of(tree, where, Path(folder))
     except FFGymError as error:
         raise FFGymError(f"{where}: {error}") from error
-
-
-def _tree(text: str, where: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"{where} is not valid TOML: {error}.") from error
 
 
 def _with_base(tree: Mapping[str, Any], folder: Path, seen: tuple[str, ...] = ()) -> dict[str, Any]:
@@ -99,9 +92,9 @@ def _with_base(tree: Mapping[str, Any], folder: Path, seen: tuple[str, ...] = ()
     if not isinstance(base, str) or base in seen:
         raise FFGymError(f"base = {base!r} must be the name of another column map, or its path.")
     if base.endswith(".toml"):
-        below = _with_base(_tree(read_text(folder / base), base), (folder / base).parent, (*seen, base))
+        below = _with_base(parse_toml(read_text(folder / base), base), (folder / base).parent, (*seen, base))
     elif base in builtin_columns():
-        below = _with_base(_tree(_builtin_text(base), f"{base}.toml"), folder, (*seen, base))
+        below = _with_base(parse_toml(_builtin_text(base), f"{base}.toml"), folder, (*seen, base))
     else:
         raise FFGymError(f"base = {base!r} is unknown. Built in: {', '.join(builtin_columns())}; a file ends in .toml.")
     own = {**tree, "log": {key: value for key, value in log.items() if key != "base"}}

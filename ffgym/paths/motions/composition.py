@@ -7,16 +7,17 @@ from typing import Literal
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.errors import FFGymError, check_number, check_shape, errors_at
 from ffgym.core.types import Array
 from ffgym.paths import Reference, cartesian_reference, joint_reference
 from ffgym.paths.circles import DWELL
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motion import JointPath
-from ffgym.paths.motions.joint_run import JointMove, check_range, joint_steps, run_joints
+from ffgym.paths.motions.joint_run import check_range, joint_steps, run_joints
 from ffgym.paths.motions.rows import APART, Rows, joined, rest, split_steps
-from ffgym.paths.motions.tool_run import ToolMove, run_tool, tool_runs
+from ffgym.paths.motions.tool_run import run_tool, tool_runs
 from ffgym.paths.moves import (
+    JointMove,
     Move,
     MoveArc,
     MoveJoint,
@@ -25,6 +26,7 @@ from ffgym.paths.moves import (
     MoveSpline,
     MoveTimed,
     Pose,
+    ToolMove,
     Wait,
     located,
 )
@@ -105,10 +107,8 @@ class Planner:
     def _solved(self, move: Move, pose: Pose, before: Array | None, seed: Array) -> Array:
         """Joint positions for a pose, near `seed`; `before` is the orientation that a pose without one keeps."""
         rotation = before if pose.rotation is None else pose.rotation
-        try:
+        with errors_at(move.where):
             return solve_pose(self.arm, pose.position, rotation, seed)
-        except FFGymError as error:
-            raise located(move, str(error)) from error
 
     def _rotation(self, q: Array) -> Array | None:
         """Orientation of tool0 at `q` (N,), shape (3, 3); None where it is free."""
@@ -142,14 +142,12 @@ class Planner:
 
     def _run_timed(self, move: MoveTimed) -> None:
         robot = self.arm.robot
-        try:
+        with errors_at(move.where):
             path = move.path(self.q, robot.servo.control_dt)
             if isinstance(path, JointPath):
                 reference = joint_reference(robot, path)
             else:
                 reference = cartesian_reference(self.arm, path, seed=self.q)
-        except FFGymError as error:
-            raise located(move, str(error)) from error
         if self.q is not None and not np.allclose(reference.q[0], self.q, rtol=0, atol=APART):
             raise located(
                 move,

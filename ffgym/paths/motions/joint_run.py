@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.optimize import brentq
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import errors_at
 from ffgym.core.types import Array
 from ffgym.paths.curves import Curve, Line, spline_through
 from ffgym.paths.limits import MARGIN, Bounds, MotionLimits, axis_bounds, stretches
@@ -61,10 +61,9 @@ def _leg(move: JointMove, points: Array) -> Leg:
     """Leg through two or more points, in units of largest speeds."""
     if isinstance(move, MoveJoint):
         return Leg(curve=Line(start=points[0], end=points[1]), speed=move.speed)
-    try:
-        return Leg(curve=spline_through(points), speed=None)
-    except FFGymError as error:
-        raise located(move, str(error)) from error
+    with errors_at(move.where):
+        curve = spline_through(points)
+    return Leg(curve=curve, speed=None)
 
 
 def run_joints(arm: RigidArm, steps: Sequence[Step], limits: MotionLimits) -> Rows:

@@ -1,6 +1,5 @@
 """Motions by name or from a file, as references for a robot."""
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import fields
 from functools import partial
@@ -12,17 +11,41 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, errors_at
 from ffgym.core.files import read_text
+from ffgym.core.toml import parse_toml
 from ffgym.core.types import Array
 from ffgym.paths.circles import DWELL
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.composition import Motion, compose, rapid_motion
-from ffgym.paths.motions.parts import PARTS
-from ffgym.paths.motions.parts.part import Place, joint_values, named_point
-from ffgym.paths.motions.parts.table_part import TablePart
+from ffgym.paths.motions.joint_parts import JointsPart, LadderPart, MultisinePart, SinePart, TrianglePart, WaitPart
+from ffgym.paths.motions.part import Part, Place, joint_values, named_point
+from ffgym.paths.motions.table_part import TablePart
+from ffgym.paths.motions.tool_parts import ArcPart, CirclePart, CircleTestPart, LinePart, SplinePart
 from ffgym.paths.moves import Move
 from ffgym.robot import RigidArm, RobotDescription
+
+PARTS: Mapping[str, type[Part]] = MappingProxyType(
+    {
+        part.kind: part
+        for part in (
+            LinePart,
+            ArcPart,
+            CirclePart,
+            SplinePart,
+            CircleTestPart,
+            JointsPart,
+            WaitPart,
+            TablePart,
+            SinePart,
+            MultisinePart,
+            LadderPart,
+            TrianglePart,
+        )
+    }
+)
+"""Parts by what a file calls them."""
+
 
 HEAD: Mapping[str, str] = {
     "name": "name of the motion, for recordings; absent is that of the file",
@@ -55,15 +78,10 @@ def parse_motion(arm: RigidArm, text: str, *, where: str, name: str, folder: Pat
     Raises:
         FFGymError: if the text is no motion file, or the robot cannot make the motion.
     """
-    try:
-        tree = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"{where} is not valid TOML: {error}.") from error
-    try:
+    tree = parse_toml(text, where)
+    with errors_at(where):
         head = _head(arm.robot, tree, name)
         moves = _moves(arm, tree, where, folder or Path())
-    except FFGymError as error:
-        raise error if str(error).startswith(where) else FFGymError(f"{where}: {error}") from error
     return compose(arm, moves, **head)
 
 
@@ -108,10 +126,8 @@ def _moves(arm: RigidArm, tree: Mapping[str, Any], where: str, folder: Path) -> 
         kind = entries.pop("kind", None)
         here = f"{where}: part {i}" + (f" ({kind})" if kind else "")
         place = Place(arm=arm, origin=origin, where=here, folder=folder)
-        try:
+        with errors_at(here):
             moves += PARTS[check_choice("kind of part", kind, list(PARTS))].parse(entries).moves(place)
-        except FFGymError as error:
-            raise FFGymError(f"{here}: {error}") from error
     return moves
 
 

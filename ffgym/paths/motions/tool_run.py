@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.types import Array
 from ffgym.paths.curves import SAME, Arc, Curve, Line, Still, arc_through, spline_through
 from ffgym.paths.limits import Bounds, MotionLimits, axis_bounds, slope_of, stretches, tool_bounds
@@ -182,10 +182,8 @@ def tool_runs(moves: Sequence[ToolMove], position: Array, rotation: Array | None
     """
     steps: list[Step] = []
     for move in moves:
-        try:
+        with errors_at(move.where):
             leg = _leg(move, position, rotation)
-        except FFGymError as error:
-            raise located(move, str(error)) from error
         add_step(steps, move, leg)
         target = move.through[-1] if isinstance(move, MoveSpline) else move.to
         position = target.position

@@ -1,5 +1,5 @@
-from .branches import on_branches as on_branches
 from .interpreter import Execution as Execution
 from .program import Program as Program
 from .program import load_program as load_program
+from .program import on_branches as on_branches
 from .program import parse_program as parse_program

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, errors_at
 from ffgym.paths.rapid.records import BOOL, NUM, PREDEFINED, ROBTARGET, STRING, TYPES, Type, Value
 from ffgym.paths.rapid.syntax import (
     Aggregate,
@@ -305,10 +305,9 @@ def _call(scope: Scope, call: Call) -> tuple[Type, Value]:
         raise scope.source.error(call.place, f"function {call.name} is not supported. Available: Offs, RelTool.")
     paired = pair(scope.source, call.name, call.place, call.arguments, function.parameters)
     values, options = evaluate_arguments(scope, paired, function.parameters)
-    try:
-        return function.result, function.compute(values, options)
-    except FFGymError as error:
-        raise scope.source.error(call.place, str(error)) from error
+    with errors_at(scope.source.at(call.place)):
+        value = function.compute(values, options)
+    return function.result, value
 
 
 def _number(scope: Scope, expression: Number | Signed | Chain) -> float:

@@ -1,11 +1,10 @@
 """Running a program: statements one after the other, and the moves that they make."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import errors_at
 from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Pose, Wait
 from ffgym.paths.rapid.evaluate import Parameter, Scope, check_unique, declare, evaluate, evaluate_arguments, pair
 from ffgym.paths.rapid.records import (
@@ -114,7 +113,7 @@ class MoveBuilder:
         *targets, speed_data, zone_data, tool = values
         names = [_name(scope, target) for target in paired.values[: len(targets)]]
         self._use(tool, paired.values[-1].place, absolute=kind == "moveabsj")
-        with self._at(place):
+        with errors_at(self.source.at(place)):
             how: dict[str, Any] = {
                 "speed": speed(speed_data, options.get("v")),
                 "zone": zone(zone_data, options.get("z")),
@@ -149,7 +148,7 @@ class MoveBuilder:
         if not self.moves:
             raise self.source.error(place, "the program makes no move.")
         tool, first = self._tool or (TOOL0, place)
-        with self._at(first):
+        with errors_at(self.source.at(first)):
             robot = with_tool(self.robot, tool, f"tooldata in {self.source.at(first)}")
         return Execution(robot=robot, moves=tuple(self.moves), configurations=tuple(self.configurations))
 
@@ -167,14 +166,6 @@ class MoveBuilder:
             raise self.source.error(
                 place, f"this tool is not the one of {self.source.at(self._tool[1])}; a program moves with one tool."
             )
-
-    @contextmanager
-    def _at(self, place: Place) -> Iterator[None]:
-        """Let errors begin with a place."""
-        try:
-            yield
-        except FFGymError as error:
-            raise self.source.error(place, str(error)) from error
 
 
 def _to_pose(kind: str, poses: Sequence[Pose], how: Mapping[str, Any]) -> Move:

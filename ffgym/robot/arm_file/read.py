@@ -10,7 +10,7 @@ from types import MappingProxyType
 import mujoco
 import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, errors_at
 from ffgym.robot.arm_file.arm_file import ArmFile, Kind, Source
 from ffgym.robot.arm_file.chain import check_open, choose_chain
 from ffgym.robot.arm_file.details import joint_hints, left_out, looks_of
@@ -157,10 +157,8 @@ def read_arm(path: str | Path, joints: Sequence[str] | None = None, *, looks: bo
     path = Path(path)
     if isinstance(joints, str):
         raise FFGymError(f"joints = {joints!r} must be a list of names, ['{joints}'].")
-    try:
+    with errors_at(str(path)):
         return _read(path, joints, looks)
-    except FFGymError as error:
-        raise FFGymError(f"{path}: {error}") from error
 
 
 def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_rotation
+from ffgym.core.errors import FFGymError, check_rotation, errors_at
 from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.drive import Drive
@@ -165,10 +165,8 @@ class RobotDraft:
                 f"{'; '.join(lost)}. "
                 f"`ffgym robot check {self.where}` says what works, and what would be proposed."
             )
-        try:
+        with errors_at(self.where):
             return self._assembled({path: quantity.value for path, quantity in self.quantities.items()})
-        except FFGymError as error:
-            raise FFGymError(f"{self.where}: {error}") from error
 
     def description_for(self, name: str, *also: str) -> RobotDescription:
         """A description that is good for one capability, and for what the entries `also` say.

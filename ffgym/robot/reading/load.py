@@ -7,8 +7,9 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
-from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice, errors_at
 from ffgym.core.files import read_text
+from ffgym.core.toml import parse_toml
 from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
@@ -159,15 +160,10 @@ def parse_parameters(robot: RobotDescription, text: str, where: str) -> RobotDes
     Raises:
         FFGymError: if the text is no parameter file, is for another robot, or an entry is unknown or invalid.
     """
-    try:
-        tree = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"Cannot read parameter file {where}: it is not valid TOML: {error}.") from error
-    try:
+    tree = parse_toml(text, f"Cannot read parameter file {where}: it")
+    with errors_at(where):
         _check_head(tree.pop("parameters", {}), robot)
         return with_numbers(robot, tree)
-    except FFGymError as error:
-        raise FFGymError(f"{where}: {error}") from error
 
 
 def robot_of_parameters(text: str) -> str | None:
@@ -195,14 +191,10 @@ def draft_with_parameters(draft: RobotDraft, text: str, where: str) -> RobotDraf
     Raises:
         FFGymError: as `parse_parameters`.
     """
-    try:
-        tree = tomllib.loads(text)
+    tree = parse_toml(text, f"Cannot read parameter file {where}: it")
+    with errors_at(where):
         _check_head(tree.pop("parameters", {}), draft.description_for("kinematics"))
         return replace(draft_with_numbers(draft, tree), where=where)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"Cannot read parameter file {where}: it is not valid TOML: {error}.") from error
-    except FFGymError as error:
-        raise FFGymError(f"{where}: {error}") from error
 
 
 def draft_with_numbers(draft: RobotDraft, tree: Mapping[str, Any]) -> RobotDraft:

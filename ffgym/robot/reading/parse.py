@@ -1,6 +1,5 @@
 """From the TOML of a description to a draft: every number that is there is checked, none has to be there."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, errors_at
+from ffgym.core.toml import parse_toml
 from ffgym.robot.parts import JOINT_TYPES, Geom, Logs, Spring
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.quantity import SIDES, JointFrame, Quantity, Rule, parse_quantity
@@ -152,15 +152,10 @@ def parse_draft(text: str, where: str = "description", folder: str | Path = ".")
     Raises:
         FFGymError: if the text is not TOML, or an entry is unknown or invalid.
     """
-    try:
-        tree = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"{where} is not valid TOML: {error}.") from error
-    try:
+    tree = parse_toml(text, where)
+    with errors_at(where):
         draft = _draft(tree, where, Path(folder))
         draft.check()
-    except FFGymError as error:
-        raise FFGymError(f"{where}: {error}") from error
     return draft
 
 

@@ -10,7 +10,6 @@
 docs/machine_files.md has an example.
 """
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -21,7 +20,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import read_text
-from ffgym.core.toml import toml_table
+from ffgym.core.toml import parse_toml, toml_table
 from ffgym.effects import EFFECTS, Effect, Origin, read_effects, read_origins
 from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_draft, load_robot
 from ffgym.robot.reading.load import GROUPS, draft_with_numbers, with_numbers
@@ -96,11 +95,10 @@ def is_machine_file(path: str | Path) -> bool:
 
 def _tree(path: str | Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(read_text(path))
+        text = read_text(path)
     except FFGymError as error:
         raise FFGymError(f"Cannot read machine file {error}") from error
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"Cannot read machine file {path}: it is not valid TOML: {error}.") from error
+    return parse_toml(text, f"Cannot read machine file {path}: it")
 
 
 def parse_machine(

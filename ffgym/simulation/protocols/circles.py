@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 from ffgym.core.errors import FFGymError, check_choice, check_shape
 from ffgym.paths import RADII, cartesian_reference, circle_test
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.protocol import Protocol, Scheduled, check_names
 from ffgym.simulation.protocols.stage import Stage
 

@@ -11,7 +11,7 @@ from ffgym.paths import joint_reference
 from ffgym.paths.circles import DWELL
 from ffgym.paths.excitations import SpeedStep, speed_steps
 from ffgym.paths.motion import JointPath
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage
 

@@ -6,7 +6,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.core.errors import check_number, check_whole
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage
 from ffgym.simulation.protocols.together import fade_of, large_multisine

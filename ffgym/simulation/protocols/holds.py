@@ -10,7 +10,7 @@ from ffgym.core.types import Array
 from ffgym.paths import Reference, joint_reference
 from ffgym.paths.circles import DWELL
 from ffgym.paths.excitations import SpeedStep, speed_steps
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.poses import spread_poses
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage

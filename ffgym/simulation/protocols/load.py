@@ -1,6 +1,5 @@
 """Protocols by name, from motion files, and from files that list them."""
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import read_text
+from ffgym.core.toml import parse_toml
 from ffgym.paths.motions.load import READERS
 from ffgym.simulation.protocols.catalogue import PROTOCOLS
 from ffgym.simulation.protocols.motion_file import MotionFile
@@ -32,17 +32,10 @@ def load_protocols(source: str | Path) -> list[Protocol]:
             raise FFGymError(f"{source}: a file of motions must end in {', '.join(READERS)}.")
         return [PROTOCOLS[check_choice("protocol", str(source), list(PROTOCOLS))]()]
     if path.suffix.lower() == ".toml":
-        tree = _toml(path)
+        tree = parse_toml(read_text(path), str(path))
         if STEPS in tree:
             return _steps(tree, path)
     return [MotionFile(file=path)]
-
-
-def _toml(path: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(read_text(path))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise FFGymError(f"{path} is not valid TOML: {error}.") from error
 
 
 def _steps(tree: Mapping[str, Any], path: Path) -> list[Protocol]:

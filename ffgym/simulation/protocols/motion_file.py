@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.paths.motions import load_motion
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.protocol import Protocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage
 

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self, final
 
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.paths import Reference
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.robot import RigidArm
 from ffgym.simulation.protocols.limits import check_torque
 from ffgym.simulation.protocols.stage import Stage

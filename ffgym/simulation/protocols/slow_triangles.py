@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.paths import joint_reference, triangle
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage
 

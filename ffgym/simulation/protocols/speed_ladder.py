@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.paths import Reference, joint_reference, speed_ladder
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.simulation.protocols.poses import load_ladder
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage

@@ -7,7 +7,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray
-from ffgym.paths.motions.parts.part import resting_position
+from ffgym.paths.motions.part import resting_position
 from ffgym.robot import RigidArm, RobotDescription
 
 FASTEST = 0.8

@@ -12,7 +12,7 @@ from ffgym.paths import Reference, joint_reference
 from ffgym.paths.circles import DWELL
 from ffgym.paths.excitations import joint_path
 from ffgym.paths.motion import Segment, standstill
-from ffgym.paths.motions.parts.part import entry
+from ffgym.paths.motions.part import entry
 from ffgym.published import FRICTION_RECORDS, FrictionRecord
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ffgym.paths.motions import list_motions
-from ffgym.paths.motions.parts import PARTS
+from ffgym.paths.motions.load import PARTS
 
 DOCS = Path(__file__).parents[3] / "docs"
 

@@ -6,9 +6,8 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.paths import circle_test, joint_sine
 from ffgym.paths.motions import compose, load_motion
-from ffgym.paths.motions.load import parse_motion
-from ffgym.paths.motions.parts import PARTS, entries
-from ffgym.paths.motions.parts.part import joint_values, rotation_of
+from ffgym.paths.motions.load import PARTS, parse_motion
+from ffgym.paths.motions.part import entries, joint_values, rotation_of
 from ffgym.robot import RigidArm
 
 POINT = np.array([1.3, -0.2, 0.6])

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from ffgym.core.errors import FFGymError
 from ffgym.paths.motions import load_motion
-from ffgym.paths.motions.parts.table_part import parse_table
+from ffgym.paths.motions.table_part import parse_table
 from ffgym.robot import RigidArm
 
 JOINTS, UNITS = ("a", "b"), ("rad", "m")

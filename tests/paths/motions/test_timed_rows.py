@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ffgym.paths.motions.parts.table_part import Table, followed
+from ffgym.paths.motions.table_part import Table, followed
 
 DT = 1e-4
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.motions.parts.part import resting_position
+from ffgym.paths.motions.part import resting_position
 from ffgym.robot import RigidArm
 from ffgym.simulation.protocols.circles import Circles
 from ffgym.simulation.protocols.diagnosis import Diagnosis

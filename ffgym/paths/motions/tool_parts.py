@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.paths.circles import DWELL, RADII, circle_test, plane_of
 from ffgym.paths.curves import arc_about
-from ffgym.paths.motions.parts.part import FIRST, Part, Place, entry, rotation_of
+from ffgym.paths.motions.part import FIRST, Part, Place, entry, rotation_of
 from ffgym.paths.moves import FARTHEST, Move, MoveArc, MoveLinear, MoveSpline, MoveTimed, Pose, Speed, Zone
 
 TURN_SPEED_DEG = 500.0

@@ -11,7 +11,7 @@ from ffgym.core.types import Array
 from ffgym.paths.circles import DWELL
 from ffgym.paths.excitations import check_below_nyquist, joint_sine, multisine, schroeder_phases, speed_ladder, triangle
 from ffgym.paths.motion import JointPath
-from ffgym.paths.motions.parts.part import OF_RANGE, OF_SPEED, Part, Place, entry
+from ffgym.paths.motions.part import OF_RANGE, OF_SPEED, Part, Place, entry
 from ffgym.paths.moves import Move, MoveJoint, MoveTimed, Speed, Wait, Zone
 
 

@@ -8,11 +8,11 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation
 
-from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_number, errors_at
 from ffgym.core.files import read_text
 from ffgym.core.types import Array
 from ffgym.paths.motion import CartesianPath, JointPath, Segment, sample
-from ffgym.paths.motions.parts.part import LARGEST, UNIT_NORM, Part, Place, entry
+from ffgym.paths.motions.part import LARGEST, UNIT_NORM, Part, Place, entry
 from ffgym.paths.moves import FARTHEST, Move, MoveJointSpline, MoveSpline, MoveTimed, Pose, Speed
 from ffgym.recordings.csv import read_table
 
@@ -66,12 +66,10 @@ def parse_table(text: str, where: str, joints: Sequence[str], units: Sequence[st
     """
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     lines = ["" if line.lstrip().startswith("#") else line for line in lines]
-    try:
+    with errors_at(where):
         names, values = read_table(lines, 0)
         columns = _in_si(names, values, {**dict.fromkeys(POSITION, "m"), **dict(zip(joints, units, strict=True))})
         return _table(where, columns, joints)
-    except FFGymError as error:
-        raise FFGymError(f"{where}: {error}") from error
 
 
 def _in_si(names: Sequence[str], values: Array, wanted: Mapping[str, str]) -> dict[str, Array]:

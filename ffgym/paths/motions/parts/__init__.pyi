@@ -1,4 +1,0 @@
-from .catalogue import PARTS as PARTS
-from .part import Part as Part
-from .part import Place as Place
-from .part import entries as entries
