@@ -6,12 +6,12 @@ from .circles import circle_scores as circle_scores
 from .circles import circle_study as circle_study
 from .circles import in_mm as in_mm
 from .circles import thesis_laws as thesis_laws
+from .friction_data import lugre_samples as lugre_samples
+from .friction_data import sine as sine
 from .motions import MotionResult as MotionResult
 from .motions import MotionStudy as MotionStudy
 from .motions import StretchError as StretchError
 from .motions import motion_study as motion_study
-from .narx_study import lugre_samples as lugre_samples
-from .narx_study import sine as sine
 from .one_axis import OneAxisStudy as OneAxisStudy
 from .one_axis import SineResult as SineResult
 from .one_axis import one_axis_study as one_axis_study

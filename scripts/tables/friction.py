@@ -21,7 +21,8 @@ from ffgym.simulation.protocols import Protocol, plan_session, record
 from ffgym.simulation.protocols.speed_ladder import SpeedLadder
 from ffgym.simulation.protocols.table_6_1 import Table61
 from ffgym.simulation.sensors import measure
-from ffgym.studies.narx_study import (
+from scripts.tables.page import Contents, markdown
+from scripts.thesis.narx import (
     ESTIMATION,
     EXTENDED,
     N_STARTS,
@@ -35,7 +36,6 @@ from ffgym.studies.narx_study import (
     record_name,
     static_misfit,
 )
-from scripts.tables.page import Contents, markdown
 from scripts.thesis.tables import VALIDATING, columns_of, spread
 
 BEFORE: dict[str, float] = {
@@ -153,7 +153,7 @@ def networks(candidates: Sequence[str] = tuple(CANDIDATES), n_starts: int = N_ST
     """NARX networks beside one another: fits in free run and one step ahead, over random starts.
 
     Args:
-        candidates: names of those of `ffgym.studies.narx_study` to fit, to data of the LuGre model as thesis 6.2.
+        candidates: names of those of `scripts.thesis.narx` to fit, to data of the LuGre model as thesis 6.2.
         n_starts: random starts of each.
         seed: of their first weights.
     """

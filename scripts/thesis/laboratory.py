@@ -20,8 +20,8 @@ from ffgym.robot import RobotDescription, load_robot
 from ffgym.simulation import Rig
 from ffgym.simulation.run import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
-from ffgym.studies.narx_study import EXTENDED, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
 from scripts.thesis.measured_friction import MeasuredFriction, measure_friction
+from scripts.thesis.narx import EXTENDED, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
 """Called with a title and a unit when a piece of work begins; yields what is told of its progress."""

@@ -19,10 +19,10 @@ from ffgym.report import circle_tables
 from ffgym.report.circles.comparison import reduction
 from ffgym.report.circles.friction_loops import unlike
 from ffgym.studies import CircleStudy
-from ffgym.studies.narx_study import ESTIMATION, VALIDATION, static_misfit
 from ffgym.studies.one_axis import SETTLED
 from scripts.thesis.claims import BEND
 from scripts.thesis.laboratory import Laboratory
+from scripts.thesis.narx import ESTIMATION, VALIDATION, static_misfit
 
 RECORDS = {"ESTIMATION": ESTIMATION, "VALIDATION": VALIDATION}
 """Names of the two sines of thesis 6.2.2."""

@@ -23,7 +23,6 @@ from ffgym.report.circles.friction_loops import (
 from ffgym.report.circles.one_axis_plot import one_axis_caption, one_axis_figure
 from ffgym.report.circles.paths_plot import paths_caption, paths_figure
 from ffgym.report.identification import friction_loops_figure, friction_over_time_figure
-from ffgym.report.identification.narx_plot import fits_figure, narx_figure
 from ffgym.report.identification.stribeck_plot import stribeck_figure
 from ffgym.report.learning.agents_plot import agents_figure
 from ffgym.report.learning.basis_plot import basis_figure
@@ -32,9 +31,10 @@ from ffgym.report.learning.learning_plot import learning_caption, learning_figur
 from ffgym.report.learning.training_plot import Training, training_caption, training_figure
 from ffgym.robot import RigidArm
 from ffgym.studies import CircleStudy
-from ffgym.studies.narx_study import ESTIMATION, VALIDATION, record_name
 from scripts.thesis.laboratory import Laboratory
 from scripts.thesis.measures import record_share, top_speeds
+from scripts.thesis.narx import ESTIMATION, VALIDATION, record_name
+from scripts.thesis.narx_plot import fits_figure, narx_figure
 from scripts.thesis.tables import VALIDATING, fit_of_static, mean_rms, spread
 
 if TYPE_CHECKING:

@@ -12,9 +12,9 @@ from ffgym.paths import SPEEDS
 from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS
 from ffgym.report import SpeedTable, circle_tables
 from ffgym.report.circles.comparison import percent
-from ffgym.studies.narx_study import ESTIMATION, VALIDATION, NarxFit, record_name
 from scripts.thesis.laboratory import IDENTIFIED, Laboratory
 from scripts.thesis.measures import gone, path, static_of
+from scripts.thesis.narx import ESTIMATION, VALIDATION, NarxFit, record_name
 
 VALIDATING = [each.number for each in FRICTION_RECORDS if each.number not in ESTIMATION_RECORDS]
 """Set V of thesis 6.1.2."""

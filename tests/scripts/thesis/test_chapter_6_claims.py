@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.identification.narx import Errors, Misfit
-from ffgym.studies.narx_study import EXTENDED, PUBLISHED, NarxFit, narx_records, reach_records
 from scripts.thesis import ITEMS
 from scripts.thesis.claims import judge
+from scripts.thesis.narx import EXTENDED, PUBLISHED, NarxFit, narx_records, reach_records
 
 CLAIMS = {claim.name: claim for item in ITEMS for claim in item.claims}
 ESTIMATION, VALIDATION = "A = 1, f = 1", "A = 1, f = 0.5"

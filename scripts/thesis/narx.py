@@ -11,8 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from ffgym.control import DynamicLuGreEuler
-from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
+from ffgym.core.errors import check_whole
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx import (
     Errors,
@@ -28,9 +27,9 @@ from ffgym.diagnosis.identification.narx import (
 from ffgym.diagnosis.identification.narx.fit import N_EVALUATIONS
 from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS
 from ffgym.robot.friction import WIDTHS, LuGreParameters
+from ffgym.studies import lugre_samples, sine
+from ffgym.studies.friction_data import SAMPLE_TIME
 
-SAMPLE_TIME = 0.0005
-"""T [s], thesis 6.2.2."""
 DURATION = 6.0
 """[s], thesis 6.2.2."""
 AMPLITUDE = 1.0
@@ -43,9 +42,6 @@ FEWER_EVALUATIONS = 300
 """Evaluations for what goes beyond the thesis; chosen: 1000 change no median fit by more than 1 %."""
 N_PERIODS, SHORTEST = 2, 2.0
 """Periods of a record of Table 6.1, which does not say its length, and the shortest one [s]; chosen."""
-N_SCORED = 2000
-"""Samples of a record that count, evenly spread, so that each counts as much; chosen: set D then has 12000, as many as
-the sine of the thesis."""
 
 MIXTURE = ((2.0, 0.3), (1.5, 0.9), (1.2, 2.3), (0.8, 4.1))
 """Amplitudes [rad/s] and frequencies [Hz] of a motion whose reversals differ, with loops within loops; chosen."""
@@ -133,26 +129,6 @@ class NarxFit:
         """The start whose error in validation is the median, for figures (of an even number the lower one)."""
         order = np.argsort(self.rms(VALIDATION), kind="stable")
         return int(order[(len(order) - 1) // 2])
-
-
-def lugre_samples(friction: LuGreParameters, motor_dq: Array) -> Samples:
-    """Friction of the discretised LuGre model (6.14) of one joint along motor speeds (T,) every SAMPLE_TIME [rad/s]."""
-    motor_dq = check_shape("motor_dq", motor_dq, (None,))
-    if friction.n_joints != 1:
-        raise FFGymError(
-            f"friction has {friction.n_joints} joints, must be that of one motor, e.g. of the robot one_axis."
-        )
-    torque = DynamicLuGreEuler(friction, n_substeps=1).along(motor_dq[:, None], SAMPLE_TIME)
-    scored = np.arange(len(motor_dq)) % max(1, len(motor_dq) // N_SCORED) == 0
-    return Samples(dt=SAMPLE_TIME, motor_dq=motor_dq[:, None], torque=torque, scored=scored, noise=np.ones(1))
-
-
-def sine(amplitude: float, frequency: float, duration: float) -> Array:
-    """Motor speeds A sin(2 pi f t) [rad/s] every SAMPLE_TIME, shape (T,), thesis (6.13) and (6.21)."""
-    check_number("amplitude", amplitude, unit="rad/s")
-    check_number("frequency", frequency, unit="Hz", low=0.0, open_low=True)
-    check_number("duration", duration, unit="s", low=0.0, open_low=True)
-    return amplitude * np.sin(2 * np.pi * frequency * SAMPLE_TIME * np.arange(round(duration / SAMPLE_TIME) + 1))
 
 
 def record_name(number: int) -> str:

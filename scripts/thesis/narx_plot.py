@@ -9,7 +9,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx import Samples
 from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.laws import law_styles
-from ffgym.studies.narx_study import ESTIMATION, VALIDATION, NarxFit
+from scripts.thesis.narx import ESTIMATION, VALIDATION, NarxFit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,18 +6,17 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.studies.narx_study import (
+from ffgym.studies import lugre_samples, sine
+from ffgym.studies.friction_data import SAMPLE_TIME
+from scripts.thesis.narx import (
     ESTIMATION,
     EXTENDED,
     PUBLISHED,
-    SAMPLE_TIME,
     VALIDATION,
     fit_narx,
-    lugre_samples,
     narx_records,
     reach_records,
     record_name,
-    sine,
     static_misfit,
 )
 
