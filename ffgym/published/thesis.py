@@ -1,6 +1,7 @@
-"""Tables 4.1, 4.2, 5.1 and 5.2 of the thesis: path error of the real robot."""
+"""Tables of the thesis: path errors of the real robot (4.1, 4.2, 5.1, 5.2), and records of its friction (6.1)."""
 
 import json
+from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -29,3 +30,30 @@ def published_mm(method: str, statistic: str, speed: float, radius: float, posit
     methods = _tables().get(f"speed_{speed * 1e3:g}", {})
     value = methods.get(method, {}).get(statistic, {}).get(f"r{radius * 1e3:g}", {}).get(position)
     return None if value is None else float(value)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionRecord:
+    """One row of Table 6.1: motor speed A sin(2 pi f t), thesis (6.13)."""
+
+    number: int
+    """Data record."""
+    amplitude: float
+    """A, motor side [rad/s]."""
+    frequency: float
+    """f [Hz]."""
+
+
+_AMPLITUDES = (1.3, 5.0, 10.0)
+_FREQUENCIES = (0.25, 0.5, 1.0, 2.0, 5.0)
+
+FRICTION_RECORDS = tuple(
+    FrictionRecord(number=5 * i + j + 1, amplitude=amplitude, frequency=frequency)
+    for i, amplitude in enumerate(_AMPLITUDES)
+    for j, frequency in enumerate(_FREQUENCIES)
+)
+"""Table 6.1, the sines from which the friction of joint 1 was identified. Record 11 is printed with A = 5, as record 6;
+here it has A = 10, as the pattern and figure 6.5e say, which shows 10 sin(2 pi 0.25 t) among the validation records."""
+
+ESTIMATION_RECORDS = (2, 4, 7, 9, 12, 14)
+"""Set D of the thesis, from which the parameters were estimated; the other records validate."""

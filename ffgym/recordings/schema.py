@@ -158,20 +158,6 @@ def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[st
             raise FFGymError(f"{family.name} is incomplete: {', '.join(missing)} missing. Add them or drop the family.")
 
 
-def markdown_table() -> str:
-    """Return the schema as a Markdown table, as printed in docs/recordings.md."""
-    suffix = {"one": "", "joint": ".<joint>", "xyz": ".x/y/z", "quaternion": ".qw/qx/qy/qz"}
-    lines = [
-        "| column | unit | side | header field that decides | NaN allowed | meaning |",
-        "|---|---|---|---|---|---|",
-    ]
-    for f in _FAMILIES:
-        decided_by = f"`{f.decided_by}`" if f.decided_by else ""
-        nan = "yes" if f.may_miss else ""
-        lines.append(f"| `{f.name}{suffix[f.parts]}` | {f.unit} | {f.side} | {decided_by} | {nan} | {f.meaning} |")
-    return "\n".join(lines)
-
-
 def _check_user_column(name: str, joints: Sequence[str], units: Mapping[str, str], owner: Iterable[str]) -> None:
     """Accept a well-named user column that has a unit; say what is wrong with anything else."""
     if not isinstance(name, str):

@@ -15,13 +15,16 @@ from ffgym.core.provenance import versions
 from ffgym.effects import EFFECTS
 from ffgym.report import save_figure
 from ffgym.robot import builtin_robots
-from scripts.tables import definitions, effects, friction, laws, physics, recorded
+from scripts.tables import api, definitions, effects, friction, laws, physics, recorded
 from scripts.tables.page import DOCS, DPI, Contents
 
 DEFINED: Mapping[str, Callable[[], Contents]] = {
+    "api.md": api.page,
     "column_maps.md": definitions.column_maps,
     "motion_files.md": definitions.motion_files,
     "protocols.md": definitions.protocols,
+    "quality.md": definitions.quality,
+    "recordings.md": definitions.recordings,
     "robot_description.md": definitions.robot_description,
     **{f"robots/{name}.md": partial(definitions.robot, name) for name in builtin_robots()},
     "effects/README.md": effects.overview,

@@ -14,10 +14,13 @@ from ffgym.logs.column_map.column import COLUMN_KEYS
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES
 from ffgym.logs.column_map.rewire import REWIRE_KEYS
 from ffgym.logs.column_map.units import COUNTS, KELVIN, UNITS
+from ffgym.logs.quality.gate import STAGES
+from ffgym.logs.quality.needs import NEEDS
 from ffgym.logs.text_layout import LAYOUT_KEYS
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.load import HEAD, PARTS, builtin_files
 from ffgym.paths.motions.part import entries, is_required
+from ffgym.recordings.schema import FAMILIES
 from ffgym.robot import RigidArm, load_robot
 from ffgym.robot.reading.quantity import OTHER_UNITS
 from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES, Capability
@@ -64,9 +67,9 @@ def robot(name: str) -> Contents:
     rows = []
     for path, quantity in described.quantities.items():
         prior = "" if quantity.prior is None else f"<br>prior: {_numbers(quantity.prior)}"
-        origin, source = ", ".join(quantity.origin), quantity.source.replace("|", "\\|")
+        origin = ", ".join(quantity.origin)
         value = f"{_numbers(quantity.value)}{prior}"
-        rows.append((f"`{path}`", value, quantity.unit, quantity.side or "", origin, source))
+        rows.append((f"`{path}`", value, quantity.unit, quantity.side or "", origin, quantity.source))
     text = f"""# {described.title} (`{described.name}`)
 
 Written by `python -m scripts.tables` from the description in `ffgym/robot/data`; SI units, rad.
@@ -102,6 +105,46 @@ def column_maps() -> Contents:
         units.append((f"`{si}`", ", ".join(f"`{unit}`" for unit in (si, *others, *also))))
     parts = {name: _named("key", "meaning", meanings) for name, meanings in keys.items()}
     return Contents(parts=parts | {"units": markdown(("kept in", "may come in"), units)})
+
+
+def recordings() -> Contents:
+    """Every family of columns of a recording."""
+    suffix = {"one": "", "joint": ".<joint>", "xyz": ".x/y/z", "quaternion": ".qw/qx/qy/qz"}
+    rows = [
+        (
+            f"`{f.name}{suffix[f.parts]}`",
+            f.unit,
+            f.side,
+            f"`{f.decided_by}`" if f.decided_by else "",
+            "yes" if f.may_miss else "",
+            f.meaning,
+        )
+        for f in FAMILIES.values()
+    ]
+    head = ("column", "unit", "side", "header field that decides", "NaN allowed", "meaning")
+    return Contents(parts={"columns": markdown(head, rows)})
+
+
+def quality() -> Contents:
+    """All checks of a log by stage, and what each use needs."""
+    checks: list[tuple[str, ...]] = []
+    for stage, own in STAGES.items():
+        checks.append((f"**{stage}**", "", "", "", "", ""))
+        for check in own:
+            limits = ["" if limit is None else f"{limit:.3g}" for limit in (check.flag, check.refuse)]
+            figure = check.figure.replace("|ln|", "absolute logarithm")
+            checks.append((f"`{check.name}`", figure, check.unit, *limits, check.why))
+    needs = []
+    for name, need in NEEDS.items():
+        columns, sound = (", ".join(f"`{each}`" for each in names) for names in (need.columns, need.sound))
+        least = ", ".join(f"{figure} {value:g}" for figure, value in need.least.items())
+        needs.append((f"`{name}`", columns, least, sound, need.why))
+    return Contents(
+        parts={
+            "checks": markdown(("check", "figure", "unit", "flagged above", "refused above", "why"), checks),
+            "needs": markdown(("need", "columns", "at least, on one joint", "not even flagged", "why"), needs),
+        }
+    )
 
 
 def motion_files() -> Contents:

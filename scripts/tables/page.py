@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_text
-from ffgym.report import save_figure
+from ffgym.report import Table, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,6 +59,5 @@ def renewed(text: str, parts: Mapping[str, str]) -> str:
 
 
 def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Markdown table."""
-    lines = [f"| {' | '.join(cells)} |" for cells in (head, *rows)]
-    return "\n".join([lines[0], "|---" * len(head) + "|", *lines[1:]])
+    """Markdown table of texts."""
+    return Table.of_rows(head, list(rows)).markdown()

@@ -7,7 +7,6 @@ import pytest
 
 from ffgym.recordings import PHASE_KINDS, Header
 from ffgym.recordings.header import Hold, TorqueSemantics
-from ffgym.recordings.schema import markdown_table
 
 PAGE = (Path(__file__).parents[2] / "docs" / "recordings.md").read_text(encoding="utf-8")
 
@@ -16,10 +15,6 @@ def first_cells(heading: str) -> list[str]:
     """Names in the first column of the tables between `heading` and the next heading."""
     section = re.split(r"^#+ ", PAGE.split(f"{heading}\n", 1)[1], maxsplit=1, flags=re.MULTILINE)[0]
     return re.findall(r"^\| `([^`]+)` \|", section, flags=re.MULTILINE)
-
-
-def test_table_of_columns_is_the_schema() -> None:
-    assert f"\n{markdown_table()}\n" in PAGE, "paste ffgym.recordings.schema.markdown_table() into docs/recordings.md"
 
 
 def test_table_of_header_fields_is_the_header() -> None:

@@ -1,34 +1,19 @@
-"""Write docs/api.md: every public name of ffgym and of its rooms.
-
-python -m scripts.api_page
-"""
+"""Page of every public name of ffgym and of its rooms: docs/api.md."""
 
 import inspect
 from collections.abc import Iterator
-from dataclasses import dataclass
 from importlib import import_module
-from pathlib import Path
 from pkgutil import iter_modules
 from types import ModuleType
 
-import tyro
-
 import ffgym
-from ffgym.core.files import write_text
+from scripts.tables.page import WHOLE, Contents, markdown
 
 HEAD = """# Public names
 
-Written by `python -m scripts.api_page` from the `__init__.pyi` of each package. What stands here is public: it changes
+Written by `python -m scripts.tables` from the `__init__.pyi` of each package. What stands here is public: it changes
 only with a line in the changelog. Anything deeper than one level below `ffgym` may change without one.
 """
-
-
-@dataclass(frozen=True)
-class Config:
-    """Page of public names."""
-
-    page: Path = Path("docs/api.md")
-    """Page to write."""
 
 
 def packages() -> Iterator[ModuleType]:
@@ -40,34 +25,23 @@ def packages() -> Iterator[ModuleType]:
             yield room
 
 
-def page() -> str:
-    """Return the page as it should be now."""
-    return HEAD + "".join(_section(package) for package in packages())
+def page() -> Contents:
+    """The page as it should be now."""
+    return Contents(parts={WHOLE: HEAD + "".join(_section(package) for package in packages())})
 
 
 def _section(package: ModuleType) -> str:
     rows = [_row(name, getattr(package, name)) for name in sorted(package.__all__, key=str.lower)]
-    head = f"\n## `{package.__name__}`\n\n{_first_sentence(package)}\n\n| name | kind | |\n|---|---|---|\n"
-    return head + "\n".join(rows) + "\n"
+    return f"\n## `{package.__name__}`\n\n{_first_sentence(package)}\n\n{markdown(('name', 'kind', ''), rows)}\n"
 
 
-def _row(name: str, thing: object) -> str:
+def _row(name: str, thing: object) -> tuple[str, str, str]:
     kind = "class" if inspect.isclass(thing) else "function" if inspect.isfunction(thing) else "value"
     text = _first_sentence(thing) if kind != "value" else f"of type `{type(thing).__name__}`"
-    return f"| `{name}` | {kind} | {text} |"
+    return f"`{name}`", kind, text
 
 
 def _first_sentence(thing: object) -> str:
     """First paragraph of a docstring, on one line of a table."""
     text = inspect.getdoc(thing) or ""
-    return " ".join(text.split("\n\n")[0].split()).replace("|", r"\|")
-
-
-def main(config: Config) -> Path:
-    """Write the page."""
-    write_text(config.page, page())
-    return config.page
-
-
-if __name__ == "__main__":
-    main(tyro.cli(Config))
+    return " ".join(text.split("\n\n")[0].split())
