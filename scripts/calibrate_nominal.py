@@ -42,31 +42,17 @@ JOINTS = ("j1", "j2", "j3", "j4", "j5", "j6")
 """Joints of the robot that FREE is written for: main motors first, then the wrist's."""
 
 
-@dataclass(frozen=True)
-class Free:
-    """A parameter of the fit: a factor on prior values, log-normal."""
-
-    name: str
-    spread: float
-    """Standard deviation of the logarithm: how well the prior is known."""
-
-
-FREE = (
-    Free("damping rate of the main servos", 0.7),
-    Free("position bandwidth of the main servos", 0.7),
-    Free("integral rate of the main servos", 0.7),
-    Free("damping rate of the wrist servos", 0.7),
-    Free("position bandwidth of the wrist servos", 0.7),
-    Free("integral rate of the wrist servos", 0.7),
-    Free("viscous friction of joints without a source", 0.7),
-    Free("stiffness of joint 1", 0.25),
-    Free("stiffness of joint 2", 0.25),
-    Free("stiffness of joint 3", 0.25),
-)
-"""Servo gains are set by three rates per group, gain = rate x the gain before it, so that motors of one size are
-treated alike: velocity_gain = damping rate x rotor_inertia, position_gain = bandwidth x velocity_gain, integral_gain =
-rate x position_gain. Spreads: 0.7 is a factor 2; 0.25 keeps the stiffness near the interpolated one, well within its
-factor 2.5."""
+_RATES = ("damping rate", "position bandwidth", "integral rate")
+FREE = {
+    **{f"{rate} of the {group} servos": 0.7 for group in ("main", "wrist") for rate in _RATES},
+    "viscous friction of joints without a source": 0.7,
+    **{f"stiffness of joint {j}": 0.25 for j in (1, 2, 3)},
+}
+"""Parameters of the fit, log-normal factors on prior values, with the standard deviation of their logarithm: how well
+the prior is known. Servo gains are set by three rates per group, gain = rate x the gain before it, so that motors of
+one size are treated alike: velocity_gain = damping rate x rotor_inertia, position_gain = bandwidth x velocity_gain,
+integral_gain = rate x position_gain. Spreads: 0.7 is a factor 2; 0.25 keeps the stiffness near the interpolated one,
+well within its factor 2.5."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +118,7 @@ class Objective:
     def __init__(self, robot: RobotDescription) -> None:
         self.prior = prior_robot(robot)
         self.references = circle_references(RigidArm(self.prior), speeds=SPEEDS)
-        self.spread = np.array([free.spread for free in FREE])
+        self.spread = np.array([*FREE.values()])
         self.best_cost, self.best = np.inf, np.zeros(len(FREE))
 
     def ratios(self, robot: RobotDescription) -> Array:
@@ -218,7 +204,7 @@ def main(config: Config) -> dict[str, object]:
         print(f"  {search.nfev} steps: {search.message}")
     fitted = apply(objective.prior, np.exp(objective.best))
     ratios = objective.ratios(fitted)
-    factors = {free.name: float(np.exp(x)) for free, x in zip(FREE, objective.best, strict=True)}
+    factors = {name: float(np.exp(x)) for name, x in zip(FREE, objective.best, strict=True)}
     for name, factor in factors.items():
         print(f"  {name:45s} prior x {factor:.3f}")
     print(f"cost {objective.best_cost:.3f}; lowest locked resonance {objective.lowest_resonances(fitted).round(2)} Hz")

@@ -23,7 +23,7 @@ from ffgym.workcell import workcell
 from scripts.workcell.free import FREE, SPREAD, prior_trees
 from scripts.workcell.objective import LAWS, SPEEDS, Objective
 from scripts.workcell.search import Point, search
-from scripts.workcell.table import measured_cells, summary, table_lines
+from scripts.workcell.table import measured_cells, summary, table
 from scripts.workcell.writing import write_result
 
 
@@ -67,7 +67,7 @@ def _calibrate(config: Config) -> dict[str, float]:
 
 def _print_table(config: Config) -> dict[str, float]:
     cells = measured_cells(workcell("thesis"), config.threads, print)
-    print("\n".join(table_lines(cells)))
+    print(table(cells))
     reached = summary(cells)
     for name, value in reached.items():
         print(f"median of |ln(simulated / published)|, {name}: {value:.3f}")

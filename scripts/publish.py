@@ -86,11 +86,7 @@ def mean_curve(curves: Sequence[Sequence[Sequence[float]]]) -> tuple[tuple[float
 
 
 def _places(folder: Path) -> dict[int, Path]:
-    """Policies in a folder, by seed.
-
-    Raises:
-        FFGymError: if there are none, or a folder is named otherwise.
-    """
+    """Policies in a folder, by seed; refuses a folder without any, and one of another name."""
     places = {}
     for place in folder.glob(f"seed_*/{POLICY}"):
         number = place.parent.name.removeprefix("seed_")
@@ -103,11 +99,7 @@ def _places(folder: Path) -> dict[int, Path]:
 
 
 def _training(policy: ResidualPolicy, seed: int, place: Path) -> Training:
-    """What a policy says of its training.
-
-    Raises:
-        FFGymError: if it does not say all, or is of another seed than its folder.
-    """
+    """Training that a policy tells of; refuses one that does not tell all, or is of another seed than its folder."""
     lacks = [name for name in (*_ABOUT, *_NUMBERS) if name not in policy.meta]
     if lacks:
         raise FFGymError(f"{place}: does not say its {', '.join(lacks)}; publish what scripts.train wrote.")
@@ -123,19 +115,14 @@ def _training(policy: ResidualPolicy, seed: int, place: Path) -> Training:
 
 
 def _check_same(policies: Mapping[int, ResidualPolicy], folder: Path) -> None:
-    """Check that trainings differ in the seed alone.
-
-    Raises:
-        FFGymError: if not; the message says what differs.
-    """
-    first, *others = policies
-    for seed in others:
+    """Refuse trainings that differ in more than the seed, and say in what."""
+    (first, one), *others = policies.items()
+    for seed, other in others:
         changes = [
             f"{about}.{name}"
             for about in _ABOUT
-            for one, other in [(policies[first].meta[about], policies[seed].meta[about])]
-            for name in sorted({*one, *other} - {"seed"})
-            if one.get(name) != other.get(name)
+            for name in sorted({*one.meta[about], *other.meta[about]} - {"seed"})
+            if one.meta[about].get(name) != other.meta[about].get(name)
         ]
         if changes:
             raise FFGymError(
@@ -145,11 +132,7 @@ def _check_same(policies: Mapping[int, ResidualPolicy], folder: Path) -> None:
 
 
 def _check_row(name: str, training: Training) -> None:
-    """Check that a row of the leaderboard is of such a training.
-
-    Raises:
-        FFGymError: if there is no such row, or it is of another algorithm or base.
-    """
+    """Refuse a row that the leaderboard does not have, or has of another algorithm or base."""
     algorithm, base, *_ = RESIDUALS[check_choice("row of trained residual policies", name, list(RESIDUALS))]
     if (training.algorithm, training.base) != (algorithm, base):
         raise FFGymError(

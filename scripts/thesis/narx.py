@@ -7,6 +7,7 @@ random weights, since different weights end in different minima.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -82,21 +83,12 @@ PUBLISHED = (
 )
 """The two models of the thesis."""
 
+_beyond = partial(Candidate, n_evaluations=FEWER_EVALUATIONS)
 EXTENDED = (
-    Candidate(
-        name="speeds_set_d", label="(6.19), set D", regressors=SPEEDS, data="set D", n_evaluations=FEWER_EVALUATIONS
-    ),
-    Candidate(
-        name="output_set_d", label="(6.20), set D", regressors=OUTPUT, data="set D", n_evaluations=FEWER_EVALUATIONS
-    ),
-    Candidate(name="slip", label="v(k), slip elements", regressors=SLIP, n_evaluations=FEWER_EVALUATIONS),
-    Candidate(
-        name="slip_set_d",
-        label="v(k), slip elements, set D",
-        regressors=SLIP,
-        data="set D",
-        n_evaluations=FEWER_EVALUATIONS,
-    ),
+    _beyond(name="speeds_set_d", label="(6.19), set D", regressors=SPEEDS, data="set D"),
+    _beyond(name="output_set_d", label="(6.20), set D", regressors=OUTPUT, data="set D"),
+    _beyond(name="slip", label="v(k), slip elements", regressors=SLIP),
+    _beyond(name="slip_set_d", label="v(k), slip elements, set D", regressors=SLIP, data="set D"),
 )
 """More data alone, another regressor alone, and both."""
 

@@ -1,6 +1,7 @@
 """Simulated beside published path errors: the 240 numbers of Tables 4.1, 4.2, 5.1 and 5.2 of the thesis."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm
 from ffgym.studies import Cell, circle_study, thesis_laws
 from ffgym.workcell import Workcell
+from scripts.tables.page import markdown
 
 SPEEDS = (0.010, 0.040)
 FITTED = METHODS[:3]
@@ -53,18 +55,15 @@ def ratio(cell: Cell, statistic: str) -> float:
     return simulated / published
 
 
-def table_lines(cells: Sequence[Cell]) -> list[str]:
+def table(cells: Sequence[Cell]) -> str:
     """Markdown table of simulated / published [mm], one line per law, speed, statistic and radius."""
     positions = list(dict.fromkeys(cell.position for cell in cells))
-    lines = ["| law | mm/s | | r [mm] | " + " | ".join(positions) + " |", "|---|---|---|---|" + "---|" * len(positions)]
-    for law in METHODS:
-        for speed in SPEEDS:
-            for statistic in ("rms", "max"):
-                for radius in RADII:
-                    row = [_found(cells, law, speed, radius, position) for position in positions]
-                    text = " | ".join(_pair(cell, statistic) for cell in row)
-                    lines.append(f"| {law} | {speed * 1e3:g} | {statistic} | {radius * 1e3:g} | {text} |")
-    return lines
+    rows = []
+    for law, speed, statistic, radius in product(METHODS, SPEEDS, ("rms", "max"), RADII):
+        row = [_found(cells, law, speed, radius, position) for position in positions]
+        pairs = (_pair(cell, statistic) for cell in row)
+        rows.append((law, f"{speed * 1e3:g}", statistic, f"{radius * 1e3:g}", *pairs))
+    return markdown(("law", "mm/s", "", "r [mm]", *positions), rows)
 
 
 def summary(cells: Sequence[Cell]) -> dict[str, float]:

@@ -18,7 +18,7 @@ from scripts.workcell import writing
 from scripts.workcell.free import FREE, SPREAD, applied, changed_entries, prior_trees, table_at
 from scripts.workcell.objective import Objective
 from scripts.workcell.search import search
-from scripts.workcell.table import SPEEDS, summary, table_lines
+from scripts.workcell.table import SPEEDS, summary, table
 from scripts.workcell.writing import rounded, write_result
 
 
@@ -163,7 +163,7 @@ def cells_off_by(factor):
 
 def test_the_table_has_all_published_numbers_and_the_networks_are_the_check():
     cells = cells_off_by(1.2)
-    lines = table_lines(cells)
+    lines = table(cells).splitlines()
     assert sum(line.count(" / ") for line in lines) == 240
     assert sum("bsn" in line for line in lines) == 24
     assert summary(cells) == pytest.approx(dict.fromkeys(summary(cells), np.log(1.2)))
