@@ -246,7 +246,7 @@ def _torque_left(log: Log, like: Replay, bias: Array | float) -> float:
 
 def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:
     """Hash what the nominal machine's own motion depends on; motions without set-points are never the same."""
-    digest = hashlib.sha256(repr((calibration, log.names, log.dt, log.robot.name)).encode())
+    digest = hashlib.sha256(repr((calibration, log.names, log.sampling, log.robot.name)).encode())
     digest.update(like.machine.physics(ModelOptions(looks=False)).encode())
     digest.update(repr([log.tool is None, log.link is None, log.shows_servo]).encode())
     hot = log.temperature if any(reads_temperature(effect, like) for effect in like.machine.torque_effects) else None

@@ -8,16 +8,20 @@ from pathlib import Path
 from ffgym.cli.main import run_command
 from ffgym.cli.outputs import check_outputs, provenance
 from ffgym.cli.progress import progress_bar
-from ffgym.core.errors import FFGymError, check_choice, check_whole
+from ffgym.cli.unused import given_options
+from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.files import write_json
 from ffgym.report import check_figure, save_figure
+from scripts.exam.bench import RECORD_DT, RESOLVER_NOISE
 from scripts.exam.exams import EXAMS, Exam, ExamName, hold
 from scripts.exam.marks import Mark, read_marks, write_marks
-from scripts.exam.paper import ROWS, Question
-from scripts.exam.report import figures_text, misses_text, outcomes_figure, outcomes_text
+from scripts.exam.sizes import CASES, STEPS, SizesExam
 
 _MOST = 10_000
 """Most questions of a row; more are surely a slip."""
+
+_OF_ROBOT = ("protocol", "resolver_noise", "torque_noise", "tracker_noise", "record_dt_ms", "effects", "steps")
+"""Options that say something of a robot of the user."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,24 @@ class HoldExam:
     no_tracker, no_temperature; of the independent exam clean, single, outside."""
     cases: int | None = None
     """Questions of each kind; none given is a whole exam, some hundred."""
+    robot: str | None = None
+    """Built-in robot, or path of its description, on which single effects are hidden at several sizes: from what size
+    on would a diagnosis find each of them on this machine?"""
+    protocol: str | None = None
+    """Motions of that robot: name or file (docs/protocols.md); none given is the protocol diagnosis."""
+    resolver_noise: float = RESOLVER_NOISE
+    """Standard deviation of its measured motor angles, motor side [rad]."""
+    torque_noise: tuple[float, ...] = ()
+    """The same of its measured torques, motor side [N m], one for each joint or one for all; none given is 3 % of the
+    Coulomb torque."""
+    tracker_noise: float | None = None
+    """The same of each tracked coordinate of its tool [m]; none given is that of the description."""
+    record_dt_ms: float = RECORD_DT * 1e3
+    """Time between the rows of its logs."""
+    effects: tuple[str, ...] = ()
+    """Effects that are hidden in it; none given is all that the log can show."""
+    steps: int = STEPS
+    """Sizes of each effect. With --robot, --cases is how often each effect is drawn, on one joint after the other."""
     out: Path | None = None
     """Folder for the marks, one line for each question, as soon as it is answered. Those in it are not asked again."""
     json: Path | None = None
@@ -50,9 +72,11 @@ class HoldExam:
         check_outputs({"--json": self.json, "--figure": self.figure})
         if self.figure is not None:
             check_figure(self.figure)
-        exam, place = self._exam, self._place()
-        head = exam.head(self.seed)
-        questions = self._questions()
+        if self.cases is not None:
+            check_whole("--cases", self.cases, low=1, high=_MOST)
+        exam = self._exam()
+        questions = exam.questions(self.rows, self.cases)
+        place, head = self._place(exam), exam.head(self.seed)
         kept = [] if place is None else read_marks(place, head)
         known = {(mark.row, mark.number) for mark in kept}
         asked = set(questions)
@@ -65,22 +89,31 @@ class HoldExam:
                     kept.append(mark)
                     write_marks(place, head, kept)
         order = {question: k for k, question in enumerate(questions)}
-        self._report(sorted(marks, key=lambda mark: order[mark.row, mark.number]))
+        self._report(exam, sorted(marks, key=lambda mark: order[mark.row, mark.number]))
 
-    def _questions(self) -> list[Question]:
-        """Questions that are asked."""
-        counts = self._exam.counts
-        rows = [check_choice("row of the exam", row, [one for one in ROWS if one in counts]) for row in self.rows]
-        if self.cases is not None:
-            check_whole("--cases", self.cases, low=1, high=_MOST)
-        asked = [row for row in counts if row in rows or not rows]
-        return [(row, k) for row in asked for k in range(self.cases or counts[row])]
-
-    @property
     def _exam(self) -> Exam:
-        return EXAMS[self.exam]
+        """The exam that the options describe."""
+        if self.robot is None:
+            if given := given_options(self, _OF_ROBOT):
+                raise FFGymError(f"{given[0]} has no effect without --robot. Leave it out, or name a robot.")
+            return EXAMS[self.exam]
+        if given := given_options(self, ("exam", "rows")):
+            raise FFGymError(
+                f"{given[0]} has no effect with --robot, whose questions are sizes. Leave one of them out."
+            )
+        return SizesExam(
+            robot=self.robot,
+            protocol=self.protocol,
+            resolver_noise=self.resolver_noise,
+            torque_noise=self.torque_noise,
+            tracker_noise=self.tracker_noise,
+            record_dt=self.record_dt_ms / 1e3,
+            effects=self.effects,
+            cases=self.cases or CASES,
+            steps=self.steps,
+        )
 
-    def _place(self) -> Path | None:
+    def _place(self, exam: Exam) -> Path | None:
         """File in which the marks are kept."""
         if self.out is None:
             return None
@@ -88,19 +121,17 @@ class HoldExam:
             self.out.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FFGymError(f"{self.out}: cannot be made a folder: {error.strerror}; choose another place.") from error
-        place = self.out / self._exam.file_of(self.seed)
+        place = self.out / exam.file_of(self.seed)
         check_outputs({"--out": place})
         return place
 
-    def _report(self, marks: Sequence[Mark]) -> None:
-        lines = self._exam.table(marks)
-        print("\n\n".join(part for part in (figures_text(lines), outcomes_text(marks), misses_text(marks)) if part))
+    def _report(self, exam: Exam, marks: Sequence[Mark]) -> None:
+        print("\n\n".join(part for part in exam.texts(marks) if part))
         if self.figure is not None:
-            print(f"\npicture: {save_figure(outcomes_figure(marks), self.figure)}")
+            print(f"\npicture: {save_figure(exam.picture(marks), self.figure)}")
         if self.json is not None:
-            origin = provenance("python -m scripts.exam", self, self._exam.robot, self._exam.fingerprint, self.seed)
-            figures = [asdict(line) for line in lines]
-            write_json(self.json, origin | {"figures": figures, "marks": [asdict(mark) for mark in marks]})
+            origin = provenance("python -m scripts.exam", self, exam.robot, exam.fingerprint, self.seed)
+            write_json(self.json, origin | exam.document(marks) | {"marks": [asdict(mark) for mark in marks]})
             print(f"\nnumbers: {self.json}")
 
 

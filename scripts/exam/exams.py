@@ -7,13 +7,13 @@ import tempfile
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, Literal, final, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, final, get_args
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.provenance import versions
 from ffgym.diagnosis import Memory, diagnose
 from ffgym.diagnosis.document import diagnosis_document
@@ -28,8 +28,12 @@ from scripts.exam.gain import gain_of
 from scripts.exam.independent import question
 from scripts.exam.loudness import OwnPaper, hand_out
 from scripts.exam.marks import Mark, Outcome, mark_of, outcome
-from scripts.exam.paper import Paper, Question, Row
+from scripts.exam.paper import ROWS, Paper, Question, Row
+from scripts.exam.report import figures_text, misses_text, outcomes_figure, outcomes_text
 from scripts.exam.tables import Line, independent_table, table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 REPEATED = 25
 """Every so many questions of a row are answered twice, to see whether the bytes are the same."""
@@ -57,6 +61,18 @@ class Exam(ABC):
     def counts(self) -> Mapping[Row, int]:
         """Questions of a whole exam, by row."""
 
+    def questions(self, rows: Sequence[str], cases: int | None) -> list[Question]:
+        """Questions that are asked: of some rows, none is all; so many of each, None is a whole exam.
+
+        Raises:
+            FFGymError: if the exam has no such row.
+        """
+        counts = self.counts
+        for row in rows:
+            check_choice("row of the exam", row, [one for one in ROWS if one in counts])
+        asked = [row for row in counts if row in rows or not rows]
+        return [(row, k) for row in asked for k in range(cases or counts[row])]
+
     @abstractmethod
     def table(self, marks: Sequence[Mark]) -> list[Line]:
         """Figures beside demands."""
@@ -68,6 +84,18 @@ class Exam(ABC):
     @abstractmethod
     def file_of(self, seed: int) -> str:
         """Name of the file of marks."""
+
+    def texts(self, marks: Sequence[Mark]) -> list[str]:
+        """Results to be read, paragraph by paragraph."""
+        return [figures_text(self.table(marks)), outcomes_text(marks), misses_text(marks)]
+
+    def picture(self, marks: Sequence[Mark]) -> "Figure":
+        """Answers as a picture."""
+        return outcomes_figure(marks)
+
+    def document(self, marks: Sequence[Mark]) -> dict[str, Any]:
+        """Results for programs."""
+        return {"figures": [asdict(line) for line in self.table(marks)]}
 
     @property
     def fingerprint(self) -> str | None:

@@ -92,8 +92,9 @@ def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, calibration: Sequ
 class Listener:
     """Hears what effects add to the log of a robot that has none."""
 
-    def __init__(self, bench: Bench) -> None:
-        self._bench, self._nominal = bench, Machine(robot=bench.arm.robot)
+    def __init__(self, bench: Bench, climate: Climate | None = None) -> None:
+        """Record and replay a log without effects; `climate` is that of the day, None a day without warming."""
+        self._bench, self._nominal, self._climate = bench, Machine(robot=bench.arm.robot), climate or Climate()
         self.log = log = self._log(())
         self._run = replay(log, self._nominal)
         self._without, self._valid = predicted(self._run), valid_rows(log)
@@ -119,7 +120,7 @@ class Listener:
 
     def _log(self, effects: tuple[Effect, ...]) -> Log:
         """With the same noise at all times."""
-        machine = replace(self._nominal, effects=effects, climate=Climate())
+        machine = replace(self._nominal, effects=effects, climate=self._climate)
         return log_of(machine.robot, self._bench.record(machine, seed=_NOISE_SEED))
 
     def _changed(self, one: Rows, other: Rows) -> Rows:
@@ -144,12 +145,17 @@ class OwnPaper(Paper):
     """The question, with effects as large as they are in the log."""
 
 
-def hand_out(case: Case) -> OwnPaper:
-    """The log of a question, with effects as loud as they are to be, or as they can be within their plausible size."""
+def hand_out(case: Case, listener: Listener | None = None) -> OwnPaper:
+    """The log of a question, with effects as loud as they are to be, or as they can be within their plausible size.
+
+    Args:
+        case: the question.
+        listener: to the motions of its log, if it is not that of the exam.
+    """
     sized, heard = tuple[Hidden, ...](), tuple[float, ...]()
     if case.hidden:
-        listener = listener_of(case.audible)
-        full = [_at_most(listener, one) for one in case.hidden]
+        listener = listener or listener_of(case.audible)
+        full = [at_most(listener, one) for one in case.hidden]
         sized = tuple(one for one, _ in full)
         if case.loudness:
             sized = tuple(
@@ -178,7 +184,7 @@ def record_case(case: Case) -> list[Recording]:
     return case.bench.record(case.complete, seed=seed, current_offset=case.current_offset)
 
 
-def _at_most(listener: Listener, hidden: Hidden) -> tuple[Hidden, float]:
+def at_most(listener: Listener, hidden: Hidden) -> tuple[Hidden, float]:
     """An effect as large as a machine can have it, and its energy.
 
     Raises:

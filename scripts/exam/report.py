@@ -1,8 +1,8 @@
 """Results of an exam to be read: figures beside demands, answers by loudness, what went wrong, and a picture."""
 
 from collections import Counter
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, get_args
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, get_args
 
 from ffgym.core.errors import FFGymError
 from ffgym.report.figure import house_style, legend_above, new_figure
@@ -110,7 +110,7 @@ def outcomes_figure(marks: Sequence[Mark]) -> "Figure":
         figure = new_figure(9.0, 0.62 * len(rows) + 1.3)
         axes = figure.subplots()
         for place, row in enumerate(rows):
-            _draw(axes, place, by_row[row])
+            draw_row(axes, place, by_row[row], lambda mark: min(mark.loudness, _LOUDEST))
         for _, low, _ in BANDS[1:]:
             axes.axvline(low, color="#888888", linewidth=0.8, linestyle="--")
         axes.set_xscale("log")
@@ -118,22 +118,28 @@ def outcomes_figure(marks: Sequence[Mark]) -> "Figure":
         axes.set_xlabel("loudness of what is hidden (1: nothing, or nobody could know of it)")
         axes.set_yticks(range(len(rows)), [f"{row} ({len(by_row[row])})" for row in rows])
         axes.grid(visible=False, axis="y")
-        known = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-        legend_above(figure, [known[name] for name in _LOOKS if name in known], [n for n in _LOOKS if n in known])
+        legend_above(figure, *answers_in(axes))
     return figure
 
 
-def _draw(axes: "Axes", place: int, marks: Sequence[Mark]) -> None:
-    """One row of the exam; the loudest last, wrong ones on top."""
+def answers_in(axes: "Axes") -> tuple[list[Any], list[str]]:
+    """Markers and names of the answers that are drawn, for a legend."""
+    known = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    names = [name for name in _LOOKS if name in known]
+    return [known[name] for name in names], names
+
+
+def draw_row(axes: "Axes", place: int, marks: Sequence[Mark], x: Callable[[Mark], float]) -> None:
+    """One row of answers at a height `place` over `x`, which is positive; the largest last, wrong ones on top."""
     ends = [0.0] * _LANES
-    for mark in sorted(marks, key=lambda one: one.loudness):
-        loudness = min(mark.loudness, _LOUDEST)
-        lane = min(range(_LANES), key=lambda k: (ends[k] > loudness, abs(k - _LANES // 2), ends[k]))
-        if ends[lane] > loudness:
+    for mark in sorted(marks, key=x):
+        along = x(mark)
+        lane = min(range(_LANES), key=lambda k: (ends[k] > along, abs(k - _LANES // 2), ends[k]))
+        if ends[lane] > along:
             lane = ends.index(min(ends))
-        ends[lane] = loudness * 10**_NEAR
+        ends[lane] = along * 10**_NEAR
         name = summed_up(mark)
         marker, colour = _LOOKS[name]
         height = place + 0.8 * (lane / (_LANES - 1) - 0.5)
         order = 3 + list(_LOOKS).index(name)
-        axes.plot(loudness, height, marker, color=colour, markersize=4.5, linestyle="", label=name, zorder=order)
+        axes.plot(along, height, marker, color=colour, markersize=4.5, linestyle="", label=name, zorder=order)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits  # type: ignore[import-untyped]
 
-from ffgym.diagnosis import Memory, diagnose, examine
+from ffgym.diagnosis import Memory, diagnose, examine, procedure
 from ffgym.diagnosis.document import diagnosis_document
 from ffgym.diagnosis.one_thread import on_one_thread
 from ffgym.effects import EFFECTS
@@ -63,6 +63,14 @@ def test_what_is_remembered_of_another_log_changes_no_cause_and_its_size_by_less
     (one,), (other,) = helped.causes[0].parameters, alone.causes[0].parameters
     assert one.value == pytest.approx(other.value, abs=0.05 * (other.interval[1] - other.interval[0]))
     assert other.interval[0] < 0.25 < other.interval[1]
+
+
+def test_nothing_is_remembered_of_the_same_motions_in_another_band(one_axis, faulty, monkeypatch):
+    """A log in which something is faster than its filter is compared in a narrower band, with fewer rows."""
+    memory = Memory()
+    diagnose(one_axis, faulty, memory=memory)
+    monkeypatch.setattr(procedure, "comparison_cutoff", lambda log, machine: 0.3 * log.sampling.cutoff)
+    assert as_text(diagnose(one_axis, faulty, memory=memory)) == as_text(diagnose(one_axis, faulty))
 
 
 def test_the_order_in_which_logs_are_given_changes_no_byte_but_that_of_their_names(one_axis, faulty, alone):

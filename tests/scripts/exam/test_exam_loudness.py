@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.replay.springs import FlownAwayError
-from scripts.exam.loudness import _at_most, yardstick_of
+from scripts.exam.loudness import at_most, yardstick_of
 
 ROW_DT = 0.02
 
@@ -75,10 +75,10 @@ def sized(size):
 
 @pytest.mark.parametrize(("most", "found"), [(5.0, 2.0), (1.5, 1.0), (0.3, 0.25)])
 def test_an_effect_is_as_large_as_an_arm_holds_it(most, found):
-    one, energy = _at_most(Deaf(most), sized(2.0))
+    one, energy = at_most(Deaf(most), sized(2.0))
     assert (one.effect, energy) == (found, found)
 
 
 def test_what_an_arm_never_holds_is_no_question():
     with pytest.raises(FlownAwayError, match="stay"):
-        _at_most(Deaf(0.0), sized(2.0))
+        at_most(Deaf(0.0), sized(2.0))

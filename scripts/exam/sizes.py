@@ -1,0 +1,370 @@
+"""Exam on a robot of the user: from what size on would a diagnosis find each effect on that machine?
+
+For each effect, ladders of sizes are asked: one joint, one shape, one machine by chance, and `steps` sizes between
+hardly any loudness and the largest plausible one. An effect is found from the size on from which all larger ones of
+its ladder are named, or in the tie.
+"""
+
+import hashlib
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, final
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
+from ffgym.diagnosis.answer.excitation import judgeable_kinds
+from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.low_speed import knows_low_speed
+from ffgym.diagnosis.result import Unjudged
+from ffgym.effects import EFFECTS, Effect
+from ffgym.report.figure import house_style, legend_above, new_figure
+from ffgym.robot import RigidArm, RobotDescription, load_robot
+from ffgym.simulation.plant import Climate, Machine
+from ffgym.simulation.protocols import load_protocols
+from scripts.exam.bench import RECORD_DT, RESOLVER_NOISE, Bench, usual_protocol
+from scripts.exam.draw import AMBIENT, RISE, TIME_CONSTANT, Case, draw_machine
+from scripts.exam.exams import Exam
+from scripts.exam.hidden import drawn
+from scripts.exam.loudness import Listener, OwnPaper, at_most, hand_out
+from scripts.exam.marks import Mark
+from scripts.exam.paper import ROWS, Question, Row, Truth
+from scripts.exam.report import answers_in, draw_row, markdown, misses_text
+from scripts.exam.tables import Line
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+QUIETEST, LOUDEST = 0.3, 100.0
+"""Energy that the smallest and the largest size of a ladder add, in energies of the noise, as far as plausible sizes
+go; chosen: below, nobody could know of an effect, and above, it is found or never."""
+
+CASES, STEPS = 2, 6
+"""Ladders of each effect, and sizes of each, where nothing else is asked for."""
+
+_FOUND = ("right", "surplus", "tie")
+"""Outcomes in which an effect is found: named, or in the tie."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SizesExam(Exam):
+    """Effects at several sizes on one robot; noise as standard deviations."""
+
+    robot: str
+    """Built-in robot, or path of its description."""
+    protocol: str | None = None
+    """Name or file of the motions; None is the protocol of any diagnosis."""
+    resolver_noise: float = RESOLVER_NOISE
+    """Motor side [rad]."""
+    torque_noise: tuple[float, ...] = ()
+    """Motor side [N m], for each joint or one for all; none is 3 % of the Coulomb torque."""
+    tracker_noise: float | None = None
+    """Of each coordinate [m]; None is that of the description."""
+    record_dt: float = RECORD_DT
+    """Sample period [s]."""
+    effects: tuple[str, ...] = ()
+    """Effects that are asked for; none is all that the log can show."""
+    cases: int = CASES
+    """Ladders of each effect, on one joint after the other in an order by chance."""
+    steps: int = STEPS
+    """Sizes of each ladder."""
+    part: ClassVar[str] = "sizes"
+
+    @property
+    def counts(self) -> Mapping[Row, int]:
+        """See base class."""
+        return {"size": self.cases * self.steps * len(self.kinds)}
+
+    @property
+    def kinds(self) -> list[type[Effect]]:
+        """Effects that are asked for, in the order of the library."""
+        able, others = judgeable(self)
+        for name in self.effects:
+            check_choice("effect", name, list(EFFECTS))
+            for one in others:
+                if one.effect == name:
+                    raise FFGymError(f"No log of this protocol on {self.robot} can show {name}: {one.reason}.")
+        return [kind for kind in able if not self.effects or kind.name in self.effects]
+
+    def questions(self, rows: Sequence[str], cases: int | None) -> list[Question]:
+        """Numbers that depend neither on how many ladders nor on which effects are asked for."""
+        places = [list(EFFECTS).index(kind.name) for kind in self.kinds]
+        return [
+            ("size", (ladder * len(EFFECTS) + place) * self.steps + step)
+            for place in places
+            for ladder in range(self.cases)
+            for step in range(self.steps)
+        ]
+
+    def table(self, marks: Sequence[Mark]) -> list[Line]:
+        """Nothing is demanded."""
+        return []
+
+    def texts(self, marks: Sequence[Mark]) -> list[str]:
+        """See base class."""
+        wrong = [mark for mark in marks if mark.names_wrongly]
+        found, (_, others) = detectable_sizes(marks, self.steps), judgeable(self)
+        return [sizes_text(found), misses_text(wrong), unjudged_text(others)]
+
+    def picture(self, marks: Sequence[Mark]) -> "Figure":
+        """See base class."""
+        return sizes_figure(marks)
+
+    def document(self, marks: Sequence[Mark]) -> dict[str, Any]:
+        """See base class."""
+        found, (_, others) = detectable_sizes(marks, self.steps), judgeable(self)
+        return {"sizes": [asdict(one) for one in found], "not_judgeable": [asdict(one) for one in others]}
+
+    def head(self, seed: int) -> dict[str, Any]:
+        """See base class."""
+        asked = {name: value for name, value in asdict(self).items() if name not in ("effects", "cases")}
+        return {
+            "format": "ffgym-exam",
+            "exam": "sizes",
+            "seed": seed,
+            "versions": versions(),
+            "asked": asked | {"torque_noise": list(self.torque_noise)},
+            "known_effects": len(EFFECTS),
+            "physics": self.fingerprint,
+            "motions": _digest(self),
+        }
+
+    def file_of(self, seed: int) -> str:
+        """See base class."""
+        return f"sizes_{Path(self.robot).stem}_seed_{seed}.jsonl"
+
+    def paper(self, row: Row, number: int, seed: int) -> OwnPaper:
+        """See base class."""
+        (ladder, place), step = divmod(number // self.steps, len(EFFECTS)), number % self.steps
+        kind, key = list(EFFECTS.values())[place], (seed, ROWS.index("size"), place)
+        bench, listener = bench_of(self), listener_of(self)
+        joints = places_of(kind, bench.arm.robot)
+        joint = joints[np.random.default_rng(key).permutation(len(joints))[ladder % len(joints)]]
+        rng = np.random.default_rng((*key, ladder))
+        machine, offset = draw_machine(bench.arm.robot, rng)
+        largest, energy = at_most(listener, drawn(kind, machine.robot, rng, joint))
+        case = Case(
+            row="size",
+            number=number,
+            bench=bench,
+            audible=bench,
+            machine=machine,
+            current_offset=offset,
+            hidden=(largest.times(share_of(step, self.steps, energy)),),
+            loudness=(),
+            noise=(*key, ladder, step),
+        )
+        return hand_out(case, listener)
+
+
+def share_of(step: int, steps: int, energy: float) -> float:
+    """Size of one step of a ladder, as a share of the largest plausible one, which adds `energy`."""
+    most = min(energy, LOUDEST)
+    least = min(QUIETEST, 0.1 * most)
+    if most <= 0:  # whatever the size, these motions do not show it
+        return (step + 1) / steps
+    wanted = least * (most / least) ** (step / max(steps - 1, 1)) if steps > 1 else most
+    return float(np.sqrt(wanted / energy))
+
+
+@cache
+def bench_of(exam: SizesExam) -> Bench:
+    """The bench that an exam describes.
+
+    Raises:
+        FFGymError: if robot, protocol or noise cannot be.
+    """
+    arm = RigidArm(load_robot(exam.robot))
+    robot = arm.robot
+    check_whole("--steps", exam.steps, low=1, high=100)
+    check_whole("--cases", exam.cases, low=1, high=1000)
+    check_number("--resolver-noise", exam.resolver_noise, unit="rad", low=0.0, high=1.0)
+    check_number("--record-dt-ms", 1e3 * exam.record_dt, unit="ms", low=0.0, high=1e3, open_low=True)
+    if exam.tracker_noise is not None:
+        check_number("--tracker-noise", exam.tracker_noise, unit="m", low=0.0, high=1.0)
+        if robot.sensors.tracker_period == 0 or robot.tool is None:
+            raise FFGymError(f"--tracker-noise has no effect: {robot.name!r} has no tracker. Leave it out.")
+    protocols = [usual_protocol(arm)] if exam.protocol is None else load_protocols(exam.protocol)
+    return Bench(
+        arm=arm,
+        protocols=tuple(protocols),
+        resolver_noise=exam.resolver_noise,
+        torque_noise=_torque_noise(exam.torque_noise, robot),
+        tracker_noise=exam.tracker_noise,
+        record_dt=exam.record_dt,
+    )
+
+
+def _torque_noise(given: Sequence[float], robot: RobotDescription) -> Array | None:
+    if not given:
+        return None
+    if len(given) not in (1, robot.n_joints):
+        raise FFGymError(f"--torque-noise has {len(given)} numbers, must have one, or {robot.n_joints}: one per joint.")
+    for value in given:
+        check_number("--torque-noise", value, unit="N m", low=0.0)
+    return np.broadcast_to(np.array(given, dtype=np.float64), (robot.n_joints,))
+
+
+@cache
+def listener_of(exam: SizesExam) -> Listener:
+    """Listener to the log of an exam, in a machine that warms up."""
+    climate = Climate(ambient=AMBIENT, rise=np.array([np.mean(RISE)]), time_constant=TIME_CONSTANT)
+    return Listener(bench_of(exam), climate)
+
+
+@cache
+def judgeable(exam: SizesExam) -> tuple[list[type[Effect]], tuple[Unjudged, ...]]:
+    """Effects that the log can show, and the others with the reason."""
+    log, robot = listener_of(exam).log, bench_of(exam).arm.robot
+    able, others = judgeable_kinds(log, Machine(robot=robot), Calibration())
+    alone = [kind for kind in able if not places_of(kind, robot)]
+    reasons = (Unjudged(effect=kind.name, joint="", reason="it takes two joints") for kind in alone)
+    return [kind for kind in able if kind not in alone], (*others, *reasons)
+
+
+def places_of(kind: type[Effect], robot: RobotDescription) -> list[str]:
+    """Joints that can have an effect."""
+    if any(known.per == "pair" for known in kind.parameters().values()) and robot.n_joints < 2:
+        return []
+    able = np.ones(robot.n_joints, dtype=np.bool_)
+    if kind.needs_elasticity:
+        able &= ~robot.drive.is_rigid
+    if kind.at_low_speed:
+        able &= knows_low_speed(robot)
+    return [joint for joint, can in zip(robot.joints, able, strict=True) if can]
+
+
+def _digest(exam: SizesExam) -> str:
+    """Digest of the motions, whose file may change."""
+    path = Path(exam.protocol or "")
+    text = repr(bench_of(exam).protocols) + (path.read_text(encoding="utf-8") if path.is_file() else "")
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Detectable:
+    """One ladder: from what size on an effect is found on a joint."""
+
+    effect: str
+    joint: str
+    """Empty for the machine as a whole."""
+    parameter: str
+    unit: str
+    found_from: float | None
+    """Smallest size from which on all are found; None if the largest is not."""
+    not_found_at: float | None
+    """Largest size below that, which is not found; None if all are found."""
+    loudness: float | None
+    """Loudness of the smallest size from which on all are found."""
+    largest: float
+    """Largest size that was asked."""
+    found: int
+    """Sizes of the ladder that are found."""
+    asked: int
+    """Sizes of the ladder."""
+
+
+def detectable_sizes(marks: Sequence[Mark], steps: int) -> list[Detectable]:
+    """Ladders of an exam, in the order of the library and of the ladders."""
+    ladders: dict[tuple[int, int], list[Mark]] = defaultdict(list)
+    for mark in marks:
+        ladder, place = divmod(mark.number // steps, len(EFFECTS))
+        ladders[place, ladder].append(mark)
+    return [_detectable(sorted(ladders[key], key=lambda mark: mark.number)) for key in sorted(ladders)]
+
+
+def _detectable(ladder: Sequence[Mark]) -> Detectable:
+    """One ladder, the smallest size first."""
+    found = [mark.outcome in _FOUND for mark in ladder]
+    first = len(ladder) - next((k for k, one in enumerate(reversed(found)) if not one), len(ladder))
+    sizes = [size_of(mark.truth[0]) for mark in ladder]
+    name, unit, largest = sizes[-1]
+    return Detectable(
+        effect=ladder[-1].truth[0].effect,
+        joint=ladder[-1].truth[0].joint,
+        parameter=name,
+        unit=unit,
+        found_from=sizes[first][2] if first < len(ladder) else None,
+        not_found_at=sizes[first - 1][2] if first else None,
+        loudness=ladder[first].loudness if first < len(ladder) else None,
+        largest=largest,
+        found=sum(found),
+        asked=len(ladder),
+    )
+
+
+def size_of(truth: Truth) -> tuple[str, str, float]:
+    """Parameter that was drawn, its unit, and its distance from nothing; of a vector its length."""
+    best = ("", "1", 0.0)
+    for name, known in EFFECTS[truth.effect].parameters().items():
+        if known.null is None:
+            continue
+        parts = [value - known.null for key, value in truth.numbers.items() if key.partition(".")[0] == name]
+        size = float(np.linalg.norm(parts)) if len(parts) > 1 else float(sum(parts))
+        span = max(abs(known.low - known.null), abs(known.high - known.null))
+        if not best[0] or abs(size) / span > best[2]:
+            best, shown = (name, known.unit, abs(size) / span), size
+    return best[0], best[1], shown
+
+
+def share_of_range(mark: Mark) -> float:
+    """Size of a hidden effect, as a share of the largest plausible one of its parameter."""
+    name, _, size = size_of(mark.truth[0])
+    known = EFFECTS[mark.truth[0].effect].parameters()[name]
+    null = known.null or 0.0
+    return abs(size) / max(abs(known.low - null), abs(known.high - null))
+
+
+def sizes_text(found: Sequence[Detectable]) -> str:
+    """Markdown table of the size from which on each effect is found."""
+
+    def text(value: float | None) -> str:
+        return "-" if value is None else f"{value:.3g}"
+
+    body = [
+        [
+            one.effect,
+            one.joint or "machine",
+            one.parameter,
+            one.unit,
+            f"beyond {one.largest:.3g}" if one.found_from is None else text(one.found_from),
+            text(one.not_found_at),
+            text(one.loudness),
+            f"{one.found} of {one.asked}",
+        ]
+        for one in found
+    ]
+    return markdown(["effect", "joint", "size", "unit", "found from", "not at", "loudness", "found"], body)
+
+
+def unjudged_text(others: Sequence[Unjudged]) -> str:
+    """Effects that no such log can show, by reason."""
+    by_reason: dict[str, list[str]] = defaultdict(list)
+    for one in others:
+        by_reason[one.reason].append(one.effect)
+    return "\n".join(f"not judgeable: {', '.join(names)}: {reason}" for reason, names in by_reason.items())
+
+
+def sizes_figure(marks: Sequence[Mark]) -> "Figure":
+    """A marker for each answer, effect by effect, over the size as a share of the largest plausible one."""
+    effects = [name for name in reversed(list(EFFECTS)) if any(mark.truth[0].effect == name for mark in marks)]
+    if not effects:
+        raise FFGymError("There is nothing to draw: the exam has no marks.")
+    with house_style():
+        figure = new_figure(9.0, 0.32 * len(effects) + 1.6)
+        axes = figure.subplots()
+        for place, name in enumerate(effects):
+            draw_row(axes, place, [mark for mark in marks if mark.truth[0].effect == name], share_of_range)
+        axes.set_xscale("log")
+        axes.set_xlabel("size, over the largest that is plausible")
+        axes.set_yticks(range(len(effects)), effects)
+        axes.grid(visible=False, axis="y")
+        legend_above(figure, *answers_in(axes))
+    return figure
