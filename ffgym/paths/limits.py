@@ -89,7 +89,7 @@ class MotionLimits:
                     raise FFGymError(f"{name} = {value.tolist()} must be in [{LEAST}, {MOST}] for every joint.")
                 object.__setattr__(self, name, value)
 
-    def of_joints(self, max_speed: Array) -> "AxisLimits":
+    def of_joints(self, max_speed: Array) -> "Bounds":
         """Limits of joints whose largest speeds are `max_speed`, link side, shape (N,).
 
         Raises:
@@ -99,20 +99,11 @@ class MotionLimits:
         for name, given in (("joint_acceleration", acceleration), ("joint_jerk", jerk)):
             if given is not None and given.shape != max_speed.shape:
                 raise FFGymError(f"{name} has {len(given)} entries, must have one for each of {len(max_speed)} joints.")
-        return AxisLimits(
+        return Bounds(
             speed=max_speed * self.joint_speed,
             acceleration=max_speed * JOINT_ACCELERATION if acceleration is None else acceleration,
             jerk=max_speed * JOINT_JERK if jerk is None else jerk,
         )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class AxisLimits:
-    """Largest speed, acceleration and jerk of each axis, shape (N,) each."""
-
-    speed: Array
-    acceleration: Array
-    jerk: Array
 
 
 CURVE_SHARE = 0.8
@@ -125,14 +116,14 @@ be larger by less than 2 %."""
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bounds:
-    """Largest speed, acceleration and jerk along a path at points of it, shape (T,) each."""
+    """Largest speed, acceleration and jerk: along a path at points of it, shape (T,), or of each axis, shape (N,)."""
 
     speed: Array
     acceleration: Array
     jerk: Array
 
 
-def axis_bounds(slopes: Sequence[Array], limits: AxisLimits, cap: Bounds) -> Bounds:
+def axis_bounds(slopes: Sequence[Array], limits: Bounds, cap: Bounds) -> Bounds:
     r"""Bounds on a path parameter s that keep axes q(s) within limits, at points of the path.
 
     With :math:`\ddot q = q' \ddot s + q'' \dot s^2` and
@@ -176,7 +167,7 @@ def tool_bounds(speed: Speed | None, s: Array, course: Course, limits: MotionLim
     if course.turned is None:
         return cap
     turn = np.inf if speed is None else speed.turn
-    axis = AxisLimits(
+    axis = Bounds(
         speed=np.array([turn]),
         acceleration=np.array([limits.turn_acceleration]),
         jerk=np.array([limits.turn_jerk]),

@@ -15,7 +15,6 @@ from ffgym.paths.limits import (
     MARGIN,
     SIMILAR,
     VARIATION,
-    AxisLimits,
     Bounds,
     MotionLimits,
     axis_bounds,
@@ -44,7 +43,7 @@ def wide(count):
 def test_any_speed_acceleration_and_jerk_within_the_bounds_keeps_the_axes_within_theirs(
     first, second, third, top, part
 ):
-    limits = AxisLimits(speed=np.full(2, top[0]), acceleration=np.full(2, top[1]), jerk=np.full(2, top[2]))
+    limits = Bounds(speed=np.full(2, top[0]), acceleration=np.full(2, top[1]), jerk=np.full(2, top[2]))
     d1, d2, d3 = (np.array([x]) for x in (first, second, third))
     bounds = axis_bounds((d1, d2, d3), limits, wide(1))
     v, a, j = (
@@ -57,7 +56,7 @@ def test_any_speed_acceleration_and_jerk_within_the_bounds_keeps_the_axes_within
 
 
 def test_straight_axes_may_use_all_of_their_limits():
-    limits = AxisLimits(speed=np.array([2.0]), acceleration=np.array([5.0]), jerk=np.array([50.0]))
+    limits = Bounds(speed=np.array([2.0]), acceleration=np.array([5.0]), jerk=np.array([50.0]))
     still = np.zeros((1, 1))
     bounds = axis_bounds((still + 1, still, still), limits, wide(1))
     values = (bounds.speed[0], bounds.acceleration[0], bounds.jerk[0])
@@ -65,7 +64,7 @@ def test_straight_axes_may_use_all_of_their_limits():
 
 
 def test_a_curve_at_constant_speed_may_use_its_share():
-    limits = AxisLimits(speed=np.array([np.inf]), acceleration=np.array([5.0]), jerk=np.array([1e9]))
+    limits = Bounds(speed=np.array([np.inf]), acceleration=np.array([5.0]), jerk=np.array([1e9]))
     bend = np.full((1, 1), 100.0)
     bounds = axis_bounds((0 * bend, bend, 0 * bend), limits, wide(1))
     assert 100 * bounds.speed[0] ** 2 == pytest.approx(MARGIN * CURVE_SHARE * 5.0)

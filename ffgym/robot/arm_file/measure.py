@@ -115,6 +115,9 @@ def _fused(pose: Pose, owner: int) -> tuple[Array, Array, Array]:
 UNLIMITED = 2 * np.pi
 """Range of a hinge without limits, to both sides [rad]: one turn, what cables along an arm usually bear."""
 
+_Row = tuple[str, Array, tuple[str, ...], str]
+"""Path of an entry, its value in SI units, origin and source."""
+
 
 def quantities_of(
     pose: Pose, hints: Sequence[JointHints], file: str, kind: Kind, *, has_masses: bool
@@ -124,25 +127,18 @@ def quantities_of(
     Raises:
         FFGymError: if a link weighs nothing, or a number is not finite.
     """
-    joints = JointFrame(types=pose.chain.types)
     with np.errstate(over="ignore", invalid="ignore"):  # numbers that overflow are refused below
         values = geometry(pose) | (masses(pose) if has_masses else {})
-    entries = {path: _quantity(path, value, ("sourced",), file, joints) for path, value in values.items()}
+    rows: list[_Row] = [(path, value, ("sourced",), file) for path, value in values.items()]
     if not has_masses:
         source = f"{file} has no masses; a base that stands still needs none"
-        still = {"base.mass": np.zeros(()), "base.com": np.zeros(3)}
-        entries |= {path: _quantity(path, value, ("chosen",), source, joints) for path, value in still.items()}
-    path, gravity = "simulation.gravity", pose.model.opt.gravity
-    if kind == "urdf":
-        entries[path] = _quantity(path, gravity, ("chosen",), f"{file} says none; URDF has z upwards", joints)
-    else:
-        entries[path] = _quantity(path, gravity, ("sourced",), file, joints)
-    entries |= _range(pose, file, joints)
+        rows += [("base.mass", np.zeros(()), ("chosen",), source), ("base.com", np.zeros(3), ("chosen",), source)]
+    said = (("chosen",), f"{file} says none; URDF has z upwards") if kind == "urdf" else (("sourced",), file)
+    rows.append(("simulation.gravity", pose.model.opt.gravity, *said))
+    rows += _range(pose, file)
     if all(hint.speed is not None for hint in hints):
-        speeds = np.array([hint.speed for hint in hints])
-        path = "kinematics.max_speed"
-        entries[path] = _quantity(path, speeds, ("sourced",), file, joints)
-    return entries
+        rows.append(("kinematics.max_speed", np.array([hint.speed for hint in hints]), ("sourced",), file))
+    return _quantities(rows, pose.chain.types)
 
 
 def flange_at(arm: ArmFile, frame: str) -> dict[str, Quantity]:
@@ -152,34 +148,34 @@ def flange_at(arm: ArmFile, frame: str) -> dict[str, Quantity]:
         FFGymError: if the last link has no such frame.
     """
     place, source = arm.frame(frame), f"{Path(arm.path).name}, frame {frame}"
-    joints = JointFrame(types=arm.types)
-    entries = {"flange.position": place.position, "flange.rotation": place.rotation}
-    found = {path: _quantity(path, value, ("sourced",), source, joints) for path, value in entries.items()}
-    return found | {"tool.tcp": _quantity("tool.tcp", np.zeros(3), ("chosen",), f"origin of frame {frame}", joints)}
+    rows: list[_Row] = [
+        ("flange.position", place.position, ("sourced",), source),
+        ("flange.rotation", place.rotation, ("sourced",), source),
+        ("tool.tcp", np.zeros(3), ("chosen",), f"origin of frame {frame}"),
+    ]
+    return _quantities(rows, arm.types)
 
 
-def _range(pose: Pose, file: str, joints: JointFrame) -> dict[str, Quantity]:
+def _range(pose: Pose, file: str) -> list[_Row]:
     """Joint limits; none at all if a sliding joint has none, as nothing says how far it could go."""
     chosen = list(pose.chain.joints)
     limited = pose.model.jnt_limited[chosen].astype(bool)
-    hinges = np.array([kind == "hinge" for kind in joints.types])
+    hinges = np.array([kind == "hinge" for kind in pose.chain.types])
     if not np.all(limited | hinges):
-        return {}
-    path = "kinematics.range"
+        return []
     limits = np.where(limited[:, None], pose.model.jnt_range[chosen], UNLIMITED * np.array([-1.0, 1.0]))
     origin = tuple("sourced" if known else "chosen" for known in limited)
     source = file if np.all(limited) else f"{file}; one turn to both sides where it gives no limits"
-    return {path: _quantity(path, limits, origin, source, joints)}
+    return [("kinematics.range", limits, origin, source)]
 
 
-def _quantity(path: str, value: Array, origin: tuple[str, ...], source: str, joints: JointFrame) -> Quantity:
-    rule = RULES[path]
-    array = check_shape(path, value, np.shape(value)).copy()
-    array.flags.writeable = False
-    return Quantity(
-        value=array,
-        unit=", ".join(si_units(rule, rule.side, joints)),
-        side=rule.side,
-        origin=origin,
-        source=source,
-    )
+def _quantities(rows: Sequence[_Row], types: tuple[str, ...]) -> dict[str, Quantity]:
+    """Entries of a description, checked to be finite, for joints of these types."""
+    found = {}
+    for path, value, origin, source in rows:
+        rule = RULES[path]
+        array = check_shape(path, value, np.shape(value)).copy()
+        array.flags.writeable = False
+        unit = ", ".join(si_units(rule, rule.side, JointFrame(types=types)))
+        found[path] = Quantity(value=array, unit=unit, side=rule.side, origin=origin, source=source)
+    return found

@@ -10,7 +10,6 @@ from typing import Any
 from ffgym.core.errors import FFGymError, check_choice, errors_at
 from ffgym.core.files import read_text
 from ffgym.core.toml import parse_toml
-from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.parse import parse_draft
@@ -33,6 +32,10 @@ def _names(folder: str) -> tuple[str, ...]:
     return tuple(sorted(Path(f.name).stem for f in files if f.name.endswith(".toml")))
 
 
+def _builtin_text(folder: str, name: str | Path) -> str:
+    return (resources.files("ffgym.robot") / folder / f"{name}.toml").read_text(encoding="utf-8")
+
+
 def load_robot(robot: str | Path) -> RobotDescription:
     """Read a built-in robot by name, or a description file by path (anything that ends in .toml).
 
@@ -42,41 +45,37 @@ def load_robot(robot: str | Path) -> RobotDescription:
         FFGymError: if there is no such robot or file, or the file does not describe a whole robot.
     """
     if str(robot) in builtin_parameters():
-        text = (resources.files("ffgym.robot") / "parameters" / f"{robot}.toml").read_text(encoding="utf-8")
-        return _with_parameters(text, f"{robot}.toml")
-    if str(robot).endswith(".toml"):
-        text = _read_text(Path(robot))
-        if robot_of_parameters(text) is not None:
-            return _with_parameters(text, str(robot))
+        return _draft_of(_builtin_text("parameters", robot), Path(f"{robot}.toml")).complete()
     return load_draft(robot).complete()
 
 
-def _with_parameters(text: str, where: str) -> RobotDescription:
-    """The robot that a parameter file names, with its numbers."""
-    known = _draft_of_parameters(text, Path(where))
-    if known.missing:
-        return draft_with_parameters(known, text, where).complete()
-    return parse_parameters(known.complete(), text, where)
-
-
-def _draft_of_parameters(text: str, place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft:
-    """The robot of a parameter file without its numbers: that of the description it names, or a built-in one."""
-    if (path := description_of_parameters(text)) is None:
-        name = check_choice(f"robot of parameter file {place}", str(robot_of_parameters(text)), builtin_robots())
-        return load_draft(name)
-    if not path.endswith(".toml"):
+def _draft_of(text: str, place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft:
+    """Draft from the text of a description or of a parameter file; `seen` are the parameter files that lead to it."""
+    head = _parameters_head(text)
+    if head is None:
+        return parse_draft(text, where=str(place), folder=place.parent)
+    if (path := head.get("description")) is None:
+        known = load_draft(check_choice(f"robot of parameter file {place}", head["robot"], builtin_robots()))
+    elif not path.endswith(".toml"):
         raise FFGymError(f"{place}: description = {path!r} must be the path of the robot's description, .toml.")
-    if (seen := (*seen, place.resolve())).count((place.parent / path).resolve()):
+    elif (seen := (*seen, place.resolve())).count((place.parent / path).resolve()):
         raise FFGymError(f"{place}: description = {path!r} leads back to a parameter file, must be a description.")
-    return _draft_at(place.parent / path, seen)
+    else:
+        known = _draft_of(_read_text(place.parent / path), place.parent / path, seen)
+    tree = parse_toml(text, f"Cannot read parameter file {place}: it")
+    with errors_at(str(place)):
+        _check_head(tree.pop("parameters", {}), known.description_for("kinematics"))
+        return replace(draft_with_numbers(known, tree), where=str(place))
 
 
-def _draft_at(place: Path, seen: tuple[Path, ...] = ()) -> RobotDraft:
-    """Description or parameter file at a path; `seen` are the parameter files that lead to it."""
-    text = _read_text(place)
-    if robot_of_parameters(text) is not None:
-        return draft_with_parameters(_draft_of_parameters(text, place, seen), text, str(place))
-    return parse_draft(text, where=str(place), folder=place.parent)
+def _parameters_head(text: str) -> dict[str, str] | None:
+    """Text entries of [parameters] of a file that says which robot it is for; None for any other file."""
+    try:
+        head = tomllib.loads(text).get("parameters")
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return None
+    said = {key: value for key, value in head.items() if isinstance(value, str)} if isinstance(head, dict) else {}
+    return said if "robot" in said else None
 
 
 def load_draft(robot: str | Path) -> RobotDraft:
@@ -86,14 +85,13 @@ def load_draft(robot: str | Path) -> RobotDraft:
         FFGymError: if there is no such robot or file, or an entry is unknown or invalid.
     """
     if str(robot).endswith(".toml"):
-        return _draft_at(Path(robot))
+        return _draft_of(_read_text(Path(robot)), Path(robot))
     if Path(robot).suffix in (".xml", ".urdf"):
         raise FFGymError(
             f"{robot} is an arm file, which says nothing of drives. Make a description of it: ffgym robot new {robot}"
         )
     name = check_choice("robot", str(robot), builtin_robots())
-    text = (resources.files("ffgym.robot") / "data" / f"{name}.toml").read_text(encoding="utf-8")
-    return parse_draft(text, where=f"{name}.toml")
+    return parse_draft(_builtin_text("data", name), where=f"{name}.toml")
 
 
 def robot_of(robot: RobotDescription | str | Path, what: str = "robot") -> RobotDescription:
@@ -151,50 +149,10 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
         text = read_text(path)
     except FFGymError as error:
         raise FFGymError(f"Cannot read parameter file {error}") from error
-    return parse_parameters(robot, text, str(path))
-
-
-def parse_parameters(robot: RobotDescription, text: str, where: str) -> RobotDescription:
-    """Return the robot with the numbers of the text of a parameter file; `where` names it in messages.
-
-    Raises:
-        FFGymError: if the text is no parameter file, is for another robot, or an entry is unknown or invalid.
-    """
-    tree = parse_toml(text, f"Cannot read parameter file {where}: it")
-    with errors_at(where):
+    tree = parse_toml(text, f"Cannot read parameter file {path}: it")
+    with errors_at(str(path)):
         _check_head(tree.pop("parameters", {}), robot)
         return with_numbers(robot, tree)
-
-
-def robot_of_parameters(text: str) -> str | None:
-    """Name of the robot that a parameter file is for; None if the text is no parameter file, or does not say."""
-    return _head_entry(text, "robot")
-
-
-def description_of_parameters(text: str) -> str | None:
-    """Path of the description that a parameter file belongs to, from its own folder; None if it does not say."""
-    return _head_entry(text, "description")
-
-
-def _head_entry(text: str, key: str) -> str | None:
-    try:
-        head = tomllib.loads(text).get("parameters")
-    except (tomllib.TOMLDecodeError, RecursionError):
-        return None
-    value = head.get(key) if isinstance(head, dict) else None
-    return value if isinstance(value, str) else None
-
-
-def draft_with_parameters(draft: RobotDraft, text: str, where: str) -> RobotDraft:
-    """Return a description that may lack entries with the numbers of the text of a parameter file.
-
-    Raises:
-        FFGymError: as `parse_parameters`.
-    """
-    tree = parse_toml(text, f"Cannot read parameter file {where}: it")
-    with errors_at(where):
-        _check_head(tree.pop("parameters", {}), draft.description_for("kinematics"))
-        return replace(draft_with_numbers(draft, tree), where=where)
 
 
 def draft_with_numbers(draft: RobotDraft, tree: Mapping[str, Any]) -> RobotDraft:
@@ -215,7 +173,16 @@ def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescr
     Raises:
         FFGymError: if an entry is unknown or invalid.
     """
-    return _replaced(robot, _parsed(tree, robot))
+    quantities = _parsed(tree, robot)
+    parts: dict[str, Any] = {}
+    for group, attribute in GROUPS.items():
+        found = {
+            path.removeprefix(f"{group}."): q.value for path, q in quantities.items() if path.startswith(f"{group}.")
+        }
+        if found:
+            values = {name: value if value.ndim else float(value) for name, value in found.items()}
+            parts[attribute] = replace(getattr(robot, attribute), **values)
+    return replace(robot, **parts, quantities=dict(robot.quantities) | quantities)
 
 
 def _check_head(head: Any, robot: RobotDescription) -> None:
@@ -244,16 +211,3 @@ def _parsed(tree: Mapping[str, Any], robot: RobotDescription) -> dict[str, Quant
         parsed = parse_quantity("drive.gear_ratio", ratio, RULES["drive.gear_ratio"], joints)
         joints = JointFrame(types=joints.types, gear_ratio=parsed.value)
     return {path: parse_quantity(path, table, RULES[path], joints) for path, table in entries.items()}
-
-
-def _replaced(robot: RobotDescription, quantities: Mapping[str, Quantity]) -> RobotDescription:
-    parts: dict[str, Any] = {}
-    for group, attribute in GROUPS.items():
-        values = {path.split(".")[1]: _value(q.value) for path, q in quantities.items() if path.split(".")[0] == group}
-        if values:
-            parts[attribute] = replace(getattr(robot, attribute), **values)
-    return replace(robot, **parts, quantities=dict(robot.quantities) | dict(quantities))
-
-
-def _value(array: Array) -> Array | float:
-    return array if array.ndim else float(array)
