@@ -11,18 +11,17 @@ from ffgym.core.errors import FFGymError, errors_at
 from ffgym.paths.rapid.records import BOOL, NUM, PREDEFINED, ROBTARGET, STRING, TYPES, Type, Value
 from ffgym.paths.rapid.syntax import (
     Aggregate,
-    Argument,
     Call,
     Chain,
     Declaration,
     Expression,
+    Instruction,
     Number,
     Option,
     Place,
     Procedure,
     Reference,
     Signed,
-    Source,
     Text,
     Truth,
 )
@@ -39,58 +38,6 @@ class Parameter:
     """Type by name in lower case; None for a switch, which has no value."""
 
 
-@dataclass(frozen=True)
-class Paired:
-    """Arguments in the order of their parameters."""
-
-    values: tuple[Expression, ...]
-    options: Mapping[str, Option]
-    """By name in lower case."""
-
-
-def pair(
-    source: Source, name: str, place: Place, arguments: Sequence[Argument], parameters: Sequence[Parameter]
-) -> Paired:
-    """Pair the arguments of `name` with its parameters.
-
-    Raises:
-        FFGymError: if there are too many or too few, or an option that is not supported there.
-    """
-    if len(arguments) == len(parameters) + 1 and arguments[0].value is None:
-        raise _unsupported(source, name, arguments[0].options[0], {})  # e.g. MoveL \Conc, p10, ...
-    if len(arguments) != len(parameters):
-        names = ", ".join(parameter.name for parameter in parameters)
-        raise source.error(place, f"the arguments of {name} are ({names}), got {len(arguments)} of {len(parameters)}.")
-    values: list[Expression] = []
-    options: dict[str, Option] = {}
-    for argument, parameter in zip(arguments, parameters, strict=True):
-        for option in argument.options:
-            _add(source, name, option, parameter, options)
-        if argument.value is None:
-            raise source.error(argument.options[0].place, f"the {parameter.name} of {name} is missing.")
-        values.append(argument.value)
-    return Paired(tuple(values), options)
-
-
-def _add(source: Source, name: str, option: Option, parameter: Parameter, options: dict[str, Option]) -> None:
-    """Put an option with the others, if it may stand behind this parameter."""
-    key = option.name.lower()
-    if key not in parameter.options:
-        raise _unsupported(source, f"the {parameter.name} of {name}", option, parameter.options)
-    if key in options:
-        raise source.error(option.place, f"\\{option.name} is given twice.")
-    if (option.value is None) != (parameter.options[key] is None):
-        wanted = "takes no value" if parameter.options[key] is None else "needs a value, ':=' and what it is to be"
-        raise source.error(option.place, f"\\{option.name} {wanted}.")
-    options[key] = option
-
-
-def _unsupported(source: Source, what: str, option: Option, known: Mapping[str, Type | None]) -> FFGymError:
-    names = ", ".join("\\" + name for name in known)
-    available = f"Available there: {names}" if known else "Leave it out"
-    return source.error(option.place, f"\\{option.name} is not supported with {what}. {available}.")
-
-
 @dataclass
 class Datum:
     """A named value that may change."""
@@ -105,7 +52,6 @@ class Datum:
 class Scope:
     """What names mean where a statement stands."""
 
-    source: Source
     module: dict[str, Datum] = field(default_factory=dict)
     local: dict[str, Datum] = field(default_factory=dict)
 
@@ -130,7 +76,7 @@ class Scope:
         """Type of a datum or component that is to be changed."""
         datum = self._found(reference)
         if datum.kind == "CONST":
-            raise self.source.error(reference.place, f"{reference.parts[0]} is constant; declare it as VAR or PERS.")
+            raise reference.place.error(f"{reference.parts[0]} is constant; declare it as VAR or PERS.")
         return self.get(reference)[0]
 
     def set(self, reference: Reference, value: Value) -> None:
@@ -141,9 +87,7 @@ class Scope:
     def _found(self, reference: Reference) -> Datum:
         datum = self.find(reference.parts[0])
         if datum is None:
-            raise self.source.error(
-                reference.place, f"{reference.parts[0]} is not declared; declare it above, in this file."
-            )
+            raise reference.place.error(f"{reference.parts[0]} is not declared; declare it above, in this file.")
         return datum
 
     def _path(self, reference: Reference, datum: Datum) -> list[int]:
@@ -152,7 +96,7 @@ class Scope:
         for part in reference.parts[1:]:
             index = kind.field(part)
             if index < 0:
-                raise self.source.error(reference.place, f"{kind.name} has no component {part}, it is {kind.shape}.")
+                raise reference.place.error(f"{kind.name} has no component {part}, it is {kind.shape}.")
             path.append(index)
             kind = kind.fields[index][1]
         return path
@@ -166,25 +110,24 @@ def _replaced(value: Value, path: list[int], new: Value) -> Value:
     return (*value[: path[0]], changed, *value[path[0] + 1 :])
 
 
-def declared_type(source: Source, declaration: Declaration) -> Type:
+def declared_type(declaration: Declaration) -> Type:
     """Type of a declaration."""
     kind = TYPES.get(declaration.type_name.lower())
     if kind is None:
-        raise source.error(
-            declaration.place,
+        raise declaration.place.error(
             f"{declaration.name} has type {declaration.type_name}, which is not supported. Available: "
-            f"{', '.join(sorted(TYPES))}.",
+            f"{', '.join(sorted(TYPES))}."
         )
     return kind
 
 
-def check_unique(source: Source, names: Iterable[Declaration | Procedure]) -> None:
+def check_unique(names: Iterable[Declaration | Procedure]) -> None:
     """Refuse a name that is declared twice, whatever its case."""
     seen: dict[str, Place] = {}
     for named in names:
         first = seen.setdefault(named.name.lower(), named.place)
         if first is not named.place:
-            raise source.error(named.place, f"{named.name} is declared twice, first at {source.at(first)}.")
+            raise named.place.error(f"{named.name} is declared twice, first at {first}.")
 
 
 Options = Mapping[str, Value]
@@ -263,38 +206,73 @@ def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
     else:
         found, value = NUM, _number(scope, expression)
     if found != wanted:
-        raise scope.source.error(expression.place, f"{wanted.name} is wanted here, this is {found.name}.")
+        raise expression.place.error(f"{wanted.name} is wanted here, this is {found.name}.")
     return value
 
 
-def evaluate_arguments(scope: Scope, paired: Paired, parameters: Sequence[Parameter]) -> tuple[list[Value], Options]:
-    """Values of required and of optional arguments, those by name in lower case; a switch that is on is True."""
-    values = [evaluate(scope, e, p.type) for e, p in zip(paired.values, parameters, strict=True)]
-    types = {name: kind for parameter in parameters for name, kind in parameter.options.items()}
-    options = {
-        name: True if option.value is None else evaluate(scope, option.value, types[name] or BOOL)
-        for name, option in paired.options.items()
+def arguments_of(
+    scope: Scope, call: Call | Instruction, parameters: Sequence[Parameter]
+) -> tuple[list[Value], Options]:
+    """Values of the required arguments of a call, and of the optional ones by name; a switch that is on is True.
+
+    Raises:
+        FFGymError: if there are too many or too few, or an option that is not supported there.
+    """
+    arguments, name = call.arguments, call.name
+    if len(arguments) == len(parameters) + 1 and arguments[0].value is None:
+        raise _unsupported(name, arguments[0].options[0], {})  # e.g. MoveL \Conc, p10, ...
+    if len(arguments) != len(parameters):
+        names = ", ".join(parameter.name for parameter in parameters)
+        raise call.place.error(f"the arguments of {name} are ({names}), got {len(arguments)} of {len(parameters)}.")
+    required: list[tuple[Expression, Type]] = []
+    optional: dict[str, tuple[Expression | None, Type]] = {}
+    for argument, parameter in zip(arguments, parameters, strict=True):
+        for option in argument.options:
+            kind = _option_type(name, option, parameter)
+            if option.name.lower() in optional:
+                raise option.place.error(f"\\{option.name} is given twice.")
+            if (option.value is None) != (kind is None):
+                wanted = "takes no value" if kind is None else "needs a value, ':=' and what it is to be"
+                raise option.place.error(f"\\{option.name} {wanted}.")
+            optional[option.name.lower()] = (option.value, kind or BOOL)
+        if argument.value is None:
+            raise argument.options[0].place.error(f"the {parameter.name} of {name} is missing.")
+        required.append((argument.value, parameter.type))
+    values = [evaluate(scope, value, kind) for value, kind in required]
+    return values, {
+        key: True if value is None else evaluate(scope, value, kind) for key, (value, kind) in optional.items()
     }
-    return values, options
+
+
+def _option_type(name: str, option: Option, parameter: Parameter) -> Type | None:
+    """Type of an option that may stand behind a parameter; None for a switch."""
+    if option.name.lower() not in parameter.options:
+        raise _unsupported(f"the {parameter.name} of {name}", option, parameter.options)
+    return parameter.options[option.name.lower()]
+
+
+def _unsupported(what: str, option: Option, known: Mapping[str, Type | None]) -> FFGymError:
+    names = ", ".join("\\" + name for name in known)
+    available = f"Available there: {names}" if known else "Leave it out"
+    return option.place.error(f"\\{option.name} is not supported with {what}. {available}.")
 
 
 def declare(scope: Scope, declaration: Declaration) -> Datum:
     """Datum that a declaration makes."""
-    kind = declared_type(scope.source, declaration)
+    kind = declared_type(declaration)
     if declaration.value is not None:
         return Datum(declaration.kind, kind, evaluate(scope, declaration.value, kind))
     if declaration.kind == "VAR":
         return Datum(declaration.kind, kind, kind.default())
-    raise scope.source.error(declaration.place, f"{declaration.kind} {declaration.name} needs a value, ':= ...'.")
+    raise declaration.place.error(f"{declaration.kind} {declaration.name} needs a value, ':= ...'.")
 
 
 def _aggregate(scope: Scope, aggregate: Aggregate, wanted: Type) -> Value:
     if not wanted.fields:
-        raise scope.source.error(aggregate.place, f"{wanted.name} is wanted here, this is an aggregate.")
+        raise aggregate.place.error(f"{wanted.name} is wanted here, this is an aggregate.")
     if len(aggregate.items) != len(wanted.fields):
-        raise scope.source.error(
-            aggregate.place,
-            f"{wanted.name} has {len(wanted.fields)} components, {wanted.shape}, got {len(aggregate.items)}.",
+        raise aggregate.place.error(
+            f"{wanted.name} has {len(wanted.fields)} components, {wanted.shape}, got {len(aggregate.items)}."
         )
     return tuple(evaluate(scope, item, kind) for item, (_, kind) in zip(aggregate.items, wanted.fields, strict=True))
 
@@ -302,10 +280,9 @@ def _aggregate(scope: Scope, aggregate: Aggregate, wanted: Type) -> Value:
 def _call(scope: Scope, call: Call) -> tuple[Type, Value]:
     function = FUNCTIONS.get(call.name.lower())
     if function is None:
-        raise scope.source.error(call.place, f"function {call.name} is not supported. Available: Offs, RelTool.")
-    paired = pair(scope.source, call.name, call.place, call.arguments, function.parameters)
-    values, options = evaluate_arguments(scope, paired, function.parameters)
-    with errors_at(scope.source.at(call.place)):
+        raise call.place.error(f"function {call.name} is not supported. Available: Offs, RelTool.")
+    values, options = arguments_of(scope, call, function.parameters)
+    with errors_at(str(call.place)):
         value = function.compute(values, options)
     return function.result, value
 
@@ -321,8 +298,8 @@ def _number(scope: Scope, expression: Number | Signed | Chain) -> float:
         for sign, operand in expression.rest:
             right = evaluate(scope, operand, NUM)
             if sign == "/" and right == 0:
-                raise scope.source.error(operand.place, "division by zero.")
+                raise operand.place.error("division by zero.")
             value = _OPERATIONS[sign](value, right)
     if not abs(value) <= LARGEST_NUMBER:
-        raise scope.source.error(expression.place, f"{value:g} is too large, numbers go to {LARGEST_NUMBER:g}.")
+        raise expression.place.error(f"{value:g} is too large, numbers go to {LARGEST_NUMBER:g}.")
     return value

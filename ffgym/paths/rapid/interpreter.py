@@ -1,12 +1,12 @@
 """Running a program: statements one after the other, and the moves that they make."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ffgym.core.errors import errors_at
 from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Pose, Wait
-from ffgym.paths.rapid.evaluate import Parameter, Scope, check_unique, declare, evaluate, evaluate_arguments, pair
+from ffgym.paths.rapid.evaluate import Parameter, Scope, arguments_of, check_unique, declare, evaluate
 from ffgym.paths.rapid.records import (
     JOINTTARGET,
     NUM,
@@ -30,7 +30,6 @@ from ffgym.paths.rapid.syntax import (
     Place,
     Procedure,
     Reference,
-    Source,
     Statement,
 )
 from ffgym.paths.rapid.targets import (
@@ -88,7 +87,6 @@ class Execution:
 class MoveBuilder:
     """Collects the moves of one run of a program."""
 
-    source: Source
     robot: RobotDescription
     moves: list[Move] = field(default_factory=list)
     configurations: list[Configuration | None] = field(default_factory=list)
@@ -105,20 +103,19 @@ class MoveBuilder:
         """
         kind, place = instruction.name.lower(), instruction.place
         if not self.moves and kind in ("movel", "movec"):
-            raise self.source.error(
-                place, f"the first move is {instruction.name}, which needs a start; begin with MoveAbsJ or MoveJ."
+            raise place.error(
+                f"the first move is {instruction.name}, which needs a start; begin with MoveAbsJ or MoveJ."
             )
-        paired = pair(self.source, instruction.name, place, instruction.arguments, MOVES[kind])
-        values, options = evaluate_arguments(scope, paired, MOVES[kind])
-        *targets, speed_data, zone_data, tool = values
-        names = [_name(scope, target) for target in paired.values[: len(targets)]]
-        self._use(tool, paired.values[-1].place, absolute=kind == "moveabsj")
-        with errors_at(self.source.at(place)):
+        (*targets, speed_data, zone_data, tool), options = arguments_of(scope, instruction, MOVES[kind])
+        names = [_name(scope, argument.value) for argument in instruction.arguments[: len(targets)]]
+        named = instruction.arguments[-1].value
+        self._use(tool, place if named is None else named.place, absolute=kind == "moveabsj")
+        with errors_at(str(place)):
             how: dict[str, Any] = {
                 "speed": speed(speed_data, options.get("v")),
                 "zone": zone(zone_data, options.get("z")),
                 "label": names[-1],
-                "where": self.source.at(place),
+                "where": str(place),
             }
             if kind == "moveabsj":
                 self._add(MoveJoint(to=joint_positions(targets[0], self.robot.kinematics.is_sliding, names[0]), **how))
@@ -135,21 +132,21 @@ class MoveBuilder:
             FFGymError: if the robot does not stand still here.
         """
         if not self.moves or not self.moves[-1].zone.stops:
-            raise self.source.error(
-                place, "WaitTime needs a robot that stands still; end the move before it with fine, not with a zone."
+            raise place.error(
+                "WaitTime needs a robot that stands still; end the move before it with fine, not with a zone."
             )
         if duration < 0:
-            raise self.source.error(place, f"WaitTime {duration:g} s must be >= 0.")
+            raise place.error(f"WaitTime {duration:g} s must be >= 0.")
         if duration > 0:
-            self._add(Wait(duration=duration, label=f"wait {duration:g} s", where=self.source.at(place)))
+            self._add(Wait(duration=duration, label=f"wait {duration:g} s", where=str(place)))
 
     def finish(self, place: Place) -> Execution:
         """Everything that was collected; `place` is that of the entry."""
         if not self.moves:
-            raise self.source.error(place, "the program makes no move.")
+            raise place.error("the program makes no move.")
         tool, first = self._tool or (TOOL0, place)
-        with errors_at(self.source.at(first)):
-            robot = with_tool(self.robot, tool, f"tooldata in {self.source.at(first)}")
+        with errors_at(str(first)):
+            robot = with_tool(self.robot, tool, f"tooldata in {first}")
         return Execution(robot=robot, moves=tuple(self.moves), configurations=tuple(self.configurations))
 
     def _add(self, move: Move, configuration: Configuration | None = None) -> None:
@@ -163,9 +160,7 @@ class MoveBuilder:
         if self._tool is None:
             self._tool = (tool, place)
         elif self._tool[0] != tool:
-            raise self.source.error(
-                place, f"this tool is not the one of {self.source.at(self._tool[1])}; a program moves with one tool."
-            )
+            raise place.error(f"this tool is not the one of {self._tool[1]}; a program moves with one tool.")
 
 
 def _to_pose(kind: str, poses: Sequence[Pose], how: Mapping[str, Any]) -> Move:
@@ -203,16 +198,16 @@ _ACC_SET = (Parameter("acceleration", NUM), Parameter("ramp", NUM))
 _WAIT_TIME = (Parameter("time", NUM),)
 
 
-def execute(source: Source, module: Module, entry: Procedure, robot: RobotDescription) -> Execution:
+def execute(module: Module, entry: Procedure, robot: RobotDescription) -> Execution:
     """Run a procedure of a module for a robot.
 
     Raises:
         FFGymError: if a statement cannot be run; the message begins with its place.
     """
-    scope = Scope(source)
+    scope = Scope()
     for declaration in module.declarations:
         scope.module[declaration.name.lower()] = declare(scope, declaration)
-    builder = MoveBuilder(source, robot)
+    builder = MoveBuilder(robot)
     procedures = {procedure.name.lower(): procedure for procedure in module.procedures}
     Interpreter(scope, procedures, builder).run(entry)
     return builder.finish(entry.place)
@@ -238,7 +233,7 @@ class Interpreter:
         """
         outer, self.scope.local = self.scope.local, {}
         self._calls.append(procedure)
-        check_unique(self.scope.source, procedure.declarations)
+        check_unique(procedure.declarations)
         for declaration in procedure.declarations:
             self._declare(declaration)
         for statement in procedure.statements:
@@ -248,8 +243,8 @@ class Interpreter:
 
     def _declare(self, declaration: Declaration) -> None:
         if declaration.kind == "PERS":
-            raise self.scope.source.error(
-                declaration.place, f"{declaration.name} is PERS in a procedure; declare it in the module, or as VAR."
+            raise declaration.place.error(
+                f"{declaration.name} is PERS in a procedure; declare it in the module, or as VAR."
             )
         self.scope.local[declaration.name.lower()] = declare(self.scope, declaration)
 
@@ -257,7 +252,7 @@ class Interpreter:
         self._statements += 1
         place = statement.place
         if self._statements > MAX_STATEMENTS:
-            raise self.scope.source.error(place, f"the program runs more than {MAX_STATEMENTS} statements.")
+            raise place.error(f"the program runs more than {MAX_STATEMENTS} statements.")
         if isinstance(statement, Assignment):
             wanted = self.scope.type_of(statement.target)
             self.scope.set(statement.target, evaluate(self.scope, statement.value, wanted))
@@ -282,7 +277,7 @@ class Interpreter:
         switch = options[0].name.lower() if options else ""
         if values or len(options) != 1 or options[0].value is not None or switch not in allowed:
             choices = " or ".join(f"{name} \\{option.capitalize()}" for option in allowed)
-            raise self.scope.source.error(instruction.place, f"{name} is supported as {choices} only.")
+            raise instruction.place.error(f"{name} is supported as {choices} only.")
         if name.lower() == "confj":
             self.builder.configured = switch == "on"
 
@@ -290,38 +285,29 @@ class Interpreter:
         r"""WaitTime, maybe with \InPos, which a robot that stands still fulfils."""
         arguments = instruction.arguments
         if len(arguments) == 2 and arguments[0].value is None and arguments[0].names() == ["inpos"]:
-            arguments = arguments[1:]
-        (time,) = self._numbers(instruction, arguments, _WAIT_TIME)
+            instruction = replace(instruction, arguments=arguments[1:])
+        (time,), _ = arguments_of(self.scope, instruction, _WAIT_TIME)
         self.builder.wait(instruction.place, time)
 
     def _acc_set(self, instruction: Instruction) -> None:
         """AccSet with the values that hold anyway."""
-        values = self._numbers(instruction, instruction.arguments, _ACC_SET)
-        if values != [100.0, 100.0]:
-            raise self.scope.source.error(
-                instruction.place,
-                "AccSet is supported as AccSet 100, 100 only; acceleration is limited for the whole motion.",
+        if arguments_of(self.scope, instruction, _ACC_SET)[0] != [100.0, 100.0]:
+            raise instruction.place.error(
+                "AccSet is supported as AccSet 100, 100 only; acceleration is limited for the whole motion."
             )
-
-    def _numbers(
-        self, instruction: Instruction, arguments: Sequence[Argument], parameters: tuple[Parameter, ...]
-    ) -> list[float]:
-        paired = pair(self.scope.source, instruction.name, instruction.place, arguments, parameters)
-        return evaluate_arguments(self.scope, paired, parameters)[0]
 
     def _call(self, instruction: Instruction) -> None:
-        source, place = self.scope.source, instruction.place
+        place = instruction.place
         procedure = self.procedures.get(instruction.name.lower())
         if procedure is None:
-            raise source.error(
-                place,
+            raise place.error(
                 f"{instruction.name} is not supported, and no procedure of this program. Available: "
-                f"{', '.join(INSTRUCTIONS)}. Comment it out with '!', or write out what it does.",
+                f"{', '.join(INSTRUCTIONS)}. Comment it out with '!', or write out what it does."
             )
         if instruction.arguments:
-            raise source.error(place, f"{procedure.name} takes no arguments.")
+            raise place.error(f"{procedure.name} takes no arguments.")
         if procedure in self._calls:
-            raise source.error(place, f"{procedure.name} calls itself, which would never end.")
+            raise place.error(f"{procedure.name} calls itself, which would never end.")
         if len(self._calls) >= MAX_CALLS:
-            raise source.error(place, f"procedures call each other more than {MAX_CALLS} deep.")
+            raise place.error(f"procedures call each other more than {MAX_CALLS} deep.")
         self.run(procedure)

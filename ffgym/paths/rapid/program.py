@@ -10,7 +10,7 @@ from ffgym.core.types import Array
 from ffgym.paths.moves import Move, MoveJoint, Pose, located
 from ffgym.paths.rapid.evaluate import check_unique, declared_type
 from ffgym.paths.rapid.interpreter import INSTRUCTIONS, Execution, execute
-from ffgym.paths.rapid.syntax import Module, Procedure, Source, read_source, unified
+from ffgym.paths.rapid.syntax import Module, Procedure, decode, unified
 from ffgym.paths.rapid.targets import Configuration
 from ffgym.robot import RigidArm, RobotDescription, pose_solutions, solve_pose
 
@@ -86,7 +86,8 @@ MAIN = "main"
 class Program:
     """A program that was read: grammar, names and types of its data are right."""
 
-    source: Source
+    name: str
+    """Of its file, for messages."""
     module: Module
 
     def execute(self, robot: RobotDescription, entry: str | None = None) -> Execution:
@@ -99,18 +100,18 @@ class Program:
         Raises:
             FFGymError: if there is no such procedure, or it cannot be run; the message begins with the place.
         """
-        return execute(self.source, self.module, self._entry(entry), robot)
+        return execute(self.module, self._entry(entry), robot)
 
     def _entry(self, name: str | None) -> Procedure:
         procedures = {procedure.name.lower(): procedure for procedure in self.module.procedures}
         if not procedures:
-            raise FFGymError(f"{self.source.name}: has no procedure; a program needs PROC main() ... ENDPROC.")
+            raise FFGymError(f"{self.name}: has no procedure; a program needs PROC main() ... ENDPROC.")
         if name is None and len(procedures) == 1:
             return self.module.procedures[0]
         wanted = MAIN if name is None else name
         if wanted.lower() not in procedures:
             names = ", ".join(procedure.name for procedure in self.module.procedures)
-            raise FFGymError(f"{self.source.name}: has no procedure {wanted}; choose one as entry: {names}.")
+            raise FFGymError(f"{self.name}: has no procedure {wanted}; choose one as entry: {names}.")
         return procedures[wanted.lower()]
 
 
@@ -120,7 +121,7 @@ def parse_program(text: str, where: str = "program") -> Program:
     Raises:
         FFGymError: if it is no program of the supported subset; the message begins with 'where:line:column'.
     """
-    return _checked(Source(name=where, text=unified(text)))
+    return _checked(where, unified(text))
 
 
 def load_program(path: str | Path) -> Program:
@@ -129,19 +130,23 @@ def load_program(path: str | Path) -> Program:
     Raises:
         FFGymError: if the file cannot be read, or holds no program of the supported subset.
     """
-    return _checked(read_source(path))
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise FFGymError(f"Cannot read RAPID program {path}: {error.strerror}.") from error
+    return _checked(Path(path).name, decode(data))
 
 
-def _checked(source: Source) -> Program:
+def _checked(name: str, text: str) -> Program:
     try:
         from ffgym.paths.rapid.reader import read  # needs lark, which the core does not
     except ImportError as error:
         raise FFGymError("RAPID programs need lark; pip install 'ffgym[paths]'.") from error
-    module = read(source)
-    check_unique(source, (*module.declarations, *module.procedures))
+    module = read(name, text)
+    check_unique((*module.declarations, *module.procedures))
     for declaration in module.declarations:
-        declared_type(source, declaration)
+        declared_type(declaration)
     for procedure in module.procedures:
         if procedure.name.lower() in (name.lower() for name in INSTRUCTIONS):
-            raise source.error(procedure.place, f"{procedure.name} is an instruction of RAPID; choose another name.")
-    return Program(source=source, module=module)
+            raise procedure.place.error(f"{procedure.name} is an instruction of RAPID; choose another name.")
+    return Program(name=name, module=module)

@@ -1,7 +1,7 @@
 """From text to syntax tree, by lark; imported when the first program is read, as lark is an extra."""
 
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, partial
 from importlib import resources
 from typing import Any
 
@@ -23,7 +23,6 @@ from ffgym.paths.rapid.syntax import (
     Procedure,
     Reference,
     Signed,
-    Source,
     Text,
     Truth,
 )
@@ -92,28 +91,27 @@ LONGEST_NAME = 32
 """Most characters of a name; technical reference manual RAPID overview (ABB 3HAC16580-1), identifiers."""
 
 
-def read(source: Source) -> Module:
+def read(name: str, text: str) -> Module:
     """Syntax tree of a program.
 
     Raises:
-        FFGymError: if it is none; the message begins with the place.
+        FFGymError: if it is none; the message begins with the place, in a file of that `name`.
     """
     try:
-        tree: Any = _parser().parse(source.text)
+        module: Module = _Builder(name).transform(_parser().parse(text))
     except UnexpectedCharacters as error:
-        raise _bad_character(source, error) from None
+        raise _bad_character(Place(name, error.line, error.column), error.char) from None
     except UnexpectedToken as error:
-        raise _bad_token(source, error) from None
+        raise _bad_token(name, text, error) from None
     except _Refused as error:
-        raise source.error(error.place, str(error)) from None
-    module: Module = tree
+        raise _place(name, error.token).error(str(error)) from None
     return module
 
 
 @cache
 def _parser() -> Lark:
     grammar = (resources.files("ffgym.paths.rapid") / "rapid.lark").read_text(encoding="utf-8")
-    return Lark(grammar, parser="lalr", lexer="basic", postlex=_Keywords(), transformer=_Builder())
+    return Lark(grammar, parser="lalr", lexer="basic", postlex=_Keywords())
 
 
 class _Refused(Exception):
@@ -121,7 +119,7 @@ class _Refused(Exception):
 
     def __init__(self, token: Token, message: str) -> None:
         super().__init__(message)
-        self.place = _place(token)
+        self.token = token
 
 
 class _Keywords:
@@ -144,25 +142,27 @@ class _Keywords:
             yield token
 
 
-def _place(token: Token) -> Place:
-    return Place(token.line or 1, token.column or 1)
+def _place(name: str, token: Token) -> Place:
+    return Place(name, token.line or 1, token.column or 1)
 
 
-def _bad_character(source: Source, error: UnexpectedCharacters) -> FFGymError:
-    reason = UNSUPPORTED_SIGNS.get(error.char, "it begins nothing in RAPID")
-    return source.error(Place(error.line, error.column), f"unexpected character {error.char!r}: {reason}.")
+def _bad_character(place: Place, char: str) -> FFGymError:
+    reason = UNSUPPORTED_SIGNS.get(char, "it begins nothing in RAPID")
+    return place.error(f"unexpected character {char!r}: {reason}.")
 
 
-def _bad_token(source: Source, error: UnexpectedToken) -> FFGymError:
+def _bad_token(name: str, text: str, error: UnexpectedToken) -> FFGymError:
     token = error.token
     if token.type == "$END":
-        return source.error(source.end, f"the program ends too early; expected {_expected(error)}.")
-    place = _place(token)
+        lines = text.rstrip().split("\n")
+        end = Place(name, len(lines), len(lines[-1]) + 1)
+        return end.error(f"the program ends too early; expected {_expected(error)}.")
+    place = _place(name, token)
     if token.type in RESERVED and token.type not in KEYWORDS:
-        return source.error(place, f"{token.type} is not supported; a program is a list of moves, see docs/rapid.md.")
+        return place.error(f"{token.type} is not supported; a program is a list of moves, see docs/rapid.md.")
     if error.expected == {"RPAR"}:  # only the head of a procedure leaves no choice
-        return source.error(place, "procedures with arguments are not supported; write one for each case.")
-    return source.error(place, f"unexpected {_shown(token)}; expected {_expected(error)}.")
+        return place.error("procedures with arguments are not supported; write one for each case.")
+    return place.error(f"unexpected {_shown(token)}; expected {_expected(error)}.")
 
 
 def _shown(token: Token) -> str:
@@ -180,7 +180,11 @@ def _expected(error: UnexpectedToken) -> str:
 
 @v_args(inline=True)
 class _Builder(Transformer[Token, Module]):
-    """Makes the tree while the parser runs, one method per rule of the grammar."""
+    """Makes the syntax tree of what the parser found, one method per rule of the grammar."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self._place = partial(_place, name)
 
     def start(self, *children: Any) -> Module:
         (content,) = (child for child in children if isinstance(child, Module))
@@ -196,11 +200,11 @@ class _Builder(Transformer[Token, Module]):
         return word.type
 
     def declaration(self, scope: Token | None, kind: str, type_name: Token, name: Token, value: Any) -> Declaration:
-        return Declaration(kind, str(type_name), str(name), value, _place(name))
+        return Declaration(kind, str(type_name), str(name), value, self._place(name))
 
     def procedure(self, *children: Any) -> Procedure:
         name, declarations, statements = children[-4:-1]
-        return Procedure(str(name), declarations, statements, _place(name))
+        return Procedure(str(name), declarations, statements, self._place(name))
 
     def declarations(self, *children: Declaration) -> tuple[Declaration, ...]:
         return children
@@ -212,7 +216,7 @@ class _Builder(Transformer[Token, Module]):
         return Assignment(target, value)
 
     def instruction(self, name: Token, arguments: tuple[Argument, ...] | None) -> Instruction:
-        return Instruction(str(name), arguments or (), _place(name))
+        return Instruction(str(name), arguments or (), self._place(name))
 
     def arguments(self, *children: Argument) -> tuple[Argument, ...]:
         return children
@@ -224,28 +228,28 @@ class _Builder(Transformer[Token, Module]):
         return Argument(None, options)
 
     def option(self, backslash: Token, name: Token, value: Any) -> Option:
-        return Option(str(name), value, _place(backslash))
+        return Option(str(name), value, self._place(backslash))
 
     def chain(self, first: Any, *rest: Any) -> Chain:
         return Chain(first, tuple((str(sign), operand) for sign, operand in zip(rest[::2], rest[1::2], strict=True)))
 
     def signed(self, sign: Token, operand: Any) -> Signed:
-        return Signed(sign.type == "MINUS", operand, _place(sign))
+        return Signed(sign.type == "MINUS", operand, self._place(sign))
 
     def number(self, token: Token) -> Number:
-        return Number(float(token), _place(token))
+        return Number(float(token), self._place(token))
 
     def text(self, token: Token) -> Text:
-        return Text(token[1:-1].replace('""', '"'), _place(token))
+        return Text(token[1:-1].replace('""', '"'), self._place(token))
 
     def truth(self, token: Token) -> Truth:
-        return Truth(token.type == "TRUE", _place(token))
+        return Truth(token.type == "TRUE", self._place(token))
 
     def reference(self, *names: Token) -> Reference:
-        return Reference(tuple(str(name) for name in names), _place(names[0]))
+        return Reference(tuple(str(name) for name in names), self._place(names[0]))
 
     def call(self, name: Token, arguments: tuple[Argument, ...]) -> Call:
-        return Call(str(name), arguments, _place(name))
+        return Call(str(name), arguments, self._place(name))
 
     def aggregate(self, bracket: Token, *items: Any) -> Aggregate:
-        return Aggregate(items, _place(bracket))
+        return Aggregate(items, self._place(bracket))

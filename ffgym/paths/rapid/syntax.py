@@ -1,39 +1,24 @@
 """What a RAPID program says, as the reader hands it on: its text and places, and a tree without meaning yet."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
 from ffgym.core.errors import FFGymError
 
 
 class Place(NamedTuple):
-    """Where something stands in the text, both from 1."""
+    """Where something stands in a program: name of the file, line and column from 1."""
 
+    file: str
     line: int
     column: int
 
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
 
-@dataclass(frozen=True, kw_only=True)
-class Source:
-    """Text of a program and the name by which messages call it."""
-
-    name: str
-    text: str
-
-    @property
-    def end(self) -> Place:
-        """Behind the last sign that is no blank."""
-        lines = self.text.rstrip().split("\n")
-        return Place(len(lines), len(lines[-1]) + 1)
-
-    def at(self, place: Place) -> str:
-        """A place as messages write it, 'file:line:column'."""
-        return f"{self.name}:{place.line}:{place.column}"
-
-    def error(self, place: Place, message: str) -> FFGymError:
-        """Error that begins with a place."""
-        return FFGymError(f"{self.at(place)}: {message}")
+    def error(self, message: str) -> FFGymError:
+        """Error that begins with the place."""
+        return FFGymError(f"{self}: {message}")
 
 
 def decode(data: bytes) -> str:
@@ -48,15 +33,6 @@ def decode(data: bytes) -> str:
 def unified(text: str) -> str:
     r"""Text whose lines end in \n."""
     return text.replace("\r\n", "\n").replace("\r", "\n")
-
-
-def read_source(path: str | Path) -> Source:
-    """Program file."""
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise FFGymError(f"Cannot read RAPID program {path}: {error.strerror}.") from error
-    return Source(name=Path(path).name, text=decode(data))
 
 
 @dataclass(frozen=True, slots=True)

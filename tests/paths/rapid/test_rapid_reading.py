@@ -152,4 +152,4 @@ def test_positions_and_turns_are_those_of_plain_geometry(irb4600):
     down = np.diag([-1.0, 1, -1])
     np.testing.assert_allclose(move.to.position, np.array([1.3, -0.2, 0.6]) + down @ [0.01, 0.02, 0.03], atol=1e-12)
     np.testing.assert_allclose(move.to.rotation, down @ [[0, -1, 0], [1, 0, 0], [0, 0, 1]], atol=1e-12)
-    assert parse_program(program("")).source.name == "program"
+    assert parse_program(program("")).name == "program"
