@@ -20,7 +20,7 @@ from ffgym.robot import RobotDescription, load_robot
 from ffgym.simulation import Rig
 from ffgym.simulation.run import Progress
 from ffgym.studies import CircleStudy, OneAxisStudy, circle_references, circle_study, one_axis_study
-from scripts.thesis.measured_friction import MeasuredFriction, measure_friction
+from scripts.thesis.measured_friction import ALL_RECORDS, MeasuredFriction, measure_friction
 from scripts.thesis.narx import EXTENDED, PUBLISHED, Candidate, NarxFit, fit_narx, narx_records, reach_records
 
 Stage = Callable[[str, str], AbstractContextManager[Progress]]
@@ -99,8 +99,7 @@ class Laboratory:
     @cached_property
     def lugre_circles(self) -> CircleStudy:
         """The 36 circles with no compensation and both LuGre laws."""
-        with self.stage("circles with LuGre", "s") as progress:
-            return circle_study(self.robot, n_threads=self.n_threads, progress=progress)
+        return self._circles("circles with LuGre", self.robot)
 
     @cached_property
     def setting(self) -> Setting:
@@ -142,35 +141,22 @@ class Laboratory:
     @cached_property
     def joint_1(self) -> MeasuredFriction:
         """Friction of joint 1 of the workcell, identified as in thesis 6.1."""
-        rig = self.workcell
-        with self.stage("friction of joint 1", "s") as progress:
-            return measure_friction(rig, rig.robot.joints[:1], seed=SEED, n_threads=self.n_threads, progress=progress)
+        return self._friction("friction of joint 1", self.workcell.robot.joints[:1], ALL_RECORDS)
 
     @cached_property
     def all_joints(self) -> MeasuredFriction:
         """Friction of all joints of the workcell, from ladders and the records of set D."""
-        rig = self.workcell
-        with self.stage("friction of all joints", "s") as progress:
-            return measure_friction(
-                rig,
-                rig.robot.joints,
-                seed=SEED,
-                n_threads=self.n_threads,
-                progress=progress,
-                numbers=ESTIMATION_RECORDS,
-            )
+        return self._friction("friction of all joints", self.workcell.robot.joints, ESTIMATION_RECORDS)
 
     @cached_property
     def reidentified_circles(self) -> CircleStudy:
         """Circles at 10 and 40 mm/s on it: no compensation, dynamic LuGre with old and with identified parameters."""
         rig, speeds = self.workcell, SPEEDS[:2]
         laws = [NoCompensation(), DynamicLuGreExact(rig.robot.friction)]
-        with self.stage("circles on the workcell, old parameters", "s") as progress:
-            old = circle_study(rig, laws=laws, speeds=speeds, seed=SEED, n_threads=self.n_threads, progress=progress)
-        laws = [DynamicLuGreExact(self.all_joints.found.friction)]
-        with self.stage("circles on the workcell, identified", "s") as progress:
-            new = circle_study(rig, laws=laws, speeds=speeds, seed=SEED, n_threads=self.n_threads, progress=progress)
-        return old.joined(new.renamed(laws[0].name, IDENTIFIED))
+        old = self._circles("circles on the workcell, old parameters", rig, laws, speeds)
+        law = DynamicLuGreExact(self.all_joints.found.friction)
+        new = self._circles("circles on the workcell, identified", rig, [law], speeds)
+        return old.joined(new.renamed(law.name, IDENTIFIED))
 
     @cached_property
     def narx_records(self) -> dict[str, Samples]:
@@ -208,9 +194,7 @@ class Laboratory:
     @cached_property
     def all_circles(self) -> CircleStudy:
         """The 36 circles with all of them."""
-        with self.stage("circles with all agents", "s") as progress:
-            laws = [each.law for each in self.contenders]
-            return circle_study(self.robot, laws=laws, n_threads=self.n_threads, progress=progress)
+        return self._circles("circles with all agents", self.robot, [each.law for each in self.contenders])
 
     def _learning(self, setting: Setting, references: Sequence[Reference], where: str) -> dict[str, Learning]:
         n = setting.robot.n_joints
@@ -227,15 +211,25 @@ class Laboratory:
         return found
 
     def _with_networks(self, learning: dict[str, Learning], speeds: Sequence[float], where: str) -> CircleStudy:
-        with self.stage(f"circles with networks of {where}", "s") as progress:
-            networks = circle_study(
-                self.robot,
-                laws=[each.best for each in learning.values()],
-                speeds=speeds,
-                n_threads=self.n_threads,
-                progress=progress,
-            )
+        laws = [each.best for each in learning.values()]
+        networks = self._circles(f"circles with networks of {where}", self.robot, laws, speeds)
         return self.lugre_circles.only(laws=["none", "lugre_dynamic"], speeds=speeds).joined(networks)
+
+    def _circles(
+        self,
+        title: str,
+        robot: RobotDescription | Rig,
+        laws: Sequence[FeedForwardLaw] | None = None,
+        speeds: Sequence[float] = SPEEDS,
+    ) -> CircleStudy:
+        with self.stage(title, "s") as progress:
+            n = self.n_threads
+            return circle_study(robot, laws=laws, speeds=speeds, seed=SEED, n_threads=n, progress=progress)
+
+    def _friction(self, title: str, joints: Sequence[str], numbers: Sequence[int]) -> MeasuredFriction:
+        with self.stage(title, "s") as progress:
+            n = self.n_threads
+            return measure_friction(self.workcell, joints, numbers, seed=SEED, n_threads=n, progress=progress)
 
     def _networks(self, candidates: Sequence[Candidate]) -> dict[str, NarxFit]:
         found = {}

@@ -79,21 +79,21 @@ class MeasuredFriction:
 def measure_friction(
     rig: Rig,
     joints: Sequence[str],
+    numbers: Sequence[int],
     *,
     seed: int,
     n_threads: int,
     progress: Progress,
-    numbers: Sequence[int] = ALL_RECORDS,
 ) -> MeasuredFriction:
     """Record ladders and records of Table 6.1 of joints on a machine, and identify their friction.
 
     Args:
         rig: the machine under its controller.
         joints: names; figures show the first.
+        numbers: records that are made; those of set D are used.
         seed: of sensor noise, random starts and resamples.
         n_threads: threads of the simulation.
         progress: is told of seconds of motion.
-        numbers: records that are made; those of set D are used.
     """
     protocols: list[Protocol] = [SpeedLadder(joints=joints, speeds=speeds, longest=LONGEST) for speeds in LADDERS]
     protocols.append(Table61(joints=joints, records=numbers, least=LEAST, periods=PERIODS))
