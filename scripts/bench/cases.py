@@ -22,10 +22,9 @@ from ffgym.simulation import Run, simulate
 from ffgym.simulation.bare import bare_rate
 from ffgym.simulation.plant import Machine, Plant
 from ffgym.studies import circle_references, sine_references, thesis_laws
-from scripts.bench.turns import Amount, Ratio, take_turns
+from scripts.bench.turns import Amount, Rate, Ratio, rate_of, take_turns
 
 CIRCLES, JOINTS, ONE_AXIS = "ffgym/CirclePath-v0", "ffgym/JointMotion-v0", "ffgym/OneAxis-v0"
-Rate = Callable[[], float]
 
 # ---- the batch simulation against the bare engine: as many simulations of the same model and lengths
 
@@ -86,13 +85,7 @@ def holding_rate(machine: Machine, copies: int, threads: int) -> Rate:
     plant.rest(np.tile(q, (copies, 1)))
     controls = np.zeros((copies, STEPS, plant.model.nu))
     plant.split_controls(controls)[0][:] = robot.drive.motor_angle(q)
-
-    def rate() -> float:
-        began = time.perf_counter()
-        plant.drive(controls)
-        return copies * STEPS / (time.perf_counter() - began)
-
-    return rate
+    return rate_of(copies * STEPS, lambda: plant.drive(controls))
 
 
 def effect_ratios(name: str, repeats: int, threads: int) -> Iterator[Ratio]:
@@ -125,10 +118,11 @@ class Stepped:
 
     def rate(self) -> float:
         """Steps of sub-environments per second."""
-        began = time.perf_counter()
+        return rate_of(self._n * self._steps, self._step)()
+
+    def _step(self) -> None:
         for action in self._actions[: self._steps]:
             self.env.step(action)
-        return self._n * self._steps / (time.perf_counter() - began)
 
 
 class Bare:
@@ -224,27 +218,22 @@ def _deciding(law: CausalLaw, env: Any) -> Rate:
         observations.append(observation)
         observation = env.step(np.zeros(env.action_space.shape))[0]
 
-    def rate() -> float:
+    def decide() -> None:
         memory = None
-        began = time.perf_counter()
         for seen in observations:
             _, memory = agent.predict(seen, memory)
-        return DECISIONS / (time.perf_counter() - began)
 
-    return rate
+    return rate_of(DECISIONS, decide)
 
 
 def _stepping(env: Any) -> Rate:
     action = np.zeros(env.action_space.shape)
 
-    def rate() -> float:
-        env.reset(seed=0)
-        began = time.perf_counter()
+    def step() -> None:
         for _ in range(DECISIONS):
             env.step(action)
-        return DECISIONS / (time.perf_counter() - began)
 
-    return rate
+    return rate_of(DECISIONS, step, before=lambda: env.reset(seed=0))
 
 
 # ---- PPO of stable-baselines3 on the native vector environment, against SB3's own vector of single environments
@@ -282,13 +271,7 @@ def learning_rate_of(env: Any) -> Rate:
 
     model = PPO("MlpPolicy", env, seed=0, device="cpu", policy_kwargs={"net_arch": [64, 64]}, **PPO_SETTINGS)
     steps = PPO_SETTINGS["n_steps"] * env.num_envs
-
-    def rate() -> float:
-        began = time.perf_counter()
-        model.learn(steps, reset_num_timesteps=False)
-        return steps / (time.perf_counter() - began)
-
-    return rate
+    return rate_of(steps, lambda: model.learn(steps, reset_num_timesteps=False))
 
 
 # ---- memory of many sub-environments and time of the import, each in a fresh process

@@ -1,9 +1,13 @@
 """Rates measured in turns, so that a busy machine is as hard on one as on the other."""
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
+Rate = Callable[[], float]
+"""Function that measures once and returns an amount of work per second."""
 
 WIDE = 0.1
 """Distance of the quartiles of a ratio, in parts of its median, above which it is called wide."""
@@ -74,15 +78,19 @@ class Amount:
         return f"{self.title:48} {self.value:10.2f} {self.unit}{wanted}"
 
 
-def take_turns(
-    title: str,
-    first: Callable[[], float],
-    second: Callable[[], float],
-    repeats: int,
-    *,
-    unit: str,
-    wanted: float | None = None,
-) -> Ratio:
+def rate_of(amount: float, work: Callable[[], object], before: Callable[[], object] = lambda: None) -> Rate:
+    """Function that works for once, after what comes before it, and returns the amount of work per second."""
+
+    def rate() -> float:
+        before()
+        began = time.perf_counter()
+        work()
+        return amount / (time.perf_counter() - began)
+
+    return rate
+
+
+def take_turns(title: str, first: Rate, second: Rate, repeats: int, *, unit: str, wanted: float | None = None) -> Ratio:
     """Rates that `first` and `second` return, called in turns; each is called once before, to warm up."""
     first(), second()
     pairs = [(first(), second()) for _ in range(repeats)]
