@@ -49,7 +49,7 @@ from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.robot import RigidArm
 from ffgym.robot.drive import Drive
 from ffgym.simulation.plant import Machine, load_machine
-from ffgym.simulation.plant.sameness import check_same_controller
+from ffgym.simulation.plant.machine import check_same_controller
 
 _ROUNDS = 20
 """Of the search for the angle that a resolver reads as a given one, as in a plant."""

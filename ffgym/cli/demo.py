@@ -10,7 +10,7 @@ from ffgym.core.files import write_json, write_text
 from ffgym.diagnosis import Diagnosis, examine
 from ffgym.diagnosis.document import diagnosis_document
 from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
-from ffgym.envs.rigs import is_workcell, rig_of
+from ffgym.envs.machines import is_workcell, rig_of
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Rig, SimulatedRig

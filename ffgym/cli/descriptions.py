@@ -1,7 +1,7 @@
 """Robots of commands that need a description: of what only measures, there is none."""
 
 from ffgym.core.errors import FFGymError
-from ffgym.envs.rigs import is_workcell
+from ffgym.envs.machines import is_workcell
 from ffgym.envs.workcell_circles import CONTROLLER
 from ffgym.robot import RobotDescription, load_robot
 

@@ -17,8 +17,7 @@ from ffgym.paths.motions import load_motion
 from ffgym.robot import ModelOptions, RigidArm, physics_fingerprint
 from ffgym.simulation import RECORD_DT, Run, SimulatedRig
 from ffgym.simulation.export import ReferenceForm, export_model, export_run
-from ffgym.simulation.export.model import in_engine, missing_text
-from ffgym.simulation.export.reference_tables import Angles, Sides
+from ffgym.simulation.export.model import Angles, Sides, in_engine, missing_text
 from ffgym.simulation.plant import Machine, load_machine
 from ffgym.simulation.plant.machine_file import is_machine_file, known_robot
 

@@ -9,7 +9,7 @@ from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.files import write_json, write_text
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.search.search import MOST
-from ffgym.envs.rigs import is_workcell, rig_of
+from ffgym.envs.machines import is_workcell, rig_of
 from ffgym.envs.workcell_circles import CONTROLLER
 from ffgym.paths import SPEEDS
 from ffgym.robot import load_robot

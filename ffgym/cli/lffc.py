@@ -21,7 +21,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_json
 from ffgym.core.provenance import versions
 from ffgym.core.types import Array
-from ffgym.envs.rigs import is_workcell, rig_of
+from ffgym.envs.machines import is_workcell, rig_of
 from ffgym.paths import Reference
 from ffgym.robot import RobotDescription
 from ffgym.simulation import RECORD_DT

@@ -124,7 +124,7 @@ class Play:
 
     def _machine(self, name: str) -> tuple[RobotDescription, dict[str, Any]]:
         """What the machine's controller knows of it, and the environment's arguments that say which machine it is."""
-        from ffgym.envs.rigs import WORKCELL, is_workcell, rig_of
+        from ffgym.envs.machines import WORKCELL, is_workcell, rig_of
         from ffgym.simulation.plant.machine_file import is_machine_file
 
         robot = rig_of(name).robot

@@ -13,7 +13,7 @@ from ffgym.cli.progress import progress_bar
 from ffgym.cli.unused import given_options
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import write_json, write_text
-from ffgym.envs.rigs import is_workcell, rig_of
+from ffgym.envs.machines import is_workcell, rig_of
 from ffgym.paths.motions import Motion, load_motion
 from ffgym.recordings import write_recording
 from ffgym.recordings.io import FORMATS

@@ -23,9 +23,9 @@ from .rewards import RelativePathError as RelativePathError
 from .rewards import Reward as Reward
 from .rewards import Signals as Signals
 from .sb3 import make_sb3_env as make_sb3_env
-from .sensing import Sensing as Sensing
 from .settings import Settings as Settings
-from .stage import Stage as Stage
-from .stage import Transition as Transition
+from .tasks import Sensing as Sensing
+from .tasks import Stage as Stage
+from .tasks import Transition as Transition
 from .workcell_circles import WorkcellCirclesEnv as WorkcellCirclesEnv
 from .workcell_circles import WorkcellCirclesVectorEnv as WorkcellCirclesVectorEnv

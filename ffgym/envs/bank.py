@@ -2,9 +2,50 @@
 
 import numpy as np
 
+from ffgym.control.setpoints import interpolate_motion
 from ffgym.core.types import Array, IntArray
 from ffgym.envs.motion import Columns, Motion
-from ffgym.envs.setpoint_table import SetpointTable
+from ffgym.simulation.plant import Plant
+
+LARGEST = 64 * 2**20
+"""Size beyond which nothing is kept [bytes]: room for all motions of the thesis' circle test."""
+
+
+class SetpointTable:
+    """Position and velocity at every physics step of every control step, in MuJoCo's order of controls.
+
+    What it holds is computed as it would be at every step, bit for bit; docs/performance.md says what it saves.
+    """
+
+    def __init__(self, plant: Plant, fractions: Array) -> None:
+        self._plant, self._fractions = plant, fractions
+        self._rows = np.zeros((0, plant.n_substeps, plant.model.nu))
+
+    def take(self, rows: IntArray) -> Array:
+        """Controls of the control steps that begin at `rows` (B,), shape (B, S, 3 N), torque 0; a copy."""
+        return self._rows.take(rows, axis=0)
+
+    def write(self, start: int, position: Array, velocity: Array) -> None:
+        """Compute the rows from `start` on, of motor-side samples [rad], [rad/s], shape (T, N) each; the last is 0."""
+        steps = self._rows[start : start + len(position) - 1]
+        out_position, out_velocity, _ = self._plant.split_controls(steps[None])
+        dt = self._plant.robot.servo.control_dt
+        self._rows[start + len(steps)] = 0.0
+        interpolate_motion(position[None], velocity[None], dt, self._fractions, (out_position, out_velocity))
+
+    def move(self, start: int, to: int, length: int) -> None:
+        """Move `length` rows towards the front."""
+        self._rows[to : to + length] = self._rows[start : start + length]
+
+    def resize(self, length: int) -> bool:
+        """Make room for `length` rows; False if that would be too large."""
+        if length * self._rows[:0].itemsize * self._plant.n_substeps * self._plant.model.nu > LARGEST:
+            self._rows = self._rows[:0].copy()
+            return False
+        if length > len(self._rows):
+            self._rows.resize((length, *self._rows.shape[1:]), refcheck=False)
+        return True
+
 
 _KEEP_ROWS = 200_000
 """Motions that nobody follows any more are kept up to this number of rows in all: 50 MB, several times the thesis'
@@ -78,3 +119,32 @@ class MotionBank:
         for i, followed_now in enumerate(self.motions):
             if id(followed_now) in self._place:
                 self._offset[i] = self._place[id(followed_now)][1]
+
+
+def path_error(tcp: Array, rows: Array, columns: Columns, centre: Array, normal: Array) -> Array:
+    """Distance of the TCP from its path [m], shape (B,).
+
+    On a circle it is the distance to its nearest point, in its plane, as `ffgym.recordings.metrics.path_errors`;
+    elsewhere the part of TCP - reference across the direction of motion, all of it at rest. Where a motion tells how
+    its path bends, what the path leaves its tangent by, s^2 / 2 times the curvature, is taken off at the TCP's distance
+    s along it.
+
+    Args:
+        tcp: without the offset at standstill [m], shape (B, 3).
+        rows: rows of the motions now, shape (B, W).
+        columns: what stands where in them.
+        centre: of the circles [m], shape (B, 3).
+        normal: of their plane, shape (B, 3).
+    """
+    radius = rows[:, columns.radius]
+    circle = (radius > 0)[:, None]
+    arm = tcp - np.where(circle, centre, rows[:, columns.tcp])
+    drop = np.where(circle, normal, rows[:, columns.tangent])
+    along = _dot(arm, drop)[:, None]
+    left = arm - along * drop - 0.5 * along**2 * rows[:, columns.bend]
+    return np.abs(np.sqrt(_dot(left, left)) - radius)  # the radius is 0 elsewhere
+
+
+def _dot(a: Array, b: Array) -> Array:
+    product: Array = (a * b).sum(axis=1)
+    return product

@@ -16,16 +16,12 @@ from ffgym.control.observation import BOUND, ObservationLayout
 from ffgym.control.setpoints import interpolate_motion, interpolate_torque, servo_torque
 from ffgym.core.errors import check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.envs.bank import MotionBank
-from ffgym.envs.geometry import path_error
+from ffgym.envs.bank import MotionBank, SetpointTable, path_error
 from ffgym.envs.motion import Columns, Motion
 from ffgym.envs.rewards import Reward, Signals, reward_of
-from ffgym.envs.sensing import MotorSensors
-from ffgym.envs.setpoint_table import SetpointTable
 from ffgym.envs.settings import Settings
-from ffgym.envs.stage import Observer, Transition
 from ffgym.envs.start import Start, Starts
-from ffgym.envs.tasks import Tasks
+from ffgym.envs.tasks import MotorSensors, Observer, Tasks, Transition
 from ffgym.recordings import PHASE_KINDS
 from ffgym.simulation.plant import Plant
 

@@ -1,10 +1,11 @@
-"""What `plant=` may be: a machine, a description, or the name of either."""
+"""Machines and rigs by name: what `plant=` may be, and the door to the workcell, through which no truth comes out."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ffgym.core.errors import FFGymError
-from ffgym.envs.rigs import is_workcell, workcell_named
-from ffgym.robot import RobotDescription, robot_of
+from ffgym.robot import ModelOptions, RigidArm, RobotDescription, load_robot, robot_of
 from ffgym.simulation.plant import Machine
 
 
@@ -33,3 +34,61 @@ def machine_of(plant: Machine | RobotDescription | str | Path) -> Machine:
             f"seed>, or a path that ends in .toml."
         )
     return Machine.of(robot_of(plant, "plant"))
+
+
+if TYPE_CHECKING:  # loaded with the first workcell or rig
+    from ffgym.simulation import Rig, Sensor
+    from ffgym.workcell import Workcell
+
+WORKCELL = "workcell:"
+"""What names of workcells begin with."""
+
+
+def is_workcell(name: str | Path) -> bool:
+    """Whether a name is that of a workcell."""
+    return str(name).startswith(WORKCELL)
+
+
+def workcell_named(name: str) -> "Workcell":
+    """The workcell called workcell:<name>, or workcell:<seed> for one that is drawn.
+
+    Raises:
+        FFGymError: if there is none of that name.
+    """
+    from ffgym.workcell import INSTANCES, draw, workcell
+
+    short = name.removeprefix(WORKCELL)
+    if short.isdecimal():
+        return draw(int(short))
+    if short not in INSTANCES:
+        names = ", ".join(f"{WORKCELL}{instance}" for instance in INSTANCES)
+        raise FFGymError(f"Unknown workcell {name!r}. Available: {names}, or {WORKCELL}<seed> for one drawn by a seed.")
+    return workcell(short)
+
+
+def rig_of(
+    name: str | Path, *, options: ModelOptions | None = None, sensors: "Sequence[Sensor] | None" = None
+) -> "Rig":
+    """Where to run motions.
+
+    Args:
+        name: workcell:<name or seed>; a machine file; or a built-in robot, or a path to a description: that robot, as
+            its own plant.
+        options: what to leave out of a simulated robot.
+        sensors: what measures on a simulated robot; none gives the exact state.
+
+    Raises:
+        FFGymError: if there is none of that name, or something is to be changed about a workcell.
+    """
+    from ffgym.simulation import SimulatedRig
+    from ffgym.simulation.plant import load_machine
+    from ffgym.simulation.plant.machine_file import is_machine_file, known_robot
+
+    if not is_workcell(name) and is_machine_file(name):
+        arm, machine = RigidArm(known_robot(name)), load_machine(name)
+        return SimulatedRig(arm=arm, machine=machine, options=options, sensors=sensors or (), name=Path(name).stem)
+    if not is_workcell(name):
+        return SimulatedRig(arm=RigidArm(load_robot(name)), options=options, sensors=sensors or ())
+    if options is not None or sensors is not None:
+        raise FFGymError(f"{name} is what it is: nothing can be left out of it, and its sensors are its own.")
+    return workcell_named(str(name))

@@ -12,7 +12,7 @@ from ffgym.core.types import Array
 from ffgym.envs.recorder import EpisodeRecorder
 from ffgym.envs.rendering import Rendering
 from ffgym.envs.rewards import Reward, reward_of
-from ffgym.envs.sensing import Sensing
+from ffgym.envs.tasks import Sensing
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine, PlantDistribution
 

@@ -12,9 +12,8 @@ from ffgym.core.types import IntArray
 from ffgym.envs.machines import machine_of
 from ffgym.envs.motion import Motion
 from ffgym.envs.rewards import Reward, reward_of
-from ffgym.envs.sensing import Sensing
 from ffgym.envs.settings import Settings, check_horizon, check_kind
-from ffgym.envs.tasks import Tasks
+from ffgym.envs.tasks import Sensing, Tasks
 from ffgym.simulation.plant import Machine
 
 COMMON_OPTIONS = ("plant", "randomization", "reward", "sensing", "horizon")

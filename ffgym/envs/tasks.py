@@ -1,15 +1,58 @@
-"""What an environment's episodes are: a family of motions, from which each episode draws one."""
+"""Tasks that draw motions, and what engine and layers share: they begin episodes and make steps, for a batch."""
 
 from abc import ABC, abstractmethod
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Mapping
-from typing import Any, ClassVar
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
+from gymnasium import spaces
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_number, check_whole
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.motion import Motion
 from ffgym.robot import RigidArm, RobotDescription
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Transition:
+    """What a step brings in B sub-environments."""
+
+    observation: Array
+    """Shape (B, D)."""
+    reward: Array
+    """Shape (B,); 0 where nothing was stepped."""
+    terminated: BoolArray
+    """Emergency stop, shape (B,)."""
+    truncated: BoolArray
+    """End of the motion or of the horizon, shape (B,)."""
+
+
+class Stage(Protocol):
+    """The engine, or a layer on top of it."""
+
+    observation_space: spaces.Box
+    action_space: spaces.Box
+    decision_dt: float
+    """Time between actions [s]."""
+
+    def reset(self, ids: IntArray, options: Sequence[Mapping[str, Any]]) -> Array:
+        """Begin episodes in sub-environments `ids`, with options for each; returns all observations, (B, D)."""
+
+    def step(self, action: Array, active: BoolArray | None = None) -> Transition:
+        """One decision where `active`, shape (B,), None is everywhere; `action` (B, N) is finite."""
+
+
+class Observer(Protocol):
+    """Something that watches an engine, and leaves it as it is."""
+
+    def begin(self, ids: IntArray) -> None:
+        """Sub-environments `ids` have begun an episode."""
+
+    def follow(self, ids: IntArray) -> None:
+        """Sub-environments `ids` have done a control step."""
+
 
 KEPT = 128
 """Motions kept per environment: more than all of the thesis' circle test, in any order of its circles."""
@@ -57,3 +100,107 @@ def check_not_empty(name: str, values: tuple[Any, ...], example: str) -> tuple[A
     if not values:
         raise FFGymError(f"{name} is empty, must hold at least one, e.g. {example}.")
     return values
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensing:
+    """How the agent's motor angle is measured; the servo sees the exact one. The default is exact."""
+
+    encoder_bits: int | None = None
+    """Resolution [bit/turn]; the speed is then the backward difference of the measured angle over a control step."""
+    noise: float = 0.0
+    """Standard deviation of white noise on the angle before it is rounded, motor side [rad]."""
+
+    def __post_init__(self) -> None:
+        if self.encoder_bits is not None:
+            bits = check_whole("encoder_bits", self.encoder_bits, unit="bit/turn", low=1, high=32)
+            object.__setattr__(self, "encoder_bits", bits)
+        object.__setattr__(self, "noise", check_number("angle noise", self.noise, unit="rad", low=0.0))
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether angle and speed are the true ones."""
+        return self.encoder_bits is None and self.noise == 0.0
+
+    @property
+    def step(self) -> float:
+        """Smallest angle that is told apart [rad], 0 without encoder."""
+        return 0.0 if self.encoder_bits is None else 2 * np.pi / 2**self.encoder_bits
+
+
+class MotorSensors:
+    """Motor sensors of B sub-environments; a measured angle is kept, since a speed needs two of them."""
+
+    def __init__(self, n: int, n_joints: int, dt: float) -> None:
+        self._dt = dt
+        self._step, self._noise = np.zeros((n, 1)), np.zeros((n, 1))
+        self._exact = np.ones((n, 1), dtype=np.bool_)
+        self._angle, self._speed = np.zeros((n, n_joints)), np.zeros((n, n_joints))
+        self._rngs: list[np.random.Generator | None] = [None] * n
+        self.exact = True
+        """Whether all of them measure the true angle and speed."""
+
+    def set(self, i: int, sensing: Sensing, rng: np.random.Generator) -> None:
+        """Choose the sensors of one sub-environment, and the randomness of their noise."""
+        self._rngs[i] = rng
+        self._step[i], self._noise[i], self._exact[i] = sensing.step, sensing.noise, sensing.is_exact
+        self.exact = bool(self._exact.all())
+
+    def read(
+        self,
+        angle: Array,
+        speed: Array,
+        fresh: BoolArray | None,
+        first: BoolArray,
+    ) -> tuple[Array, Array]:
+        """Measured angle [rad] and speed [rad/s], shape (B, N), of the true ones.
+
+        Args:
+            angle: true motor angle [rad], shape (B, N).
+            speed: true motor speed [rad/s], shape (B, N).
+            fresh: where a new sample is taken, shape (B,); elsewhere the last one stays. None is everywhere.
+            first: where it is the first one of an episode, shape (B,): there is no difference yet, the speed is true.
+        """
+        if self.exact:
+            return angle, speed
+        fresh = np.ones(len(angle), dtype=np.bool_) if fresh is None else fresh
+        measured = angle.copy()
+        for i in np.flatnonzero(fresh & (self._noise[:, 0] > 0)).tolist():
+            rng = self._rngs[i]
+            assert rng is not None  # noise comes with its generator
+            measured[i] += self._noise[i] * rng.standard_normal(measured.shape[1])
+        coarse = self._step[:, 0] > 0
+        measured[coarse] = np.round(measured[coarse] / self._step[coarse]) * self._step[coarse]
+        rate = np.where(first[:, None], speed, (measured - self._angle) / self._dt)
+        self._angle = np.where(fresh[:, None], measured, self._angle)
+        self._speed = np.where(fresh[:, None], rate, self._speed)
+        return np.where(self._exact, angle, self._angle), np.where(self._exact, speed, self._speed)
+
+
+def masks_for(info: dict[str, Any], n: int) -> dict[str, BoolArray]:
+    """Masks that say that all `n` sub-environments have every entry of `info`; one read-only array."""
+    every = np.ones(n, dtype=np.bool_)
+    every.flags.writeable = False
+    return dict.fromkeys([f"_{name}" for name in info], every)
+
+
+def score(done: BoolArray, returns: Array, lengths: IntArray) -> dict[str, Any]:
+    """Return and length of the episodes that are done."""
+    mask = done.copy()
+    values = {
+        "return": np.where(done, returns, 0.0),
+        "length": np.where(done, lengths, 0),
+        "_return": mask,
+        "_length": mask,
+    }
+    return {"score": values, "_score": mask}
+
+
+def finals(observation: Array, info: dict[str, Any], done: BoolArray) -> dict[str, Any]:
+    """Last observation and info of the episodes that are done, for the autoreset mode SAME_STEP."""
+    final_obs = np.full(len(done), None, dtype=object)
+    for i in np.flatnonzero(done):
+        final_obs[i] = observation[i].copy()
+    final_info = {name: value for name, value in info.items() if not name.startswith("_")}
+    final_info |= {f"_{name}": done.copy() for name in final_info}
+    return {"final_obs": final_obs, "_final_obs": done.copy(), "final_info": final_info, "_final_info": done.copy()}

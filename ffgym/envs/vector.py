@@ -15,12 +15,10 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.arguments import autoreset_mode_of, checked_actions, options_for_each, reset_mask, seeds_for_each
 from ffgym.envs.core import TrackingCore
-from ffgym.envs.infos import finals, masks_for, score
 from ffgym.envs.layers import stacked
 from ffgym.envs.rendering import EpisodeRenderer, check_render_mode
 from ffgym.envs.settings import Settings
-from ffgym.envs.stage import Transition
-from ffgym.envs.tasks import Tasks
+from ffgym.envs.tasks import Tasks, Transition, finals, masks_for, score
 
 
 class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):

@@ -6,9 +6,9 @@ from gymnasium.vector import AutoresetMode
 
 from ffgym.core.errors import FFGymError
 from ffgym.envs.circle_path import CirclePathVectorEnv
-from ffgym.envs.rigs import WORKCELL
-from ffgym.envs.sensing import Sensing
+from ffgym.envs.machines import WORKCELL
 from ffgym.envs.single import TrackingEnv
+from ffgym.envs.tasks import Sensing
 
 CONTROLLER = "irb4600_60_205_commissioned"
 """What the controller of every workcell knows."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.envs import Sensing
-from ffgym.envs.rigs import WORKCELL, is_workcell, rig_of
+from ffgym.envs.machines import WORKCELL, is_workcell, rig_of
 from ffgym.leaderboard.tasks import Task, tasks_of
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Rig, Sensor, SimulatedRig

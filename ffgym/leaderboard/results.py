@@ -9,7 +9,7 @@ from typing import Any
 
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.typed_json import from_json
-from ffgym.envs.rigs import is_workcell
+from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.plants import NOMINAL, draw_number
 from ffgym.leaderboard.tasks import SPLITS
 

@@ -13,7 +13,7 @@ from ffgym.agents.learning.progress import Learning
 from ffgym.agents.splines.recipes import thesis_training
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation
 from ffgym.diagnosis.identification.narx import Samples
-from ffgym.envs.rigs import rig_of
+from ffgym.envs.machines import rig_of
 from ffgym.paths import SPEEDS, Reference
 from ffgym.published import ESTIMATION_RECORDS
 from ffgym.robot import RobotDescription, load_robot

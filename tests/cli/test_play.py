@@ -10,7 +10,7 @@ import tyro
 from ffgym.cli import _movie
 from ffgym.cli.main import main
 from ffgym.cli.play import Play
-from ffgym.envs.rigs import rig_of
+from ffgym.envs.machines import rig_of
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 
 iio = pytest.importorskip("imageio.v3")

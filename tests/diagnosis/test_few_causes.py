@@ -6,7 +6,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis import examine
 from ffgym.effects import EFFECTS
-from ffgym.envs.rigs import rig_of
+from ffgym.envs.machines import rig_of
 from ffgym.recordings.folder import read_folder
 from ffgym.simulation.plant import Machine, save_machine
 from ffgym.simulation.protocols import load_protocols, plan_session, record_into

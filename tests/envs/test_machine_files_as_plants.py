@@ -6,7 +6,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.effects import EFFECTS
-from ffgym.envs.rigs import rig_of
+from ffgym.envs.machines import rig_of
 from ffgym.simulation.plant import Machine, save_machine, with_payload
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.envs.geometry import path_error
+from ffgym.envs.bank import path_error
 from ffgym.envs.motion import Columns
 from ffgym.envs.rewards import _mean_square
 

@@ -7,7 +7,7 @@ from typing import Any
 from ffgym.effects import Effect
 from ffgym.robot import RobotDescription
 from ffgym.robot.template.text import text
-from ffgym.simulation.protocols.catalogue import PROTOCOLS
+from ffgym.simulation.protocols.load import PROTOCOLS
 from ffgym.simulation.protocols.protocol import Protocol
 
 

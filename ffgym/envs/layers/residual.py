@@ -12,8 +12,7 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.core import TrackingCore
 from ffgym.envs.layers.layer import Layer, Passing
 from ffgym.envs.motion import Motion
-from ffgym.envs.stage import Stage, Transition
-from ffgym.envs.tasks import KEPT
+from ffgym.envs.tasks import KEPT, Stage, Transition
 
 
 @final

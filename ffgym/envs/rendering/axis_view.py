@@ -7,12 +7,10 @@ import numpy as np
 
 from ffgym.core.types import Array, IntArray
 from ffgym.envs.motion import Motion
-from ffgym.envs.rendering.camera import Camera
+from ffgym.envs.rendering.camera import Camera, Rendering
 from ffgym.envs.rendering.canvas import Caption, Panel
 from ffgym.envs.rendering.gauge import Dial, Gauge, Ruler
-from ffgym.envs.rendering.marks import Ball, Curve, Mark
-from ffgym.envs.rendering.options import Rendering
-from ffgym.envs.rendering.paper import Sheet
+from ffgym.envs.rendering.paper import Ball, Curve, Mark, Sheet
 from ffgym.envs.rendering.tool_view import REFERENCE, TRAIL
 from ffgym.envs.rendering.view import View
 from ffgym.recordings.metrics import magnification, magnified

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ffgym.envs.rendering.camera import Camera
 from ffgym.envs.rendering.gl import open_context
-from ffgym.envs.rendering.marks import Mark
+from ffgym.envs.rendering.paper import Mark
 
 USUAL_SIZE = (960, 540)
 """At which lines have the width that they say [pixel]."""

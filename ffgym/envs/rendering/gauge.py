@@ -7,8 +7,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.envs.rendering.camera import Camera
-from ffgym.envs.rendering.marks import Curve, Mark
-from ffgym.envs.rendering.paper import GREY
+from ffgym.envs.rendering.paper import GREY, Curve, Mark
 from ffgym.recordings.metrics import round_down
 
 TICK = np.deg2rad(15.0)

@@ -10,8 +10,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import IntArray
 from ffgym.envs.rendering.axis_view import AxisView
 from ffgym.envs.rendering.canvas import Canvas
+from ffgym.envs.rendering.tool_path import Trails
 from ffgym.envs.rendering.tool_view import ToolView
-from ffgym.envs.rendering.trails import Trails
 from ffgym.envs.rendering.view import View
 from ffgym.envs.rendering.viewer import Sight, Window
 from ffgym.robot import ModelOptions

@@ -1,4 +1,4 @@
-"""The path of one motion, as it is drawn."""
+"""The way of the tool beside its path, with magnified error, and trails of what was sampled."""
 
 from dataclasses import dataclass
 
@@ -8,6 +8,30 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.motion import Motion
 from ffgym.envs.rendering.camera import Camera
 from ffgym.recordings.metrics import magnification
+
+
+class Trails:
+    """One row per control step and sub-environment, of float64; room grows with the longest episode."""
+
+    def __init__(self, n: int, width: int) -> None:
+        self._rows = np.zeros((n, 256, width))
+        self._length = np.zeros(n, dtype=np.int64)
+
+    def begin(self, ids: IntArray) -> None:
+        """Forget the rows of sub-environments `ids`."""
+        self._length[ids] = 0
+
+    def add(self, ids: IntArray, rows: Array) -> None:
+        """Append rows (B', W) to those of sub-environments `ids`."""
+        if self._length[ids].max(initial=0) == self._rows.shape[1]:
+            self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)], axis=1)
+        self._rows[ids, self._length[ids]] = rows
+        self._length[ids] += 1
+
+    def of(self, i: int) -> Array:
+        """Rows of sub-environment `i` since its episode began, shape (T, W); a view."""
+        return self._rows[i, : self._length[i]]
+
 
 FREE_RADIUS = 0.03
 """Half of what the close-up shows of a motion without circles [m]."""

@@ -7,11 +7,9 @@ import numpy as np
 
 from ffgym.core.types import Array, IntArray
 from ffgym.envs.motion import Motion
-from ffgym.envs.rendering.camera import Camera
+from ffgym.envs.rendering.camera import Camera, Rendering
 from ffgym.envs.rendering.canvas import Caption, Panel
-from ffgym.envs.rendering.marks import Ball, Colour, Curve, Mark
-from ffgym.envs.rendering.options import Rendering
-from ffgym.envs.rendering.paper import GridSheet, spaced
+from ffgym.envs.rendering.paper import Ball, Colour, Curve, GridSheet, Mark, spaced
 from ffgym.envs.rendering.tool_path import ToolPath
 from ffgym.envs.rendering.view import View
 from ffgym.recordings.metrics import magnified

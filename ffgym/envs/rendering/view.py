@@ -8,11 +8,9 @@ import numpy as np
 
 from ffgym.core.types import Array, IntArray
 from ffgym.envs.motion import Motion
-from ffgym.envs.rendering.camera import Camera
+from ffgym.envs.rendering.camera import Camera, Rendering
 from ffgym.envs.rendering.canvas import Caption, Panel
-from ffgym.envs.rendering.marks import Mark
-from ffgym.envs.rendering.options import Rendering
-from ffgym.envs.rendering.paper import Sheet
+from ffgym.envs.rendering.paper import Mark, Sheet
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore

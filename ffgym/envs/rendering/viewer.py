@@ -14,7 +14,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.envs.rendering.camera import FIELD_OF_VIEW, Camera
 from ffgym.envs.rendering.gl import has_display, start_glfw
-from ffgym.envs.rendering.marks import Mark
+from ffgym.envs.rendering.paper import Mark
 
 FRAME = 1 / 25
 """Time between pictures [s]."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import final
 
-from ffgym.envs.rigs import is_workcell
+from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.comparison.samples import DRAWS
 from ffgym.leaderboard.comparison.scores import Difference
 from ffgym.leaderboard.comparison.standings import Standing, Standings

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ffgym.envs.rigs import is_workcell
+from ffgym.envs.machines import is_workcell
 from ffgym.envs.workcell_circles import CONTROLLER
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL
 from ffgym.leaderboard.tasks import Task

@@ -1,4 +1,4 @@
 from .bundle import export_model as export_model
 from .bundle import export_run as export_run
-from .reference_tables import ReferenceForm as ReferenceForm
-from .reference_tables import reference_table as reference_table
+from .model import ReferenceForm as ReferenceForm
+from .model import reference_table as reference_table

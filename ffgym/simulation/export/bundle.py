@@ -1,4 +1,4 @@
-"""What an exported folder holds, and that it appears whole or not at all."""
+"""The README.txt of an exported folder."""
 
 import os
 from collections.abc import Iterable, Sequence
@@ -6,20 +6,76 @@ from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 
+import mujoco
 import numpy as np
 
 from ffgym.core.files import csv_rows, new_folder, write_text
 from ffgym.core.types import Array
+from ffgym.core.version import __version__
 from ffgym.paths import Reference
 from ffgym.recordings import Recording, write_recording
 from ffgym.robot import ModelOptions, RigidArm, RobotDescription
 from ffgym.simulation import RECORD_DT, Run, simulate
-from ffgym.simulation.export.controls import control_blocks, control_names, control_row, setpoints_of
-from ffgym.simulation.export.model import add_rest, in_engine, plant_of, spec_with_home, write_model
-from ffgym.simulation.export.readme import readme_text
-from ffgym.simulation.export.reference_tables import ReferenceForm, reference_table
+from ffgym.simulation.export.model import (
+    ReferenceForm,
+    add_rest,
+    control_blocks,
+    control_names,
+    control_row,
+    in_engine,
+    missing_text,
+    plant_of,
+    reference_table,
+    setpoints_of,
+    spec_with_home,
+    write_model,
+)
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.run import Progress
+
+_MODEL = """\
+model.xml      The robot in MuJoCo's MJCF: arm, elastic joints, friction, servos. All numbers have all their digits,
+               so that it compiles to the simulated model bit for bit. Keyframe `home` rests in the home pose.
+"""
+
+_BINARY = """\
+model.mjb      The same, compiled; loads faster, in MuJoCo {mujoco} only.
+"""
+
+_MOTION = """\
+controls.csv   What goes into data.ctrl, one row per physics step of {physics_dt:g} s and one for the end; motor side.
+               Start from the keyframe `start` of the model.
+reference.csv  The motion every {control_dt:g} s for a drive: positions, speeds, accelerations, torques (u_ff of the
+               rigid arm, u_lff added by the law, u_total their sum). Names of columns have side and unit.
+recording.csv  What the simulated robot did, every {record_dt:g} s. Comment lines on top hold a header in JSON.
+play.py        Plays controls.csv in plain MuJoCo and compares every row of recording.csv: python play.py
+"""
+
+
+def readme_text(machine: Machine, recording: Recording | None = None, *, binary: bool) -> str:
+    """Text that says what each file is; without a recording there is only the model."""
+    robot = machine.robot
+    lines = [
+        robot.title,
+        f"Exported by ffgym {__version__}; needs MuJoCo {mujoco.__version__} and numpy, not ffgym.",
+        "",
+    ]
+    parts = [_MODEL]
+    if binary:
+        parts.append(_BINARY.format(mujoco=mujoco.__version__))
+    if recording is not None:
+        header = recording.header
+        lines[1:1] = [f"Motion: {header.segment}. Feed-forward: {header.meta['feedforward_law']}."]
+        parts.append(
+            _MOTION.format(
+                physics_dt=header.provenance["physics_dt"],
+                control_dt=robot.servo.control_dt,
+                record_dt=recording.dt,
+            )
+        )
+    if missing := missing_text(machine):
+        lines[-1:-1] = [missing]
+    return "\n".join(lines) + "\n" + "".join(parts)
 
 
 def export_model(

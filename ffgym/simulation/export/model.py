@@ -1,17 +1,129 @@
-"""A robot's model with states to start from, as MJCF and as MuJoCo's binary."""
+"""Exported models, set-points at every physics step, and references as tables."""
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal, get_args
 
 import mujoco
 import numpy as np
 
+from ffgym.control import Setpoints
+from ffgym.core.errors import check_choice
 from ffgym.core.files import write_bytes, write_text
 from ffgym.core.types import Array
 from ffgym.core.version import __version__
 from ffgym.effects import Effect, ModelEffect, NativeEffect
-from ffgym.robot import ModelOptions, mjcf_text, model_bytes
+from ffgym.paths import Reference
+from ffgym.robot import ModelOptions, RobotDescription, mjcf_text, model_bytes
 from ffgym.simulation.plant import Machine, Plant
+from ffgym.simulation.run import Progress
+
+_CHUNK = 256
+"""Control steps in one block: chosen, so that a block takes a few MB at most and progress is seen."""
+
+
+def setpoints_of(reference: Reference, torque: Array) -> Setpoints:
+    """Samples that the drives get: the reference, and the sum of all feed-forward torques, motor side [N m], (T, N)."""
+    return Setpoints(
+        position=reference.motor_q[None],
+        velocity=reference.motor_dq[None],
+        torque=torque[None],
+        dt=reference.robot.servo.control_dt,
+    )
+
+
+def control_names(robot: RobotDescription) -> list[str]:
+    """Names of the controls in the order of `data.ctrl`; all are motor side."""
+    parts = {"position": "rad", "velocity": "rad/s", "torque": "N m"}
+    return [f"motor.{name}.{joint} [{unit}]" for joint in robot.joints for name, unit in parts.items()]
+
+
+def control_row(plant: Plant, setpoints: Setpoints, k: int) -> Array:
+    """Controls at sample `k`, shape (3 N,)."""
+    controls = np.empty(plant.model.nu)
+    samples = (setpoints.position, setpoints.velocity, setpoints.torque)
+    for part, values in zip(plant.split_controls(controls), samples, strict=True):
+        part[:] = values[0, k]
+    return controls
+
+
+def control_blocks(plant: Plant, setpoints: Setpoints, progress: Progress) -> Iterator[Array]:
+    """Controls of one motion at every physics step and at its last sample, in blocks of shape (rows, 3 N)."""
+    steps = setpoints.position.shape[1] - 1
+    fractions = np.arange(plant.n_substeps) / plant.n_substeps
+    for start in range(0, steps, _CHUNK):
+        stop = min(start + _CHUNK, steps)
+        controls = np.empty((1, stop - start, plant.n_substeps, plant.model.nu))
+        setpoints.between(np.zeros(1, dtype=int), start, stop, fractions, out=plant.split_controls(controls))
+        yield controls.reshape(-1, plant.model.nu)
+        progress(stop * setpoints.dt, steps * setpoints.dt)
+    yield control_row(plant, setpoints, steps)[None]
+
+
+Sides = Literal["both", "motor", "link"]
+Angles = Literal["rad", "deg", "turn"]
+
+_PER_RADIAN = {"rad": 1.0, "deg": 180 / np.pi, "turn": 0.5 / np.pi}
+"""Units of angle in a radian."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferenceForm:
+    """What a drive wants to read."""
+
+    sides: Sides = "both"
+    """Side of the gearbox: motor, link (joint), or both."""
+    angles: Angles = "rad"
+    """Unit of angles; those of speed and acceleration follow. A sliding joint has m on the link side in any case."""
+
+    def __post_init__(self) -> None:
+        check_choice("sides", self.sides, get_args(Sides))
+        check_choice("angles", self.angles, get_args(Angles))
+
+
+def reference_table(reference: Reference, u_ff: Array, u_lff: Array, form: ReferenceForm) -> dict[str, Array]:
+    """Columns by name, each of shape (T,): the name ends with the unit.
+
+    Args:
+        reference: the motion.
+        u_ff: rigid feed-forward torque at its samples, motor side [N m], shape (T, N).
+        u_lff: added feed-forward torque, likewise.
+        form: sides and units.
+    """
+    columns = {"t [s]": reference.t}
+    for side in ("link", "motor") if form.sides == "both" else (form.sides,):
+        columns |= _motion(reference, side, form.angles)
+        columns |= _torques(reference.robot, u_ff, u_lff, side)
+    return columns
+
+
+def _motion(reference: Reference, side: str, angles: str) -> dict[str, Array]:
+    """Position, speed and acceleration of every joint, or of its motor."""
+    motor, robot = side == "motor", reference.robot
+    lengths = ["rad"] * robot.n_joints if motor else robot.kinematics.units
+    values = {
+        ("position", ""): reference.motor_q if motor else reference.q,
+        ("velocity", "/s"): reference.motor_dq if motor else reference.dq,
+        ("acceleration", "/s^2"): reference.motor_ddq if motor else reference.ddq,
+    }
+    columns = {}
+    for (name, per_time), value in values.items():
+        for j, (joint, length) in enumerate(zip(robot.joints, lengths, strict=True)):
+            unit, factor = ("m", 1.0) if length == "m" else (angles, _PER_RADIAN[angles])
+            columns[f"{side}.{name}.{joint} [{unit}{per_time}]"] = value[:, j] * factor
+    return columns
+
+
+def _torques(robot: RobotDescription, u_ff: Array, u_lff: Array, side: str) -> dict[str, Array]:
+    """Feed-forward torques of every motor, or what they are behind the gearbox."""
+    columns = {}
+    for name, torque in {"u_ff": u_ff, "u_lff": u_lff, "u_total": u_ff + u_lff}.items():
+        value = torque if side == "motor" else robot.drive.joint_torque(torque)
+        for j, (joint, length) in enumerate(zip(robot.joints, robot.kinematics.units, strict=True)):
+            unit = "N" if side == "link" and length == "m" else "N m"
+            columns[f"{side}.{name}.{joint} [{unit}]"] = value[:, j]
+    return columns
 
 
 def in_engine(machine: Machine) -> Machine:

@@ -14,8 +14,7 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
 from ffgym.effects.leads import Leads
 from ffgym.effects.stack import by_kind, stacked
-from ffgym.simulation.plant.addresses import Addresses
-from ffgym.simulation.plant.engine_state import EngineState
+from ffgym.simulation.plant.engine_state import Addresses, EngineState
 from ffgym.simulation.plant.machine import Machine
 from ffgym.simulation.plant.numbers import Numbers
 

@@ -1,19 +1,63 @@
-"""A machine as it is: a robot, the physical effects that its description does not have, and how warm it is."""
+"""Machines: a robot with physical effects and a climate, and what machines of one batch must share."""
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Self
+from typing import Any, Self
 
 import mujoco
+import numpy as np
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TorqueEffect, TrackerEffect
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription, build_spec, physics_fingerprint
-from ffgym.simulation.plant.climate import Climate
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Climate:
+    r"""Temperature of each joint since the machine was switched on.
+
+    .. math:: T(t) = T_{ambient} + \Delta T (1 - e^{-(t_{on} + t) / \tau})
+
+    The motions do not enter: a robot that works all day warms up by what it does on average.
+    """
+
+    ambient: float = 20.0
+    """Of the room, and of a machine just switched on [degC]."""
+    rise: Array = field(default_factory=lambda: np.zeros(1))
+    """Rise of each joint in the end [K], shape (N,); (1,) is the same for all."""
+    time_constant: float = 1200.0
+    """[s]; 5 to 20 min on industrial robots."""
+    running_since: float = 0.0
+    """How long the machine has run when the motion begins [s]."""
+
+    def __post_init__(self) -> None:
+        check_number("climate.ambient", self.ambient, unit="degC", low=-40.0, high=80.0)
+        check_number("climate.time_constant", self.time_constant, unit="s", low=0.0, open_low=True)
+        check_number("climate.running_since", self.running_since, unit="s", low=0.0)
+        single = np.isscalar(self.rise)
+        rise = [check_number("climate.rise", self.rise, unit="K")] if single else self.rise
+        rise = check_shape("climate.rise", rise, (None,))
+        for value in rise:
+            check_number("climate.rise", value, unit="K", low=0.0, high=100.0)
+        object.__setattr__(self, "rise", rise)
+
+    def at(self, running_since: float) -> Self:
+        """The same day, later or earlier [s]."""
+        return replace(self, running_since=running_since)
+
+    @property
+    def key(self) -> tuple[float, ...]:
+        """All its numbers, to tell whether two are the same."""
+        return (self.ambient, self.time_constant, self.running_since, *self.rise.tolist())
+
+    def temperature(self, time: Array, n_joints: int) -> Array:
+        """Temperature [degC], shape (T, N), at times [s] (T,) since the motion began."""
+        warm = -np.expm1(-(self.running_since + time) / self.time_constant)
+        return self.ambient + np.broadcast_to(self.rise, (n_joints,)) * warm[:, None]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -150,3 +194,27 @@ class Machine:
                 digest.update(name.encode() + value.tobytes())
         digest.update(repr(self._climate_key).encode())
         return digest.hexdigest()[: len(model)]
+
+
+def check_same_controller(own: RobotDescription, other: RobotDescription) -> None:
+    """Check that a plant fits the controller of a robot.
+
+    Raises:
+        FFGymError: if they differ in what a controller knows, or in the make of their joints, springs and tool.
+    """
+    pairs: dict[str, tuple[Any, Any]] = {
+        "joints": (own.joints, other.joints),
+        "drive.gear_ratio": (own.drive.gear_ratio, other.drive.gear_ratio),
+        "drive.coupling": (own.drive.matrix, other.drive.matrix),
+        "kinematics.types": (own.kinematics.types, other.kinematics.types),
+        "bodies of springs": ([spring.bodies for spring in own.springs], [spring.bodies for spring in other.springs]),
+        "having a tool": (own.tool is not None, other.tool is not None),
+        "simulation.physics_dt": (own.physics_dt, other.physics_dt),
+    }
+    pairs |= {f"servo.{f.name}": (getattr(own.servo, f.name), getattr(other.servo, f.name)) for f in fields(own.servo)}
+    for name, (mine, theirs) in pairs.items():
+        if not np.array_equal(mine, theirs):
+            raise FFGymError(
+                f"Robots {own.name!r} and {other.name!r} differ in {name}, {mine} and {theirs}; a plant must have what "
+                f"its controller was made for."
+            )

@@ -24,9 +24,7 @@ from ffgym.core.toml import parse_toml, toml_table
 from ffgym.effects import EFFECTS, Effect, Origin, read_effects, read_origins
 from ffgym.robot import RobotDescription, builtin_parameters, builtin_robots, load_draft, load_robot
 from ffgym.robot.reading.load import GROUPS, draft_with_numbers, with_numbers
-from ffgym.simulation.plant.climate import Climate
-from ffgym.simulation.plant.machine import Machine
-from ffgym.simulation.plant.sameness import check_same_controller
+from ffgym.simulation.plant.machine import Climate, Machine, check_same_controller
 
 CLIMATE_UNITS: Mapping[str, str] = MappingProxyType(
     {"ambient": "degC", "rise": "K", "time_constant": "s", "running_since": "s"}

@@ -15,9 +15,8 @@ from ffgym.robot import ModelOptions, RobotDescription, builtin_robots, load_dra
 from ffgym.robot.reading.load import GROUPS
 from ffgym.robot.reading.quantity import JointFrame, si_units
 from ffgym.robot.reading.rules import RULES
-from ffgym.simulation.plant.machine import Machine
+from ffgym.simulation.plant.machine import Machine, check_same_controller
 from ffgym.simulation.plant.machine_file import climate_toml, parse_machine
-from ffgym.simulation.plant.sameness import check_same_controller
 
 
 def save_machine(

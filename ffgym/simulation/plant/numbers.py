@@ -8,8 +8,7 @@ import numpy as np
 
 from ffgym.core.types import Array, IntArray
 from ffgym.robot.friction import LuGreParameters
-from ffgym.simulation.plant.climate import Climate
-from ffgym.simulation.plant.machine import Machine
+from ffgym.simulation.plant.machine import Climate, Machine
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

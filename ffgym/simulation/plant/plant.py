@@ -9,17 +9,12 @@ from mujoco import batch
 from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, IntArray
 from ffgym.robot import ModelOptions, RobotDescription, physics_fingerprint
-from ffgym.simulation.plant.addresses import Addresses
-from ffgym.simulation.plant.equilibrium import bent_by_load
+from ffgym.simulation.plant.engine_state import Addresses, ServoReading
 from ffgym.simulation.plant.forces import Forces
-from ffgym.simulation.plant.machine import Machine
-from ffgym.simulation.plant.own_models import check_same_make, give_model
+from ffgym.simulation.plant.machine import Machine, check_same_controller
 from ffgym.simulation.plant.plant_state import PlantState, SavedPlant
-from ffgym.simulation.plant.sameness import check_same_controller
-from ffgym.simulation.plant.servo_reading import ServoReading
-from ffgym.simulation.plant.settling import Settling
-from ffgym.simulation.plant.stability import check_stable, unprinted_warnings
-from ffgym.simulation.plant.stepping import stepped
+from ffgym.simulation.plant.settling import Settling, bent_by_load
+from ffgym.simulation.plant.stepping import check_same_make, check_stable, give_model, stepped, unprinted_warnings
 
 MAX_THREADS = 1024
 """More threads than any machine has cores; a larger number is a slip."""

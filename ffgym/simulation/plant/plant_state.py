@@ -6,7 +6,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.robot.drive import Drive
-from ffgym.simulation.plant.addresses import Addresses
+from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.forces import Forces
 from ffgym.simulation.plant.machine import Machine
 

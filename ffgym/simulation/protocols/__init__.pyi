@@ -1,9 +1,9 @@
-from .catalogue import PROTOCOLS as PROTOCOLS
+from .load import PROTOCOLS as PROTOCOLS
 from .load import load_protocols as load_protocols
 from .protocol import Protocol as Protocol
 from .recording_folder import RecordedSession as RecordedSession
 from .recording_folder import record_into as record_into
-from .session import SessionMotion as SessionMotion
-from .session import plan_session as plan_session
+from .sessions import SessionMotion as SessionMotion
+from .sessions import plan_session as plan_session
 from .sessions import record as record
 from .sessions import usual_sensors as usual_sensors

@@ -11,9 +11,8 @@ from ffgym.paths import Reference, joint_reference
 from ffgym.paths.circles import DWELL
 from ffgym.paths.excitations import SpeedStep, speed_steps
 from ffgym.paths.motions.part import entry
-from ffgym.simulation.protocols.poses import spread_poses
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import Stage, spread_poses
 
 SPEED = 1.0
 """Motor speed of the approach [rad/s]; chosen: above the Stribeck speeds of gearboxes, and slow enough not to swing."""

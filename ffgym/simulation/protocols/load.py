@@ -3,15 +3,43 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import read_text
 from ffgym.core.toml import parse_toml
 from ffgym.paths.motions.load import READERS
-from ffgym.simulation.protocols.catalogue import PROTOCOLS
+from ffgym.simulation.protocols.circles import Circles
+from ffgym.simulation.protocols.diagnosis import Diagnosis
+from ffgym.simulation.protocols.dwell_restart import DwellRestart
+from ffgym.simulation.protocols.excitation import Excitation
+from ffgym.simulation.protocols.holds import Holds
 from ffgym.simulation.protocols.motion_file import MotionFile
 from ffgym.simulation.protocols.protocol import Protocol
+from ffgym.simulation.protocols.slow_triangles import SlowTriangles
+from ffgym.simulation.protocols.speed_ladder import SpeedLadder
+from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.warm_up import WarmUp
+
+PROTOCOLS: Mapping[str, type[Protocol]] = MappingProxyType(
+    {
+        protocol.name: protocol
+        for protocol in (
+            Diagnosis,
+            SpeedLadder,
+            Table61,
+            SlowTriangles,
+            DwellRestart,
+            WarmUp,
+            Holds,
+            Excitation,
+            Circles,
+        )
+    }
+)
+"""Protocols by what command lines and files call them."""
+
 
 STEPS = "step"
 """Table of a file that lists protocols; a TOML file without it is a motion file."""

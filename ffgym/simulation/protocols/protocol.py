@@ -9,8 +9,7 @@ from ffgym.core.errors import FFGymError, check_number
 from ffgym.paths import Reference
 from ffgym.paths.motions.part import entry
 from ffgym.robot import RigidArm
-from ffgym.simulation.protocols.limits import check_torque
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import Stage, check_torque
 
 PAUSE = 5.0
 """Default time before a motion [s]; chosen: what an arm needs to go where the motion begins."""

@@ -16,8 +16,7 @@ from ffgym.recordings import Recording, read_recording, write_recording
 from ffgym.recordings.folder import INDEX, read_index
 from ffgym.recordings.io import FORMATS
 from ffgym.simulation import RECORD_DT, Rig
-from ffgym.simulation.protocols.session import SessionMotion
-from ffgym.simulation.protocols.sessions import record
+from ffgym.simulation.protocols.sessions import SessionMotion, record
 from ffgym.simulation.run import Progress
 
 INDEX_VERSION = 1

@@ -10,9 +10,8 @@ from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.paths import Reference, joint_reference, speed_ladder
 from ffgym.paths.motions.part import entry
-from ffgym.simulation.protocols.poses import load_ladder
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import Stage, load_ladder
 
 SPEEDS = tuple(np.geomspace(0.01, 14.0, 15).round(4).tolist())
 """Motor speeds [rad/s]: the interval of the thesis (6.1.1); geometric, so that they are dense near zero, as there."""

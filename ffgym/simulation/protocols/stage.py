@@ -1,14 +1,16 @@
-"""The robot that a protocol is made for: what its motors and joints may do."""
+"""The robot that a protocol is made for: what its motors and joints may do, motions within that, poses that load it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import qmc
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray
+from ffgym.paths import JointPath, Reference, joint_reference
 from ffgym.paths.motions.part import resting_position
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RigidArm, RobotDescription, motor_torque
 
 FASTEST = 0.8
 """Largest share of a joint's speed limit that a protocol uses; chosen: some is left for the feedback."""
@@ -107,3 +109,152 @@ class Stage:
                 f"{high[j] - low[j]:.4g} {unit}. Ask for less, or leave the joint out."
             )
         return np.clip(pose, low + way, high - way)
+
+
+MOST_TORQUE = 0.9
+"""Largest share of peak torque that a rigid arm may take on a motion; chosen: the rest is for feedback and what the
+description does not know."""
+
+LARGE_TORQUE = 0.5
+"""Share of peak torque up to which motions are enlarged that want to be large; chosen: half is left for a payload."""
+
+_COARSE = 0.01
+"""Time between the instants at which torques are examined [s]; chosen: those of planned motions change within 0.1 s."""
+
+_CLOSE = 0.004
+"""How closely the size of a motion is found."""
+
+
+def torque_use(arm: RigidArm, reference: Reference) -> float:
+    """Largest share of peak torque that a rigid arm takes on a motion, friction included."""
+    every = _stride(reference)
+    return _use(arm, reference.q[::every], reference.dq[::every], reference.ddq[::every])
+
+
+def _stride(motion: Reference | JointPath) -> int:
+    """Samples from one instant that is examined to the next."""
+    return max(1, round(_COARSE / float(motion.t[1])))
+
+
+def _use(arm: RigidArm, q: Array, dq: Array, ddq: Array) -> float:
+    torque = motor_torque(arm, q, dq, ddq).total
+    return float(np.max(np.abs(torque) / arm.robot.drive.peak_torque))
+
+
+def check_torque(arm: RigidArm, reference: Reference) -> None:
+    """Check that the drives can give what a motion takes.
+
+    Raises:
+        FFGymError: if a rigid arm would take more than MOST_TORQUE of a drive's peak torque.
+    """
+    use = torque_use(arm, reference)
+    if use > MOST_TORQUE:
+        raise FFGymError(
+            f"motion {reference.name!r} takes {use:.0%} of the peak torque of a drive, must be at most "
+            f"{MOST_TORQUE:.0%}. Ask for less speed or way, or check the description with ffgym robot check."
+        )
+
+
+def shrunk(stage: Stage, path: JointPath) -> Reference:
+    """A motion, made smaller about where it starts until it keeps the tool near and takes at most LARGE_TORQUE.
+
+    Raises:
+        FFGymError: if even the smallest takes more.
+    """
+    arm = stage.arm
+    every = _stride(path)
+    way, dq, ddq = path.q[::every] - path.q[0], path.dq[::every], path.ddq[::every]
+
+    def fits(size: float) -> bool:
+        q = path.q[0] + size * way
+        return bool(stage.keeps_tool_near(q).all()) and _use(arm, q, size * dq, size * ddq) <= LARGE_TORQUE
+
+    low, high = 0.0, 1.0
+    if fits(high):
+        low = high
+    while high - low > _CLOSE:
+        middle = (low + high) / 2
+        low, high = (middle, high) if fits(middle) else (low, middle)
+    if low == 0.0:
+        raise FFGymError(
+            f"no motion, however small, takes at most {LARGE_TORQUE:.0%} of the drives' peak torque and keeps the tool "
+            f"near where it rests. Choose another home, or check the description with ffgym robot check."
+        )
+    q = path.q[0] + low * (path.q - path.q[0])
+    return joint_reference(arm.robot, replace(path, q=q, dq=low * path.dq, ddq=low * path.ddq))
+
+
+NEARBY = 0.15
+"""How far poses are from the rest position, as a share of each joint's range to either side; chosen: the arm stays in
+the part of its space where its home is. Nothing here knows what stands around the robot."""
+
+_CANDIDATES = 512
+"""Poses examined; chosen: in six dimensions more of them widen the spread of loads by a few percent only."""
+
+LEAST_SPREAD = 0.01
+"""Spread of a motor's load over nearby poses, as a share of peak torque, below which gravity does not load it."""
+
+
+def nearby_poses(stage: Stage, way: Array) -> Array:
+    """Poses spread evenly around the rest position, which comes first, shape (P, N).
+
+    Every joint can go `way` (N,) to either side, the tool is near where it rests, and the drives hold the arm with at
+    most half of their torque.
+
+    Raises:
+        FFGymError: if the drives cannot do so even in the rest position.
+    """
+    robot = stage.robot
+    about = stage.about(stage.rest, way)
+    unit = qmc.Halton(d=robot.n_joints, scramble=False).random(_CANDIDATES)
+    low, high = robot.kinematics.range.T
+    around = np.clip(about + (2 * unit - 1) * NEARBY * stage.span, low + way, high - way)
+    poses = np.vstack([about, around])
+    light = np.all(np.abs(_loads(stage, poses)) <= LARGE_TORQUE, axis=1)
+    if not light[0]:
+        raise FFGymError(
+            f"holding the arm in its rest position takes more than {LARGE_TORQUE:.0%} of a drive's torque."
+        )
+    return poses[light & stage.keeps_tool_near(poses)]
+
+
+def load_ladder(stage: Stage, joint: int, count: int, way: Array) -> Array:
+    """Up to `count` poses in which one motor carries evenly spread loads, shape (P, N).
+
+    A motor that gravity cannot load gets one.
+    """
+    poses = nearby_poses(stage, way)
+    load = _loads(stage, poses)[:, joint]
+    if count == 1 or np.ptp(load) < LEAST_SPREAD:
+        return poses[:1]
+    wanted = np.linspace(load.min(), load.max(), count)
+    nearest = np.abs(load - wanted[:, None]).argmin(axis=1)
+    chosen: Array = poses[list(dict.fromkeys(nearest.tolist()))]
+    return chosen
+
+
+def spread_poses(stage: Stage, count: int, way: Array) -> Array:
+    """Up to `count` poses as far from each other as can be, in loads of all motors and positions; shape (P, N).
+
+    Each one is, of the candidates, the farthest from those chosen before.
+    """
+    poses = nearby_poses(stage, way)
+    features = np.hstack([_in_spans(_loads(stage, poses)), _in_spans(poses)])
+    chosen = [0]
+    while len(chosen) < min(count, len(poses)):
+        away = np.linalg.norm(features[:, None] - features[chosen], axis=2).min(axis=1)
+        chosen.append(int(away.argmax()))
+    return poses[chosen]
+
+
+def _loads(stage: Stage, poses: Array) -> Array:
+    """Torque of each motor that holds the arm, as a share of its peak torque, shape (P, N)."""
+    drive = stage.robot.drive
+    load: Array = drive.motor_torque(stage.arm.holding_torque(poses)) / drive.peak_torque
+    return load
+
+
+def _in_spans(values: Array) -> Array:
+    """Columns in units of their spread; those without spread are zero."""
+    spread = np.ptp(values, axis=0)
+    return np.divide(values, spread, out=np.zeros_like(values), where=spread > 1e-9 * np.abs(values).max())

@@ -10,8 +10,7 @@ from ffgym.paths import JointPath, Reference, multisine, triangle
 from ffgym.paths.circles import DWELL
 from ffgym.paths.excitations import PEAK
 from ffgym.recordings import Phase
-from ffgym.simulation.protocols.limits import shrunk
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import Stage, shrunk
 
 FEWEST_PERIODS = 3
 """Periods of the first joint's triangle; the next ones have one more each. Chosen: each half of a recording has one,

@@ -8,9 +8,8 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.paths.motions.part import entry
-from ffgym.simulation.protocols.limits import shrunk
 from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
-from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.stage import Stage, shrunk
 from ffgym.simulation.protocols.together import own_sines
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.effects import EFFECTS
-from ffgym.envs.rigs import rig_of
+from ffgym.envs.machines import rig_of
 from ffgym.logs.quality import check_quality
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, load_robot

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.envs.rigs import rig_of
+from ffgym.envs.machines import rig_of
 from scripts.thesis import ITEMS, Laboratory, as_json, chosen, count, fingerprints, render_page, reproduce
 
 FIGURES = [f"figure-4.{n}" for n in range(2, 13)] + [f"figure-5.{n}" for n in (2, 3, *range(5, 21))]

@@ -13,9 +13,7 @@ from ffgym.simulation.protocols.diagnosis import Diagnosis
 from ffgym.simulation.protocols.dwell_restart import DwellRestart
 from ffgym.simulation.protocols.excitation import Excitation
 from ffgym.simulation.protocols.holds import Holds
-from ffgym.simulation.protocols.limits import LARGE_TORQUE, torque_use
-from ffgym.simulation.protocols.poses import spread_poses
-from ffgym.simulation.protocols.stage import TOOL_DROP, TOOL_NEARBY, Stage
+from ffgym.simulation.protocols.stage import LARGE_TORQUE, TOOL_DROP, TOOL_NEARBY, Stage, spread_poses, torque_use
 from ffgym.simulation.protocols.warm_up import WarmUp
 from tests.simulation.protocols.protocol_samples import ROBOTS, arm_of, schedule_of
 
