@@ -70,11 +70,12 @@ def test_a_script_beside_a_folder_called_agents_uses_both(wheel, tmp_path):
 def test_it_is_installed_beside_another_package_called_agents_in_either_order(wheel, tmp_path, first):
     subprocess.run([sys.executable, "-m", "venv", str(tmp_path / "env")], check=True)
     python = str(tmp_path / "env" / ("Scripts" if os.name == "nt" else "bin") / "python")
+    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     both = [str(wheel), "openai-agents"]
     for what in both if first == "ffgym" else reversed(both):
-        subprocess.run([python, "-m", "pip", "--quiet", "install", what], check=True)
+        subprocess.run([python, "-m", "pip", "--quiet", "install", what], env=clean, check=True)
     script = tmp_path / "main.py"
     script.write_text("import agents\nassert agents.Agent and agents.Runner\n" + SCRIPT)
-    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    done = subprocess.run([python, str(script)], cwd=tmp_path, env=clean, capture_output=True, text=True, check=True)
+    done = subprocess.run([python, str(script)], cwd=tmp_path, env=clean, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
     assert all(Path(line).is_relative_to(tmp_path / "env") for line in done.stdout.split())

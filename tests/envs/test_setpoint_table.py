@@ -4,12 +4,12 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from ffgym.envs import setpoint_table
+from ffgym.envs import bank
 
 
 def run(monkeypatch, largest, **arguments):
     """Observations of 2 sub-environments over several episodes, and whether set-points were kept to the end."""
-    monkeypatch.setattr(setpoint_table, "LARGEST", largest)
+    monkeypatch.setattr(bank, "LARGEST", largest)
     env = gym.make_vec("ffgym/CirclePath-v0", num_envs=2, autoreset_mode="SameStep", horizon=90, **arguments)
     seen = [env.reset(seed=0)[0]]
     rng = np.random.default_rng(0)
