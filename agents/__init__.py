@@ -1,4 +1,7 @@
-"""Feed-forward methods: one file per family; `LawAgent` runs any of them with stable-baselines3's `predict`."""
+"""Feed-forward methods and policies, one file per family; `LawAgent` runs any law with stable-baselines3's `predict`.
+
+Friction and rigid-body laws of a controller stand in `ffgym.control`, the comparison of agents in `ffgym.leaderboard`.
+"""
 
 import lazy_loader
 

@@ -1,4 +1,7 @@
-"""The command line."""
+"""The `ffgym` command: one module per subcommand, one-line errors, exit codes.
+
+What a command computes stands in the room of its subject; commands of the repository stand in `scripts`.
+"""
 
 import sys
 

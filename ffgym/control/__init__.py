@@ -1,4 +1,7 @@
-"""What a controller may compute: references, rigid feed-forward, laws, set-points; what an agent sees, and is."""
+"""Laws of a controller: rigid feed-forward, friction laws, servo, set-points, the layout of observations.
+
+Laws that learn or are solved along a reference stand in `ffgym.agents`, references in `ffgym.paths`.
+"""
 
 import lazy_loader
 

@@ -1,6 +1,6 @@
-"""What every room may use: errors, files that appear whole or not at all, provenance, executors, typed JSON.
+"""Errors and their checks, files that appear whole or not at all, provenance, executors, typed JSON, array types.
 
-Nothing here knows of robots; what a room needs alone stays in that room.
+Nothing here knows of robots; a helper that one room needs stands in that room.
 """
 
 import lazy_loader

@@ -1,4 +1,7 @@
-"""What the simulation gets wrong, why, and how sure that is."""
+"""Errors of a simulation, their causes and how sure they are; in `identification` parameters from recordings.
+
+Reading and judging logs stands in `ffgym.logs`, the gain in control in `ffgym.improvement`, exams in `scripts.exam`.
+"""
 
 import lazy_loader
 

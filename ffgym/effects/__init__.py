@@ -1,4 +1,7 @@
-"""Physical effects that a robot may have and its nominal model may lack."""
+"""Physical effects that a machine may have and its nominal model may lack, one file each.
+
+Plain LuGre friction stands in `ffgym.robot.friction`, their use in a plant in `ffgym.simulation`.
+"""
 
 import lazy_loader
 

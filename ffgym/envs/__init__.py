@@ -1,4 +1,7 @@
-"""Gymnasium environments: one robot or many, tracking motions under their existing controller."""
+"""Gymnasium environments, single and vector: tasks, rewards, layers, recorder, pictures of episodes.
+
+The physics stands in `ffgym.simulation`, what an agent observes in `ffgym.control`, agents in `ffgym.agents`.
+"""
 
 import lazy_loader
 

@@ -1,4 +1,7 @@
-"""What a diagnosis gains in control: record, diagnose, extend the model, compensate with it, again."""
+"""Rounds of recording, diagnosing, extending the model and compensating with it, and the gain of each.
+
+The diagnosis stands in `ffgym.diagnosis`, feed-forward from a model in `ffgym.agents`.
+"""
 
 import lazy_loader
 

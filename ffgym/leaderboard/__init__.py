@@ -1,1 +1,4 @@
-"""Where all agents are compared: the same circles and plants for each, statistics, result files, a page."""
+"""Comparison of all agents: splits, plants, evaluation, statistics, result files, the page, submissions.
+
+Agents stand in `ffgym.agents`, numbers of the thesis in `ffgym.published`, tables and figures in `ffgym.report`.
+"""

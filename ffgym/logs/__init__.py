@@ -1,4 +1,7 @@
-"""Logs of other tools as recordings: files of many formats, and column maps that say what they hold."""
+"""Logs of other tools as recordings: formats and column maps; in `quality` the gate and conditioning.
+
+The project's own file format stands in `ffgym.recordings`, causes of what a log shows in `ffgym.diagnosis`.
+"""
 
 import lazy_loader
 

@@ -1,4 +1,7 @@
-"""Motions: circles with lead-in and lead-out, excitations of the joints; moves, curves and time laws for any other."""
+"""Motions: curves, moves, time laws, references; in `motions` motion files, in `rapid` RAPID programs.
+
+The arm that follows them stands in `ffgym.robot`, lists of motions to record in `ffgym.simulation.protocols`.
+"""
 
 import lazy_loader
 

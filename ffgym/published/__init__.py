@@ -1,4 +1,7 @@
-"""Numbers that others published, as data."""
+"""Numbers that others published, as data.
+
+What is made of them stands in `ffgym.report` and `scripts.thesis`.
+"""
 
 import lazy_loader
 

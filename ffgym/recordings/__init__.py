@@ -1,4 +1,7 @@
-"""Recordings of one motion, simulated or measured: one schema, one reader, one writer."""
+"""Recordings of one motion, simulated or measured: schema, reader, writer; in `metrics` figures of merit.
+
+Logs of other tools and the quality of a recording stand in `ffgym.logs`.
+"""
 
 import lazy_loader
 

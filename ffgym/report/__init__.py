@@ -1,4 +1,7 @@
-"""Tables, figures and a page of the studies; the only package of ffgym that draws."""
+"""Tables, figures and pages for terminal, Markdown and HTML; with commands and scripts the only room that draws.
+
+Numbers that are shown are computed in the rooms of their subjects, figures of merit in `ffgym.recordings.metrics`.
+"""
 
 import lazy_loader
 

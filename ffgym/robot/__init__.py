@@ -1,4 +1,7 @@
-"""Robots: descriptions with the origin of every number, their MuJoCo models, kinematics and rigid dynamics."""
+"""Robots: descriptions with the origin of every number, arm files, models, kinematics, dynamics, friction.
+
+The simulation of a model stands in `ffgym.simulation`, what a machine has beyond its model in `ffgym.effects`.
+"""
 
 import lazy_loader
 

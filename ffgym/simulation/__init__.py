@@ -1,4 +1,7 @@
-"""Plant + controller + path (+ feed-forward) -> recording."""
+"""Plant, controller and path in one run, and sensors; in `protocols` what to record, in `export` files for MuJoCo.
+
+Laws stand in `ffgym.control`, motions in `ffgym.paths`, environments in `ffgym.envs`.
+"""
 
 import lazy_loader
 

@@ -1,4 +1,7 @@
-"""The experiments of the thesis, and any motion, simulated and scored."""
+"""Experiments of the thesis and of any motion: what is run and how it is scored.
+
+Figures and claims of the thesis stand in `scripts.thesis`, tables and pages in `ffgym.report`.
+"""
 
 import lazy_loader
 

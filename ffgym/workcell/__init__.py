@@ -1,6 +1,7 @@
-"""The workcell: what stands for a real robot, with a truth that only environments and tests come near.
+"""A stand-in for a real robot: machines with a hidden truth, in equations of their own.
 
-Nothing but `ffgym.envs`, `scripts` and `tests` may import it, so that methods know of it what they measure.
+Only `ffgym.envs`, `scripts` and `tests` import it, so that methods know of it what they measure; effects that a
+diagnosis knows stand in `ffgym.effects`.
 """
 
 import lazy_loader

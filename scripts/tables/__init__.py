@@ -20,6 +20,7 @@ from scripts.tables.page import DOCS, DPI, Contents
 
 DEFINED: Mapping[str, Callable[[], Contents]] = {
     "api.md": api.page,
+    "architecture.md": api.architecture,
     "column_maps.md": definitions.column_maps,
     "motion_files.md": definitions.motion_files,
     "protocols.md": definitions.protocols,

@@ -1,4 +1,4 @@
-"""Page of every public name of ffgym and of its rooms: docs/api.md."""
+"""Public names of ffgym and of its rooms, docs/api.md, and the rooms on docs/architecture.md."""
 
 import inspect
 from collections.abc import Iterator
@@ -28,6 +28,16 @@ def packages() -> Iterator[ModuleType]:
 def page() -> Contents:
     """The page as it should be now."""
     return Contents(parts={WHOLE: HEAD + "".join(_section(package) for package in packages())})
+
+
+def architecture() -> Contents:
+    """The table of rooms on docs/architecture.md, from their docstrings."""
+    names = sorted(found.name for found in iter_modules(ffgym.__path__) if found.ispkg)
+    rows = []
+    for room in (import_module(f"ffgym.{name}") for name in names):
+        lives, elsewhere = (" ".join(part.split()) for part in (inspect.getdoc(room) or "").split("\n\n"))
+        rows.append((f"`{room.__name__}`", lives, elsewhere))
+    return Contents(parts={"rooms": markdown(("room", "what lives there", "what does not, and where it is"), rows)})
 
 
 def _section(package: ModuleType) -> str:
