@@ -16,11 +16,10 @@ from ffgym.cli.unused import given_options
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import made_folder, write_text
 from ffgym.diagnosis import Calibration, Diagnosis, Examined, examine
-from ffgym.diagnosis.closed_loop import LoopLevel, check_comparable, closed_loop_gain
 from ffgym.diagnosis.document import write_diagnosis
+from ffgym.diagnosis.excitation import FirstLook
 from ffgym.diagnosis.extended import save_extended
-from ffgym.diagnosis.first_look import FirstLook
-from ffgym.diagnosis.held_out import HeldOut, held_out_levels
+from ffgym.diagnosis.held_out import HeldOut, LoopLevel, check_comparable, closed_loop_gain, held_out_levels
 from ffgym.diagnosis.search.search import MOST
 from ffgym.diagnosis.thinning import note_of
 from ffgym.logs import write_corrected
@@ -240,11 +239,7 @@ class Diagnose:
             write_corrected(self.out / COLUMNS, examined.rewiring, self.columns, notes)
 
     def _tell(
-        self,
-        diagnosis: Diagnosis,
-        compared: HeldOut | None,
-        closed_loop: Sequence[LoopLevel],
-        robot: RobotDescription,
+        self, diagnosis: Diagnosis, compared: HeldOut | None, closed_loop: Sequence[LoopLevel], robot: RobotDescription
     ) -> None:
         """Everything for people."""
         from ffgym.report.diagnosis import format_closed_loop, format_diagnosis, format_held_out

@@ -10,7 +10,7 @@ from ffgym.cli.identify_logs import LogSet
 from ffgym.cli.identify_outcome import Outcome
 from ffgym.cli.progress import progress_bar
 from ffgym.diagnosis.identification import LowPass, Validation, friction_torque, identify_friction, validate
-from ffgym.diagnosis.identification.friction_file import friction_quantities
+from ffgym.diagnosis.identification.friction import friction_quantities
 from ffgym.robot import RigidArm, RobotDescription
 
 if TYPE_CHECKING:

@@ -14,10 +14,9 @@ from scipy.interpolate import CubicSpline
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.log.sampling import CUTOFF
-from ffgym.diagnosis.log.white import without_trembling
 from ffgym.diagnosis.replay import Replay, replay, servo_feedback
-from ffgym.diagnosis.replay.bristles import Bristles, along_speed
+from ffgym.diagnosis.replay.states import Bristles, along_speed
+from ffgym.diagnosis.sampling import CUTOFF, without_trembling
 from ffgym.recordings import Recording
 
 _STEP = 2.5e-4

@@ -11,14 +11,13 @@ from scipy.signal import welch
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.log.white import white_noise
-from ffgym.diagnosis.measured import counting_rows, residual_rows
+from ffgym.diagnosis.measured import counting_rows, residual_of, residual_rows
 from ffgym.diagnosis.noise import torque_noise
 from ffgym.diagnosis.patterns.periodic import PerTurn
 from ffgym.diagnosis.patterns.rows import rows_of
-from ffgym.diagnosis.patterns.split_half import tried
+from ffgym.diagnosis.patterns.significance import tried
 from ffgym.diagnosis.replay import Replay, predicted, replay
-from ffgym.diagnosis.residuals import residual_of
+from ffgym.diagnosis.sampling import white_noise
 from ffgym.simulation.plant import Machine
 
 HARMONICS = 8.0
@@ -48,12 +47,7 @@ _TO_HALF = np.sqrt(np.log(2.0)) / (2 * np.pi)
 
 
 def comparison_cutoff(log: Log, machine: Machine) -> float:
-    """Cut-off [Hz] of what is compared of a log: the usual one, or a lower one above which a rigid model knows nothing.
-
-    Args:
-        log: made ready for the usual band.
-        machine: the nominal model.
-    """
+    """Cut-off [Hz] of what is compared: the usual one, or a lower one above which a rigid model knows nothing."""
     usual = log.sampling.cutoff
     if not machine.physical.drive.is_rigid.all():
         return usual

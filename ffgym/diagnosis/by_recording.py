@@ -16,7 +16,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.evidence.stack import Blocks
+from ffgym.diagnosis.evidence import Blocks
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import counting_rows
 from ffgym.diagnosis.replay import Replay

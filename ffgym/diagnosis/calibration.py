@@ -1,4 +1,9 @@
-"""Errors of calibration: what the numbers of a model that lacks nothing may be off by."""
+"""Errors of calibration: what the numbers of a model that lacks nothing may be off by.
+
+A row has one time stamp, but its columns are read one after the other; a servo computes for a part of its cycle, knows
+speeds as differences of angles, and may filter them; friction lags behind the speed. No description says any of that.
+An engine that takes steps does all of it, by half a step or a whole one.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -8,11 +13,14 @@ import numpy as np
 
 from ffgym.core.errors import check_number
 from ffgym.core.types import Array
-from ffgym.diagnosis.base_torques import base_torques
-from ffgym.diagnosis.lateness import late_columns
-from ffgym.diagnosis.replay import Replay
-from ffgym.diagnosis.signatures.column import Column, columns_of, machine_columns
-from ffgym.effects import Effect, NativeEffect
+from ffgym.diagnosis.identification.rigid_body.base import base_parameters
+from ffgym.diagnosis.identification.rigid_body.terms import BODIES, ROTOR_INERTIA, rigid_motion
+from ffgym.diagnosis.replay import Replay, servo_feedback
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.signatures.column import Column, column_of_machine, columns_of, machine_columns
+from ffgym.diagnosis.signatures.push import Parts
+from ffgym.effects import ClockEffect, Effect, NativeEffect
+from ffgym.effects.drive.delay import TorqueDelay
 from ffgym.effects.drive.offset import TorqueOffset
 from ffgym.effects.drive.torque_constant import TorqueConstant
 from ffgym.effects.effect import Side
@@ -22,10 +30,136 @@ from ffgym.effects.friction.stribeck import StribeckPeak
 from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.effects.load.rotor_inertia import RotorInertia
 from ffgym.effects.measurement.tool_frame import ToolFrame
+from ffgym.effects.measurement.torque_clock import TorqueClock
 from ffgym.effects.parameters import parameter
 from ffgym.effects.transmission.stiffness import JointStiffness
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
+
+_TERMS = (BODIES, ROTOR_INERTIA)
+
+
+def base_torques(run: Replay) -> dict[str, Parts]:
+    """Motor torque that each base parameter of bodies and rotors adds along a replay, by the parameter's name.
+
+    Together they span all torques that other masses, centres of mass, inertias and rotors would give a rigid arm. Each
+    is as large as the torque of the motor on which it is largest, so that one number says how far all are left open.
+    """
+    robot, log = run.robot, run.log
+    motion = rigid_motion(robot, *(x.reshape(-1, robot.n_joints) for x in (log.q, log.dq, log.ddq)))
+    base = base_parameters(robot, _TERMS)
+    own, taken, k = set(base.own.tolist()), _rms(run.torque), 0
+    found: dict[str, Parts] = {}
+    for term in _TERMS:
+        for part in term.columns(robot, motion):
+            for i in range(part.shape[1]):
+                if k + i in own and (parts := _parts(run, part[:, i].reshape(log.q.shape), taken)):
+                    found[base.labels[k + i]] = parts
+            k += part.shape[1]
+    return found
+
+
+def _parts(run: Replay, torque: Array, taken: Array) -> Parts:
+    """A column at the size of what motors take; nothing if it is none on all of them."""
+    moved = taken > 0
+    size = float(np.max(_rms(torque)[moved] / taken[moved], initial=0.0))
+    if size == 0.0:
+        return {}
+    rows = run.log.sampling(torque / size)
+    return {("torque", j): rows[..., j] for j in range(run.robot.n_joints)}
+
+
+def _rms(torque: Array) -> Array:
+    """Of each motor over all samples, (N,)."""
+    rms: Array = np.sqrt(np.mean(torque**2, axis=(0, 1)))
+    return rms
+
+
+OF_ROW = 0.05
+"""Standard deviation of the time between torque and position of a row, in rows; chosen: columns that are said to be of
+one instant are read within a fifth of a row."""
+
+OF_CYCLE = 0.25
+"""Standard deviation of the times by which a servo's torque and the speeds that it knows are late, in its cycles;
+chosen: up to a cycle of either is usual."""
+
+OF_FRICTION = 2e-4
+"""Standard deviation of the time by which friction lags behind the speed beyond what bristles say [s]; chosen: lags
+that were measured are of some milliseconds in thick films, and of none in thin ones."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lateness(ClockEffect):
+    """Something of an earlier instant than the row that it stands in; a doubt, no effect to be named."""
+
+    side: ClassVar[Side] = "controller"
+    families: ClassVar[tuple[str, ...]] = ("feedback.effort",)
+
+    latency: Array = parameter("d", unit="s", low=-1e-3, high=1e-3, per="machine", source="only a doubt")
+
+
+@final
+class RowOffset(Lateness):
+    r"""Torque written for another instant of a row than position, :math:`u_{log}(t) = u(t - d)`."""
+
+    name: ClassVar[str] = "row_offset"
+    families: ClassVar[tuple[str, ...]] = ("motor.effort",)
+
+
+@final
+class FrictionLag(Lateness):
+    r"""Friction of the speed of an earlier instant, :math:`\tau_f(t) \to \tau_f(t - d)`; most at reversals.
+
+    Reference:
+        Hess, Soom (1990), ASME Journal of Tribology 112(1), 147-152: friction at oscillating sliding velocities.
+    """
+
+    name: ClassVar[str] = "friction_lag"
+    side: ClassVar[Side] = "motor"
+    families: ClassVar[tuple[str, ...]] = ("motor.effort",)
+
+
+@final
+class ServoCycle(Lateness):
+    r"""Feedback torque that its servo computed from an earlier instant, :math:`u_{fb}(t) = u_c(t - d)`."""
+
+    name: ClassVar[str] = "servo_cycle"
+
+
+@final
+class ServoSpeed(Lateness):
+    r"""Feedback torque of a servo that knows speeds late, :math:`K_v (\dot\theta_{ref}(t) - \dot\theta(t - d))`."""
+
+    name: ClassVar[str] = "servo_speed"
+
+
+def is_row_offset(kind: type[Effect], n_joints: int) -> bool:
+    """Tell whether an effect makes the torque of all joints late by one time, as `RowOffset` does.
+
+    A log shows the sum of both alone: with an effect of that kind in the model, the doubt would trade time with it.
+    """
+    return kind is TorqueClock or (kind is TorqueDelay and n_joints == 1)
+
+
+def late_columns(run: Replay) -> list[tuple[Column, float]]:
+    """Changes of the predictions per second that signals are late, each with the standard deviation of that time."""
+    log, drive, servo = run.log, run.robot.drive, run.robot.servo
+    signals: list[tuple[type[Lateness], Channel, Array, float]] = [
+        (RowOffset, "torque", -np.gradient(run.torque, log.dt, axis=0), OF_ROW * log.dt),
+        (FrictionLag, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), OF_FRICTION),
+    ]
+    if log.shows_servo:
+        computed = -np.gradient(servo_feedback(run.read, run.robot), log.dt, axis=0)
+        known = servo.velocity_gain * drive.motor_angle(run.read.ddq)
+        signals.append((ServoCycle, "servo", computed, OF_CYCLE * servo.control_dt))
+        signals.append((ServoSpeed, "servo", known, OF_CYCLE * servo.control_dt))
+    found = []
+    for effect, channel, rate, sigma in signals:
+        rows = log.sampling(rate)
+        parts: Parts = {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
+        found.append((column_of_machine(effect, "latency", parts), sigma))
+    return found
+
 
 BOUND = 4.0
 """Standard deviations beyond which a calibration error is none: without a bound calibration swallows effects. Of the
@@ -51,21 +185,16 @@ _TOOL = 20e-6
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinkMass(NativeEffect):
-    """Masses and inertias of links other than described; a doubt of the calibration, no effect to be named."""
+    r"""Masses and inertias of links other than described, :math:`m_i \to (1 + a) m_i, I_i \to (1 + a) I_i`; a doubt."""
 
     name: ClassVar[str] = "link_mass"
-    title: ClassVar[str] = "mass of a link"
-    equation: ClassVar[str] = r"m_i \to (1 + a)\, m_i, \quad I_i \to (1 + a)\, I_i"
     side: ClassVar[Side] = "link"
-    signature: ClassVar[str] = "torque: gravity and inertia of all joints before the link"
-    way_in: ClassVar[str] = "native: masses and inertias"
 
     change: Array = parameter("a", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="only a doubt")
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
         """See base class."""
-        factor = 1 + self.change
-        bodies = robot.bodies
+        bodies, factor = robot.bodies, 1 + self.change
         scaled = replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor[:, None])
         return replace(robot, bodies=scaled)
 
@@ -73,43 +202,34 @@ class LinkMass(NativeEffect):
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinkInertia(NativeEffect):
-    """Inertias of links about their centres of mass other than described; a doubt, no effect to be named."""
+    r"""Inertias of links about their centres of mass other than described, :math:`I_i \to (1 + a) I_i`; a doubt."""
 
     name: ClassVar[str] = "link_inertia"
-    title: ClassVar[str] = "inertia of a link about its centre of mass"
-    equation: ClassVar[str] = r"I_i \to (1 + a)\, I_i"
     side: ClassVar[Side] = "link"
-    signature: ClassVar[str] = "torque with the acceleration, and the frequencies at which joints swing"
-    way_in: ClassVar[str] = "native: inertias"
 
     change: Array = parameter("a", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="only a doubt")
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
         """See base class."""
-        bodies = robot.bodies
-        scaled = replace(bodies, inertia=bodies.inertia * (1 + self.change)[:, None])
-        return replace(robot, bodies=scaled)
+        inertia = robot.bodies.inertia * (1 + self.change)[:, None]
+        return replace(robot, bodies=replace(robot.bodies, inertia=inertia))
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointDamping(NativeEffect):
-    """Damping of the joints other than described; a doubt of the calibration, no effect to be named."""
+    r"""Damping of the joints other than described, :math:`d \to (1 + a) d`: seen near resonances; a doubt."""
 
     name: ClassVar[str] = "joint_damping"
-    title: ClassVar[str] = "damping of a joint"
-    equation: ClassVar[str] = r"d \to (1 + a)\, d"
     side: ClassVar[Side] = "link"
-    signature: ClassVar[str] = "tool and torque near resonances"
-    way_in: ClassVar[str] = "native: damping of the joint"
     needs_elasticity: ClassVar[bool] = True
 
     change: Array = parameter("a", unit="1", low=-0.5, high=0.5, minimum=-0.9, source="only a doubt")
 
     def in_description(self, robot: RobotDescription) -> RobotDescription:
         """See base class."""
-        drive = robot.drive
-        return replace(robot, drive=replace(drive, joint_damping=drive.joint_damping * (1 + self.change)))
+        damping = robot.drive.joint_damping * (1 + self.change)
+        return replace(robot, drive=replace(robot.drive, joint_damping=damping))
 
 
 _OF_LINKS: tuple[type[LinkMass] | type[LinkInertia], ...] = (LinkMass, LinkInertia)
@@ -232,10 +352,7 @@ def _stribeck(column: Column, robot: RobotDescription, share: float) -> Doubt:
 
 def _base(run: Replay) -> list[Column]:
     """One column for each base parameter of bodies and rotors."""
-    return [
-        Column(effect=LinkMass, joint="", parameter="change", part=None, choice=k, span=0, shape={}, parts=parts)
-        for k, parts in enumerate(base_torques(run).values())
-    ]
+    return [column_of_machine(LinkMass, "change", parts, k) for k, parts in enumerate(base_torques(run).values())]
 
 
 def _per_link(run: Replay, kind: type[LinkMass] | type[LinkInertia]) -> Sequence[Column]:

@@ -22,7 +22,7 @@ from scipy.stats import chi2
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification import LowPass
-from ffgym.diagnosis.log.white import taken, white_noise
+from ffgym.diagnosis.sampling import taken, white_noise
 
 _BLOCK = 0.5
 """Length of the parts that are looked at [s]: with a window, frequencies from 4 Hz on are told apart."""

@@ -1,19 +1,214 @@
-"""What models leave of recordings that were not diagnosed, along their measured motion: it takes no set-points."""
+"""How far models are from the machine on recordings that were not diagnosed: in closed loop, and replayed.
+
+A diagnosis compares along the measured motion, where no controller hides anything. Here a model runs the references of
+recordings under the documented controller, and its tracking errors, torques and tool positions are compared with those
+that were measured. Best on recordings that were not diagnosed.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar, final
 
 import numpy as np
 
+from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.closed_loop import LoopLevel
+from ffgym.diagnosis.computing import FAILED
+from ffgym.diagnosis.identification.signals import acting_torque
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.log_columns import reference_of, roomy
 from ffgym.diagnosis.measured import counting_rows, measured_rows, residual_rows
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.residual import UNITS, components
+from ffgym.diagnosis.sampling import Sampling
+from ffgym.paths import Reference
 from ffgym.recordings import Recording
+from ffgym.recordings.metrics import motor_error
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
+from ffgym.simulation.run import Progress
+
+LOOP_UNITS = {"tracking error": "rad", "torque": "N m", "tool": "m"}
+"""Quantities that are compared: reference minus motor angle, motor side; motor torque, motor side; tracked position."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopLevel:
+    """How far simulation and machine are apart in one component, RMS over all recordings."""
+
+    quantity: str
+    """One of LOOP_UNITS or a channel."""
+    component: str
+    """Joint, or axis of the world."""
+    unit: str
+    measured: float
+    """RMS of what was measured, less its mean."""
+    before: float
+    """Of measured minus simulated, with the nominal model."""
+    after: float
+    """With the extended model."""
+
+
+def closed_loop_gain(
+    nominal: Machine,
+    extended: Machine,
+    recordings: Sequence[Recording],
+    *,
+    n_threads: int = 0,
+    progress: Progress | None = None,
+) -> tuple[LoopLevel, ...]:
+    """How far two models are from the machine in full closed loop.
+
+    Args:
+        nominal: the model before.
+        extended: the model after.
+        recordings: of the machine, with the reference that its controller tracked, motor angles and torques; tool
+            positions are compared where all have them. What a feed-forward law added is added here too.
+        n_threads: of the simulation, 0 for all cores.
+        progress: called now and then with the simulated seconds done and their total.
+
+    Raises:
+        FFGymError: if there are no recordings, one lacks what is needed or cannot be run again.
+    """
+    if not recordings:
+        raise FFGymError("There is nothing to compare: name recordings that were not diagnosed.")
+    robot = nominal.robot
+    runs = [_run_again(nominal, recording) for recording in recordings]
+    machines = [[_started(model, recording) for recording in recordings] for model in (nominal, extended)]
+    before, after = (
+        _simulated(runs, each, n_threads, part) for each, part in zip(machines, _halves(progress), strict=True)
+    )
+    has_tool = robot.tool is not None and all(recording.has("tcp.position") for recording in recordings)
+    levels: list[LoopLevel] = []
+    for quantity, unit in LOOP_UNITS.items():
+        if quantity == "tool" and not has_tool:
+            continue
+        rows = [
+            _compared(quantity, robot, recording, run, one, other)
+            for recording, run, one, other in zip(recordings, runs, before, after, strict=True)
+        ]
+        own, first, second = (_rms([part[k] for part in rows]) for k in range(3))
+        names = ("x", "y", "z") if quantity == "tool" else robot.joints
+        levels += [
+            LoopLevel(quantity=quantity, component=name, unit=unit, measured=a, before=b, after=c)
+            for name, a, b, c in zip(names, own.tolist(), first.tolist(), second.tolist(), strict=True)
+        ]
+    return tuple(levels)
+
+
+def _simulated(
+    runs: Sequence[Run], machines: Sequence[Machine], n_threads: int, progress: Progress | None
+) -> Sequence[Recording | None]:
+    """All runs; none of them if one cannot be simulated: such a model is infinitely far from any machine."""
+    arm = RigidArm(runs[0].reference.robot)
+    try:
+        return simulate(runs, arm=arm, machine=machines, n_threads=n_threads, progress=progress)
+    except FAILED:
+        return [None] * len(runs)
+
+
+def _halves(progress: Progress | None) -> tuple[Progress | None, Progress | None]:
+    """Progress of two simulations of as long motions, one after the other: an effect may need an engine of its own."""
+    if progress is None:
+        return None, None
+    return (lambda done, total: progress(done, 2 * total), lambda done, total: progress(total + done, 2 * total))
+
+
+def check_comparable(nominal: Machine, recordings: Sequence[Recording]) -> None:
+    """Check before long work that recordings can be run again, and compared.
+
+    Raises:
+        FFGymError: as `closed_loop_gain`.
+    """
+    for recording in recordings:
+        _run_again(nominal, recording)
+        for quantity in LOOP_UNITS:
+            if quantity != "tool":
+                _signal(quantity, nominal.robot, recording)
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Recorded(FeedForwardLaw):
+    """What a law added in a recording."""
+
+    name: ClassVar[str] = "recorded"
+    added: Array
+    """Motor side [N m], shape (T, N), at the samples of the reference."""
+
+    def torque(self, reference: Reference) -> Array:
+        """See base class."""
+        return self.added
+
+
+def _run_again(nominal: Machine, recording: Recording) -> Run:
+    """The motion of a recording, with what a law added to it."""
+    reference = reference_of(roomy(nominal.robot, [recording]), recording)
+    if not recording.has("compensation.effort"):
+        law = recording.header.meta.get("feedforward_law", "none")
+        if law != "none":
+            raise FFGymError(
+                f"Recording {recording.header.segment!r} was made with feed-forward law {law!r}, but has no "
+                f"compensation.effort, so it cannot be run again."
+            )
+        return Run(reference=reference)
+    added = _at(reference.t, recording, recording.joint_array("compensation.effort"))
+    if recording.header.torque_semantics == "link_side":
+        added = nominal.robot.drive.motor_torque(added)
+    return Run(reference=reference, law=Recorded(added=added))
+
+
+def _started(model: Machine, recording: Recording) -> Machine:
+    """The model at the time of its session at which a recording began."""
+    start = recording.header.meta.get("session_start", 0.0)
+    return model.later(float(start)) if isinstance(start, int | float) else model
+
+
+def _compared(
+    quantity: str,
+    robot: RobotDescription,
+    recording: Recording,
+    run: Run,
+    before: Recording | None,
+    after: Recording | None,
+) -> tuple[Array, Array, Array]:
+    """What was measured less its mean, and measured minus simulated for both models, through one low-pass.
+
+    Infinite for a model that could not be simulated.
+    """
+    known = before or after
+    t = run.reference.t if known is None else known.t
+    sampling = Sampling.of(float(t[1] - t[0]), [len(t)])
+    inside = sampling.valid(np.ones((len(t), 1), dtype=np.bool_))[:, 0]
+    if not inside.any():
+        raise FFGymError(f"Recording {recording.header.segment!r} is too short to be compared through a low-pass.")
+    measured = _at(t, recording, _signal(quantity, robot, recording))
+
+    def far(model: Recording | None) -> Array:
+        if model is None:
+            return np.full_like(sampling(measured)[inside], np.inf)
+        return sampling(measured - _signal(quantity, robot, model))[inside]
+
+    return sampling(measured - measured.mean(axis=0))[inside], far(before), far(after)
+
+
+def _signal(quantity: str, robot: RobotDescription, recording: Recording) -> Array:
+    if quantity == "torque":
+        return acting_torque(robot, recording)
+    return recording.vector("tcp.position") if quantity == "tool" else motor_error(recording)
+
+
+def _at(t: Array, recording: Recording, values: Array) -> Array:
+    """Values (T, C) of a recording at other times since its beginning, straight between its samples."""
+    since, known = recording.t - recording.t[0], ~np.isnan(values).any(axis=1)
+    return np.stack([np.interp(t, since[known], column[known]) for column in values.T], axis=1)
+
+
+def _rms(parts: Sequence[Array]) -> Array:
+    rms: Array = np.sqrt(np.mean(np.concatenate(parts) ** 2, axis=0))
+    return rms
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,9 +248,9 @@ def held_out_levels(
             quantity=channel,
             component=name,
             unit=UNITS[channel],
-            measured=_rms(_about_mean(measured[channel][..., c], rows), rows),
-            before=_rms(rest[0][channel][..., c], rows),
-            after=_rms(rest[1][channel][..., c], rows),
+            measured=_rms_of(_about_mean(measured[channel][..., c], rows), rows),
+            before=_rms_of(rest[0][channel][..., c], rows),
+            after=_rms_of(rest[1][channel][..., c], rows),
         )
         for channel in rest[0]
         for c, name in enumerate(components(channel, before.robot))
@@ -68,5 +263,5 @@ def _about_mean(values: Array, rows: BoolArray) -> Array:
     return values - values[rows].mean()
 
 
-def _rms(values: Array, rows: BoolArray) -> float:
+def _rms_of(values: Array, rows: BoolArray) -> float:
     return float(np.sqrt(np.mean(values[rows] ** 2)))

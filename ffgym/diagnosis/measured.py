@@ -1,12 +1,53 @@
-"""What was measured along a log, channel by channel, at the rows where residuals are taken."""
+"""Measured minus predicted at the rows that are compared, with what each motor was doing there."""
+
+from collections.abc import Mapping
+from dataclasses import fields
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.low_speed import judged_rows
-from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.regimes import DWELL, REST
+from ffgym.diagnosis.replay import Replay
+from ffgym.diagnosis.residual import Channel, MotionResidual, Residual
+from ffgym.effects import State
+from ffgym.robot import RobotDescription
+
+SLOW = 0.01
+"""Share of a joint's largest speed below which bristles decide the torque. On recorded robots of 300 kg, 0.02 rad/s:
+there Coulomb and viscous friction miss the torque by five to ten times as much as above it."""
+
+_PEAK = 1e-6
+"""Relative difference of breakaway and Coulomb torque from which on a description has a peak at low speed."""
+
+
+def knows_low_speed(robot: RobotDescription) -> BoolArray:
+    """Joints whose description has more than Coulomb and viscous friction: a breakaway peak, shape (N,)."""
+    friction = robot.friction
+    knows: BoolArray = friction.static > (1 + _PEAK) * friction.coulomb
+    return knows
+
+
+def judged_rows(log: Log) -> BoolArray:
+    """Rows that count for the torque of each motor, shape (R, M, N).
+
+    All of them where the description knows low speeds; else those in whose reach of the low-pass the motor never was
+    slow: what it takes to hold still, between plus and minus the breakaway torque, is not determined by its motion.
+    """
+    sampling, robot = log.sampling, log.robot
+    slow = np.abs(_speed(log)) < SLOW * robot.kinematics.max_speed
+    near = maximum_filter1d(slow.astype(np.int8), 2 * sampling.half_length + 1, axis=0)[sampling.at] > 0
+    judged: BoolArray = knows_low_speed(robot) | ~near
+    return judged
+
+
+def _speed(log: Log) -> Array:
+    """Speed behind the gearbox of the motor alone [rad/s], (T, M, N): what other joints turn it by counts too."""
+    drive = log.robot.drive
+    return drive.motor_angle(log.dq) / drive.gear_ratio
+
 
 LEAST = 2.0
 """Time [s] that all motions together must last: a block of a second to fit to, and another to judge by."""
@@ -105,3 +146,83 @@ def _without_trend(rows: Array, valid: BoolArray, *, slope: bool) -> Array:
     energy = np.maximum((time**2).sum(axis=0), 1.0)
     straight: Array = rest - time[..., None] * (np.einsum("rmc,rm->mc", rest, time) / energy[:, None])
     return straight
+
+
+def since_move(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
+    """Travel since the present move began, and how long the motor had stood before it; both as large as the angle.
+
+    A move begins where a motor turns, and where it starts after `DWELL` or more at rest, in either direction. Shorter
+    stops are turns, or none.
+
+    Args:
+        angle: of motors [rad], shape (T, ...).
+        speed: of motors [rad/s], shape (T, ...).
+        dt: time from one sample to the next [s].
+    """
+    moving = np.abs(speed) >= REST
+    direction = np.sign(np.where(moving, speed, 0.0))
+    before = _last(moving)  # the sample in which the motor last moved, before this one
+    samples = np.arange(len(angle)).reshape(-1, *[1] * (angle.ndim - 1))
+    standing = dt * (samples - 1 - before)
+    came = np.where(before < 0, 0.0, np.take_along_axis(direction, np.maximum(before, 0), axis=0))
+    rested = standing >= DWELL
+    begins = moving & (rested | (direction != came))
+    began: IntArray = np.maximum.accumulate(np.where(begins, samples, 0), axis=0)
+    stood = np.where(begins & rested, standing, 0.0)
+    return np.abs(angle - np.take_along_axis(angle, began, axis=0)), np.take_along_axis(stood, began, axis=0)
+
+
+def _last(moving: BoolArray) -> IntArray:
+    """For each sample the last one before it that is true; -1 if none is."""
+    samples = np.arange(len(moving)).reshape(-1, *[1] * (moving.ndim - 1))
+    upto = np.maximum.accumulate(np.where(moving, samples, -1), axis=0)
+    return np.concatenate([np.full_like(upto[:1], -1), upto[:-1]])
+
+
+def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Mapping[Channel, Array]) -> Residual:
+    """Residuals of all motions.
+
+    Args:
+        log: what was measured.
+        run: replay of the machine whose residuals these are.
+        rest: measured minus predicted, (R, M, C) by channel, less what calibration errors explain.
+        floor: RMS of noise alone, (M, C).
+    """
+    at, valid, measured = log.sampling.at, valid_rows(log), measured_rows(log)
+    counting = counting_rows(log)
+    motor = run.robot.drive.motor_angle
+    travel, stood = since_move(motor(run.log.q), motor(run.log.slip_dq), log.dt)
+    motions = []
+    for i, name in enumerate(log.names):
+        n = int(np.searchsorted(at, len(log.recordings[i])))
+        rows = at[:n]
+        motions.append(
+            MotionResidual(
+                motion=name,
+                t=log.t[rows],
+                valid=valid[:n, i],
+                measured={channel: measured[channel][:n, i] for channel in rest},
+                predicted={channel: measured[channel][:n, i] - rest[channel][:n, i] for channel in rest},
+                state=_state_at(run.state, rows, i, log),
+                motor_acceleration=run.robot.drive.motor_angle(run.log.ddq[rows, i]),
+                since_reversal=travel[rows, i],
+                at_rest_for=stood[rows, i],
+                judged={
+                    channel: np.stack([counting[channel, c][:n, i] for c in range(rest[channel].shape[2])], axis=-1)
+                    for channel in rest
+                },
+            )
+        )
+    return Residual(
+        robot=log.robot,
+        motions=tuple(motions),
+        floor=dict(floor),
+        has_temperature=log.temperature is not None,
+        cutoff=log.sampling.cutoff,
+    )
+
+
+def _state_at(state: State, rows: IntArray, i: int, log: Log) -> State:
+    """States at some samples of one motion, (R, N) each."""
+    shape = log.q.shape
+    return State(**{f.name: np.broadcast_to(getattr(state, f.name), shape)[rows, i] for f in fields(State)})

@@ -13,10 +13,10 @@ import numpy as np
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.colour import Colour, colour_of
 from ffgym.diagnosis.log import Log, log_of
-from ffgym.diagnosis.log.white import white_noise
 from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
 from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tool_path
 from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.sampling import white_noise
 from ffgym.recordings import Recording
 
 _ROUNDING = 1e-12
@@ -66,9 +66,6 @@ def noise_of(run: Replay) -> Noise:
 
     Of samples some milliseconds apart, reversals and stops are in that band, too. They are in the signal and not in
     what a model leaves of it, which has them only where the model is wrong; noise is no louder than either.
-
-    Args:
-        run: replay of the log on the nominal machine.
     """
     log, left = run.read, _left(run)
     low_pass = log.sampling.motion_filter
@@ -91,14 +88,7 @@ def noise_of(run: Replay) -> Noise:
 
 
 def _with_colours(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
-    """Noise with what torques and trackers have beside white noise.
-
-    Args:
-        noise: white.
-        log: whose noise it is.
-        like: its replay on the nominal machine.
-        own: replay of that machine over its own motion, with white noise.
-    """
+    """Noise with what torques and trackers have beside white noise."""
     left, white = _left(like), _left(own)
     measured = {"motor.effort": log.torque, "feedback.effort": log.feedback, "tcp.position": log.tool}
     cutoff, low_pass, n = log.sampling.cutoff, log.sampling.motion_filter, range(len(log.recordings))
@@ -224,15 +214,7 @@ class Faultless:
 def faultless_residuals(
     log: Log, own: Replay, bias: Mapping[Channel, Array], like: Replay, rng: np.random.Generator
 ) -> Faultless:
-    """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off.
-
-    Args:
-        log: whose noise it is.
-        own: replay of the nominal machine over its own motion, without noise.
-        bias: what replay and machine differ by.
-        like: replay of the log on the nominal machine.
-        rng: draws the noise.
-    """
+    """Residuals of the nominal model over its own recordings, with the noise of a log; `bias` is taken off."""
     noise = noise_of(like)
 
     def drawn() -> Replay:

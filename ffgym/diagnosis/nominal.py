@@ -15,7 +15,7 @@ from ffgym.diagnosis.identification.rigid_body import (
     identify_rigid_body,
     starting_robot,
 )
-from ffgym.diagnosis.log.sampling import Sampling
+from ffgym.diagnosis.sampling import Sampling
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription, RobotDraft
 from ffgym.robot.friction import LuGreParameters

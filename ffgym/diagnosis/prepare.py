@@ -9,27 +9,21 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
-from ffgym.diagnosis.evidence.stack import Values, blocks_of
-from ffgym.diagnosis.exact import Exact, exact_recordings, is_same_motion
-from ffgym.diagnosis.first_swing import first_swing
+from ffgym.diagnosis.evidence import Values, blocks_of
+from ffgym.diagnosis.exact import FOREIGN, UNKNOWN, Exact, exact_recordings, has_servo, is_foreign, is_same_motion
 from ffgym.diagnosis.fit.calibrate import calibrate
-from ffgym.diagnosis.fit.fit import evaluated
+from ffgym.diagnosis.fit.fit import evaluated, excess_of, loudness, without_calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.leftover import excess_of, loudness, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, encoder_steps, faultless_residuals
-from ffgym.diagnosis.outliers import bound_outliers
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.search.candidates import Candidates, candidates_of
-from ffgym.diagnosis.search.surrogates import surrogates
-from ffgym.diagnosis.servo import FOREIGN, UNKNOWN, has_servo, is_foreign
+from ffgym.diagnosis.search.candidates import Candidates, candidates_of, surrogates
 from ffgym.diagnosis.signatures.column import Column, columns_of
 from ffgym.diagnosis.signatures.variant import variants
-from ffgym.diagnosis.standing import misread_friction
-from ffgym.diagnosis.unknown_torque import doubt_rows, unknown_torque
+from ffgym.diagnosis.weights import bound_outliers, doubt_rows, first_swing, misread_friction, unknown_torque
 from ffgym.effects import Effect, State, TorqueEffect, Torques
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions

@@ -9,40 +9,30 @@ import numpy as np
 
 from ffgym.core.errors import check_whole
 from ffgym.core.provenance import versions
-from ffgym.core.types import Array
-from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals, told
-from ffgym.diagnosis.answer.excitation import judgeable_kinds, not_excited
-from ffgym.diagnosis.answer.gain import Gain, held_out_gain
-from ffgym.diagnosis.answer.leads import with_leads
-from ffgym.diagnosis.answer.levels import levels
-from ffgym.diagnosis.answer.next_motion import next_motion
-from ffgym.diagnosis.answer.sentence import sentence_of
-from ffgym.diagnosis.answer.sizes import causes_of, is_there
-from ffgym.diagnosis.answer.verdict import LOUD, judged
 from ffgym.diagnosis.band import comparison_cutoff
 from ffgym.diagnosis.by_recording import drifts
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.choice import Choice
-from ffgym.diagnosis.first_look import FirstLook, first_look
+from ffgym.diagnosis.computing import on_one_thread
+from ffgym.diagnosis.excitation import FirstLook, first_look, judgeable_kinds, not_excited, with_leads
+from ffgym.diagnosis.extended import fitted_numbers
+from ffgym.diagnosis.fit.fit import loudness, without_calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.leftover import loudness, without_calibration
-from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.fit.written import Written, written
-from ffgym.diagnosis.fitted_numbers import fitted_numbers
-from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.log.order import by_content
-from ffgym.diagnosis.log.reference import beyond_limits
-from ffgym.diagnosis.measured import check_length
-from ffgym.diagnosis.one_thread import on_one_thread
+from ffgym.diagnosis.log import by_content, log_of
+from ffgym.diagnosis.log_columns import beyond_limits
+from ffgym.diagnosis.measured import check_length, residual_of
 from ffgym.diagnosis.patterns import find_patterns
 from ffgym.diagnosis.prepare import Memory, Prepared, explains_all, noise_for, prepared, within_calibration
-from ffgym.diagnosis.residual import Channel, Residual
-from ffgym.diagnosis.residuals import residual_of
-from ffgym.diagnosis.result import Diagnosis, Level, Miswiring
+from ffgym.diagnosis.residual import Residual
+from ffgym.diagnosis.result import Diagnosis, Miswiring
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.search import MOST, Report, search
 from ffgym.diagnosis.search.worth import is_known
+from ffgym.diagnosis.separation import next_motion
+from ffgym.diagnosis.sizes import causes_of, held_out_gain, is_there, levels
 from ffgym.diagnosis.thinning import note_of, thin
+from ffgym.diagnosis.verdict import LOUD, beside_blind, blind_rivals, judged, sentence_of, told
 from ffgym.logs.quality import conditioned_alike
 from ffgym.logs.quality import judged as judged_logs
 from ffgym.logs.quality.wiring import Wiring, find_wiring
@@ -100,14 +90,7 @@ def diagnose(
         FFGymError: if there is nothing to diagnose, or logs and robot do not fit.
     """
     return examine(
-        nominal,
-        recordings,
-        calibration=calibration,
-        seed=seed,
-        report=report,
-        memory=memory,
-        most=most,
-        accept=accept,
+        nominal, recordings, calibration=calibration, seed=seed, report=report, memory=memory, most=most, accept=accept
     ).diagnosis
 
 
@@ -124,48 +107,31 @@ def examine(
     most: int = MOST,
     accept: Sequence[str] = (),
 ) -> Examined:
-    """Diagnose logs of a machine, and keep what that was made from.
+    """Diagnose logs of a machine, as `diagnose` does, and keep what that was made from.
 
-    Args:
-        nominal: see `diagnose`.
-        recordings: see there.
-        calibration: see there.
-        seed: see there.
-        report: see there.
-        first: told what stands out, soon and before anything is sure; None saves that time.
-        memory: see `diagnose`.
-        most: see there.
-        accept: see there.
+    `first` is told what stands out, soon and before anything is sure; None saves that time.
     """
     given = tuple(thin(recordings))
-    recordings = by_content(given)
     machine = Machine.of(nominal)
     check_whole("most causes", most, low=1, high=MOST)
     rng = np.random.default_rng(check_whole("seed", seed, low=0))
-    recordings = conditioned_alike(recordings)
+    recordings = conditioned_alike(by_content(given))
     quality = judged_logs(recordings, machine.physical, ("diagnosis",), accept)
-    flagged = (*note_of(given), *quality.flagged)
-    provenance = {"seed": seed, "versions": versions()}
     names = tuple(recording.header.segment for recording in given)
+    said: dict[str, Any] = {
+        "robot": machine.robot.name,
+        "motions": names,
+        "quality": (*note_of(given), *quality.flagged),
+        "provenance": {"seed": seed, "versions": versions()},
+    }
     wiring = find_wiring(recordings, machine.physical)
-    if wiring.mistakes:
-        miswired = _miswired(wiring, machine, names, provenance)
-        return Examined(
-            diagnosis=miswired, before=None, after=None, machine=machine, nominal=machine, rewiring=wiring.rewiring
-        )
-    if not quality.recordings and recordings:
-        insufficient = Diagnosis(
-            verdict="insufficient",
-            sentence=f"These logs do not allow a diagnosis: {quality.left_out[0]}",
-            robot=machine.robot.name,
-            motions=names,
-            quality=flagged,
-            provenance=provenance,
-        )
-        return Examined(diagnosis=insufficient, before=None, after=None, machine=machine, nominal=machine)
+    if wiring.mistakes or (not quality.recordings and recordings):
+        answer = _miswired(wiring, said) if wiring.mistakes else _insufficient(quality.left_out[0], said)
+        rewiring = wiring.rewiring if wiring.mistakes else Rewiring()
+        return Examined(diagnosis=answer, before=None, after=None, machine=machine, nominal=machine, rewiring=rewiring)
     report("replaying the nominal model", 0.0)
     recordings = quality.recordings
-    flagged = (*flagged, *beyond_limits(machine.physical, recordings))
+    said["quality"] = (*said["quality"], *beyond_limits(machine.physical, recordings))
     log = log_of(machine.physical, recordings)
     check_length(log)
     if (cutoff := comparison_cutoff(log, machine)) < log.sampling.cutoff:
@@ -175,140 +141,114 @@ def examine(
         first(first_look(log, machine, known))
     ready = prepared(log, machine, known, rng, memory)
     # loosely known numbers are fitted first, alone, and then together with the causes that are found about them
-    look = partial(_look, machine, known, rng=rng, report=report, flagged=flagged, provenance=provenance, most=most)
+    look = partial(_Look, machine=machine, calibration=known, rng=rng, report=report, most=most, said=said)
     about = within_calibration(ready, known, rng) if known.share >= LOOSE else None
-    seen = look(ready, memory=memory) if about is None else look(about)
-    if about is not None and seen.causes:
+    found, causes = look(ready).search(memory) if about is None else look(about).search()
+    if about is not None and causes:
         report("fitting numbers beside the causes", 0.0)
-        again = within_calibration(ready, known, rng, about.setting.as_described(seen.causes))
-        seen = look(ready if again is None else again)
-    found = seen.examined
+        again = within_calibration(ready, known, rng, about.setting.as_described(causes))
+        found, _ = look(ready if again is None else again).search()
     # numbers that are known well are the reason only if they explain all
     if found.diagnosis.verdict != "none" and known.share < LOOSE:
         about = within_calibration(ready, known, rng, thoroughly=False)
         if about is not None and explains_all(ready, about):
             report("diagnosing about numbers within their calibration", 0.0)
-            found = look(about).examined
+            found, _ = look(about).search()
     used = {recording.header.segment for recording in recordings}
     motions = tuple(name for name in names if name in used)
     return replace(found, diagnosis=replace(found.diagnosis, motions=motions))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Seen:
-    """Outcome of a look at a log about some numbers of the machine."""
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """A look at a log about some numbers of the machine."""
 
-    examined: Examined
-    causes: tuple[Hypothesis, ...]
-    """What a search found that is no number within its calibration, whether it is told or not."""
+    ready: Prepared
+    machine: Machine
+    calibration: Calibration
+    rng: np.random.Generator
+    report: Report
+    most: int
+    said: Mapping[str, Any]
+    """Entries of the diagnosis that are known before."""
 
+    def search(self, memory: Memory | None = None) -> tuple[Examined, tuple[Hypothesis, ...]]:
+        """Search for causes and conclude; beside that all causes that are no number within its calibration."""
+        ready, setting, rng = self.ready, self.ready.setting, self.rng
+        kinds = judgeable_kinds(setting.log, setting.nominal, self.calibration, ready.no_servo)[0]
+        self.report("computing what each effect would change", 0.1)
+        found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, self.report, self.most)
+        causes = tuple(one for one in found.whole.fit.hypotheses if not is_known(setting, one))
+        model = written(setting, found.final.fit, self.calibration) if found.final.fit.hypotheses else None
+        if model is not None and any(one.is_null or is_known(setting, one) for one in model.hypotheses):
+            found, model = (
+                found.without_causes,
+                None,
+            )  # numbers within their calibration do what the causes seemed to do
+        examined = self.conclude(found, model)
+        if (named := examined.diagnosis.causes) and not any(is_there(cause) for cause in named):
+            examined = self.conclude(found.without_causes, None)
+        return examined, causes
 
-def _look(
-    machine: Machine,
-    calibration: Calibration,
-    ready: Prepared,
-    *,
-    rng: np.random.Generator,
-    report: Callable[[str, float], None],
-    flagged: tuple[str, ...],
-    provenance: Mapping[str, object],
-    most: int,
-    memory: Memory | None = None,
-) -> _Seen:
-    """Search a log for causes about some numbers of the machine, and conclude."""
-    setting, log = ready.setting, ready.setting.log
-    kinds = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[0]
-    report("computing what each effect would change", 0.1)
-    found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, report, most)
-    causes = tuple(one for one in found.whole.fit.hypotheses if not is_known(setting, one))
-    model = written(setting, found.final.fit, calibration) if found.final.fit.hypotheses else None
-    if model is not None and any(one.is_null or is_known(setting, one) for one in model.hypotheses):
-        found, model = found.without_causes, None  # numbers within their calibration do what the causes seemed to do
-    conclude = partial(_conclude, machine, calibration, ready, rng, report, flagged, provenance)
-    examined = conclude(found, model)
-    if (named := examined.diagnosis.causes) and not any(is_there(cause) for cause in named):
-        examined = conclude(found.without_causes, None)
-    return _Seen(examined=examined, causes=causes)
-
-
-def _conclude(
-    machine: Machine,
-    calibration: Calibration,
-    ready: Prepared,
-    rng: np.random.Generator,
-    report: Callable[[str, float], None],
-    flagged: tuple[str, ...],
-    provenance: Mapping[str, object],
-    found: Found,
-    model: Written | None,
-) -> Examined:
-    """Turn the outcome of a search into a diagnosis, with what it was made from."""
-    setting, log = ready.setting, ready.setting.log
-    not_judgeable = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[1]
-    first = without_calibration(setting, found.nominal.fit)
-    rest = without_calibration(setting, found.final.fit)
-    after = residual_of(log, found.final.fit.run, rest, ready.floor)
-    before = residual_of(log, found.nominal.fit.run, first, ready.floor)
-    loud = loudness(setting, rest)
-    blind = blind_rivals(found.final.fit.hypotheses, not_judgeable)
-    verdict = beside_blind(judged(setting, found, loudness(setting, first), loud), blind)
-    report("looking at what is left", 0.95)
-    left = after
-    if found.unsure:
-        left = residual_of(log, found.whole.fit.run, without_calibration(setting, found.whole.fit), ready.floor)
-    is_left = verdict.verdict in ("unknown", "partly") or max(loud.values()) > LOUD
-    patterns = find_patterns(left, rng) if is_left else ()
-    final = found.final.fit
-    gain = held_out_gain(setting, found.nominal.fit, final, calibration) if model is not None else None
-    if model is not None:
-        final = replace(final, hypotheses=model.hypotheses)
-    causes = causes_of(final, verdict.gains, calibration, rng)
-    ties = bool(causes) and any(rival.tied for rival in found.rivals)
-    rivals = (*found.rivals, *told(verdict, blind)) if causes else ()
-    if ties:
-        report("looking for a motion that tells rivals apart", 0.97)
-    quiet = not_excited(found)
-    diagnosis = Diagnosis(
-        verdict=verdict.verdict,
-        sentence=sentence_of(verdict, causes, rivals, patterns, log.robot),
-        robot=log.robot.name,
-        motions=log.names,
-        causes=causes,
-        numbers=() if model is None else fitted_numbers(machine, model.numbers),
-        drifts=drifts(log, found.final.fit.run, rest, setting.blocks),
-        rivals=rivals,
-        patterns=with_leads(patterns, causes, rivals, quiet, not_judgeable),
-        not_excited=quiet,
-        not_judgeable=not_judgeable,
-        separating_motion=next_motion(found, setting.nominal, ready.floor, calibration) if ties else None,
-        levels=_levels(setting, found, gain, ready.floor),
-        gains=gain is not None and gain.is_better,
-        threshold=found.rounds[0].ranking.threshold,
-        quality=flagged,
-        provenance=dict(provenance),
-    )
-    extended = machine if model is None else model.machine
-    return Examined(diagnosis=diagnosis, before=before, after=after, machine=extended, nominal=machine)
+    def conclude(self, found: Found, model: Written | None) -> Examined:
+        """Turn the outcome of a search into a diagnosis, with what it was made from."""
+        ready, setting, log, calibration = self.ready, self.ready.setting, self.ready.setting.log, self.calibration
+        not_judgeable = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[1]
+        first = without_calibration(setting, found.nominal.fit)
+        rest = without_calibration(setting, found.final.fit)
+        after = residual_of(log, found.final.fit.run, rest, ready.floor)
+        before = residual_of(log, found.nominal.fit.run, first, ready.floor)
+        loud = loudness(setting, rest)
+        blind = blind_rivals(found.final.fit.hypotheses, not_judgeable)
+        verdict = beside_blind(judged(setting, found, loudness(setting, first), loud), blind)
+        self.report("looking at what is left", 0.95)
+        left = after
+        if found.unsure:
+            left = residual_of(log, found.whole.fit.run, without_calibration(setting, found.whole.fit), ready.floor)
+        is_left = verdict.verdict in ("unknown", "partly") or max(loud.values()) > LOUD
+        patterns = find_patterns(left, self.rng) if is_left else ()
+        final = found.final.fit
+        gain = held_out_gain(setting, found.nominal.fit, final, calibration) if model is not None else None
+        if model is not None:
+            final = replace(final, hypotheses=model.hypotheses)
+        causes = causes_of(final, verdict.gains, calibration, self.rng)
+        ties = bool(causes) and any(rival.tied for rival in found.rivals)
+        rivals = (*found.rivals, *told(verdict, blind)) if causes else ()
+        if ties:
+            self.report("looking for a motion that tells rivals apart", 0.97)
+        quiet = not_excited(found)
+        residuals = (found.nominal.fit.residual,) * 2 if gain is None else (gain.before, gain.after)
+        diagnosis = Diagnosis(
+            **dict(self.said) | {"robot": log.robot.name, "motions": log.names},
+            verdict=verdict.verdict,
+            sentence=sentence_of(verdict, causes, rivals, patterns, log.robot),
+            causes=causes,
+            numbers=() if model is None else fitted_numbers(self.machine, model.numbers),
+            drifts=drifts(log, found.final.fit.run, rest, setting.blocks),
+            rivals=rivals,
+            patterns=with_leads(patterns, causes, rivals, quiet, not_judgeable),
+            not_excited=quiet,
+            not_judgeable=not_judgeable,
+            separating_motion=next_motion(found, setting.nominal, ready.floor, calibration) if ties else None,
+            levels=levels(setting, *residuals, ready.floor),
+            gains=gain is not None and gain.is_better,
+            threshold=found.rounds[0].ranking.threshold,
+        )
+        extended = self.machine if model is None else model.machine
+        return Examined(diagnosis=diagnosis, before=before, after=after, machine=extended, nominal=self.machine)
 
 
-def _levels(setting: Setting, found: Found, gain: Gain | None, floor: Mapping[Channel, Array]) -> tuple[Level, ...]:
-    """Of the nominal and the extended model; without one, the nominal model twice."""
-    nominal = found.nominal.fit.residual
-    return levels(setting, nominal if gain is None else gain.before, nominal if gain is None else gain.after, floor)
+def _insufficient(reason: object, said: Mapping[str, Any]) -> Diagnosis:
+    sentence = f"These logs do not allow a diagnosis: {reason}"
+    return Diagnosis(verdict="insufficient", sentence=sentence, **said)
 
 
-def _miswired(wiring: Wiring, machine: Machine, motions: tuple[str, ...], provenance: dict[str, Any]) -> Diagnosis:
+def _miswired(wiring: Wiring, said: Mapping[str, Any]) -> Diagnosis:
     """Answer where columns are not what they are called; what the gate says of them repeats that."""
     entries = tuple(
         Miswiring(kind=one.kind, families=one.families, joints=one.joints, message=one.message)
         for one in wiring.mistakes
     )
     more = f" {len(entries) - 1} more of the kind." if len(entries) > 1 else ""
-    return Diagnosis(
-        verdict="wiring",
-        sentence=f"Columns of these logs are not what they are called. {entries[0].message}{more}",
-        robot=machine.robot.name,
-        motions=motions,
-        wiring=entries,
-        provenance=provenance,
-    )
+    sentence = f"Columns of these logs are not what they are called. {entries[0].message}{more}"
+    return Diagnosis(verdict="wiring", sentence=sentence, wiring=entries, **dict(said) | {"quality": ()})

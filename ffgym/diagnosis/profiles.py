@@ -7,8 +7,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.log_rows import LogRows
-from ffgym.diagnosis.regimes import FEW, REST
+from ffgym.diagnosis.regimes import FEW, REST, LogRows
 
 BINS = 24
 """Bins of a profile; chosen: as many as a small picture can show."""

@@ -1,6 +1,6 @@
-"""Where a model is wrong: residual over noise floor, joint by joint, by what the joint was doing."""
+"""Residual over noise floor, joint by joint, by what the joint was doing."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -8,9 +8,71 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.log_rows import LogRows, log_rows
-from ffgym.diagnosis.residual import Channel, Residual, components
+from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
 from ffgym.robot.friction import LuGreParameters
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LogRows:
+    """Rows of all motions, R in all, of one channel with C components; N joints."""
+
+    motion: IntArray
+    """Place of the motion in the log, shape (R,)."""
+    time: Array
+    """Time since the first motion began, pauses left out [s], shape (R,)."""
+    residual: Array
+    """Measured minus predicted, in the unit of the channel, shape (R, C); NaN in rows that do not count."""
+    floor: Array
+    """Noise floor of each row's motion, shape (R, C)."""
+    speed: Array
+    """Motor speed [rad/s], shape (R, N)."""
+    angle: Array
+    """Motor angle [rad], shape (R, N)."""
+    position: Array
+    """Joint position behind the gearbox, link side [rad], shape (R, N)."""
+    load: Array
+    """What the motor bears of the load behind the gearbox, motor side [N m], shape (R, N)."""
+    travel: Array
+    """Travel of each motor since it turned [rad], shape (R, N)."""
+    stood: Array
+    """How long each motor had stood when its move began [s], shape (R, N)."""
+    temperature: Array
+    """[degC], shape (R, N)."""
+
+
+def log_rows(residual: Residual, channel: Channel) -> LogRows:
+    """Rows of a log with the residual of one channel, which all its motions have; none after the last that counts."""
+    motions, n = residual.motions, residual.robot.n_joints
+    kept = [_length(motion) for motion in motions]
+    ends = np.cumsum([motion.t[k - 1] - motion.t[0] for motion, k in zip(motions, kept, strict=True)])
+    begins = np.concatenate([[0.0], ends[:-1]])
+
+    def joined(of: Callable[[MotionResidual], Array]) -> Array:
+        return np.concatenate([of(motion)[:k] for motion, k in zip(motions, kept, strict=True)])
+
+    def state(name: str) -> Array:
+        return joined(lambda motion: np.broadcast_to(getattr(motion.state, name), (len(motion.t), n)))
+
+    return LogRows(
+        motion=np.repeat(np.arange(len(motions)), kept),
+        time=joined(lambda motion: motion.t - motion.t[0]) + np.repeat(begins, kept),
+        residual=joined(lambda motion: np.where(motion.valid[:, None], motion.residual[channel], np.nan)),
+        floor=np.repeat(residual.floor[channel], kept, axis=0),
+        speed=state("motor_speed"),
+        angle=state("motor_angle"),
+        position=state("joint_angle"),
+        load=state("load_at_motor"),
+        travel=joined(lambda motion: motion.since_reversal),
+        stood=joined(lambda motion: motion.at_rest_for),
+        temperature=state("temperature"),
+    )
+
+
+def _length(motion: MotionResidual) -> int:
+    """Rows up to the last that counts; at least one."""
+    counting = np.flatnonzero(motion.valid)
+    return int(counting[-1]) + 1 if len(counting) else 1
+
 
 REST = 0.05
 """Motor speed below which a motor stands [rad/s]; chosen: above what noise of a resolver makes of standstill, and a
@@ -44,10 +106,7 @@ REGIMES: Mapping[str, Mapping[str, str]] = MappingProxyType(
             "mid": "between slow and fast",
             "fast": "from where viscous friction is as large as Coulomb friction",
         },
-        "load": {
-            "low load": "load on the motor below a third of its largest",
-            "high load": "above two thirds",
-        },
+        "load": {"low load": "load on the motor below a third of its largest", "high load": "above two thirds"},
         "position": {
             "low end": "lowest third of the positions that the joint went to",
             "middle": "middle third",

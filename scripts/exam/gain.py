@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.diagnosis.closed_loop import LoopLevel, closed_loop_gain
 from ffgym.diagnosis.extended import extended_machine
+from ffgym.diagnosis.held_out import LoopLevel, closed_loop_gain
 from ffgym.diagnosis.result import Cause, Number
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm

@@ -18,9 +18,9 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.provenance import versions
 from ffgym.core.types import Array
-from ffgym.diagnosis.answer.excitation import judgeable_kinds
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.low_speed import knows_low_speed
+from ffgym.diagnosis.excitation import judgeable_kinds
+from ffgym.diagnosis.measured import knows_low_speed
 from ffgym.diagnosis.result import Unjudged
 from ffgym.effects import EFFECTS, Effect
 from ffgym.report.figure import house_style, legend_above, new_figure

@@ -17,9 +17,8 @@ from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyFit, RigidBodyOptions, identify_rigid_body
 from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS
-from ffgym.diagnosis.log_rows import log_rows
 from ffgym.diagnosis.procedure import examine
-from ffgym.diagnosis.regimes import regime_map
+from ffgym.diagnosis.regimes import log_rows, regime_map
 from ffgym.diagnosis.residual import Residual
 from ffgym.logs import read_log
 from ffgym.published import EMPS_ASYMMETRIC, EMPS_SYMMETRIC, KR300_FRICTION, EmpsModel

@@ -13,10 +13,7 @@ from tests.logs.quality.test_defects import applicable
 
 ROBOT, MOTION = "two_link", "multisine"
 
-MENDED = (
-    *("clock_step", "dropped_samples", "jitter"),
-    *("duplicate_rows", "stuck_position", "a_spike", "noise_burst"),
-)
+MENDED = (*("clock_step", "dropped_samples", "jitter"), *("duplicate_rows", "stuck_position", "a_spike", "noise_burst"))
 """Defects that conditioning mends or leaves out."""
 
 BRIDGED = "stuck_position"

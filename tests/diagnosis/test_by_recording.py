@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.by_recording import days_of, drifts
-from ffgym.diagnosis.evidence.stack import blocks_of
+from ffgym.diagnosis.evidence import blocks_of
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.sizes import causes_of
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.document import diagnosis_document, parse_diagnosis
-from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.extended import effect_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Diagnosis
+from ffgym.diagnosis.sizes import causes_of
+from ffgym.diagnosis.solving import Priors
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
 

@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.control import DynamicLuGreExact
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.closed_loop import closed_loop_gain
+from ffgym.diagnosis.held_out import closed_loop_gain
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording

@@ -7,12 +7,11 @@ import pytest
 
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.exact import exact_recordings
+from ffgym.diagnosis.exact import FOREIGN, UNKNOWN, exact_recordings
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import predicted, replay
-from ffgym.diagnosis.servo import FOREIGN, UNKNOWN
 from ffgym.recordings import Recording
 from ffgym.simulation.plant import Machine
 from tests.diagnosis.continuous_axis import Gains, recorded, sines

@@ -10,9 +10,9 @@ from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.exact import exact_recordings
 from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.log.derivatives import derivatives
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.sampling import derivatives
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm
 from ffgym.simulation import Run, simulate

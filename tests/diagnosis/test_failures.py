@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis import closed_loop, diagnose, own_motion
-from ffgym.diagnosis.closed_loop import closed_loop_gain
+from ffgym.diagnosis import diagnose, held_out
+from ffgym.diagnosis import exact as exact_module
 from ffgym.diagnosis.fit import fit as module
+from ffgym.diagnosis.held_out import closed_loop_gain
 from ffgym.effects import EFFECTS
 from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.simulation.plant import Machine
@@ -47,7 +48,7 @@ def unstable(*args, **settings):
 
 
 def test_a_nominal_machine_that_cannot_be_simulated_moves_as_measured(one_axis, faulty, monkeypatch):
-    monkeypatch.setattr(own_motion, "simulate", unstable)
+    monkeypatch.setattr(exact_module, "simulate", unstable)
     exact, _ = left(one_axis, faulty)
     assert not exact.simulated
     found = diagnose(one_axis, faulty)
@@ -56,12 +57,12 @@ def test_a_nominal_machine_that_cannot_be_simulated_moves_as_measured(one_axis, 
 
 @pytest.mark.parametrize("which", ["before", "after"])
 def test_a_closed_loop_that_cannot_be_simulated_is_infinitely_far(which, one_axis, faulty, monkeypatch):
-    real, other = closed_loop.simulate, Machine(robot=one_axis, effects=(ViscousLevel(change=np.array([0.1])),))
+    real, other = held_out.simulate, Machine(robot=one_axis, effects=(ViscousLevel(change=np.array([0.1])),))
 
     def simulate(runs, *, machine, **settings):
         return unstable() if machine[0] is other else real(runs, machine=machine, **settings)
 
-    monkeypatch.setattr(closed_loop, "simulate", simulate)
+    monkeypatch.setattr(held_out, "simulate", simulate)
     good = Machine(robot=one_axis)
     pair = (other, good) if which == "before" else (good, other)
     for level in closed_loop_gain(*pair, faulty, n_threads=1):

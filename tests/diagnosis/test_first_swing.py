@@ -7,10 +7,10 @@ import pytest
 
 from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.first_swing import first_swing
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.prepare import prepared
+from ffgym.diagnosis.weights import first_swing
 from ffgym.effects import EFFECTS
 from ffgym.recordings import Recording
 from tests.diagnosis.replay.replay_samples import nominal, recorded, small, with_effect

@@ -4,15 +4,15 @@ import ctypes
 
 import pytest
 
-from ffgym.diagnosis import heap
+from ffgym.diagnosis import computing
 
 
 @pytest.fixture(autouse=True)
 def forgotten():
     """The function is looked for anew."""
-    heap._trim.cache_clear()
+    computing._trim.cache_clear()
     yield
-    heap._trim.cache_clear()
+    computing._trim.cache_clear()
 
 
 def test_the_c_library_is_asked_once_to_keep_nothing(monkeypatch):
@@ -24,7 +24,7 @@ def test_the_c_library_is_asked_once_to_keep_nothing(monkeypatch):
             asked.append(kept)
 
     monkeypatch.setattr(ctypes, "CDLL", lambda name: Library)
-    heap.trim_heap()
+    computing.trim_heap()
     assert asked == [0]
 
 
@@ -36,4 +36,4 @@ def test_a_system_whose_library_cannot_goes_on(monkeypatch, error):
         return object()
 
     monkeypatch.setattr(ctypes, "CDLL", library)
-    heap.trim_heap()
+    computing.trim_heap()

@@ -83,10 +83,7 @@ def test_what_is_hidden_is_named_with_its_joint(what, question, answer, irb4600)
 
 @pytest.mark.slow
 def test_both_of_a_pair_are_named(question, answer, irb4600):
-    both = (
-        hidden(irb4600, "load_friction", "j2", share=0.06),
-        hidden(irb4600, "coulomb_level", "j5", change=0.2),
-    )
+    both = (hidden(irb4600, "load_friction", "j2", share=0.06), hidden(irb4600, "coulomb_level", "j5", change=0.2))
     assert outcome(answer(question(20, *both)), both) == "right"
 
 

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.low_speed import SLOW, judged_rows, knows_low_speed
+from ffgym.diagnosis.measured import SLOW, judged_rows, knows_low_speed, residual_of
 from ffgym.diagnosis.patterns.rows import rows_of
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.residuals import residual_of
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine
 from tests.diagnosis.identification.rigid_body.recorded_arms import recorded, rigid, swing

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ffgym.diagnosis.moves import since_move
+from ffgym.diagnosis.measured import since_move
 from ffgym.diagnosis.regimes import DWELL, REST
 
 DT = 0.01

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer import next_motion as module
-from ffgym.diagnosis.answer.next_motion import next_motion
+from ffgym.diagnosis import separation as module
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search.found import Round
+from ffgym.diagnosis.separation import next_motion
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine
@@ -33,12 +33,7 @@ def found(*, tied=(), unsure=()):
     ]
     tried = [[SURE], [BEST, SAME, WORSE]]
     rounds = [
-        Round(
-            adopted=True,
-            before=None,
-            ranking=None,
-            tried=tuple(SimpleNamespace(hypothesis=h) for h in hypotheses),
-        )
+        Round(adopted=True, before=None, ranking=None, tried=tuple(SimpleNamespace(hypothesis=h) for h in hypotheses))
         for hypotheses in tried
     ]
     stayed = [h for h in (SURE, BEST) if h not in unsure]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.outliers import EVERYWHERE, USUAL, bound_outliers
+from ffgym.diagnosis.weights import EVERYWHERE, USUAL, bound_outliers
 
 KEY = ("torque", 0)
 NOISE = 0.02

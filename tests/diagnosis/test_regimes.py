@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.log_rows import log_rows
 from ffgym.diagnosis.profiles import VARIABLES, profiles
-from ffgym.diagnosis.regimes import REGIMES, motion_map, regime_map
+from ffgym.diagnosis.regimes import REGIMES, log_rows, motion_map, regime_map
 from tests.diagnosis.residual_samples import made_up
 
 

@@ -11,8 +11,8 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits  # type: ignore[import-untyped]
 
 from ffgym.diagnosis import Memory, diagnose, examine, procedure
+from ffgym.diagnosis.computing import on_one_thread
 from ffgym.diagnosis.document import diagnosis_document
-from ffgym.diagnosis.one_thread import on_one_thread
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings.io import write_recording

@@ -5,9 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from ffgym.diagnosis.answer.sentence import sentence_of
-from ffgym.diagnosis.answer.verdict import Judged
 from ffgym.diagnosis.result import Pattern
+from ffgym.diagnosis.verdict import Judged, sentence_of
 from tests.diagnosis.result_samples import full_diagnosis
 
 

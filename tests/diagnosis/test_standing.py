@@ -11,7 +11,7 @@ from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.noise import encoder_steps, faultless_residuals
 from ffgym.diagnosis.prepare import prepared
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.standing import misread_friction
+from ffgym.diagnosis.weights import misread_friction
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import load_protocols
 from scripts.exam.bench import Bench

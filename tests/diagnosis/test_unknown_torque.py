@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.log.white import without_trembling
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.unknown_torque import doubt_rows, unknown_torque
+from ffgym.diagnosis.sampling import without_trembling
+from ffgym.diagnosis.weights import doubt_rows, unknown_torque
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 
 KEY = ("torque", 0)

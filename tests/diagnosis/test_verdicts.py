@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.verdict import LOUD, _is_explained, stretched_shapes
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search import rivals
 from ffgym.diagnosis.search.rivals import _UNSURE, _inexactness, _is_tied
+from ffgym.diagnosis.verdict import LOUD, _is_explained, stretched_shapes
 from ffgym.effects import EFFECTS
 
 KEY = ("torque", 0)

@@ -14,16 +14,16 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import Calibration, Doubt, doubts_of
-from ffgym.diagnosis.evidence.solve import bounded
-from ffgym.diagnosis.evidence.stack import Evidence, Stack, stack_of
-from ffgym.diagnosis.failures import FAILED
+from ffgym.diagnosis.computing import FAILED
+from ffgym.diagnosis.evidence import Evidence, Stack, stack_of
 from ffgym.diagnosis.fit.fit import Trial, priors_of, priors_of_calibration, trial_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
-from ffgym.diagnosis.fit.numbers import possible_numbers
 from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
 from ffgym.diagnosis.fit.tangents import tangents
+from ffgym.diagnosis.fit.written import possible_numbers
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.parts import Parts
+from ffgym.diagnosis.signatures.push import Parts
+from ffgym.diagnosis.solving import bounded
 from ffgym.effects import NativeEffect
 from ffgym.simulation.plant import Machine
 

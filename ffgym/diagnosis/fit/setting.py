@@ -8,14 +8,13 @@ from typing import Self
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.calibration import Doubt
-from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
+from ffgym.diagnosis.calibration import Doubt, RowOffset, is_row_offset
+from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.lateness import RowOffset, is_row_offset
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.parts import Parts
+from ffgym.diagnosis.signatures.push import Parts
 from ffgym.simulation.plant import Machine
 
 HELD = 1e-6

@@ -72,11 +72,7 @@ def model_of(values: Array) -> LuGreParameters:
 
 
 def fit_bristles(
-    data: SlidingData,
-    static: Array,
-    static_resampled: Array,
-    rng: np.random.Generator,
-    start: Array | None = None,
+    data: SlidingData, static: Array, static_resampled: Array, rng: np.random.Generator, start: Array | None = None
 ) -> BristleFit:
     r"""Fit sigma_0 and sigma_1 to friction along measured speeds, thesis (6.17).
 

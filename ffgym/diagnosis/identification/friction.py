@@ -1,18 +1,22 @@
-"""Identification of LuGre friction: all joints of a robot from one set of recordings, thesis 6.1."""
+"""Identification of LuGre friction: all joints from one set of recordings, thesis 6.1, and how well it holds."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ffgym.control import DynamicLuGreExact
 from ffgym.core.errors import FFGymError, check_choice
-from ffgym.core.types import Array
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
 from ffgym.diagnosis.identification.joint_friction import FitOptions, JointFriction, identify_joint
-from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
+from ffgym.diagnosis.identification.parameter_file import fitted_quantity
+from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES, Estimate
+from ffgym.diagnosis.identification.sliding_data import FORGOTTEN
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
+from ffgym.robot.reading.quantity import Quantity
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,3 +97,121 @@ def identify_friction(
         found.append(identify_joint(own, robot, j, options, rng))
     segments = tuple(torque.signals.segment for torque in torques)
     return FrictionIdentification(prior=robot, joints=tuple(found), segments=segments, level=level)
+
+
+MOVING = 0.05
+"""Motor speed that a joint must reach in a record for it to count [rad/s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validation:
+    """What parameters leave of one joint's friction torque in one record, motor side."""
+
+    segment: str
+    joint: str
+    rms_friction: float
+    """Of the friction torque about its mean [N m]."""
+    rms_error: float
+    """Of friction torque minus model [N m]."""
+
+    @property
+    def share(self) -> float:
+        """Share of the variance that the model explains; negative if it is worse than a constant."""
+        return 1 - (self.rms_error / self.rms_friction) ** 2
+
+
+def predicted_friction(friction: LuGreParameters, torque: FrictionTorque) -> Array:
+    """Friction of a LuGre model along the measured speeds, filtered as they are [N m], shape (T, N), thesis (6.16)."""
+    law = DynamicLuGreExact(friction, n_substeps=1)
+    signals = torque.signals
+    return signals.low_pass(law.along(signals.motor_dq, signals.dt), signals.dt)
+
+
+def validate(
+    friction: LuGreParameters,
+    torques: Sequence[FrictionTorque],
+    *,
+    inertia_error: Array | None = None,
+    offset: Array | None = None,
+) -> list[Validation]:
+    """Errors of friction parameters, record by record, for the joints that move in each.
+
+    Args:
+        friction: parameters of all joints.
+        torques: friction along recordings.
+        inertia_error: share of the model's inertial torque that is missing, shape (N,); None is none. What was found
+            about the model of the arm counts for old and new parameters alike.
+        offset: torque that is no friction [N m], shape (N,); None is none.
+    """
+    found = []
+    for torque in torques:
+        missing = 0.0 if inertia_error is None else inertia_error * torque.inertia
+        measured = torque.friction - missing - (0.0 if offset is None else offset)
+        error = measured - predicted_friction(friction, torque)
+        forgotten = _forgotten(friction, torque)
+        for j, joint in enumerate(torque.signals.robot.joints):
+            scored = torque.counts(j) & forgotten[:, j]
+            if scored.any() and np.abs(torque.signals.motor_dq[scored, j]).max() > MOVING:
+                found.append(
+                    Validation(
+                        segment=torque.signals.segment,
+                        joint=joint,
+                        rms_friction=float(measured[scored, j].std()),
+                        rms_error=float(np.sqrt(np.mean(error[scored, j] ** 2))),
+                    )
+                )
+    return found
+
+
+def _forgotten(friction: LuGreParameters, torque: FrictionTorque) -> BoolArray:
+    """Rows from where bristles of each joint have forgotten how they began, shape (T, N); at rest they never do."""
+    way = np.cumsum(np.abs(torque.signals.motor_dq), axis=0) * torque.signals.dt
+    forgotten: BoolArray = way > FORGOTTEN * friction.static / friction.bristle_stiffness
+    return forgotten
+
+
+_NAMED = 6
+"""Logs that a source names."""
+
+
+def friction_quantities(identification: FrictionIdentification) -> Mapping[str, Quantity]:
+    """Entries [friction.*] for a parameter file: numbers, intervals, what they rest on, and what was before.
+
+    Joints for which the data do not tell an entry keep its number and its origin; an entry that no joint tells is left
+    out, and stays what the description says.
+    """
+    entries = {}
+    for i, estimate in enumerate(identification.joints[0].estimates):
+        column = [joint.estimates[i] for joint in identification.joints]
+        if any(_is_new(own) for own in column):
+            entries[estimate.name] = _quantity(identification, column)
+    return entries
+
+
+def _is_new(estimate: Estimate) -> bool:
+    """Whether a number replaces that of the description: found, given by the caller, or moved to fit what was found."""
+    return estimate.is_identified or estimate.value != estimate.prior
+
+
+def _quantity(identification: FrictionIdentification, column: list[Estimate]) -> Quantity:
+    """One entry for all joints."""
+    robot, path = identification.prior, column[0].name
+    before = robot.quantities[path].origin if path in robot.quantities else ("chosen",)
+    kept = before * len(column) if len(before) == 1 else before
+    origin = tuple("fitted" if _is_new(own) else old for own, old in zip(column, kept, strict=True))
+    others = [f"{own.joint}: {own.status}, {own.reason}" for own in column if not own.is_identified]
+    source = f"ffgym identify from {_named(identification.segments)}; {identification.level:.0%} intervals"
+    return fitted_quantity(
+        robot,
+        path,
+        np.array([own.value for own in column]),
+        "; ".join([source, *others]),
+        origin,
+        np.array([[own.low, own.high] for own in column]),
+    )
+
+
+def _named(segments: Sequence[str]) -> str:
+    """Logs in a few words."""
+    more = f" and {len(segments) - _NAMED} more logs" if len(segments) > _NAMED else ""
+    return ", ".join(segments[:_NAMED]) + more

@@ -1,5 +1,6 @@
-"""What the channels of a log would show of a replay."""
+"""What the channels of a log would show of a replay, some of them written late."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -7,13 +8,39 @@ import numpy as np
 from ffgym.control import servo_torque
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.replay.clocks import late
 from ffgym.diagnosis.replay.rows import Replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.effects import TrackerEffect
+from ffgym.effects import ClockEffect, TrackerEffect
+from ffgym.effects.effect import Effect
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine
+
+FAMILY = {"torque": "motor.effort", "link": "link.position"}
+"""Family of columns that each channel is read from."""
+
+
+def late(values: Array, channel: str, effects: Sequence[Effect], log: Log) -> Array:
+    """Values (T, M, N) of a channel as `effects` let them be written; the same array if none concerns it."""
+    for effect in effects:
+        if isinstance(effect, ClockEffect) and FAMILY.get(channel) in effect.families:
+            values = np.stack([_late(values[:, i], effect, log, len(r)) for i, r in enumerate(log.recordings)], axis=1)
+    return values
+
+
+def in_step(values: Array, channel: str, effects: Sequence[Effect], dt: float) -> Array:
+    """Measured values (T, ...) of a channel as they were sampled, beside positions of the same instants."""
+    for effect in effects:
+        if isinstance(effect, ClockEffect) and FAMILY.get(channel) in effect.families:
+            values = effect.in_step(values, dt)
+    return values
+
+
+def _late(values: Array, effect: ClockEffect, log: Log, n: int) -> Array:
+    """One motion, whose padding stays."""
+    written = values.copy()
+    written[:n] = effect.late(values[:n], log.dt)
+    return written
 
 
 def predicted(run: Replay) -> dict[Channel, Array]:

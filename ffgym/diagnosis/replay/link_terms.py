@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.replay.interpolation import along, places_of
+from ffgym.diagnosis.replay.recursions import along, places_of
 from ffgym.robot import RigidArm
 
 _PERIOD = 0.004

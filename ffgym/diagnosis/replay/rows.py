@@ -8,25 +8,52 @@ No controller takes part, so that nothing of the log's feedback can hide or inve
 derivative of the motor angle is needed. An effect acts by its own code, as it does in a simulation.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.log.derivatives import derivatives_of_motions
 from ffgym.diagnosis.replay.base import BaseTerms, Tilt, base_of, base_terms, tilt_of
-from ffgym.diagnosis.replay.bristles import Bristles, along_speed
-from ffgym.diagnosis.replay.flight import arm_effects, deflected, plus, summed
 from ffgym.diagnosis.replay.link_terms import LinkTerms, bending_of, link_terms, terms_beside
-from ffgym.diagnosis.replay.sameness import alike, same_links
 from ffgym.diagnosis.replay.springs import Deflection, Springs
-from ffgym.diagnosis.replay.states import bent_state, loaded_state, state_of
+from ffgym.diagnosis.replay.states import (
+    Bristles,
+    along_speed,
+    arm_effects,
+    bent_state,
+    deflected,
+    loaded_state,
+    plus,
+    state_of,
+    summed,
+)
+from ffgym.diagnosis.sampling import derivatives_of_motions
 from ffgym.effects import State, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
+
+_OF_LINKS = ("bodies", "tool", "springs", "gravity", "kinematics")
+"""Parts of a description that decide what links ask for."""
+
+
+def same_links(one: RobotDescription, other: RobotDescription) -> bool:
+    """Whether links ask for the same in the same motion."""
+    return all(alike(getattr(one, part), getattr(other, part)) for part in _OF_LINKS)
+
+
+def alike(one: Any, other: Any) -> bool:
+    """Whether two parts of a description have the same numbers."""
+    if one is other:
+        return True
+    if is_dataclass(one) and is_dataclass(other) and type(one) is type(other):
+        return all(alike(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+    if isinstance(one, tuple | list) and isinstance(other, tuple | list):
+        return len(one) == len(other) and all(alike(a, b) for a, b in zip(one, other, strict=True))
+    return bool(np.array_equal(one, other))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

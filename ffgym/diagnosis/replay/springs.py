@@ -18,9 +18,8 @@ from scipy.sparse import csr_array, eye_array
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.replay.banded import swing
-from ffgym.diagnosis.replay.interpolation import cubics, places_of
 from ffgym.diagnosis.replay.link_terms import Bending
+from ffgym.diagnosis.replay.recursions import cubics, places_of, swing
 
 COARSE = 0.002
 """Longest step of the springs [s]; chosen: 60 steps in a swing of 8 Hz, 12 at the cut-off of what is compared."""

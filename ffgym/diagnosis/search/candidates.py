@@ -1,17 +1,50 @@
-"""Every effect of the library on every joint that can have it, as columns beside those of the calibration."""
+"""Candidates: every effect on every joint that can have it, beside calibration, and what chance makes of them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.calibration import Doubt
-from ffgym.diagnosis.evidence.priors import Priors
-from ffgym.diagnosis.evidence.screen import Candidate
-from ffgym.diagnosis.evidence.stack import Blocks, Stack, Values, stack_of
+from ffgym.diagnosis.calibration import BOUND, Doubt
+from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
+from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.signatures.column import Column, together
+from ffgym.diagnosis.signatures.push import Parts
 from ffgym.diagnosis.signatures.variant import step_of
+from ffgym.diagnosis.solving import Candidate, Priors
+
+DRAWS = 60
+"""Draws of noise; the largest score of any candidate in each gives the threshold."""
+
+
+def surrogates(
+    draws: Mapping[Channel, Array], blocks: Blocks, calibration: Sequence[Parts], rng: np.random.Generator
+) -> Values:
+    """Residuals (R, M, K) by component of K faultless logs.
+
+    Each is a replay of the nominal model over its own simulation, with the sign of every block drawn, which keeps size
+    and spectrum; and with calibration errors within their bounds.
+
+    Args:
+        draws: residuals of faultless replays (R, M, C, D).
+        blocks: of rows.
+        calibration: columns per standard deviation.
+        rng: draws signs and errors.
+    """
+    errors = np.clip(rng.normal(size=(len(calibration), DRAWS)), -BOUND, BOUND)
+    found: dict[tuple[Channel, int], Array] = {}
+    for channel, rows in draws.items():
+        for c in range(rows.shape[2]):
+            pick = rng.integers(rows.shape[3], size=DRAWS)
+            signs = rng.choice([-1.0, 1.0], size=(len(blocks) + 1, DRAWS))
+            found[channel, c] = rows[:, :, c, pick] * signs[blocks.of_row]
+    for column, sizes in zip(calibration, errors, strict=True):
+        for key, rows in column.items():
+            if key in found:
+                found[key] += rows[..., None] * sizes
+    return found
+
 
 _WIDE = 10.0
 """Standard deviation of a candidate's parameter in practical steps: as good as free, but not without end."""

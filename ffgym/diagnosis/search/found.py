@@ -1,14 +1,25 @@
-"""What a search finds: rounds of candidates that were fitted, and what was adopted."""
+"""What a search finds: rounds of fits that are judged by blocks left out, kept, slimmed or dropped.
 
-from collections.abc import Iterable
+Friction that depends on temperature has three sizes, of Coulomb, breakaway and viscous torque. Where one of them is in
+the log, the other two bend around noise, and lose against another effect of a single size that looks alike.
+"""
+
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ffgym.core.types import Array
-from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.computing import FAILED
+from ffgym.diagnosis.evidence import half_folds, motion_folds
+from ffgym.diagnosis.fit.fit import Fit, evaluated
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
+from ffgym.diagnosis.fit.refine import fit, polished, refined
+from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search.candidates import Candidates
 from ffgym.diagnosis.search.ranking import Ranking
+from ffgym.diagnosis.solving import Priors, left_by_block
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,3 +87,116 @@ class Found:
     def without_causes(self) -> "Found":
         """The same search with nothing found."""
         return replace(self, final=self.nominal, whole=self.nominal, rivals=(), unsure=())
+
+
+def judged_with(
+    setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | None = None, *, begun: bool = False
+) -> Tried:
+    """Fit, with tangents of others from a fit `like` it, then judge by blocks that were left out."""
+    if not hypotheses:
+        return scored(setting, evaluated(setting, ()))
+    return scored(setting, fit(setting, hypotheses, begun=begun, like=like))
+
+
+def scored(setting: Setting, found: Fit) -> Tried:
+    """A fit with what it leaves in blocks that were left out."""
+    return Tried(fit=found, left=left_out(setting, found, found.priors))
+
+
+def left_out(setting: Setting, found: Fit, priors: Priors) -> Array:
+    """Energy that a fit leaves in blocks that were left out, both splits in mean, shape (B,)."""
+    halves, motions = half_folds(setting.blocks), motion_folds(setting.blocks)
+    left = [left_by_block(found.evidence, folds, found.fold_columns, priors) for folds in (halves, motions) if folds]
+    mean: Array = np.mean(left, axis=0)
+    return mean
+
+
+_THERE = 1e-6
+"""Practical steps from its null value within which a size is there: bounds must lie apart."""
+
+
+def slimmed(setting: Setting, tried: Tried, like: Fit | None = None) -> Tried:
+    """The newest hypothesis without sizes whose absence leaves less on rows that were left out."""
+    while len(sizes := _sizes(tried)) > 1:
+        left = {size: _left_without(setting, tried.fit, size) for size in sizes}
+        least = min(left, key=left.__getitem__)
+        if left[least] >= tried.total:
+            break
+        *others, newest = tried.fit.hypotheses
+        try:
+            fewer = scored(setting, refined(setting, evaluated(setting, (*others, newest.without(least)), like), like))
+        except FAILED:
+            break
+        if fewer.total >= tried.total:
+            break
+        tried = fewer
+    return tried
+
+
+def _sizes(tried: Tried) -> list[str]:
+    """Sizes of the newest hypothesis that are fitted."""
+    known = tried.hypothesis.kind.parameters()
+    return list(dict.fromkeys(free.name for free in tried.hypothesis.free() if known[free.name].role == "size"))
+
+
+def _left_without(setting: Setting, fit: Fit, size: str) -> float:
+    """Energy on rows that were left out with one size at its null value, by slopes."""
+    free, known = fit.hypotheses[-1].free(), fit.hypotheses[-1].kind.parameters()
+    first = len(fit.priors.low) - len(free)
+    low, high = fit.priors.low.copy(), fit.priors.high.copy()
+    for i, number in enumerate(free):
+        if number.name == size:
+            null = (known[size].neutral - number.value) / number.step
+            low[first + i], high[first + i] = null - _THERE, null + _THERE
+    priors = Priors(precision=fit.priors.precision, low=low, high=high)
+    return float(np.sum(left_out(setting, fit, priors)))
+
+
+NEEDED = 0.05
+"""Share of the energy that a cause must keep away beside the others, else it is dropped."""
+
+CLEARLY_NEEDED = 1.0
+"""The same where others are fitted by slopes alone, from which on they are not fitted by replaying; chosen: slopes are
+that far off for none but springs that swing."""
+
+QUIET = 1.05
+"""Energy left, in units of the noise's, from which on a fit may gain from being finer."""
+
+
+def refitted(setting: Setting, adopted: Tried) -> Tried:
+    """The adopted cause, fitted with tangents of all, and more finely if there is anything left to explain."""
+    if len(adopted.fit.hypotheses) > 1:
+        try:
+            adopted = judged_with(setting, adopted.fit.hypotheses, begun=True)
+        except FAILED:
+            return adopted  # with the tangents that it has
+    if adopted.fit.left < QUIET * float(adopted.fit.evidence.rows.sum()):
+        return adopted
+    finer = polished(setting, adopted.fit)
+    return adopted if finer is adopted.fit else scored(setting, finer)
+
+
+def _without(setting: Setting, now: Tried, others: Sequence[Hypothesis]) -> Tried | None:
+    """The other causes alone; None if they do not make up for the one that is left out."""
+    begun = evaluated(setting, others, now.fit)
+    if scored(setting, begun).total > now.total * (1 + CLEARLY_NEEDED):
+        return None
+    fewer = scored(setting, refined(setting, begun, now.fit, roughly=True))
+    if fewer.total > now.total * (1 + NEEDED):
+        return None
+    return judged_with(setting, fewer.fit.hypotheses, now.fit, begun=True)
+
+
+def without_needless(setting: Setting, now: Tried) -> Tried:
+    """Drop causes that the others make up for; what slopes say is enough where they come nowhere near."""
+    for i in range(len(now.fit.hypotheses) - 1):
+        others = [h for k, h in enumerate(now.fit.hypotheses) if k != i]
+        if machine_with(setting.nominal, others) is None:
+            continue
+        try:
+            fewer = _without(setting, now, others)
+        except FAILED:
+            continue  # a machine without it cannot be: it is needed
+        if fewer is not None:
+            return without_needless(setting, fewer)
+    return now

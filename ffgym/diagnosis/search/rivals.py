@@ -1,4 +1,7 @@
-"""Candidates that were fitted in the place of a cause: what they explain, and whether the log rules them out."""
+"""Candidates fitted in the place of a cause: what they explain, and whether the log rules them out.
+
+A reader who expects one of them sees that it was looked at, and how much less it explains.
+"""
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
@@ -6,13 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.failures import FAILED
+from ffgym.diagnosis.computing import FAILED
+from ffgym.diagnosis.fit.fit import loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place
-from ffgym.diagnosis.fit.leftover import loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.setting import Setting
-from ffgym.diagnosis.result import Rival
-from ffgym.diagnosis.search.found import Round, Tried
-from ffgym.diagnosis.search.judge import judged_with
+from ffgym.diagnosis.result import Rival, label_of
+from ffgym.diagnosis.search.candidates import Candidates
+from ffgym.diagnosis.search.found import Round, Tried, found_in, judged_with
+from ffgym.diagnosis.search.ranking import Ranking
 from ffgym.diagnosis.search.worth import removed_by
 
 TIED = 0.05
@@ -51,15 +55,7 @@ class Comparison:
 def compared(
     setting: Setting, nominal: Tried, fitted: Tried, rounds: Sequence[Round], rng: np.random.Generator
 ) -> Comparison:
-    """What was fitted in the place of each cause that stayed; what was adopted beside it is no rival.
-
-    Args:
-        setting: the log.
-        nominal: the model without causes.
-        fitted: with all of them.
-        rounds: in which they were found.
-        rng: resamples blocks.
-    """
+    """What was fitted in the place of each cause that stayed; what was adopted beside it is no rival."""
     found = []
     for one in rounds:
         stands = one.of(fitted.fit.hypotheses)
@@ -127,13 +123,7 @@ class _Against:
 
 
 def _against(
-    setting: Setting,
-    nominal: Tried,
-    fitted: Tried,
-    before: Tried,
-    best: Tried,
-    other: Tried,
-    rng: np.random.Generator,
+    setting: Setting, nominal: Tried, fitted: Tried, before: Tried, best: Tried, other: Tried, rng: np.random.Generator
 ) -> _Against:
     share = _share(setting, before, best, other)
     others = [h for h in fitted.fit.hypotheses if not best.hypothesis.repeats(h)]
@@ -205,3 +195,70 @@ def _ties(best: Array, other: Array, rng: np.random.Generator) -> bool:
     more = other - best
     picks = rng.integers(len(more), size=(RESAMPLES, len(more)))
     return bool(np.quantile(more[picks].sum(axis=1), TIED) <= 0)
+
+
+def tied_among(hypotheses: Sequence[Hypothesis], rivals: Sequence[Rival]) -> list[Hypothesis]:
+    """Hypotheses that a rival cannot be told from."""
+    against = {rival.against for rival in rivals if rival.tied}
+    return [hypothesis for hypothesis in hypotheses if hypothesis.label in against]
+
+
+def as_rivals(unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Sequence[Round]) -> tuple[Rival, ...]:
+    """Causes that were dropped because a rival cannot be told from them, as rivals of that one."""
+    gains = {rival.against: rival for rival in rivals if rival.tied}
+    return tuple(
+        Rival(
+            effect=one.kind.name,
+            joint=one.joint,
+            held_out_gain=_gain(one, rounds),
+            tied=True,
+            against=label_of(gains[one.label].effect, gains[one.label].joint),
+            reason=ALIKE_TEXT,
+        )
+        for one in unsure
+    )
+
+
+def _gain(hypothesis: Hypothesis, rounds: Sequence[Round]) -> float:
+    """Share of the energy that a cause removed in the round in which it was found."""
+    one, tried = found_in(rounds, hypothesis)
+    return 1.0 - tried.total / one.before.total
+
+
+def lookalikes(
+    setting: Setting, candidates: Candidates, ranking: Ranking, before: Tried, adopted: Tried
+) -> tuple[Rival, ...]:
+    """Rivals of a cause by the library's list of confusable effects, each with the best of its shapes."""
+    cause, scores = adopted.hypothesis, dict[tuple[str, str], float]()
+    for i in ranking.order.tolist():  # the best shape of an effect comes first
+        column = candidates.first(candidates.groups[i])
+        if column.effect.code in (cause.kind.code, *cause.kind.confusable_with) and column.joint in ("", cause.joint):
+            scores.setdefault((column.effect.name, column.joint), max(0.0, float(ranking.score[i])))
+    own = scores.pop((cause.kind.name, cause.joint), 0.0)
+    if own <= 0:
+        return ()
+    gain = removed_by(setting, before, adopted).of_excess
+    return tuple(
+        Rival(
+            effect=effect,
+            joint=joint,
+            held_out_gain=gain * score / own,
+            tied=False,
+            against=cause.label,
+            reason=f"explains {score / own:.0%} of what {cause.label} does, on rows that were not used",
+        )
+        for (effect, joint), score in scores.items()
+    )
+
+
+def without_rival(rounds: tuple[Round, ...], final: Tried, rivals: tuple[Rival, ...]) -> tuple[Rival, ...]:
+    """Lookalikes of the causes that nothing was compared with."""
+    compared = {rival.against for rival in rivals}
+    causes = {hypothesis.label for hypothesis in final.fit.hypotheses}
+    names = {(hypothesis.kind.name, hypothesis.joint) for hypothesis in final.fit.hypotheses}
+    return tuple(
+        alike
+        for one in rounds
+        for alike in one.alike
+        if alike.against in causes - compared and (alike.effect, alike.joint) not in names
+    )

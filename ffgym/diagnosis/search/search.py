@@ -5,22 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from ffgym.diagnosis.evidence.stack import Evidence, Values
-from ffgym.diagnosis.failures import FAILED
-from ffgym.diagnosis.fit.corrected import corrected
+from ffgym.diagnosis.computing import FAILED, trim_heap
+from ffgym.diagnosis.evidence import Evidence, Values
 from ffgym.diagnosis.fit.fit import Fit, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place, machine_with
+from ffgym.diagnosis.fit.refine import corrected
 from ffgym.diagnosis.fit.setting import Setting, values_of
-from ffgym.diagnosis.heap import trim_heap
 from ffgym.diagnosis.search.candidates import Candidates
-from ffgym.diagnosis.search.causes import refitted, without_needless
-from ffgym.diagnosis.search.found import Found, Round, Tried
-from ffgym.diagnosis.search.judge import judged_with, scored
-from ffgym.diagnosis.search.lookalikes import lookalikes, without_rival
+from ffgym.diagnosis.search.found import Found, Round, Tried, judged_with, refitted, scored, slimmed, without_needless
 from ffgym.diagnosis.search.ranking import Component, Ranking, acts_on, overlap, ranked, start_of
-from ffgym.diagnosis.search.rivals import compared
-from ffgym.diagnosis.search.slim import slimmed
-from ffgym.diagnosis.search.ties import as_rivals, tied_among
+from ffgym.diagnosis.search.rivals import as_rivals, compared, lookalikes, tied_among, without_rival
 from ffgym.diagnosis.search.worth import explains_most, is_worth
 
 MOST = 8

@@ -1,4 +1,9 @@
-"""Columns of a regression: what one parameter of one effect on one joint changes in all that is compared."""
+"""Columns of a regression: what one parameter of one effect on one joint changes in all that is compared.
+
+Slopes of a stiffness hold as long as swings stay in phase: a spring that is a fifth softer swings at a frequency that
+is a tenth lower, and after five swings its slope points elsewhere. What a log shows of it is near that of a replay with
+about as soft a spring, from where a fit finds the rest.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,13 +11,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.failures import FAILED
+from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
-from ffgym.diagnosis.signatures.bending import changes
-from ffgym.diagnosis.signatures.parts import Parts, clock_parts, replayed_parts, shown
-from ffgym.diagnosis.signatures.push import Push, misread_on, misread_push, only_joint, push_of
+from ffgym.diagnosis.signatures.push import (
+    Parts,
+    Push,
+    changes,
+    clock_parts,
+    misread_on,
+    misread_push,
+    only_joint,
+    push_of,
+    replayed_parts,
+    shown,
+)
 from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
+from ffgym.effects.transmission.stiffness import JointStiffness
 
 _TOGETHER = 24
 """Pushes on the springs that are solved for at once; chosen: more gain little, and each array of them takes 50 MB for
@@ -39,6 +54,13 @@ class Column:
     shape: Mapping[str, Array]
     """Values of the shapes, of this joint or of the machine."""
     parts: Parts
+
+
+def column_of_machine(effect: type[Effect], parameter: str, parts: Parts, choice: int = 0, joint: str = "") -> Column:
+    """A column of one number without shapes, of the machine as a whole or of a joint."""
+    return Column(
+        effect=effect, joint=joint, parameter=parameter, part=None, choice=choice, span=0, shape={}, parts=parts
+    )
 
 
 def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> list[Column]:
@@ -84,25 +106,11 @@ def _at_once(run: Replay, variant: Variant) -> list[Column] | None:
 
 
 def machine_columns(run: Replay, effects: Sequence[tuple[str, Effect]], parameter: str, step: float) -> list[Column]:
-    """One column for each of several effects that act on the whole arm, per unit of `parameter`, `step` from null.
-
-    Args:
-        run: nominal replay.
-        effects: the joint that each is named after, and the effect.
-        parameter: what was moved.
-        step: by how much.
-    """
+    """One column for each of several effects that act on the whole arm, per unit of `parameter`, `step` from null."""
     pushes = [push_of(run, effect) for _, effect in effects]
     return [
-        Column(
-            effect=type(effect),
-            joint=joint,
-            parameter=parameter,
-            part=None,
-            choice=0,
-            span=0,
-            shape={},
-            parts={key: values / step for key, values in shown(run, change).items()},
+        column_of_machine(
+            type(effect), parameter, {key: values / step for key, values in shown(run, change).items()}, 0, joint
         )
         for (joint, effect), change in zip(effects, changes(run, pushes), strict=True)
     ]
@@ -203,3 +211,21 @@ def together(columns: Sequence[Column]) -> list[list[int]]:
         key = (column.effect, column.joint, column.choice, column.part if pair else None)
         found.setdefault(key, []).append(i)
     return list(found.values())
+
+
+_CHANGES = (-0.24, -0.16, -0.08, 0.08, 0.16, 0.24)
+"""Relative changes of a stiffness that are replayed; chosen: between two of them a swing
+is less than a third of a turn away from that of one of them, after six swings."""
+
+
+def stiffness_columns(run: Replay, joints: Iterable[int]) -> list[Column]:
+    """Columns of the springs of some `joints`, by their indices; each change is a candidate of its own."""
+    found = []
+    for j in joints:
+        for choice, change in enumerate(_CHANGES, start=1):
+            alone = np.zeros(run.robot.n_joints)
+            alone[j] = change
+            parts = replayed_parts(run, with_effect(run.machine, JointStiffness(change=alone)))
+            columns = {key: rows / change for key, rows in parts.items()}
+            found.append(column_of_machine(JointStiffness, "change", columns, choice, run.robot.joints[j]))
+    return found

@@ -1,23 +1,33 @@
-"""What a small effect adds along a nominal replay: the push that a candidate gives motors, links and springs.
+r"""What a small effect adds along a nominal replay, and what that changes in each channel, to first order.
 
 What it adds on the motor side changes that motor's torque and nothing else, as the motors move as measured; what it
 adds behind the gearbox bends the springs.
+
+A push p bends them by
+
+.. math:: M \Delta\ddot\delta + d \Delta\dot\delta + K \Delta\delta = p
+
+which changes the load of the motors and the place of the tool.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.log.derivatives import derivatives_of_motions
-from ffgym.diagnosis.replay import Replay
-from ffgym.diagnosis.replay.bristles import along_speed
-from ffgym.diagnosis.replay.sameness import alike, same_links
-from ffgym.effects import NativeEffect, ResolverEffect, TorqueEffect
+from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.replay.channels import late
+from ffgym.diagnosis.replay.rows import alike, same_links
+from ffgym.diagnosis.replay.springs import COARSE
+from ffgym.diagnosis.replay.states import along_speed
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.sampling import derivatives_of_motions
+from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
 from ffgym.effects.along import torques_along
-from ffgym.effects.effect import Effect
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
+from ffgym.simulation.plant import Machine
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,3 +134,116 @@ def only_joint(push: Push, joint: int) -> Push:
     return replace(
         push, motor=kept(push.motor), links=kept(push.links), spring=kept(push.spring), joint_q=kept(push.joint_q)
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Change:
+    """What a push changes in what is compared, at R rows."""
+
+    torque: Array
+    """Of the motors, motor side [N m], shape (R, M, N)."""
+    link: Array
+    """Of the links, link side [rad], shape (R, M, N)."""
+
+
+def changes(run: Replay, pushes: list[Push]) -> list[Change]:
+    """What each of several pushes changes; those behind the gearbox are solved for together."""
+    behind = [push for push in pushes if push.links is not None or push.spring is not None]
+    bent = _bent(run, behind)
+    return [_change(run, push, bent.get(id(push))) for push in pushes]
+
+
+def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
+    """How pushes bend the springs: rows of the deflection (R, M, N) [rad] and of the torque that the joints then carry.
+
+    Solved at coarser samples than the replay: what is compared has no faster parts.
+    """
+    if not pushes:
+        return {}
+    every, none = _coarseness(run), np.zeros_like(run.log.q)
+    sampling, springs = run.log.sampling.coarser(every), run.coarse_springs(every)
+    load = np.stack(
+        [
+            _smoothed((none if p.spring is None else p.spring) - (0.0 if p.links is None else p.links), every)
+            for p in pushes
+        ],
+        axis=-1,
+    )
+    flown = springs.bent_by(load)
+    drive, state = run.robot.drive, run.state
+    angle = sampling(flown.angle)
+    carried = -(state.joint_stiffness[:, None] * angle + state.joint_damping[:, None] * sampling(flown.rate))
+    if drive.is_rigid.any():
+        asked = sampling(springs.bending_torque(flown))
+        carried = np.where(drive.is_rigid[:, None], asked, carried)
+    return {id(push): (angle[..., i], carried[..., i]) for i, push in enumerate(pushes)}
+
+
+def _coarseness(run: Replay) -> int:
+    """Samples from one step of the springs to the next: a divisor of the rows' stride, at most COARSE apart."""
+    stride, dt = run.log.sampling.stride, run.log.dt
+    return max(n for n in range(1, stride + 1) if stride % n == 0 and (n == 1 or n * dt <= COARSE))
+
+
+def _smoothed(values: Array, every: int) -> Array:
+    """Means about every n-th sample."""
+    if every == 1:
+        return values
+    total = np.cumsum(np.pad(values, ((1, 0), (0, 0), (0, 0))), axis=0)
+    at = np.arange(0, len(values), every)
+    low, high = np.maximum(at - every // 2, 0), np.minimum(at + (every + 1) // 2, len(values))
+    means: Array = (total[high] - total[low]) / (high - low)[:, None, None]
+    return means
+
+
+def _change(run: Replay, push: Push, bent: tuple[Array, Array] | None) -> Change:
+    sampling, drive = run.log.sampling, run.robot.drive
+    rows = (len(sampling.at), *run.log.q.shape[1:])
+    torque = np.zeros(rows) if push.motor is None else sampling(push.motor)
+    link = np.zeros(rows) if push.joint_q is None else sampling(push.joint_q)
+    if bent is not None:
+        angle, carried = bent
+        if push.spring is not None:
+            carried = carried + sampling(push.spring)
+        if push.links is not None and drive.is_rigid.any():
+            carried = carried + np.where(drive.is_rigid, sampling(push.links), 0.0)
+        torque = torque + drive.motor_torque(carried)
+        link = link + angle
+    return Change(torque=torque, link=link)
+
+
+Parts = Mapping[tuple[Channel, int], Array]
+"""By channel and component, shape (R, M) each; what is not there does not change."""
+
+
+def shown(run: Replay, change: Change) -> Parts:
+    """What a change shows in each channel that the log has."""
+    parts: dict[tuple[Channel, int], Array] = {}
+    for j in range(run.robot.n_joints):
+        parts["torque", j] = change.torque[..., j]
+        if run.log.link is not None:
+            parts["link", j] = change.link[..., j]
+    if run.log.tool is not None:
+        tool = np.matmul(run.tool_jacobian, change.link[..., None])[..., 0]
+        parts |= {("tool", k): tool[..., k] for k in range(3)}
+    return parts
+
+
+def clock_parts(run: Replay, gone: Sequence[Effect], come: Sequence[Effect]) -> Parts:
+    """Change of the channels whose clocks are exchanged."""
+    found: dict[tuple[Channel, int], Array] = {}
+    of_channel: list[tuple[Channel, Array]] = [("torque", run.torque)]
+    if run.log.link is not None:
+        of_channel.append(("link", run.link_q))
+    for channel, values in of_channel:
+        before, after = late(values, channel, gone, run.log), late(values, channel, come, run.log)
+        if before is not after:
+            rows = run.log.sampling(after - before)
+            found |= {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
+    return found
+
+
+def replayed_parts(run: Replay, machine: Machine) -> Parts:
+    """Change of all channels if the log is replayed on another machine: of what has joints of its own."""
+    before, after = predicted(run), predicted(replay(run.log, machine, run))
+    return {(c, k): after[c][..., k] - rows[..., k] for c, rows in before.items() for k in range(rows.shape[2])}

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.closed_loop import LoopLevel
+from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.regimes import ResidualMap, motion_map
 from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.result import Diagnosis

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.diagnosis.log_rows import log_rows
-from ffgym.diagnosis.regimes import motion_map, regime_map
+from ffgym.diagnosis.regimes import log_rows, motion_map, regime_map
 from ffgym.diagnosis.residual import Channel
 from ffgym.report.diagnosis.candidates_plot import candidates_figure
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place, worst_motions

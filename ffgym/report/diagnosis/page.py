@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from ffgym.diagnosis.closed_loop import LoopLevel
+from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.regimes import REGIMES
 from ffgym.diagnosis.result import Level, Rival
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport

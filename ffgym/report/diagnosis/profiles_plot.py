@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ffgym.diagnosis.log_rows import LogRows
 from ffgym.diagnosis.profiles import VARIABLES, Profile, Variable, profiles
+from ffgym.diagnosis.regimes import LogRows
 from ffgym.diagnosis.residual import UNITS, Channel
 from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.report.identification.stribeck_plot import NEW, OLD

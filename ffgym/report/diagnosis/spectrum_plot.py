@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.diagnosis.log_rows import LogRows, log_rows
 from ffgym.diagnosis.patterns import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
+from ffgym.diagnosis.regimes import LogRows, log_rows
 from ffgym.diagnosis.residual import Channel, Residual, components
 from ffgym.report.diagnosis.joint_units import fine_scale_of
 from ffgym.report.diagnosis.models import LOOKS

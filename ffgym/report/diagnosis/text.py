@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from ffgym.diagnosis.closed_loop import LoopLevel
+from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.result import Diagnosis
 from ffgym.report.circles.tables import Column, aligned, filled, shortened
 from ffgym.report.diagnosis.joint_units import in_joint_units

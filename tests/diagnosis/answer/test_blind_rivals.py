@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.blind import beside_blind, blind_rivals, told
-from ffgym.diagnosis.answer.verdict import Judged
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Unjudged
+from ffgym.diagnosis.verdict import Judged, beside_blind, blind_rivals, told
 from ffgym.effects import EFFECTS
 
 NO_TEMPERATURE = Unjudged(effect="temperature_friction", joint="", reason="the log has no temperature")

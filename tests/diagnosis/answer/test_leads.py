@@ -5,7 +5,7 @@ from typing import get_args
 
 import pytest
 
-from ffgym.diagnosis.answer.leads import effects_of_form, with_leads
+from ffgym.diagnosis.excitation import effects_of_form, with_leads
 from ffgym.diagnosis.result import Pattern, PatternKind, Unjudged
 from ffgym.effects import EFFECTS
 from tests.diagnosis.result_samples import full_diagnosis

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.sizes import INEXACT, WIDENED, causes_of
 from ffgym.diagnosis.extended import extended_machine
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.sizes import INEXACT, WIDENED, causes_of
 from ffgym.effects import EFFECTS
 from ffgym.simulation.plant import Machine
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from ffgym.diagnosis.answer.sizes import is_there
 from ffgym.diagnosis.result import Cause, Size
+from ffgym.diagnosis.sizes import is_there
 
 
 def cause(effect, **intervals):

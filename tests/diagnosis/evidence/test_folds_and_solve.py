@@ -6,9 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
-from ffgym.diagnosis.evidence.solve import bounded
-from ffgym.diagnosis.evidence.stack import blocks_of
+from ffgym.diagnosis.evidence import blocks_of, half_folds, motion_folds
+from ffgym.diagnosis.solving import bounded
 
 ROW_DT = 0.01
 

@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.evidence.fitted import fitted, left_by_block
-from ffgym.diagnosis.evidence.folds import half_folds, motion_folds
-from ffgym.diagnosis.evidence.priors import Priors
-from ffgym.diagnosis.evidence.screen import Candidate, screen
-from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
+from ffgym.diagnosis.evidence import blocks_of, half_folds, motion_folds, stack_of
+from ffgym.diagnosis.solving import Candidate, Priors, fitted, left_by_block, screen
 
 ROW_DT = 0.02
 N_CALIBRATION, N_COLUMNS = 3, 6

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.fit.corrected import corrected
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.refine import fit
+from ffgym.diagnosis.fit.refine import corrected, fit
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.prepare import prepared
 from ffgym.effects import EFFECTS

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.fit.from_columns import hypothesis_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.search.ranking import hypothesis_of
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.diagnosis.signatures.variant import variants
 from ffgym.effects import EFFECTS

@@ -5,10 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.evidence.priors import Priors
-from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
-from ffgym.diagnosis.fit.fit import Fit
-from ffgym.diagnosis.fit.leftover import removed, without_calibration
+from ffgym.diagnosis.evidence import blocks_of, stack_of
+from ffgym.diagnosis.fit.fit import Fit, removed, without_calibration
+from ffgym.diagnosis.solving import Priors
 
 ONE, OTHER = ("torque", 0), ("torque", 1)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.calibration import Doubt
-from ffgym.diagnosis.fit.numbers import with_numbers
+from ffgym.diagnosis.fit.written import with_numbers
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot

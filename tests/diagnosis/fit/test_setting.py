@@ -5,10 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.calibration import Doubt
+from ffgym.diagnosis.calibration import Doubt, RowOffset
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.setting import HELD, Setting
-from ffgym.diagnosis.lateness import RowOffset
 from ffgym.diagnosis.signatures.column import Column
 from ffgym.effects import EFFECTS
 

@@ -7,7 +7,7 @@ import pytest
 from friction_samples import ladder, measured, sines
 
 from ffgym.diagnosis.identification import friction_torques, identify_friction
-from ffgym.diagnosis.identification.friction_file import friction_quantities
+from ffgym.diagnosis.identification.friction import friction_quantities
 from ffgym.robot import RigidArm
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.log.derivatives import derivatives, derivatives_of_motions
+from ffgym.diagnosis.sampling import derivatives, derivatives_of_motions
 
 DT = 0.004
 

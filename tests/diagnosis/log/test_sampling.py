@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.log.sampling import CUTOFF, Sampling
+from ffgym.diagnosis.sampling import CUTOFF, Sampling
 
 
 @pytest.fixture(scope="module")

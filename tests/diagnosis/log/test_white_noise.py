@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.identification import LowPass
-from ffgym.diagnosis.log.white import white_noise, without_trembling
+from ffgym.diagnosis.sampling import white_noise, without_trembling
 
 DT = 0.001
 LOW_PASS = LowPass(cutoff=100.0)

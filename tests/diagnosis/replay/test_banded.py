@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.replay.banded import first_order, swing
+from ffgym.diagnosis.replay.recursions import first_order, swing
 
 RNG = np.random.default_rng(7)
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.answer.excitation import judgeable_kinds
 from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.excitation import judgeable_kinds
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.tangents import tangents
 from ffgym.diagnosis.log import log_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.replay.bristles import along_speed
+from ffgym.diagnosis.replay.states import along_speed
 from ffgym.robot.friction import LuGreParameters
 
 _ROWS, _BETWEEN = 0.1, 200

@@ -8,9 +8,8 @@ import pytest
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import measured_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
-from ffgym.diagnosis.replay.flight import deflected, flown
 from ffgym.diagnosis.replay.springs import COARSE
-from ffgym.diagnosis.replay.states import state_of
+from ffgym.diagnosis.replay.states import deflected, flown, state_of
 from ffgym.effects import EFFECTS, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.simulation.plant import Machine

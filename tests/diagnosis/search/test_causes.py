@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ffgym.diagnosis.search import causes as module
+from ffgym.diagnosis.search import found as module
 
 SETTING = SimpleNamespace(nominal=None)
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ffgym.diagnosis.evidence.stack import blocks_of
+from ffgym.diagnosis.evidence import blocks_of
+from ffgym.diagnosis.search.candidates import DRAWS, surrogates
 from ffgym.diagnosis.search.ranking import _extreme
-from ffgym.diagnosis.search.surrogates import DRAWS, surrogates
 
 ROW_DT = 0.01
 

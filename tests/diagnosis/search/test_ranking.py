@@ -5,10 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.evidence.priors import Priors
-from ffgym.diagnosis.evidence.screen import Candidate
-from ffgym.diagnosis.evidence.stack import blocks_of, stack_of
+from ffgym.diagnosis.evidence import blocks_of, stack_of
 from ffgym.diagnosis.search.ranking import _largest, _linear_fit, acts_on, overlap
+from ffgym.diagnosis.solving import Candidate, Priors
 
 FIRST, SECOND = ("torque", 0), ("tool", 1)
 ROWS = (300, 2)

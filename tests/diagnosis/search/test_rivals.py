@@ -9,8 +9,7 @@ from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.result import Rival
 from ffgym.diagnosis.search import rivals as module
 from ffgym.diagnosis.search.found import Round, found_in
-from ffgym.diagnosis.search.rivals import compared
-from ffgym.diagnosis.search.ties import as_rivals, tied_among
+from ffgym.diagnosis.search.rivals import as_rivals, compared, tied_among
 from ffgym.effects import EFFECTS
 
 BLOCKS = 100

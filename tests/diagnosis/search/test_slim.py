@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.evidence.priors import Priors
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.search import slim as module
+from ffgym.diagnosis.search import found as module
+from ffgym.diagnosis.solving import Priors
 from ffgym.effects import EFFECTS
 
 SIZES = {"viscous", "coulomb", "breakaway"}

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.calibration import Doubt
+from ffgym.diagnosis.fit.fit import Removed
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.leftover import Removed
 from ffgym.diagnosis.search import worth as module
 from ffgym.diagnosis.search.worth import (
     CLEAR,
@@ -106,8 +106,7 @@ def fitted(total, left, joint="j1", is_unphysical=False, numbers=1):
 
 
 @pytest.mark.parametrize(
-    ("loud", "whose", "enough"),
-    [(1.1, "newest", False), (QUIET + 0.1, "newest", True), (1.1, "another", True)],
+    ("loud", "whose", "enough"), [(1.1, "newest", False), (QUIET + 0.1, "newest", True), (1.1, "another", True)]
 )
 def test_what_a_clean_log_may_have_is_no_cause_with_a_shape_at_the_end_of_its_range(monkeypatch, loud, whose, enough):
     """Noise of the readings of a motor that restarts looked like breakaway that is overcome within no way at all."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.log import log_of
-from ffgym.diagnosis.log.sampling import Sampling
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
+from ffgym.diagnosis.sampling import Sampling
 from ffgym.effects import EFFECTS
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RigidArm, load_robot

@@ -8,9 +8,8 @@ import pytest
 
 from ffgym.cli.main import main
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.separation import separating_motion
-from ffgym.diagnosis.separation.choose import LONGEST, SURE, WARMING
-from ffgym.diagnosis.separation.proposals import proposals
+from ffgym.diagnosis.separation import LONGEST, SURE, WARMING, separating_motion
+from ffgym.diagnosis.sessions import proposals
 from ffgym.recordings import read_folder
 from ffgym.robot import load_robot
 from ffgym.simulation import SimulatedRig

@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.fit.tangents import exchanged
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import measured_rows, valid_rows
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.signatures.exchange import exchanged
 from ffgym.effects import EFFECTS, ModelEffect
 from tests.diagnosis.replay.replay_samples import left, nominal, recorded, small, with_effect
 
@@ -23,13 +23,7 @@ SHOWS = 1e-6
 
 SHARE = 0.1
 """Of what is plausible, for most effects."""
-SHARES = {
-    "hardening": 0.002,
-    "payload": 0.01,
-    "joint_stiffness": 0.01,
-    "backlash": 0.02,
-    "torsional_hysteresis": 0.02,
-}
+SHARES = {"hardening": 0.002, "payload": 0.01, "joint_stiffness": 0.01, "backlash": 0.02, "torsional_hysteresis": 0.02}
 """Effects that change how the arm swings, or act in a gap, bend sooner."""
 ALIKE = 0.95
 LESS_ALIKE = {"stribeck_exponent": 0.9}

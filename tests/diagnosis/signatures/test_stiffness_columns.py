@@ -7,9 +7,8 @@ import pytest
 
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.signatures.column import columns_of
-from ffgym.diagnosis.signatures.parts import replayed_parts
-from ffgym.diagnosis.signatures.stiffness import stiffness_columns
+from ffgym.diagnosis.signatures.column import columns_of, stiffness_columns
+from ffgym.diagnosis.signatures.push import replayed_parts
 from ffgym.diagnosis.signatures.variant import with_effect
 from ffgym.effects.transmission.stiffness import JointStiffness
 from tests.diagnosis.replay.replay_samples import nominal, recorded

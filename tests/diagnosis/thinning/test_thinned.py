@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis import diagnose
-from ffgym.diagnosis.thinning import affordable, bound, note_of, thin, within_bound
-from ffgym.diagnosis.thinning.cells import cells_of
-from ffgym.diagnosis.thinning.coarse import MotionRegressor, coarse
+from ffgym.diagnosis import diagnose, thinning
+from ffgym.diagnosis.cells import MotionRegressor, cells_of, coarse
+from ffgym.diagnosis.thinning import affordable, note_of, thin, within_bound
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording, write_recording
@@ -26,7 +25,7 @@ AFFORDED = 60.0
 @pytest.fixture(autouse=True)
 def small(monkeypatch):
     """A bound that logs of some minutes exceed."""
-    monkeypatch.setattr(bound, "SAMPLES", round(AFFORDED / DT))
+    monkeypatch.setattr(thinning, "SAMPLES", round(AFFORDED / DT))
 
 
 def swing(amplitude, frequency, seconds):

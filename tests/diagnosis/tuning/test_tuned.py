@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.tuning import tuned
-from ffgym.diagnosis.tuning.numbers import Breakaway
+from ffgym.diagnosis.tuning import Breakaway, tuned
 from ffgym.effects import EFFECTS
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig, sensors_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.closed_loop import LoopLevel
+from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.result import Diagnosis, Size
 from ffgym.report.diagnosis import DiagnosisReport, format_diagnosis, render_diagnosis_page
 from ffgym.report.diagnosis.words import VERDICTS, rivals_of

@@ -4,8 +4,8 @@ from .fit import best_simulating as best_simulating
 from .fit import fitted as fitted
 from .model import ARRAYS as ARRAYS
 from .model import NarxModel as NarxModel
-from .regressors import Regressors as Regressors
-from .regressors import lags_of as lags_of
-from .samples import Errors as Errors
-from .samples import Misfit as Misfit
-from .samples import Samples as Samples
+from .model import Regressors as Regressors
+from .model import lags_of as lags_of
+from .problems import Errors as Errors
+from .problems import Misfit as Misfit
+from .problems import Samples as Samples

@@ -9,10 +9,8 @@ from scipy.optimize import least_squares
 
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification.narx.model import NarxModel, joint_models
-from ffgym.diagnosis.identification.narx.problems import Prediction, Problem, Simulation, split
-from ffgym.diagnosis.identification.narx.regressors import Regressors
-from ffgym.diagnosis.identification.narx.samples import Samples, check_alike
+from ffgym.diagnosis.identification.narx.model import NarxModel, Regressors, joint_models
+from ffgym.diagnosis.identification.narx.problems import Prediction, Problem, Samples, Simulation, check_alike, split
 
 Focus = Literal["prediction", "simulation"]
 """What errors are minimised: one step ahead, as in the thesis, or in free run."""

@@ -1,12 +1,12 @@
 from .base import BaseParameters as BaseParameters
 from .base import base_parameters as base_parameters
-from .excitation import best_excitation as best_excitation
-from .excitation import excitation_condition as excitation_condition
+from .base import best_excitation as best_excitation
+from .base import excitation_condition as excitation_condition
 from .fit import RigidBodyFit as RigidBodyFit
 from .identify import RigidBodyOptions as RigidBodyOptions
 from .identify import identify_rigid_body as identify_rigid_body
 from .observation import Filtering as Filtering
+from .observation import TorqueErrors as TorqueErrors
+from .problem import TradeOff as TradeOff
 from .terms import TERMS as TERMS
-from .torque_errors import TorqueErrors as TorqueErrors
-from .trade_off import TradeOff as TradeOff
 from .unknown import starting_robot as starting_robot

@@ -1,4 +1,4 @@
-r"""Coordinates in which a fit is done: every parameter relative to a reference, bodies by their pseudo-inertia.
+r"""Coordinates relative to a reference, bodies by their pseudo-inertia, and least squares over bodies that exist.
 
 A body with pseudo-inertia J and reference :math:`J_0 = C C^T` has the ten entries of the symmetric matrix
 :math:`Z = C^{-1} J C^{-T}`, which is 1 at the reference. Off-diagonal entries count :math:`\sqrt 2`, so that the
@@ -8,17 +8,25 @@ of a body if and only if Z is positive definite.
 
 Reference:
     Lee, Wensing, Park (2020), IEEE Transactions on Robotics 36(3), 837-852, eq. (24): constant pullback of the metric.
+
+.. math:: \min_y \; y^T A y - 2 b^T y \quad \text{with} \quad Z_i(y) \succeq \epsilon 1, \; y_j \ge l_j
+
+with a linear matrix inequality for each body. It is a convex problem with one minimum, solved by Clarabel through
+CVXPY. Where least squares alone gives such parameters, they are the answer and no solver is called.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag
+from scipy.linalg import block_diag, cho_factor, cho_solve, solve_triangular
 
+from ffgym.core.errors import FFGymError
+from ffgym.core.provenance import installed
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.identification.rigid_body.arm_terms import Bodies
 from ffgym.diagnosis.identification.rigid_body.bodies import pseudo_inertia
-from ffgym.diagnosis.identification.rigid_body.term import Term
+from ffgym.diagnosis.identification.rigid_body.terms import BODIES, Term
 from ffgym.robot import RobotDescription
 
 THINNEST = 0.01
@@ -95,7 +103,7 @@ def coordinates_of(robot: RobotDescription, terms: tuple[Term, ...], scales: Arr
     for term in terms:
         described = term.described(robot)
         own = np.arange(start, start + len(described))
-        if isinstance(term, Bodies):
+        if term is BODIES:
             maps += [_body_map(body) for body in described.reshape(-1, 10)]
             bodies += list(own.reshape(-1, 10))
             reference.append(np.tile(_IDENTITY, len(described) // 10))
@@ -144,3 +152,79 @@ def _symmetric(entries: Array) -> Array:
 
 
 _IDENTITY = _entries(np.eye(4))
+
+
+LEAST = 1e-3
+"""Smallest eigenvalue of Z, that is how thin a body may become against its reference: above 0, so that the description
+that is written is one of bodies."""
+
+_TOLERANCE = 1e-7
+"""Of the solver, for the objective and relative to it, and for constraints: far below noise and LEAST."""
+
+
+class ConsistentLeastSquares:
+    """Solver for one set of coordinates, which is used again and again with other data."""
+
+    def __init__(self, coordinates: Coordinates) -> None:
+        self.coordinates = coordinates
+
+    def solve(self, normal: Array, right: Array) -> Array:
+        """The best coordinates y (K,).
+
+        Args:
+            normal: A, symmetric positive definite, shape (K, K).
+            right: b, shape (K,).
+
+        Raises:
+            FFGymError: if the solver is missing or fails, or A is singular in floating point.
+        """
+        try:
+            y: Array = cho_solve(cho_factor(normal), right)
+        except np.linalg.LinAlgError as error:
+            raise FFGymError(
+                "The equations are singular in floating point: description and recordings differ by too many powers of "
+                "ten. Check masses, rotors, gear ratios and the unit of the torque."
+            ) from error
+        if np.all(y >= self.coordinates.least) and self.coordinates.least_eigenvalue(y) >= LEAST:
+            return y
+        return self._constrained(y, normal)
+
+    def _constrained(self, best: Array, normal: Array) -> Array:
+        """The allowed coordinates nearest to the `best` ones, in the metric of the data.
+
+        The unknowns are whitened, w = R (y - best) / s with R^T R = A, so that the objective is |w|^2 whatever the
+        data, and s such that it is 1 at the reference, which is allowed: at the optimum it is less.
+        """
+        problem, y, centre, whitened = self._problem
+        root = np.linalg.cholesky(normal).T
+        size = np.linalg.norm(root @ (self.coordinates.reference - best))
+        centre.value = best
+        whitened.value = size * solve_triangular(root, np.eye(len(best)))
+        problem.solve(solver="CLARABEL", tol_gap_rel=_TOLERANCE, tol_gap_abs=_TOLERANCE, tol_feas=_TOLERANCE)
+        if problem.status not in ("optimal", "optimal_inaccurate"):
+            raise FFGymError(
+                f"No parameters of a machine were found that fit ({problem.status}): is the recording of this robot?"
+            )
+        return np.asarray(y.value, dtype=np.float64)
+
+    @cached_property
+    def _problem(self) -> tuple[Any, Any, Any, Any]:
+        """Problem, unknowns, and the two parameters that data fill in: built once, since that takes longest."""
+        if not installed("cvxpy"):
+            raise FFGymError(
+                "Least squares leave bodies that cannot exist, and those that can are found with cvxpy; "
+                "pip install 'ffgym[identify]'."
+            )
+        import cvxpy as cp
+        from cvxpy.atoms.affine.binary_operators import multiply
+        from cvxpy.atoms.sum_squares import sum_squares
+
+        own = self.coordinates
+        unknown, centre, whitened = cp.Variable(own.n), cp.Parameter(own.n), cp.Parameter((own.n, own.n))
+        y = centre + whitened @ unknown
+        bounded = np.flatnonzero(np.isfinite(own.least))
+        limits = [y[bounded] >= own.least[bounded]] if len(bounded) else []
+        for body in own.bodies:
+            z = cp.Variable((4, 4), symmetric=True)
+            limits += [multiply(WEIGHTS, z[UPPER]) == y[body], z >> LEAST * np.eye(4)]
+        return cp.Problem(cp.Minimize(sum_squares(unknown)), limits), y, centre, whitened

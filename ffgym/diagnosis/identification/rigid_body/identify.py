@@ -8,14 +8,11 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.resampling import LEVEL
-from ffgym.diagnosis.identification.rigid_body.arm_terms import Bodies
 from ffgym.diagnosis.identification.rigid_body.base import base_parameters, condition_number
 from ffgym.diagnosis.identification.rigid_body.fit import RigidBodyFit
-from ffgym.diagnosis.identification.rigid_body.observation import Equations, Filtering, equations_of
-from ffgym.diagnosis.identification.rigid_body.problem import LOOSE, Problem, problem_of
-from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS, terms_named
-from ffgym.diagnosis.identification.rigid_body.torque_errors import torque_errors
-from ffgym.diagnosis.identification.rigid_body.trade_off import TradeOff, choose_spread
+from ffgym.diagnosis.identification.rigid_body.observation import Equations, Filtering, equations_of, torque_errors
+from ffgym.diagnosis.identification.rigid_body.problem import LOOSE, Problem, TradeOff, choose_spread, problem_of
+from ffgym.diagnosis.identification.rigid_body.terms import BODIES, DEFAULT_TERMS, terms_named
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
@@ -140,7 +137,7 @@ def _bent(robot: RobotDescription, recordings: Sequence[Recording], options: Rig
     """Equations of an arm whose joints bend under the bodies that a first fit finds."""
     terms = terms_named(options.terms)
     first = equations_of(robot, recordings, terms, options.filtering)
-    if robot.drive.is_rigid.all() or not isinstance(terms[0], Bodies):
+    if robot.drive.is_rigid.all() or terms[0] is not BODIES:
         return first
     problem = problem_of(first)
     y = problem.solve(np.ones(first.blocks.n_blocks), options.spread or LOOSE)

@@ -9,10 +9,7 @@ from scipy.ndimage import minimum_filter1d
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.resampling import Blocks
-from ffgym.diagnosis.identification.rigid_body.arm_terms import Bodies
-from ffgym.diagnosis.identification.rigid_body.link_motion import elastic_motion, rigid_motion
-from ffgym.diagnosis.identification.rigid_body.term import Motion, Term
-from ffgym.diagnosis.identification.rigid_body.terms import TERMS
+from ffgym.diagnosis.identification.rigid_body.terms import BODIES, TERMS, Motion, Term, elastic_motion, rigid_motion
 from ffgym.diagnosis.identification.signals import LowPass, acting_torque, joint_motion
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -101,7 +98,7 @@ def equations_of(
     if not recordings:
         raise FFGymError("There is nothing to identify from: no recordings.")
     filtering = filtering or Filtering()
-    bodies = Bodies().described(robot) if bodies is None else bodies
+    bodies = BODIES.described(robot) if bodies is None else bodies
     parts = [_part(robot, recording, tuple(terms), filtering, bodies) for recording in recordings]
     return Equations(
         robot=robot,
@@ -159,3 +156,34 @@ def _counting(robot: RobotDescription, motion: Motion, valid: BoolArray, filteri
     ends = max(low_pass.end_rows(dt) for low_pass in (filtering.motion, filtering.parallel))
     counts[:ends], counts[len(counts) - ends :] = False, False
     return counts
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TorqueErrors:
+    """RMS motor torque and what predictions leave of it, motor side [N m], shape (N,) each, over rows that move."""
+
+    measured: Array
+    described: Array
+    """The description, its friction at steady speed."""
+    identified: Array
+    """All terms that were fitted."""
+    in_file: Array
+    """What a parameter file holds: fitted again without offsets, asymmetry and springs."""
+
+
+def torque_errors(equations: Equations, estimate: Array, in_file: Array) -> TorqueErrors:
+    """Errors of the equations with all that was found, and with what a parameter file holds of it, (K,) each."""
+    counts, robot = equations.counts, equations.robot
+    described = np.concatenate([term.described(robot) for term in equations.terms])
+    return TorqueErrors(
+        measured=_rms(equations.measured, counts),
+        described=_rms(equations.residual(described), counts),
+        identified=_rms(equations.residual(estimate), counts),
+        in_file=_rms(equations.residual(in_file), counts),
+    )
+
+
+def _rms(values: Array, counts: BoolArray) -> Array:
+    """Root mean square over the rows that count for each motor, (N,); NaN where none does."""
+    with np.errstate(invalid="ignore"):
+        return np.sqrt((np.where(counts, values, 0.0) ** 2).sum(axis=0) / counts.sum(axis=0))

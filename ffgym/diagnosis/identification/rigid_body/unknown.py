@@ -7,10 +7,8 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.diagnosis.identification.rigid_body.arm_terms import Bodies
-from ffgym.diagnosis.identification.rigid_body.motor_terms import RotorInertia
 from ffgym.diagnosis.identification.rigid_body.observation import Filtering, equations_of
-from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS, terms_named
+from ffgym.diagnosis.identification.rigid_body.terms import BODIES, DEFAULT_TERMS, ROTOR_INERTIA, terms_named
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription, RobotDraft
 from ffgym.robot.friction import LuGreParameters
@@ -97,7 +95,7 @@ def _density(robot: RobotDescription, recordings: Sequence[Recording], filtering
     """Density of the balls [kg/m^3], beside friction and offsets, by least squares in units of the motors' torque."""
     equations = equations_of(robot, recordings, terms_named(DEFAULT_TERMS), filtering)
     is_mass = np.concatenate(
-        [np.full(len(term.labels(robot)), isinstance(term, Bodies | RotorInertia)) for term in equations.terms]
+        [np.full(len(term.labels(robot)), term in (BODIES, ROTOR_INERTIA)) for term in equations.terms]
     )
     described = np.concatenate([term.described(robot) for term in equations.terms])
     masses = np.einsum("rkn,k->rn", equations.columns[:, is_mass], described[is_mass])

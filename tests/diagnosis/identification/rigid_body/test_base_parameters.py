@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ffgym.diagnosis.identification.rigid_body import TERMS, base_parameters
-from ffgym.diagnosis.identification.rigid_body.link_motion import rigid_motion
+from ffgym.diagnosis.identification.rigid_body.terms import rigid_motion
 from ffgym.robot import load_robot
 from tests.robot.arm_samples import gantry, random_arm, two_link
 

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from ffgym.diagnosis.identification.rigid_body import TERMS
 from ffgym.diagnosis.identification.rigid_body.bodies import (
     bodies_of,
+    body_torque,
     mass_com_inertia,
     parameters,
     pseudo_inertia,
     with_bodies,
 )
-from ffgym.diagnosis.identification.rigid_body.link_motion import rigid_motion
-from ffgym.diagnosis.identification.rigid_body.regressor import body_torque
+from ffgym.diagnosis.identification.rigid_body.terms import rigid_motion
 from ffgym.robot import RigidArm, load_robot, motor_torque
 from tests.robot.arm_samples import random_arm
 from tests.robot.robot_samples import unusual

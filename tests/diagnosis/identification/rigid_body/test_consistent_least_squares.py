@@ -8,10 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.identification.rigid_body import consistency
+from ffgym.diagnosis.identification.rigid_body import coordinates as coordinates_module
 from ffgym.diagnosis.identification.rigid_body.bodies import pseudo_inertia
-from ffgym.diagnosis.identification.rigid_body.consistency import LEAST, ConsistentLeastSquares
-from ffgym.diagnosis.identification.rigid_body.coordinates import THINNEST, coordinates_of
+from ffgym.diagnosis.identification.rigid_body.coordinates import (
+    LEAST,
+    THINNEST,
+    ConsistentLeastSquares,
+    coordinates_of,
+)
 from ffgym.diagnosis.identification.rigid_body.terms import terms_named
 from ffgym.robot import load_robot
 from ffgym.robot.parts import Links
@@ -113,7 +117,7 @@ def test_where_not_the_answer_is_allowed_and_none_nearby_is_better(size):
 
 
 def test_without_the_solver_there_is_one_error_that_says_what_to_install(monkeypatch):
-    monkeypatch.setattr(consistency, "installed", lambda _: False)
+    monkeypatch.setattr(coordinates_module, "installed", lambda _: False)
     own = coordinates(two_link())
     normal, right, _ = data(own, seed=1, size=3.0)
     with pytest.raises(FFGymError, match=r"ffgym\[identify\]"):

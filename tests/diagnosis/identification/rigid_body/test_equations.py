@@ -7,10 +7,9 @@ import pytest
 
 from ffgym.diagnosis.identification.rigid_body import Filtering
 from ffgym.diagnosis.identification.rigid_body.bodies import bodies_of
-from ffgym.diagnosis.identification.rigid_body.link_motion import elastic_motion, rigid_motion
 from ffgym.diagnosis.identification.rigid_body.observation import equations_of
-from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS, terms_named
-from ffgym.diagnosis.identification.rigid_body.trade_off import choose_spread
+from ffgym.diagnosis.identification.rigid_body.problem import choose_spread
+from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS, elastic_motion, rigid_motion, terms_named
 from ffgym.robot import RigidArm, load_robot, static_deflection
 from tests.diagnosis.identification.rigid_body.recorded_arms import recorded, rigid, swing
 

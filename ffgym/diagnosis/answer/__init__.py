@@ -1,1 +1,0 @@
-"""From what a search found to what a diagnosis says."""

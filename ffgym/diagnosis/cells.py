@@ -1,0 +1,178 @@
+"""A recording on coarse rows and in cells of a second, with what each of them tells of the torque."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.core.types import Array, BoolArray
+from ffgym.logs.quality.runs import stretches
+from ffgym.recordings.stretch import Source
+
+POSITION = "motor.position"
+"""Family that says how joints move; other families follow it."""
+
+PERIOD = 0.02
+"""Time [s] of which a coarse row is the median; chosen: short beside planned motion, long beside noise of encoders."""
+
+RESTING = 0.02
+"""Share of the top speed of a joint below which it rests, as the checks of quality have it."""
+
+_TOP = 0.999
+"""Share of the rows that the top of a speed or an acceleration bounds: of an hour 4 s may be glitches."""
+
+_SLOW = 0.1
+"""Share of its top speed at which friction at low speed is half gone; chosen: a Stribeck speed is near it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Coarse:
+    """Motion of one recording on S coarse rows, on the side of its columns."""
+
+    t: Array
+    """Times of the rows [s], shape (S,)."""
+    period: float
+    """Usual time between them [s]."""
+    q: Array
+    """Positions, shape (S, N)."""
+    dq: Array
+    """Their rate."""
+    ddq: Array
+    """Its rate."""
+
+
+def coarse(source: Source) -> Coarse:
+    """Take medians of the positions of a recording, which single bad rows leave; without positions, it stands still."""
+    t = source.t
+    every = min(max(1, round(PERIOD / float(np.median(np.diff(t))))), len(t) // 2)
+    names = [f"{POSITION}.{joint}" for joint in source.header.joints]
+    there = all(name in source.columns for name in names)
+    at = _medians(t, every)
+    q = np.stack([_medians(source[name] if there else np.zeros(len(t)), every) for name in names], axis=1)
+    dq = np.gradient(q, at, axis=0)
+    return Coarse(t=at, period=float(np.median(np.diff(at))), q=q, dq=dq, ddq=np.gradient(dq, at, axis=0))
+
+
+def _medians(values: Array, every: int) -> Array:
+    n = len(values) // every
+    return np.asarray(np.median(values[: n * every].reshape(n, every), axis=1))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionRegressor:
+    r"""Columns of which friction, inertia and gravity of any serial arm are roughly made, each of RMS 1 over a log.
+
+    Of each joint, with its speed u and acceleration a over their tops, its place x in its range, and the smooth sign s
+    of its speed:
+
+    .. math:: s,\; u,\; u |u|,\; s e^{-(u / 0.1)^2},\; a,\; \cos \pi x,\; \sin \pi x,\; s \cos \pi x,\; s \sin \pi x
+
+    and a constant. Speeds and accelerations beyond their tops count as those, so that no glitch counts for more.
+    """
+
+    speed: Array
+    """Top speed of each joint, shape (N,); inf if it never moves."""
+    acceleration: Array
+    """Its top acceleration."""
+    low: Array
+    """Its lowest position."""
+    reach: Array
+    """Range of its positions."""
+    scale: Array
+    """RMS of the columns, shape (K,); inf for those that are 0."""
+
+    @classmethod
+    def of(cls, log: Sequence[Coarse]) -> "MotionRegressor":
+        """Scale it to all recordings of a log."""
+        speed, acceleration = (_top(np.concatenate([getattr(one, name) for one in log])) for name in ("dq", "ddq"))
+        low, high = np.quantile(np.concatenate([one.q for one in log]), [1 - _TOP, _TOP], axis=0)
+        reach = np.where(high > low, high - low, np.inf)
+        rough = cls(speed=speed, acceleration=acceleration, low=low, reach=reach, scale=np.ones(1))
+        energy = sum(np.sum(rough.rows(one) ** 2, axis=0) for one in log)
+        rms = np.sqrt(energy / sum(len(one.t) for one in log))
+        return replace(rough, scale=np.where(rms > 0, rms, np.inf))
+
+    def rests(self, motion: Coarse) -> BoolArray:
+        """Rows in which no joint moves, shape (S,)."""
+        return np.asarray((np.abs(motion.dq) <= RESTING * self.speed).all(axis=1))
+
+    def rows(self, motion: Coarse) -> Array:
+        """Rows of a recording, shape (S, K)."""
+        u, a = np.clip(motion.dq / self.speed, -1, 1), np.clip(motion.ddq / self.acceleration, -1, 1)
+        x = np.clip((motion.q - self.low) / self.reach, 0, 1)
+        sign = np.tanh(u / RESTING)
+        place = np.cos(np.pi * x), np.sin(np.pi * x)
+        columns = (sign, u, u * np.abs(u), sign * np.exp(-((u / _SLOW) ** 2)), a, *place, *(sign * p for p in place))
+        return np.asarray(np.concatenate([np.ones((len(u), 1)), *columns], axis=1) / self.scale)
+
+
+def _top(values: Array) -> Array:
+    """Size that hardly any row exceeds, shape (N,); inf where all are 0."""
+    top = np.quantile(np.abs(values), _TOP, axis=0)
+    return np.where(top > 0, top, np.inf)
+
+
+CELL = 1.0
+"""Length of a cell [s]; chosen: a block of the evidence."""
+
+_REST = 0.1
+"""Time [s] for which all joints rest where a cell is cut at rest; chosen: longer than joints that turn together are
+slow."""
+
+_PAUSE = 3.0
+"""Interval of the clock [s] as which longer ones count: a cell lies in it, and a night takes no more memory."""
+
+_THERE = 0.5
+"""Share of its rows that a cell has at least; one with fewer lies in a pause of the clock."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cells:
+    """C cells of one recording, one after the other."""
+
+    edges: Array
+    """Where they begin and end [s], shape (C + 1,)."""
+    at_rest: BoolArray
+    """Whether the joints rest there, or the recording itself begins or ends, shape (C + 1,)."""
+    information: Array
+    """Products of the regressor's columns over each cell [s], shape (C, K, K)."""
+    moving: Array
+    """Share of each cell in which a joint moves, shape (C,)."""
+    there: BoolArray
+    """Cells that have their rows, shape (C,)."""
+
+    def __len__(self) -> int:
+        return len(self.moving)
+
+
+def cells_of(motion: Coarse, regressor: MotionRegressor) -> Cells:
+    """Cut a recording into cells, at rest where there is one within half a cell."""
+    period, t = motion.period, _without_pauses(motion.t)
+    first, last = float(t[0] - period / 2), float(t[-1] + period / 2)
+    count = max(1, int((last - first) / CELL))
+    rests = regressor.rests(motion)
+    edges, at_rest = np.linspace(first, last, count + 1), np.ones(count + 1, dtype=np.bool_)
+    for k in range(1, count):
+        near = slice(*np.searchsorted(t, (edges[k] - CELL / 2, edges[k] + CELL / 2)).tolist())
+        runs = stretches(rests[near], max(1, round(_REST / period)))
+        at_rest[k] = bool(runs)
+        if runs:
+            longest = max(runs, key=lambda rows: rows.stop - rows.start)
+            edges[k] = t[near][(longest.start + longest.stop) // 2]
+    rows, ends = regressor.rows(motion), np.searchsorted(t, edges)
+    own = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
+    there = period * np.array([cell.stop - cell.start for cell in own]) >= _THERE * np.diff(edges)
+    edges[-1] += period  # the last rows may be too few for a coarse one
+    pauses = np.interp(edges, t, motion.t - t)
+    return Cells(
+        edges=edges + pauses,
+        at_rest=at_rest,
+        information=period * np.stack([rows[cell].T @ rows[cell] for cell in own]),
+        moving=np.array([1.0 - rests[cell].mean() if cell.stop > cell.start else 0.0 for cell in own]),
+        there=there,
+    )
+
+
+def _without_pauses(t: Array) -> Array:
+    """Times [s] with pauses of the clock shortened."""
+    return np.asarray(t - np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(t) - _PAUSE, 0.0))]))

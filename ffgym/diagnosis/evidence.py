@@ -1,0 +1,231 @@
+"""Residuals and columns in weighted rows, cut into blocks of time, and which of them are left out in turn."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.signatures.push import Parts
+
+BLOCK = 1.0
+"""Length of a block [s], the unit of resampling and of what is left out; long against the low-pass, 50 ms, and against
+the swing of an arm, 0.3 s."""
+
+_MOST = 240
+"""Blocks at most, about: resamples of more say the same, and a session of an hour at 1 Hz has no block of a second."""
+
+_FEW = 0.25
+"""Share of a block's rows that must be there for it to be one of its own; else it joins the block before."""
+
+Values = Mapping[tuple[Channel, int], Array]
+"""By channel and component: (R, M) or (R, M, K)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Blocks:
+    """Blocks of rows: each of one motion, and of one half of it."""
+
+    of_row: IntArray
+    """Block of each row, -1 for none, shape (R, M)."""
+    motion: IntArray
+    """Motion of each block, shape (B,)."""
+    half: IntArray
+    """0 for blocks of the first half of their motion, 1 for those of the second, shape (B,)."""
+    guard: BoolArray
+    """Blocks on either side of the cut between the halves, shape (B,)."""
+
+    def __len__(self) -> int:
+        return len(self.motion)
+
+    @cached_property
+    def order(self) -> IntArray:
+        """Places, in (R, M) laid out flat, of the rows that are of blocks: one block after the other."""
+        flat = self.of_row.ravel()
+        places = np.argsort(flat, kind="stable")
+        return places[np.count_nonzero(flat < 0) :]
+
+    @cached_property
+    def slices(self) -> list[slice]:
+        """Where the rows of each block lie in that order."""
+        ends = np.cumsum(np.bincount(self.of_row[self.of_row >= 0], minlength=len(self)))
+        return [slice(int(start), int(end)) for start, end in zip((0, *ends[:-1]), ends, strict=True)]
+
+    def merged(self) -> "Blocks":
+        """As few as halves and motions can still be left out of: all that lie in the same part of a motion are one."""
+        parts = np.stack([self.motion, self.half, self.guard], axis=1).astype(np.intp)
+        kinds, kind = np.unique(parts, axis=0, return_inverse=True)
+        return Blocks(
+            of_row=np.where(self.of_row >= 0, kind[self.of_row], -1),
+            motion=kinds[:, 0],
+            half=kinds[:, 1],
+            guard=kinds[:, 2].astype(np.bool_),
+        )
+
+
+def blocks_of(valid: BoolArray, row_dt: float) -> Blocks:
+    """Blocks of `valid` rows (R, M), `row_dt` [s] apart."""
+    of_row = np.full(valid.shape, -1, dtype=np.intp)
+    motions, halves, guards, count = [], [], [], 0
+    for m in range(valid.shape[1]):
+        rows = np.flatnonzero(valid[:, m])
+        if not len(rows):
+            continue
+        per_block = max(1, round(BLOCK / row_dt), round(np.count_nonzero(valid) / _MOST))
+        n = max(2 if len(rows) > 1 else 1, round(len(rows) / per_block))
+        place = np.minimum(np.arange(len(rows)) * n // len(rows), n - 1)
+        of_row[rows, m] = count + place
+        first = (n + 1) // 2
+        motions += [m] * n
+        halves += [0] * first + [1] * (n - first)
+        guards += [n >= 6 and k in (first - 1, first) for k in range(n)]
+        count += n
+    return Blocks(of_row=of_row, motion=np.array(motions), half=np.array(halves), guard=np.array(guards))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Columns:
+    """Weighted columns in one component, rows in the order of their blocks."""
+
+    at: IntArray
+    """Their places among all columns."""
+    rows: Array
+    """Shape (S, len(at))."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stack:
+    """Weighted columns with their products, made once for many residuals."""
+
+    blocks: Blocks
+    weights: Values
+    """(M,) or (R, M) per component; rows of weight 0 do not count."""
+    parts: Mapping[tuple[Channel, int], tuple[_Columns, ...]]
+    gram: Array
+    """A^T A, shape (B, P, P)."""
+
+    def beside(self, columns: Sequence[Parts], scale: Array | None = None) -> "Stack":
+        """These columns first, then `columns`, (R, M) per component each, times `scale` (len(columns),)."""
+        n, more = self.gram.shape[1], len(columns)
+        gram = np.zeros((len(self.blocks), n + more, n + more))
+        gram[:, :n, :n] = self.gram
+        parts = dict(self.parts)
+        for key, weight in self.weights.items():
+            have = [i for i, column in enumerate(columns) if key in column]
+            if not have:
+                continue
+            rows = np.stack([self._in_order(columns[i][key] * weight) for i in have], axis=-1)
+            if scale is not None:
+                rows *= scale[have]
+            new = _Columns(at=n + np.array(have), rows=rows)
+            for old in (*parts.get(key, ()), new):
+                self._add_products(gram, old, new)
+            parts[key] = (*parts.get(key, ()), new)
+        return Stack(blocks=self.blocks, weights=self.weights, parts=parts, gram=gram)
+
+    def evidence(self, residuals: Values) -> "Evidence":
+        """Sums with residuals (R, M, K) per component."""
+        n_residuals = next(iter(residuals.values())).shape[2]
+        moment = np.zeros((len(self.blocks), self.gram.shape[1], n_residuals))
+        energy, counted = np.zeros((len(self.blocks), n_residuals)), np.zeros(len(self.blocks))
+        for key, residual in residuals.items():
+            weight = np.broadcast_to(self.weights[key], residual.shape[:2])
+            flat, counts = self._in_order(residual * weight[..., None]), self._in_order(weight)
+            for b, own in enumerate(self.blocks.slices):
+                r = flat[own]
+                energy[b] += np.einsum("rk,rk->k", r, r)
+                counted[b] += np.count_nonzero(counts[own])
+                for columns in self.parts.get(key, ()):
+                    moment[b, columns.at] += columns.rows[own].T @ r
+        return Evidence(stack=self, moment=moment, energy=energy, rows=counted, n_components=len(residuals))
+
+    def energy_of(self, places: IntArray, x: Array) -> dict[tuple[Channel, int], float]:
+        """Energy of what some columns, times `x`, change in each component."""
+        found = {}
+        for key, parts in self.parts.items():
+            total = np.zeros(len(parts[0].rows))
+            for columns in parts:
+                here, there = np.nonzero(columns.at[:, None] == places)
+                total += columns.rows[:, here] @ x[there]
+            found[key] = float(total @ total)
+        return found
+
+    def _in_order(self, rows: Array) -> Array:
+        """Rows (R, M, ...) that are of blocks, one block after the other, (S, ...)."""
+        ordered: Array = rows.reshape(-1, *rows.shape[2:])[self.blocks.order]
+        return ordered
+
+    def _add_products(self, gram: Array, old: _Columns, new: _Columns) -> None:
+        """Products of two sets of columns, which may be the same one."""
+        products = np.stack([old.rows[own].T @ new.rows[own] for own in self.blocks.slices])
+        gram[:, old.at[:, None], new.at] += products
+        if old is not new:
+            gram[:, new.at[:, None], old.at] += products.transpose(0, 2, 1)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Evidence:
+    r"""Sums over blocks of a regression :math:`r = A x`, weighted rows of all channels together.
+
+    All statistics are functions of these few numbers, so that they cost nothing beside the replays.
+    """
+
+    stack: Stack
+    """The columns A."""
+    moment: Array
+    """A^T r, shape (B, P, K), for K residuals: that of the log first, then those of noise."""
+    energy: Array
+    """r^T r, shape (B, K)."""
+    rows: Array
+    """Number of rows of all components, shape (B,): what the energy of noise alone would be."""
+    n_components: int
+    """Components of all channels."""
+
+    @property
+    def blocks(self) -> Blocks:
+        """Blocks of rows."""
+        return self.stack.blocks
+
+    @property
+    def gram(self) -> Array:
+        """A^T A, shape (B, P, P)."""
+        return self.stack.gram
+
+
+def stack_of(blocks: Blocks, columns: Sequence[Parts], weights: Values, scale: Array | None = None) -> Stack:
+    """Columns (R, M) per component, weighted by (M,) or (R, M) per component, times `scale` (len(columns),)."""
+    none = Stack(blocks=blocks, weights=weights, parts={}, gram=np.zeros((len(blocks), 0, 0)))
+    return none.beside(columns, scale)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fold:
+    """Blocks to fit to, and blocks to judge by; shape (B,) each."""
+
+    train: BoolArray
+    test: BoolArray
+
+
+def motion_folds(blocks: Blocks) -> list[Fold]:
+    """Each motion left out in turn: does an explanation hold for other motions? None of a single motion."""
+    motions = np.unique(blocks.motion)
+    if len(motions) < 2:
+        return []
+    return [Fold(train=blocks.motion != m, test=blocks.motion == m) for m in motions]
+
+
+def half_folds(blocks: Blocks) -> list[Fold]:
+    """Each half of each motion left out in turn: the only split that can judge what one motion alone excites.
+
+    Blocks on either side of the cut are not fitted to when the other half is judged, so that nothing leaks over it.
+    """
+    found = []
+    for m in np.unique(blocks.motion):
+        for half in (0, 1):
+            test = (blocks.motion == m) & (blocks.half == half)
+            near = blocks.guard & (blocks.motion == m)
+            if test.any():
+                found.append(Fold(train=~test & ~near, test=test))
+    return found

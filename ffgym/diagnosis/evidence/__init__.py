@@ -1,1 +1,0 @@
-"""Sums that all statistics are made of."""

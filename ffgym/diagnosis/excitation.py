@@ -1,0 +1,211 @@
+"""Effects that are no cause, and why: not in the log, not excited, or of the form of a pattern; a first look.
+
+It replays once and simulates nothing, so that it knows neither how much chance explains nor what else would: good for
+the impatient, no verdict.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.diagnosis.calibration import Calibration, doubts_of
+from ffgym.diagnosis.evidence import Blocks, Values, blocks_of, half_folds
+from ffgym.diagnosis.log import Log
+from ffgym.diagnosis.measured import knows_low_speed, residual_rows, valid_rows
+from ffgym.diagnosis.noise import torque_noise
+from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged
+from ffgym.diagnosis.search.candidates import Candidates, candidates_of
+from ffgym.diagnosis.search.found import Found
+from ffgym.diagnosis.signatures.column import columns_of
+from ffgym.diagnosis.solving import screen
+from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, ResolverEffect, TrackerEffect
+from ffgym.simulation.plant import Machine
+
+LEAST_SPAN = {"temperature": 5.0, "running": 120.0}
+"""Span that a log must have of what an effect varies with: temperature [K], and time since switching on [s]; chosen:
+what moves friction by some per cent."""
+
+_NO_FEEDBACK = "the log has no set-points, or no feedback torque (reference.position, feedback.effort)"
+
+_UNITS = {"temperature": "K", "running": "s"}
+
+
+_OPEN = "it is a number of the model that is not known any better than that: it is fitted beside the causes"
+
+
+def judgeable_kinds(
+    log: Log, machine: Machine, calibration: Calibration, no_servo: str = ""
+) -> tuple[list[type[Effect]], tuple[Unjudged, ...]]:
+    """Effects that a log may show, and the others with the reason; `no_servo` is that of effects in the servo."""
+    judgeable, others = [], []
+    for kind in EFFECTS.values():
+        reason = _OPEN if kind in calibration.open_numbers else _missing(kind, log, machine)
+        if reason == _NO_FEEDBACK:
+            reason = no_servo or reason
+        if reason:
+            others.append(Unjudged(effect=kind.name, joint="", reason=reason))
+        else:
+            judgeable.append(kind)
+    return judgeable, tuple(others)
+
+
+def _missing(kind: type[Effect], log: Log, machine: Machine) -> str:
+    """Why a log cannot show an effect at all; empty if it can."""
+    if issubclass(kind, TrackerEffect) and log.tool is None:
+        return "the log has no tracked tool position (tcp.position)"
+    if issubclass(kind, ClockEffect) and "link.position" in kind.families and log.link is None:
+        return "the log has no encoders behind the gearbox (link.position)"
+    if kind.side == "controller" and not issubclass(kind, ClockEffect) and not log.shows_servo:
+        return _NO_FEEDBACK
+    if kind.needs_elasticity and bool(machine.physical.drive.is_rigid.all()):
+        return "the joints are described as rigid"
+    if kind.at_low_speed and not knows_low_speed(log.robot).any():
+        return "the model has no friction of its own at low speed (static equals coulomb), where this effect acts"
+    if issubclass(kind, ModelEffect) and any(isinstance(effect, kind) for effect in machine.effects):
+        return "the model has it already, and a machine cannot have it twice"
+    if kind.needs_tool and log.robot.tool is None:
+        return "the robot has no tool"
+    for name in kind.varies_with:
+        if name == "temperature" and log.temperature is None and machine.climate is None:
+            return "the log has no temperature"
+        span = _span(log, machine, name)
+        if span < LEAST_SPAN[name]:
+            return f"{name} changes by {span:.3g} {_UNITS[name]} only, of {LEAST_SPAN[name]:g} that it takes"
+    return ""
+
+
+def _span(log: Log, machine: Machine, name: str) -> float:
+    if name == "running":
+        lasted = [recording.t[-1] - recording.t[0] for recording in log.recordings]
+        return float(np.max(log.started + lasted) - np.min(log.started))
+    if log.temperature is not None:
+        return float(np.max(np.ptp(log.temperature, axis=(0, 1))))
+    if machine.climate is None:
+        return 0.0
+    at = [machine.climate.at(machine.climate.running_since + float(s)) for s in log.started]
+    seen = np.concatenate([climate.temperature(np.array([0.0]), log.robot.n_joints) for climate in at])
+    return float(np.max(np.ptp(seen, axis=0)))
+
+
+def not_excited(found: Found) -> tuple[Unjudged, ...]:
+    """Effects that would not show even at the largest plausible size, joint by joint."""
+    ranking, candidates = found.rounds[0].ranking, found.candidates
+    listed: dict[tuple[str, str], bool] = {}
+    for group, most in zip(candidates.groups, ranking.most, strict=True):
+        column = candidates.first(group)
+        key = (column.effect.name, column.joint)
+        listed[key] = listed.get(key, True) and bool(most <= ranking.threshold)
+    reason = "these motions would not show even the largest that is plausible above the noise"
+    return tuple(Unjudged(effect=e, joint=j, reason=reason) for (e, j), quiet in listed.items() if quiet)
+
+
+_QUIET = "it explains no more of motions that were not used than chance, or than a cause must"
+
+
+def with_leads(
+    patterns: Sequence[Pattern],
+    causes: Sequence[Cause],
+    rivals: Sequence[Rival],
+    not_excited: Sequence[Unjudged],
+    not_judgeable: Sequence[Unjudged],
+) -> tuple[Pattern, ...]:
+    """Patterns with the effects that have their form, and why these are no causes."""
+    return tuple(
+        replace(pattern, leads=_leads(pattern, causes, rivals, (*not_judgeable, *not_excited))) for pattern in patterns
+    )
+
+
+def _leads(
+    pattern: Pattern, causes: Sequence[Cause], rivals: Sequence[Rival], unjudged: Sequence[Unjudged]
+) -> tuple[str, ...]:
+    """One sentence for each effect of that form."""
+    return tuple(
+        f"{kind.title}: {_reason(kind.name, pattern.component, causes, rivals, unjudged)}"
+        for kind in effects_of_form(pattern)
+        if kind.side == "motor" or pattern.channel != "servo"
+    )
+
+
+def effects_of_form(pattern: Pattern) -> list[type[Effect]]:
+    """Effects whose equation has the form of a pattern of its own joint, the nearest first.
+
+    Of those that are as near, torques come before springs, and what acts before what is measured.
+    """
+    form = (pattern.kind, pattern.variable)
+    found = [kind for kind in EFFECTS.values() if form in kind.patterns]
+    return sorted(
+        found, key=lambda kind: (kind.patterns.index(form), issubclass(kind, ResolverEffect), kind.needs_elasticity)
+    )
+
+
+def _reason(
+    effect: str, joint: str, causes: Sequence[Cause], rivals: Sequence[Rival], unjudged: Sequence[Unjudged]
+) -> str:
+    """Why an effect of a joint does not explain a pattern."""
+    here = ("", joint)
+    if any(cause.effect == effect and cause.joint in here for cause in causes):
+        return "it is a cause; what is left has another form than its equation"
+    for one in unjudged:
+        if one.effect == effect and one.joint in here:
+            return one.reason
+    lost = [rival for rival in rivals if rival.effect == effect and rival.joint in here]
+    return lost[0].reason if lost else _QUIET
+
+
+STANDS_OUT = 0.5
+"""Share of the torque's residual above noise that an effect must explain to be spoken of: what explains less than half
+is imitated by something else as often."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstLook:
+    """The effect that would explain most, if one stands out."""
+
+    effect: type[Effect] | None
+    joint: str
+    share: float
+    """Of the residual's energy above noise, on halves of motions that were not fitted."""
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        if self.effect is None:
+            return (
+                "First look, at torque alone: no effect before the gearbox stands out. What repeats with the turn of a "
+                "motor, and the arm, are not looked at yet."
+            )
+        where = f" of {self.joint}" if self.joint else ""
+        return (
+            f"First look, at torque alone: {self.effect.title}{where} would explain {self.share:.0%} of what noise and "
+            f"calibration do not; rivals, chance and the arm are not looked at yet."
+        )
+
+
+def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLook:
+    """Screen the effects before the gearbox on the torque of a log."""
+    run = replay(log.torque_alone, nominal)
+    residual = residual_rows(run.log, predicted(run))["torque"]
+    values: Values = {("torque", j): residual[..., j : j + 1] for j in range(residual.shape[2])}
+    weights: Values = {("torque", j): 1 / column for j, column in enumerate(torque_noise(run).T)}
+    blocks = blocks_of(valid_rows(run.log), log.sampling.row_dt)
+    candidates = _candidates(run, nominal, calibration, blocks, weights)
+    if not len(blocks) or not candidates.groups:
+        return FirstLook(effect=None, joint="", share=0.0)
+    evidence = candidates.stack.evidence(values)
+    seen = screen(evidence, half_folds(blocks), candidates.calibration, candidates.groups, candidates.priors)
+    best = int(np.argmax(seen.gain[:, 0]))
+    above = float(seen.left[0] - evidence.rows.sum())
+    share = float(seen.gain[best, 0]) / above if above > 0 else 0.0
+    if share < STANDS_OUT:
+        return FirstLook(effect=None, joint="", share=max(share, 0.0))
+    first = candidates.first(candidates.groups[best])
+    return FirstLook(effect=first.effect, joint=first.joint, share=min(share, 1.0))
+
+
+def _candidates(run: Replay, nominal: Machine, calibration: Calibration, blocks: Blocks, weights: Values) -> Candidates:
+    """Effects whose columns take no arm."""
+    kinds, _ = judgeable_kinds(run.log, nominal, calibration)
+    plain = [kind for kind in kinds if kind.side == "motor" and not issubclass(kind, ResolverEffect)]
+    return candidates_of(doubts_of(run, calibration), columns_of(run, plain, {}), blocks, weights)

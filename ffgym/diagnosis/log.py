@@ -1,0 +1,253 @@
+"""What a diagnosis sees of its recordings: motions of the motors side by side, and what was measured along them."""
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.identification import LowPass
+from ffgym.diagnosis.identification.signals import acting_torque, check_fits, joint_motion
+from ffgym.diagnosis.log_columns import feedback_columns, padded, reference_columns, temperature_columns, tool_columns
+from ffgym.diagnosis.sampling import Sampling, derivatives, white_noise, without_trembling
+from ffgym.recordings import Recording
+from ffgym.recordings.stretch import started
+from ffgym.robot import RobotDescription
+
+
+def by_content(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
+    """Recordings by the names of their motions, then by their numbers."""
+    return tuple(sorted(recordings, key=lambda recording: (recording.header.segment, _digest(recording))))
+
+
+def _digest(recording: Recording) -> bytes:
+    digest = hashlib.sha256()
+    for name in sorted(recording.columns):
+        digest.update(name.encode() + b"\0" + np.ascontiguousarray(recording[name]).tobytes())
+    return digest.digest()
+
+
+_SAME_PERIOD = 0.01
+"""Relative difference of sample periods up to which recordings count as sampled alike."""
+
+_TREMBLING = 3.0
+"""Half the band in which a reading may move while the motor stands, in standard deviations of its noise."""
+
+_PER_OCTAVE = 2
+"""Widths of that band in an octave: so coarse that it is mostly the same in all logs of one machine."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Log:
+    """M motions of one robot, each padded at its end to the T samples of the longest; N joints.
+
+    Angles are behind the gearbox if joints were rigid, link side; torques are motor side.
+    """
+
+    robot: RobotDescription
+    recordings: tuple[Recording, ...]
+    sampling: Sampling
+    started: Array
+    """When each motion began on the clock of its session [s], shape (M,); 0 if the log does not say."""
+    known: BoolArray
+    """Samples that are of the record and that the filter knows, shape (T, M)."""
+    q: Array
+    """[rad], shape (T, M, N)."""
+    dq: Array
+    """[rad/s]."""
+    ddq: Array
+    """[rad/s^2]."""
+    trembling: Array
+    """Half the band in which the reading of a motor that stands moves, shape (N,), link side [rad]."""
+    slip_dq: Array
+    """Speed that moves the bristles of friction: `dq` where a motor moves, 0 where only its reading does [rad/s]."""
+    torque: Array
+    """Motor torque that acts about each sample [N m], shape (T, M, N)."""
+    tool: Array | None
+    """Tracked position [m], shape (T, M, 3); NaN where it is not known."""
+    link: Array | None
+    """Encoders behind the gearbox, link side [rad], shape (T, M, N)."""
+    feedback: Array | None
+    """Torque that the servo adds to its feed-forward [N m], shape (T, M, N)."""
+    reference: tuple[Array, Array] | None
+    """Set-points of the motors [rad], and their rate, shape (T, M, N) each."""
+    temperature: Array | None
+    """[degC], shape (T, M, N)."""
+
+    @property
+    def reading_noise(self) -> Array:
+        """White noise of the motors' readings that has such a band, standard deviation (N,), link side [rad]."""
+        return self.trembling / (_TREMBLING * _passed(self.sampling.motion_filter, self.dt))
+
+    @property
+    def dt(self) -> float:
+        """Sample period [s]."""
+        return self.sampling.dt
+
+    @property
+    def t(self) -> Array:
+        """Time since each motion began [s], shape (T,)."""
+        return np.arange(len(self.q), dtype=np.float64) * self.dt
+
+    @property
+    def lengths(self) -> tuple[int, ...]:
+        """Samples of each motion."""
+        return tuple(len(recording) for recording in self.recordings)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the motions."""
+        return tuple(recording.header.segment for recording in self.recordings)
+
+    @property
+    def shows_servo(self) -> bool:
+        """Whether the servo's torque can be compared: it and what it follows were recorded."""
+        return self.feedback is not None and self.reference is not None
+
+    @property
+    def torque_alone(self) -> "Log":
+        """The log without the channels that show more than torque."""
+        return replace(self, tool=None, link=None, feedback=None, reference=None)
+
+    def motion(self, i: int) -> "Log":
+        """The log of one of its motions alone, padded as before."""
+        one = slice(i, i + 1)
+
+        def taken(values: Array | None) -> Array | None:
+            return None if values is None else values[:, one]
+
+        return replace(
+            self,
+            recordings=self.recordings[one],
+            started=self.started[one],
+            known=self.known[:, one],
+            q=self.q[:, one],
+            dq=self.dq[:, one],
+            ddq=self.ddq[:, one],
+            slip_dq=self.slip_dq[:, one],
+            torque=self.torque[:, one],
+            tool=taken(self.tool),
+            link=taken(self.link),
+            feedback=taken(self.feedback),
+            reference=None if self.reference is None else (self.reference[0][:, one], self.reference[1][:, one]),
+            temperature=taken(self.temperature),
+        )
+
+
+def log_of(
+    robot: RobotDescription, recordings: Sequence[Recording], like: Log | None = None, cutoff: float | None = None
+) -> Log:
+    """Recordings of a robot, made ready; with the rows and channels of another log of the same motions, if given.
+
+    Args:
+        robot: that was recorded.
+        recordings: of motions with different names.
+        like: another log of the same motions.
+        cutoff: of what is compared [Hz]; None is the usual one, or that of `like`.
+
+    Raises:
+        FFGymError: if there are none, two motions share a name, they are sampled at different rates or unevenly, one of
+            them does not fit the robot or does not say what its torque is and when it acts.
+    """
+    _check(robot, recordings)
+    sampling = Sampling.of(recordings[0].dt, [len(recording) for recording in recordings], cutoff)
+    if like is not None:
+        recordings, sampling = [r.slice(end=float(r.t[0]) + like.sampling.span) for r in recordings], like.sampling
+    low_pass, known = sampling.motion_filter, _known(sampling, recordings)
+    motions = [_motion(robot, recording, low_pass) for recording in recordings]
+
+    def beside(of: Sequence[Array], hold: bool = True) -> Array:
+        return padded(of, sampling.n_samples, hold)
+
+    def where_all(family: str, read: Callable[[Recording], Array]) -> Array | None:
+        return beside([read(r) for r in recordings]) if all(r.has(family) for r in recordings) else None
+
+    q = beside([q for q, _, _ in motions])
+    # that of another log, if given, so that what the band does to reversals is the same in both
+    trembling = _trembling(robot, recordings, low_pass) if like is None else like.trembling
+    found = Log(
+        robot=robot,
+        recordings=tuple(recordings),
+        sampling=sampling,
+        started=np.array([started(recording.header) for recording in recordings]),
+        known=known,
+        q=q,
+        dq=beside([dq for _, dq, _ in motions], hold=False),
+        ddq=beside([ddq for _, _, ddq in motions], hold=False),
+        trembling=trembling,
+        slip_dq=np.gradient(without_trembling(q, trembling), sampling.dt, axis=0),
+        torque=beside([acting_torque(robot, recording) for recording in recordings]),
+        tool=where_all("tcp.position", tool_columns) if robot.tool is not None else None,
+        link=where_all("link.position", lambda r: r.joint_array("link.position")),
+        feedback=feedback_columns(robot, recordings, sampling.n_samples),
+        reference=reference_columns(robot, recordings, sampling.n_samples),
+        temperature=where_all("temperature", temperature_columns),
+    )
+    return found if like is None else _with_channels_of(found, like)
+
+
+def _known(sampling: Sampling, recordings: Sequence[Recording]) -> BoolArray:
+    """Samples of each record that the filter of the motion knows and that count for any joint, shape (T, M)."""
+    ends = sampling.motion_filter.end_rows(sampling.dt)
+    known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
+    for i, recording in enumerate(recordings):
+        known[ends : max(ends, len(recording) - ends), i] = True
+        known[: len(recording), i] &= recording.valid.any(axis=1)
+    return known
+
+
+def _motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:
+    """Position, speed and acceleration (T, N) behind the gearbox."""
+    q, _, _ = joint_motion(robot, recording, low_pass)
+    return (q, *derivatives(q, recording.dt))
+
+
+def _with_channels_of(log: Log, like: Log) -> Log:
+    """The log with no more channels than another one has."""
+    return replace(
+        log,
+        tool=None if like.tool is None else log.tool,
+        link=None if like.link is None else log.link,
+        feedback=None if like.feedback is None else log.feedback,
+        reference=None if like.reference is None else log.reference,
+        temperature=like.temperature,
+        started=like.started,
+    )
+
+
+def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pass: LowPass) -> Array:
+    """Half the band (N,) in which the filtered reading of a motor that stands moves, behind the gearbox [rad].
+
+    A resolver has one noise: that in the middle of all motions, of which some shake in the band of the noise.
+    """
+    noise = []
+    for recording in recordings:
+        raw = recording.joint_array("motor.position")
+        angle = raw if recording.header.position_side == "link" else robot.drive.joint_angle(raw)
+        noise.append(_passed(low_pass, recording.dt) * white_noise(angle, low_pass, recording.dt))
+    width = _TREMBLING * np.median(noise, axis=0)
+    steps = np.round(_PER_OCTAVE * np.log2(np.maximum(width, np.finfo(np.float64).tiny)))
+    rounded: Array = np.where(width > 0, 2.0 ** (steps / _PER_OCTAVE), 0.0)
+    return rounded
+
+
+def _passed(low_pass: LowPass, dt: float) -> float:
+    """Share of white noise that a low-pass lets through."""
+    return float(np.sqrt(min(1.0, 2 * low_pass.cutoff * dt)))
+
+
+def _check(robot: RobotDescription, recordings: Sequence[Recording]) -> None:
+    if not recordings:
+        raise FFGymError("There is nothing to diagnose: name recordings, or a folder of them.")
+    for recording in recordings:
+        check_fits(robot, recording)
+    names = [recording.header.segment for recording in recordings]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise FFGymError(f"Several recordings are of a motion named {twice[0]!r}; names of motions must differ.")
+    periods = [recording.dt for recording in recordings]
+    if np.ptp(periods) > _SAME_PERIOD * max(periods):
+        raise FFGymError(
+            f"Recordings are sampled every {min(periods):g} to {max(periods):g} s; diagnose those of one sample period."
+        )

@@ -1,0 +1,171 @@
+"""Columns of recordings side by side and without holes, and the reference that a controller tracked."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.signals import motor_effort
+from ffgym.paths import Reference
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+
+_GAP = 5
+"""Sample periods of the tracker over which its position is interpolated; chosen: a lost sample or some."""
+
+
+def padded(arrays: Sequence[Array], n: int, hold: bool) -> Array:
+    """Arrays (T_i, ...) side by side, shape (T, M, ...); after its end a motion holds its last row, or is 0."""
+
+    def one(array: Array) -> Array:
+        width = ((0, n - len(array)), *((0, 0) for _ in array.shape[1:]))
+        return np.pad(array, width, mode="edge") if hold else np.pad(array, width)
+
+    return np.stack([one(array) for array in arrays], axis=1)
+
+
+def tool_columns(recording: Recording) -> Array:
+    """Tracked position (T, 3), straight between samples that lie close together; else NaN."""
+    position, t = recording.vector("tcp.position"), recording.t
+    seen = np.flatnonzero(~np.isnan(position).any(axis=1))
+    if len(seen) < 2:
+        return np.full_like(position, np.nan)
+    between = np.stack([np.interp(t, t[seen], position[seen, k]) for k in range(3)], axis=1)
+    after = np.minimum(np.searchsorted(seen, np.arange(len(t))), len(seen) - 1)
+    before = np.maximum(np.where(seen[after] == np.arange(len(t)), after, after - 1), 0)
+    gap = seen[after] - seen[before]
+    outside = (np.arange(len(t)) < seen[0]) | (np.arange(len(t)) > seen[-1])
+    between[(gap > _GAP * np.median(np.diff(seen))) | outside] = np.nan
+    return between
+
+
+def temperature_columns(recording: Recording) -> Array:
+    """Temperatures (T, N), straight between samples, held at either end."""
+    columns = recording.joint_array("temperature").copy()
+    for j in range(columns.shape[1]):
+        seen = ~np.isnan(columns[:, j])
+        columns[:, j] = np.interp(recording.t, recording.t[seen], columns[seen, j]) if seen.any() else np.nan
+    return columns
+
+
+def feedback_columns(robot: RobotDescription, recordings: Sequence[Recording], n: int) -> Array | None:
+    """Feedback torque as recorded, or as what the motor torque has beside its feed-forward; None if neither is."""
+    found = []
+    for recording in recordings:
+        side = robot.drive.motor_torque if recording.header.torque_semantics == "link_side" else None
+        if recording.has("feedback.effort"):
+            torque = recording.joint_array("feedback.effort")
+            found.append(torque if side is None else side(torque))
+        elif recording.has("feedforward.effort"):
+            added = recording.joint_array("feedforward.effort")
+            if recording.has("compensation.effort"):
+                added = added + recording.joint_array("compensation.effort")
+            found.append(motor_effort(robot, recording) - (added if side is None else side(added)))
+        else:
+            return None
+    return padded(found, n, hold=True)
+
+
+def reference_columns(robot: RobotDescription, recordings: Sequence[Recording], n: int) -> tuple[Array, Array] | None:
+    """Set-points of the motors and their rate, motor side."""
+    if not all(recording.has("reference.position") for recording in recordings):
+        return None
+    positions, rates = [], []
+    for recording in recordings:
+        link = recording.header.position_side == "link"
+        position = recording.joint_array("reference.position")
+        positions.append(robot.drive.motor_angle(position) if link else position)
+        if recording.has("reference.velocity"):
+            rate = recording.joint_array("reference.velocity")
+            rates.append(robot.drive.motor_angle(rate) if link else rate)
+        else:
+            rates.append(np.gradient(positions[-1], recording.dt, axis=0))
+    return padded(positions, n, hold=True), padded(rates, n, hold=False)
+
+
+_FEWEST = 4
+"""Set-points that a smooth curve takes."""
+
+_MARGIN = 0.05
+"""Share of its reach by which a joint that went beyond its range has room; chosen: a servo overshoots."""
+
+
+def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
+    """Set-points of a recording at the control step, from 0 s on, without phases; they are smooth in between.
+
+    Raises:
+        FFGymError: if the recording has no set-points, or the robot cannot make the motion.
+    """
+    if not recording.has("reference.position"):
+        raise FFGymError(
+            f"Recording {recording.header.segment!r} has no reference.position, so it cannot be run again."
+        )
+    dt = robot.servo.control_dt
+    q = _set_points(robot, recording)
+    since = recording.t - recording.t[0]
+    t = dt * np.arange(int(np.floor(since[-1] / dt + 1e-6)) + 1, dtype=np.float64)
+    curve = CubicSpline(since, q)
+    return Reference(
+        name=recording.header.segment, robot=robot, t=t, q=curve(t), dq=curve(t, 1), ddq=curve(t, 2), phases=()
+    )
+
+
+def roomy(robot: RobotDescription, recordings: Sequence[Recording]) -> RobotDescription:
+    """The robot with ranges and speeds that hold all set-points: what a machine has done, it can do.
+
+    The same robot, if they do.
+    """
+    low, high, fast = _reach(robot, recordings)
+    kinematics = robot.kinematics
+    margin = _MARGIN * (high - low)
+    beyond = (low < kinematics.range[:, 0]) | (high > kinematics.range[:, 1])
+    ends = np.minimum(low - margin, kinematics.range[:, 0]), np.maximum(high + margin, kinematics.range[:, 1])
+    speed = np.where(fast > kinematics.max_speed, (1 + _MARGIN) * fast, kinematics.max_speed)
+    if not beyond.any() and np.array_equal(speed, kinematics.max_speed):
+        return robot
+    limits = np.where(beyond[:, None], np.stack(ends, axis=1), kinematics.range)
+    return replace(robot, kinematics=replace(kinematics, range=limits, max_speed=speed))
+
+
+def beyond_limits(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """Set-points that lie beyond the range of their joint or its speed, in words; empty if none do."""
+    low, high, fast = _reach(robot, recordings)
+    kinematics, found = robot.kinematics, []
+    for j, joint in enumerate(robot.joints):
+        unit, (least, most) = kinematics.units[j], kinematics.range[j]
+        for value, is_out in ((low[j], low[j] < least), (high[j], high[j] > most)):
+            if is_out:
+                found.append(
+                    f"reference.position.{joint} goes to {value:.6g} {unit}, must be within {least:.6g} to {most:.6g} "
+                    f"{unit}. The diagnosis goes on as if the joint had room; look at kinematics.range."
+                )
+        if fast[j] > kinematics.max_speed[j]:
+            found.append(
+                f"reference.position.{joint} moves at {fast[j]:.6g} {unit}/s, must stay below "
+                f"{kinematics.max_speed[j]:.6g} {unit}/s. The diagnosis goes on; look at kinematics.max_speed."
+            )
+    return tuple(found)
+
+
+def _reach(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[Array, Array, Array]:
+    """Lowest and highest set-point of each joint, and their highest speed, (N,) each, as they are run again."""
+    low, high, fast = np.full(robot.n_joints, np.inf), np.full(robot.n_joints, -np.inf), np.zeros(robot.n_joints)
+    for recording in recordings:
+        if recording.has("reference.position"):
+            q = _set_points(robot, recording)
+            known = np.isfinite(q).all(axis=1)
+            if np.count_nonzero(known) < _FEWEST:
+                continue
+            q, curve = q[known], CubicSpline(recording.t[known], q[known])
+            low, high = np.minimum(low, q.min(axis=0)), np.maximum(high, q.max(axis=0))
+            fast = np.maximum(fast, np.abs(curve(curve.x, 1)).max(axis=0))
+    return low, high, fast
+
+
+def _set_points(robot: RobotDescription, recording: Recording) -> Array:
+    """Behind the gearbox if joints were rigid, (T, N)."""
+    position = recording.joint_array("reference.position")
+    return position if recording.header.position_side == "link" else robot.drive.joint_angle(position)

@@ -1,0 +1,190 @@
+"""Forms of dependence: families of columns fitted by least squares, and functions of one variable among them."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Literal, final
+
+import numpy as np
+
+from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.patterns.rows import Rows
+from ffgym.diagnosis.result import PatternKind
+
+PRIOR_ROWS = 3.0
+"""Rows of zero that are added to the fit of each column, so that one seen in few rows says little; chosen: far less
+than a block has."""
+
+
+class Candidate(ABC):
+    """One form of dependence."""
+
+    joint: int | None
+    """Whose variable it is; None for time."""
+    own_only: bool
+    """Whether only residuals of that joint, and of the tool, may depend on it."""
+
+    def may_act_on(self, rows: Rows, component: int) -> bool:
+        """Whether a component of a channel may depend on it."""
+        return not self.own_only or rows.channel == "tool" or self.joint == component
+
+    @property
+    @abstractmethod
+    def kind(self) -> PatternKind:
+        """What kind of pattern it is."""
+
+    @abstractmethod
+    def complexity(self, rows: Rows) -> int:
+        """Number of what is fitted."""
+
+
+class Fixed(Candidate):
+    """A form whose columns follow from the motion alone."""
+
+    @abstractmethod
+    def columns(self, rows: Rows) -> Array:
+        """Its columns (R, P), of size about 1, not centred."""
+
+
+class Periodic(Candidate):
+    """A form with a frequency that must be found in the residual first."""
+
+    @abstractmethod
+    def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
+        """Frequency that explains most of each column of values (R, C) in the rows of `train` (R,), if it has one."""
+
+    @abstractmethod
+    def refine(self, rows: Rows, values: Array, frequency: float) -> float:
+        """The frequency near a found one that explains most of `values` (R,) in all rows."""
+
+    @abstractmethod
+    def columns(self, rows: Rows, frequency: float) -> Array:
+        """Its columns (R, P), of size about 1, not centred."""
+
+
+def fit(columns: Array, values: Array) -> Array:
+    """Coefficients (P, ...) of centred columns (R, P) for values (R, ...)."""
+    gram: Array = columns.T @ columns + PRIOR_ROWS * np.eye(columns.shape[1])
+    return np.asarray(np.linalg.solve(gram, columns.T @ values), dtype=np.float64)
+
+
+Variable = Literal[
+    "angle",
+    "speed",
+    "size of speed",
+    "acceleration",
+    "load",
+    "temperature",
+    "travel",
+    "rest",
+    "time",
+    "way",
+    "power",
+    "none",
+]
+"""What a function depends on; `none` is a constant, which only makes sense times a sign."""
+
+COARSE, FINE = 8, 40
+"""Knots of a smooth function, and of one with a local bump; chosen: 40 over the range of a joint's large motions tell
+a worn spot of a tooth or two, and a quarter of a second in ten."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Function(Fixed):
+    """A function of a variable of one joint, linear between knots; maybe times the sign of the speed of a joint."""
+
+    variable: Variable
+    joint: int | None
+    signed: int | None = None
+    """Joint whose sign it goes with; None for a plain function."""
+    knots: int = COARSE
+    """2 is a straight line."""
+    evenly: bool = False
+    """Knots at even values instead of even shares of the rows."""
+    own_only: bool = False
+
+    def may_act_on(self, rows: Rows, component: int) -> bool:
+        """Whether a component of a channel may depend on it; friction with the state of another joint is its own."""
+        if self.signed not in (None, self.joint):
+            return rows.channel != "tool" and component == self.signed
+        return super().may_act_on(rows, component)
+
+    @property
+    def kind(self) -> PatternKind:
+        """See base class."""
+        return "function" if self.signed is None else "sign-locked function"
+
+    def columns(self, rows: Rows) -> Array:
+        """See base class."""
+        hats = hat_columns(self._values(rows), self.knots, evenly=self.evenly)
+        return hats if self.signed is None else hats * rows.did.sign[:, self.signed, None]
+
+    def complexity(self, rows: Rows) -> int:
+        """See base class."""
+        return 1 if self.variable == "none" else self.knots
+
+    def _values(self, rows: Rows) -> Array:
+        if self.variable == "time" or self.joint is None:
+            return rows.did.t
+        j, did = self.joint, rows.did
+        match self.variable:
+            case "none":
+                return np.zeros(len(did.t))
+            case "size of speed":
+                return np.abs(did.speed[:, j])
+            case "power":
+                return did.speed[:, j] * did.torque[:, j]
+            case "load" if self.signed is not None:  # friction grows with the size of a load
+                return np.abs(did.load[:, j])
+            case other:
+                values: Array = getattr(did, other)[:, j]
+                return values
+
+
+def hat_columns(values: Array, knots: int, *, evenly: bool) -> Array:
+    """Hat functions (R, P) of values (R,), whose sum is 1; constant values give one column of ones."""
+    low, high = values.min(), values.max()
+    if high - low <= 1e-9 * max(abs(low), abs(high)):
+        return np.ones((len(values), 1))
+    places = np.linspace(0.0, 1.0, knots)
+    at = low + places * (high - low) if evenly else np.unique(np.quantile(values, places))
+    left = np.clip(np.searchsorted(at, values, side="right") - 1, 0, len(at) - 2)
+    share = (values - at[left]) / (at[left + 1] - at[left])
+    columns = np.zeros((len(values), len(at)))
+    columns[np.arange(len(values)), left] = 1.0 - share
+    columns[np.arange(len(values)), left + 1] = share
+    return columns
+
+
+def functions_of_time() -> list[Function]:
+    """Functions of the time since a motion began, the same in all motions, whatever they do."""
+    return [Function(variable="time", joint=None, knots=knots, evenly=True) for knots in (COARSE, FINE)]
+
+
+def functions_of(joint: int) -> list[Function]:
+    """All functions of the variables of one joint."""
+    plain: list[Variable] = ["speed", "size of speed", "acceleration", "load"]
+    own: list[Variable] = ["temperature", "travel", "rest", "time"]
+    return [
+        Function(variable="none", joint=joint, signed=joint),
+        *(Function(variable=variable, joint=joint) for variable in plain),
+        *(Function(variable="angle", joint=joint, knots=knots, evenly=knots == FINE) for knots in (2, COARSE, FINE)),
+        Function(variable="angle", joint=joint, signed=joint, evenly=False),
+        Function(variable="angle", joint=joint, signed=joint, knots=FINE, evenly=True, own_only=True),
+        *(Function(variable=v, joint=joint, signed=joint, own_only=True) for v in ("size of speed", "load", "power")),
+        *(Function(variable=v, joint=joint, own_only=True) for v in ("way", "power")),
+        Function(variable="way", joint=joint, signed=joint, own_only=True),
+        *(Function(variable=v, joint=joint, signed=joint, knots=_knots(v), own_only=True) for v in own),
+        *(Function(variable=v, joint=joint, knots=_knots(v), own_only=True) for v in ("temperature", "travel", "rest")),
+    ]
+
+
+def friction_of(joint: int, other: int) -> list[Function]:
+    """Functions of what one joint does, times the sign of another: friction that it brings about there."""
+    variables: list[Variable] = ["size of speed", "load", "angle"]
+    return [Function(variable=variable, joint=other, signed=joint) for variable in variables]
+
+
+def _knots(variable: Variable) -> int:
+    """A straight line in what hardly changes during a motion: a freer curve could give each motion its own value."""
+    return 2 if variable in ("temperature", "time") else COARSE

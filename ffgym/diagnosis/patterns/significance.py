@@ -1,0 +1,213 @@
+"""Tests of dependence: forms on halves of the rows, any dependence at all, and wandering with time."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import gumbel_r
+from scipy.stats import t as student
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.patterns.forms import Fixed, Periodic, Variable, fit
+from ffgym.diagnosis.patterns.rows import Rows
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trial:
+    """How well one form of dependence foretells C residuals in B blocks that it was not fitted to."""
+
+    candidate: Fixed | Periodic
+    gain: Array
+    """Energy that it removes from each block, shape (B, C)."""
+    p: Array
+    """Probability of a prediction as good without any dependence, shape (C,)."""
+
+
+def tried(candidate: Fixed | Periodic, rows: Rows, values: Array, active: Sequence[int]) -> Trial:
+    """Judge a form of dependence on centred values (R, C) of the components `active`, those that it may act on.
+
+    A frequency is sought in the half that is fitted, too. Either direction is a valid test by itself; of the better one
+    of two its probability doubles.
+    """
+    open_to = [c for c in active if candidate.may_act_on(rows, c)]
+    gain, p = np.zeros((len(rows.block_starts), values.shape[1])), np.ones((2, values.shape[1]))
+    if not open_to:
+        return Trial(candidate=candidate, gain=gain, p=p[0])
+    measured = values[:, open_to]
+    foretell = _foretelling(candidate, rows, measured)
+    for judged in (0, 1):
+        train, blocks = rows.half != judged, rows.block_half == judged
+        if train.any() and blocks.any():
+            foretold = foretell(train)
+            agreement, size = (rows.by_block(foretold * other)[blocks] for other in (measured, foretold))
+            gain[np.ix_(blocks, open_to)] = 2 * agreement - size
+            p[judged, open_to] = symmetric_test(_bounded(agreement, size, rows.by_block(measured**2)[blocks]))
+    return Trial(candidate=candidate, gain=gain, p=np.minimum(1.0, 2 * p.min(axis=0)))
+
+
+def _foretelling(candidate: Fixed | Periodic, rows: Rows, values: Array) -> Callable[[BoolArray], Array]:
+    """What a form says of all rows (R, C) when it is fitted to some of them (R,)."""
+    if isinstance(candidate, Fixed):
+        columns = rows.centred(candidate.columns(rows))
+        return lambda train: columns @ fit(columns[train], values[train])
+    return lambda train: _waves(candidate, rows, values, train)
+
+
+def _waves(candidate: Periodic, rows: Rows, values: Array, train: BoolArray) -> Array:
+    """Sines (R, C) whose frequencies and amplitudes are those of some rows."""
+    foretold = np.zeros_like(values)
+    for c, frequency in enumerate(candidate.search(rows, values, train) or ()):
+        columns = rows.centred(candidate.columns(rows, frequency))
+        foretold[:, c] = columns @ fit(columns[train], values[train, c])
+    return foretold
+
+
+def _bounded(agreement: Array, size: Array, energy: Array) -> Array:
+    """Agreement of each block (B, C), bounded by 1, so that a few large blocks are not the only ones that are heard.
+
+    A block in which something is foretold counts by its correlation, one in which little is, or little happens, less.
+    """
+    bounded: Array = agreement / (np.sqrt(size * energy) + np.median(energy, axis=0) + np.finfo(np.float64).tiny)
+    return bounded
+
+
+def symmetric_test(agreement: Array) -> Array:
+    """Probability (C,) that sums of (B, C) come out as large if each block's sign were even chance.
+
+    Without dependence a prediction agrees with a block as often as it disagrees, however large the block's residual is,
+    so that the self-normalised sum is about Student's t. Blocks in which nothing is predicted do not count.
+    """
+    squares = np.sum(agreement**2, axis=0)
+    count = np.divide(squares**2, np.sum(agreement**4, axis=0), out=np.ones_like(squares), where=squares > 0)
+    ratio = np.divide(np.sum(agreement, axis=0), np.sqrt(squares), out=np.zeros_like(squares), where=squares > 0)
+    freedom = np.maximum(count - 1, 1e-3)
+    t = ratio * np.sqrt(freedom / np.maximum(count - ratio**2, 1e-12))
+    p: Array = np.maximum(student.sf(t, freedom), np.exp2(-np.ceil(count)))  # no rarer than all signs alike
+    return p
+
+
+def best_of(trials: Sequence[Trial], rows: Rows, c: int, *, least: float, level: float) -> Trial | None:
+    """The simplest of the forms that explain component `c` as well as the best one; None if none is sure.
+
+    Args:
+        trials: of all forms.
+        rows: what they were judged on.
+        c: number of the component.
+        least: energy that a form must remove.
+        level: largest probability that a form may have by chance.
+    """
+    sure = [trial for trial in trials if trial.p[c] < level and trial.gain[:, c].sum() >= least]
+    if not sure:
+        return None
+    best = max(sure, key=lambda trial: float(trial.gain[:, c].sum()))
+    equal = [trial for trial in sure if _as_good(trial.gain[:, c], best.gain[:, c])]
+    return min(equal, key=lambda trial: (trial.candidate.complexity(rows), -float(trial.gain[:, c].sum())))
+
+
+def _as_good(gain: Array, best: Array) -> bool:
+    """Whether blocks (B,) do not tell a form from the best one: it loses less than one standard error."""
+    less = best - gain
+    return float(less.sum()) <= float(np.sqrt(np.sum((less - less.mean()) ** 2)))
+
+
+MOST_ROWS = 400
+"""Rows that are compared with each other; chosen: their pairs take a millisecond per shuffle."""
+
+DRAWS = 60
+"""Shuffles of the residual; chosen: mean and spread of their largest scores are then known to a tenth."""
+
+_VARIABLES: tuple[Variable, ...] = ("angle", "speed", "acceleration", "load")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dependence:
+    """A variable that a residual depends on, in a form that nobody knows."""
+
+    variable: Variable
+    joint: int | None
+    """Whose variable it is; None for time."""
+    correlation: float
+    """Distance correlation, or that of neighbours in time, 0 to 1."""
+
+
+def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator) -> Dependence | None:
+    """The variable that values (R,) depend on most surely; None if shuffled values do as well with probability `level`.
+
+    All variables, for the residual and for its size (noise may grow), are tested at once: the largest of their
+    standardised covariances must be rare among those of shuffles, which follow the law of largest values. One row of
+    each block is used, and rows are shuffled within their motion, so that what differs between motions is no
+    dependence. A residual that wanders is not to be tested so: whatever moves slowly looks like it.
+
+    Reference:
+        Szekely, Rizzo, Bakirov (2007), Annals of Statistics 35(6), 2769-2794.
+    """
+    kept = rows.block_starts[:: max(1, -(-len(rows.block_starts) // MOST_ROWS))]
+    names = [(variable, joint) for joint in range(len(rows.joints)) for variable in _VARIABLES]
+    motion = rows.motion[kept]
+    distances = np.stack([_distances(_ranks(getattr(rows.did, v)[kept, j], motion)).ravel() for v, j in names])
+    kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
+    orders = [np.arange(len(kept)), *(_shuffled(motion, rng) for _ in range(DRAWS))]
+    covariance = np.stack([_covariances(distances, kinds[:, order][:, :, order]) for order in orders])
+    null = covariance[1:]
+    spread = null.std(axis=0)
+    score = np.divide(covariance - null.mean(axis=0), spread, out=np.zeros_like(covariance), where=spread > 0)
+    if gumbel_r.sf(score[0].max(), *_gumbel(score[1:].max(axis=(1, 2)))) > level:
+        return None
+    kind, best = np.unravel_index(np.argmax(score[0]), score[0].shape)
+    size = float(np.linalg.norm(distances[best]) * np.linalg.norm(kinds[kind]))
+    return Dependence(
+        variable=names[best][0], joint=names[best][1], correlation=float(np.sqrt(covariance[0, kind, best] / size))
+    )
+
+
+def _gumbel(largest: Array) -> tuple[float, float]:
+    """Place and scale of a Gumbel distribution by mean and spread of its values (D,)."""
+    scale = float(largest.std()) * np.sqrt(6.0) / np.pi
+    return float(largest.mean()) - np.euler_gamma * scale, max(scale, np.finfo(np.float64).tiny)
+
+
+def _covariances(distances: Array, kinds: Array) -> Array:
+    """Covariances (2, V) of the distances (V, R^2) of variables with those of the residual (2, R, R)."""
+    covariances: Array = kinds.reshape(len(kinds), -1) @ distances.T
+    return covariances
+
+
+def _shuffled(motion: IntArray, rng: np.random.Generator) -> IntArray:
+    """Order of rows in which those of each motion are shuffled among themselves."""
+    return np.lexsort([rng.random(len(motion)), motion])
+
+
+def _ranks(values: Array, motion: IntArray) -> Array:
+    """Place of each value (R,) among those of its motion, 0 to 1, so that no motion's range hides the others'."""
+    order = np.lexsort([values, motion])
+    counts = np.bincount(motion)[motion]
+    first = np.searchsorted(motion, motion)
+    ranks = np.empty(len(values))
+    ranks[order] = np.arange(len(values))
+    placed: Array = (ranks - first) / counts
+    return placed
+
+
+def _distances(values: Array) -> Array:
+    """Distances between all pairs of values (R,), less the means of rows and columns."""
+    apart = np.abs(values[:, None] - values)
+    mean = apart.mean(axis=0)
+    centred: Array = apart - mean - mean[:, None] + mean.mean()
+    return centred
+
+
+APART = 2
+"""Blocks that are compared are so far apart; next to each other they share what the low-pass spreads."""
+
+
+def wandering(rows: Rows, values: Array, level: float) -> Dependence | None:
+    """Whether values (R,) wander: blocks of a motion, a fifth of a second apart, agree in sign more than by chance."""
+    means, motion = rows.by_block(values[:, None])[:, 0], rows.motion[rows.block_starts]
+    pairs = np.flatnonzero(motion[APART:] == motion[:-APART])
+    before, after = means[pairs], means[pairs + APART]
+    size = np.abs(before * after)
+    agreement = before * after / (size + np.median(size) + np.finfo(np.float64).tiny)
+    if symmetric_test(agreement[:, None])[0] > level:
+        return None
+    alike = float(np.sum(before * after) / np.sqrt(np.sum(before**2) * np.sum(after**2)))
+    return Dependence(variable="time", joint=None, correlation=max(alike, 0.0))

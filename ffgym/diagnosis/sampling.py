@@ -1,0 +1,247 @@
+"""Samples as they are compared: derivatives, white noise above the band, and one low-pass for every signal."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.fft import dct, dst
+from scipy.signal import firwin
+from scipy.sparse import csr_array, diags_array
+from scipy.stats import chi2
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.identification import LowPass
+
+
+def derivatives(angle: Array, dt: float) -> tuple[Array, Array]:
+    """First and second derivative of samples (T, ...) along time, T > 2.
+
+    Those of the sine series through the samples, less their chord: a motion that rests at both ends goes on smoothly
+    beyond them. Differences of neighbours lose 1 - (sin x / x)^2 of an acceleration, x = 2 pi f dt: a third of it at a
+    tenth of the sample rate twice over, which would be seen as a wrong inertia. What is above the band of the motion is
+    not damped here; low-pass before.
+    """
+    n = len(angle) - 1
+    chord = (angle[-1] - angle[0]) / n
+    k = np.arange(n + 1).reshape(-1, *(1,) * (angle.ndim - 1))
+    inner = (angle - angle[0] - chord * k)[1:-1]
+    frequency = np.pi * k[1:-1] / (n * dt)
+    series = dst(inner, type=1, axis=0) / n
+    rate = np.zeros_like(angle)
+    rate[1:-1] = frequency * series
+    change = np.zeros_like(angle)
+    change[1:-1] = dst(-(frequency**2) * series, type=1, axis=0) / 2
+    first: Array = dct(rate, type=1, axis=0) / 2 + chord / dt
+    return first, change
+
+
+def derivatives_of_motions(angle: Array, lengths: Sequence[int], dt: float) -> tuple[Array, Array]:
+    """Those of motions side by side (T, M, ...), each of its own length; 0 in what is padded."""
+    first, second = np.zeros_like(angle), np.zeros_like(angle)
+    for i, n in enumerate(lengths):
+        first[:n, i], second[:n, i] = derivatives(angle[:n, i], dt)
+    return first, second
+
+
+_LEAST = 0.05
+"""Share of the band that is taken to be seen at least, however high the low-pass."""
+
+_FREQUENCIES = 500
+"""Frequencies that a share of the band is summed over; chosen: a low-pass is smooth."""
+
+_KNOWN = 20
+"""Independent values in a block, from which its noise is known to a sixth; fewer in one that would last too long."""
+
+_FEWEST = 6
+"""Independent values in a block at least."""
+
+_LONGEST = 0.1
+"""Time [s] that a block should last at most; chosen: most of those between two reversals show none of them."""
+
+_QUIET = 0.25
+"""Share of the blocks that show noise alone; what a machine does above its band, as resolvers that err in fast motion,
+is no noise."""
+
+_FEW = 8
+"""Blocks below which quiet ones are not told from others."""
+
+
+def white_noise(values: Array, low_pass: LowPass, dt: float) -> Array:
+    """Standard deviation of the white noise of signals (T, C): what is above the low-pass where it is quiet.
+
+    Only blocks in which a signal moves count, if it does: a reading in steps that stands has no noise.
+    """
+    known = np.nan_to_num(values)
+    slow = low_pass(known, dt)
+    share = max(_LEAST, share_of_noise(low_pass, dt))
+    ends = low_pass.end_rows(dt)
+    inner = slice(ends, len(known) - ends) if len(known) > 4 * ends else slice(None)
+    values_in_block = np.clip(share * _LONGEST / dt, _FEWEST, _KNOWN)
+    width = round(values_in_block / share)
+    local = np.mean(_in_blocks((known - slow)[inner], width) ** 2, axis=1)
+    moves = np.ptp(_in_blocks(slow[inner], width), axis=1) > np.sqrt(local)
+    moves = moves | (moves.sum(axis=0) < _FEW)
+    energy = [_quiet(local[rows, c], share * width) for c, rows in enumerate(moves.T)]
+    noise: Array = np.sqrt(np.array(energy) / share)
+    return noise
+
+
+def share_of_noise(low_pass: LowPass, dt: float) -> float:
+    """Share of the energy of white noise, samples `dt` [s] apart, that is in what a low-pass takes from it."""
+    frequency: Array = (np.arange(_FREQUENCIES, dtype=np.float64) + 0.5) / (2 * _FREQUENCIES * dt)
+    return float(np.mean((1 - taken(low_pass, frequency, dt)) ** 2))
+
+
+def taken(low_pass: LowPass, frequency: Array, dt: float) -> Array:
+    """Share of signals of some frequencies [Hz], samples `dt` [s] apart, that passes both runs of a low-pass."""
+    ratio = np.tan(np.pi * dt * frequency) / np.tan(np.pi * dt * low_pass.cutoff)
+    passed: Array = 1 / (1 + ratio ** (2 * low_pass.order))
+    return passed
+
+
+def _in_blocks(values: Array, width: int) -> Array:
+    """Rows (T, C) in blocks (B, width, C); what is left over at the end does not count, nor does more than there is."""
+    width = min(width, len(values))
+    n = len(values) // width
+    return values[: n * width].reshape(n, width, -1)
+
+
+def _quiet(energy: Array, known: float) -> float:
+    """Energy of noise by that of blocks of so many independent values, of which some are loud.
+
+    Chance makes some quiet, which is reckoned with.
+    """
+    if len(energy) < _FEW:
+        return float(np.mean(energy))
+    by_chance = float(chi2.ppf(_QUIET, known)) / known
+    return float(np.quantile(energy, _QUIET)) / by_chance
+
+
+def without_trembling(angle: Array, width: Array) -> Array:
+    """Angles (T, ..., N) that follow a signal only where it leaves a band of half `width` (N,) about them.
+
+    A motor that stands is read with noise, whose speed would shake the bristles of its friction loose; a real motor
+    stands. In motion the angle lags by the width, and its speed is that of the signal.
+    """
+    if not np.any(width > 0):
+        return angle
+    followed = np.empty_like(angle)
+    at = angle[0]
+    low, high = angle - width, angle + width
+    for k in range(len(angle)):
+        at = np.minimum(np.maximum(at, low[k]), high[k])
+        followed[k] = at
+    return followed
+
+
+MOTION_CUTOFF = 100.0
+"""Low-pass of the motor angle before it is differentiated [Hz]; that of `ffgym.diagnosis.identification`: reversals
+take 7 ms."""
+
+CUTOFF = 40.0
+"""Low-pass of what is compared [Hz]: above the resonances of industrial robots, 5 to 30 Hz, and thesis 6.1.2."""
+
+_OF_SAMPLE_RATE = (0.25, 0.2)
+"""Largest cut-offs as shares of the sample rate, of motion and comparison; slow logs are compared below those. A
+narrower band leaves hardly a row of them that is far enough from all reversals: at 10 Hz and 1 Hz 13 % of rows."""
+
+_MOTION_OVER = 2.5
+"""Cut-off of the motion over that of what is compared, at most; what is above shows in neither."""
+
+_ROWS = 3000
+"""Rows that all motions together shall have; chosen: 40 s at 25 Hz. A shorter log has them from a wider band, where
+what repeats with the motor's turns is seen best."""
+
+_WIDEST = 0.38
+"""Largest cut-off of a short log, as a share of the sample rate: below half of it, where filters still have room."""
+
+_LENGTH = 2.0
+"""Half the length of the low-pass of what is compared, in periods of its cut-off; chosen: 50 ms at 40 Hz."""
+
+_ROWS_PER_PERIOD = 3
+"""Rows kept per period of the cut-off; chosen: hardly more than what is needed to know the signal."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sampling:
+    """How signals of T samples, `dt` apart, become R rows: finite symmetric low-pass, then every n-th sample."""
+
+    dt: float
+    """Sample period of the recordings [s]."""
+    n_samples: int
+    """T, of the longest motion."""
+    cutoff: float
+    """Low-pass of what is compared [Hz]."""
+
+    @classmethod
+    def of(cls, dt: float, lengths: Sequence[int], cutoff: float | None = None) -> "Sampling":
+        """For motions of so many samples each: a given band [Hz], else the usual one or, if they are short, a wider."""
+        if cutoff is not None:
+            return cls(dt=dt, n_samples=max(lengths), cutoff=cutoff)
+        usual = min(CUTOFF, _OF_SAMPLE_RATE[1] / dt)
+        needed = _ROWS / (_ROWS_PER_PERIOD * sum(lengths) * dt)
+        widest = min(MOTION_CUTOFF, _WIDEST / dt)
+        return cls(dt=dt, n_samples=max(lengths), cutoff=max(usual, min(needed, widest)))
+
+    @property
+    def motion_filter(self) -> LowPass:
+        """Low-pass of the measured motor angle."""
+        usual = min(MOTION_CUTOFF, _OF_SAMPLE_RATE[0] / self.dt, _MOTION_OVER * self.cutoff)
+        return LowPass(cutoff=max(usual, self.cutoff))
+
+    @property
+    def stride(self) -> int:
+        """Samples from one row to the next."""
+        return max(1, int(1 / (_ROWS_PER_PERIOD * self.cutoff * self.dt)))
+
+    @property
+    def row_dt(self) -> float:
+        """Time from one row to the next [s]."""
+        return self.stride * self.dt
+
+    def coarser(self, every: int) -> "Sampling":
+        """The same rows from every n-th sample; `every` divides the stride."""
+        return Sampling(dt=every * self.dt, n_samples=-(-self.n_samples // every), cutoff=self.cutoff)
+
+    @property
+    def span(self) -> float:
+        """Time after which a record has more samples than T [s]."""
+        return (self.n_samples - 0.5) * self.dt
+
+    @property
+    def half_length(self) -> int:
+        """Samples on either side of a row that it depends on."""
+        return round(_LENGTH / (self.cutoff * self.dt))
+
+    @cached_property
+    def at(self) -> IntArray:
+        """Samples at which the rows lie, shape (R,)."""
+        return np.arange(0, self.n_samples, self.stride)
+
+    @cached_property
+    def operator(self) -> csr_array:
+        """The low-pass with its rows, shape (R, T); the end rows of a record are not `valid`."""
+        half = self.half_length
+        taps = firwin(2 * half + 1, self.cutoff, fs=1 / self.dt)
+        bands = diags_array(
+            np.repeat(taps[:, None], self.n_samples, axis=1),
+            offsets=range(-half, half + 1),
+            shape=(self.n_samples, self.n_samples),
+        )
+        return csr_array(csr_array(bands)[self.at])
+
+    def __call__(self, values: Array) -> Array:
+        """Rows (R, ...) of samples (T, ...)."""
+        flat = values.reshape(len(values), -1)
+        rows: Array = self.operator @ flat
+        return rows.reshape(len(rows), *values.shape[1:])
+
+    def valid(self, known: BoolArray) -> BoolArray:
+        """Rows that depend on samples `known` (T, M) alone, shape (R, M)."""
+        unknown = np.cumsum(np.pad(~known, ((1, 0), (0, 0))), axis=0)
+        low, high = self.at - self.half_length, self.at + self.half_length + 1
+        inside = (low >= 0) & (high <= self.n_samples)
+        count: IntArray = unknown[np.minimum(high, self.n_samples)] - unknown[np.maximum(low, 0)]
+        rows: BoolArray = inside[:, None] & (count == 0)
+        return rows

@@ -1,0 +1,280 @@
+r"""The session that tells rival causes apart, soonest, and how surely it would.
+
+With the predictions of two causes d apart, each channel in units of its noise, the logarithm of the likelihood ratio
+has the expectation
+
+.. math:: \tfrac12 \min_x \left( \lVert d - A x \rVert^2 + x^T P x \right)
+
+where A has what the wrong cause could change to look like the right one: calibration errors within their priors P and
+bounds, and its own numbers, as far as they are open.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
+from ffgym.diagnosis.computing import FAILED
+from ffgym.diagnosis.evidence import blocks_of, stack_of
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.tangents import exchanged, tangents
+from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.measured import valid_rows
+from ffgym.diagnosis.replay import replay
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.result import SeparatingMotion
+from ffgym.diagnosis.search.found import Found
+from ffgym.diagnosis.sessions import Proposal, proposals
+from ffgym.diagnosis.signatures.push import Parts
+from ffgym.diagnosis.solving import bounded
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation import SimulatedRig
+from ffgym.simulation.plant import Climate, Machine
+from ffgym.simulation.protocols import SessionMotion, plan_session, record
+
+_SAMPLE_DT = 0.004
+"""Sample time of what is foreseen [s]; chosen: up to 25 Hz is enough to choose a motion by."""
+
+_FREE = 1.0
+"""Standard deviation of a cause's own numbers, in practical steps (a third of what is plausible for a size); chosen:
+the logs that led to the causes know them better than that, but not in every regime."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Foreseen:
+    """Sums of two or more causes' predictions over planned motions, by motion."""
+
+    gram: Array
+    """Of all columns: causes, calibration, numbers of the causes; shape (M, P, P)."""
+    n_causes: int
+    sigma: Array
+    """Prior of each column beyond the causes, shape (P - H,)."""
+    owner: Array
+    """Cause of each of them, -1 for calibration, shape (P - H,)."""
+
+    def ratio(self, motions: Sequence[int], right: int, wrong: int) -> float:
+        """Expected log-likelihood ratio of cause `right` to cause `wrong`, if it is right, from some motions."""
+        gram = self.gram[list(motions)].sum(axis=0)
+        apart = np.zeros(len(gram))
+        apart[right], apart[wrong] = 1.0, -1.0
+        free = self.n_causes + np.flatnonzero((self.owner == -1) | (self.owner == wrong))
+        sigma = self.sigma[free - self.n_causes]
+        scaled = gram[np.ix_(free, free)] * np.outer(sigma, sigma)
+        pull = sigma * (gram @ apart)[free]
+        bound = np.full(len(free), BOUND)
+        x = bounded(scaled, pull, np.ones(len(free)), -bound, bound)
+        return float(0.5 * (apart @ gram @ apart - 2 * x @ pull + x @ scaled @ x + x @ x))
+
+
+def planned_log(arm: RigidArm, nominal: Machine, motions: Sequence[SessionMotion], channels: Sequence[Channel]) -> Log:
+    """Motions as the nominal machine makes them under its controller, without noise, with some channels."""
+    rig = SimulatedRig(arm=arm, machine=nominal)
+    log = log_of(arm.robot, list(record(motions, rig, record_dt=_SAMPLE_DT)))
+    return replace(
+        log,
+        tool=log.tool if "tool" in channels else None,
+        link=log.link if "link" in channels else None,
+        feedback=log.feedback if "servo" in channels else None,
+    )
+
+
+def foresee(
+    log: Log, nominal: Machine, causes: Sequence[Hypothesis], noise: Mapping[Channel, Array], calibration: Calibration
+) -> Foreseen:
+    """What causes would show along planned motions.
+
+    Args:
+        log: of `planned_log`.
+        nominal: the machine without the causes.
+        causes: two or more.
+        noise: RMS that noise gives each component of each channel, shape (C,).
+        calibration: what is known of the nominal numbers.
+    """
+    run = replay(log, nominal)
+    shown: list[Parts] = list(exchanged(run, [cause.on(nominal) for cause in causes]))
+    doubts = doubts_of(run, calibration)
+    own = [
+        (i, column)
+        for i, cause in enumerate(causes)
+        for column in tangents(replace(run, machine=cause.on(nominal)), nominal, [cause])
+    ]
+    columns = [*shown, *(doubt.column.parts for doubt in doubts), *(column for _, column in own)]
+    weights = {(c, k): np.full(len(log.names), 1 / x) for c, rms in noise.items() for k, x in enumerate(rms)}
+    known = [{key: rows for key, rows in column.items() if key in weights} for column in columns]
+    shape = (len(log.sampling.at), len(log.names), 1)
+    blocks = blocks_of(valid_rows(log), log.sampling.row_dt)
+    evidence = stack_of(blocks, known, weights).evidence({key: np.zeros(shape) for key in weights})
+    by_motion = [evidence.gram[blocks.motion == m].sum(axis=0) for m in range(len(log.names))]
+    return Foreseen(
+        gram=np.stack(by_motion),
+        n_causes=len(causes),
+        sigma=np.array([*(doubt.sigma for doubt in doubts), *(_FREE for _ in own)]),
+        owner=np.array([*(-1 for _ in doubts), *(i for i, _ in own)]),
+    )
+
+
+SURE = 20.0
+"""Log-likelihood ratio that a session should give; chosen: three times the logarithm of the number of effects and
+joints, so that half of the session still decides."""
+
+LONGEST = 90.0
+"""Longest motions of a session together [s]: those of the first recording of a machine."""
+
+WARMING = Climate(rise=np.array([15.0]))
+"""Assumed of a machine whose climate nobody knows, to see what warming up would show: 15 K (Bittencourt 2010: 20 to 40
+K over a day), within 20 min."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Planned:
+    """A proposal as motions of a robot."""
+
+    proposal: Proposal
+    motions: list[SessionMotion]
+
+    @property
+    def lasts(self) -> float:
+        """From the first start to the last end [s]."""
+        return float(self.motions[-1].end - self.motions[0].start)
+
+
+def separating_motion(
+    arm: RigidArm,
+    nominal: Machine,
+    causes: Sequence[Hypothesis],
+    noise: Mapping[Channel, Array],
+    *,
+    calibration: Calibration | None = None,
+) -> SeparatingMotion | None:
+    """The session that tells causes apart with the largest log-likelihood ratio per second; None if none can.
+
+    Sessions that the effects themselves advise are tried first, all others only if none of those is sure enough. The
+    ratio is that of the two causes that are hardest to tell apart, whichever of them is right.
+
+    Args:
+        arm: of the nominal robot.
+        nominal: the machine without the causes, with all that is already known of it.
+        causes: two or more, as fitted.
+        noise: RMS that noise gives each component of each channel that will be recorded, shape (C,).
+        calibration: what is known of the nominal numbers.
+
+    Raises:
+        FFGymError: if there are fewer than two causes.
+    """
+    if len(causes) < 2:
+        raise FFGymError(f"It takes two causes to tell apart, got {[cause.label for cause in causes]}.")
+    if nominal.climate is None:
+        nominal = replace(nominal, climate=WARMING)
+    every = proposals(arm.robot, _joints(causes, arm.robot))
+    advised = [p for p in every if p.is_advised([cause.kind for cause in causes])]
+    for some in (advised, [p for p in every if p not in advised]):
+        planned = _planned(arm, some)
+        if planned and (found := _best(arm, nominal, planned, causes, noise, calibration or Calibration())) is not None:
+            return found
+    return None
+
+
+def _joints(causes: Sequence[Hypothesis], robot: RobotDescription) -> list[str]:
+    """Joints that causes act on or come from; none is all, for a cause of the machine as a whole."""
+    if any(not cause.joint for cause in causes):
+        return []
+    sources = {robot.joints[cause.source] for cause in causes if cause.source is not None}
+    return [joint for joint in robot.joints if joint in sources | {cause.joint for cause in causes}]
+
+
+def _planned(arm: RigidArm, some: Sequence[Proposal]) -> list[_Planned]:
+    """Proposals that the robot can make, that do not take too long, and of which one motion can check another."""
+    found = []
+    for proposal in some:
+        try:
+            motions = plan_session(arm, proposal.protocols())
+        except FFGymError:
+            continue  # its ranges, speeds or torques do not allow this one; there are others
+        if len(motions) > 1 and sum(motion.reference.duration for motion in motions) <= LONGEST:
+            found.append(_Planned(proposal=proposal, motions=motions))
+    return found
+
+
+def _best(
+    arm: RigidArm,
+    nominal: Machine,
+    planned: Sequence[_Planned],
+    causes: Sequence[Hypothesis],
+    noise: Mapping[Channel, Array],
+    calibration: Calibration,
+) -> SeparatingMotion | None:
+    """The fastest of the sessions that are sure; None if none is."""
+    motions = [_named(p, motion) for p in planned for motion in p.motions]
+    try:
+        foreseen = foresee(planned_log(arm, nominal, motions, list(noise)), nominal, causes, noise, calibration)
+    except FAILED:
+        return None  # a machine that cannot be simulated in these motions says nothing of them
+    sure, first = [], 0
+    for p in planned:
+        own = range(first, first + len(p.motions))
+        first += len(p.motions)
+        ratio, pair = _hardest(foreseen, own, len(causes))
+        if ratio >= SURE:
+            sure.append((ratio / p.lasts, p.proposal, pair))
+    if not sure:
+        return None
+    rate, proposal, (a, b) = max(sure, key=lambda one: one[0])
+    return SeparatingMotion(
+        between=(causes[a].label, causes[b].label), protocol=proposal.name, toml=proposal.toml(), expected=rate
+    )
+
+
+def _named(planned: _Planned, motion: SessionMotion) -> SessionMotion:
+    """A motion whose name differs from those of other sessions."""
+    name = f"{planned.proposal.name}.{motion.reference.name}"
+    return replace(motion, reference=replace(motion.reference, name=name))
+
+
+def _hardest(foreseen: Foreseen, motions: Sequence[int], n_causes: int) -> tuple[float, tuple[int, int]]:
+    """Smallest ratio between any two causes, whichever is right, and which two these are."""
+    pairs = combinations(range(n_causes), 2)
+    return min((min(foreseen.ratio(motions, a, b), foreseen.ratio(motions, b, a)), (a, b)) for a, b in pairs)
+
+
+def next_motion(
+    found: Found, nominal: Machine, floor: Mapping[Channel, Array], calibration: Calibration
+) -> SeparatingMotion | None:
+    """The session that would tell the first tied causes apart; None if none are tied, or no session is sure to.
+
+    Args:
+        found: has the rivals as they were fitted, and says which of them are tied.
+        nominal: the model that was diagnosed.
+        floor: RMS of noise alone, (M, C) by channel.
+        calibration: what is known of the nominal numbers.
+    """
+    for causes in _tied(found):
+        known = nominal
+        for other in found.final.fit.hypotheses:
+            if other.place not in {cause.place for cause in causes}:
+                known = other.on(known)
+        noise = {channel: np.sqrt(np.mean(rms**2, axis=0)) for channel, rms in floor.items()}
+        arm = RigidArm(nominal.robot)
+        planned = separating_motion(arm, known, causes, noise, calibration=calibration)
+        if planned is not None:
+            return planned
+    return None
+
+
+def _tied(found: Found) -> list[Sequence[Hypothesis]]:
+    """Causes, each with those that tie with it."""
+    causes = (*found.final.fit.hypotheses, *found.unsure)
+    groups: list[Sequence[Hypothesis]] = []
+    for one in found.rounds:
+        tried = one.of(causes) if one.adopted else None
+        if tried is None:
+            continue
+        best = next(h for h in causes if tried.hypothesis.repeats(h))
+        ties = {(r.effect, r.joint) for r in found.rivals if r.tied and r.against == best.label}
+        others = [t.hypothesis for t in one.tried if (t.hypothesis.kind.name, t.hypothesis.joint) in ties]
+        if others:
+            groups.append((best, *others))
+    return groups

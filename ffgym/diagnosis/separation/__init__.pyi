@@ -1,1 +1,0 @@
-from .choose import separating_motion as separating_motion

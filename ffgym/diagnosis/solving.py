@@ -1,0 +1,295 @@
+r"""Least squares with priors and bounds, from sums over blocks: one fit, and the held-out gains of many candidates.
+
+With calibration columns n and those of one candidate c, a fold's training sums give
+
+.. math::
+    V = A^{-1} G_{nc}, \quad x = S^{-1} (m_c - V^T m_n), \quad S = G_{cc} - V^T G_{nc} + P_c, \quad A = G_{nn} + P_n
+
+and what the candidate removes from the blocks that were left out is
+
+.. math:: D = 2 x^T w - x^T W x, \quad w = m'_c - V^T m'_n, \quad W = [-V; 1]^T G' [-V; 1]
+
+of their residual moments m' after the calibration alone. Only sums enter, for the log and for noise alike.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.optimize import lsq_linear
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.evidence import Evidence, Fold
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Priors:
+    """Of all columns, in the units in which they are scaled, shape (P,) each."""
+
+    precision: Array
+    low: Array
+    high: Array
+
+
+_PATIENCE = 6
+"""Rounds without fewer parameters at fault in which all of them are exchanged at once, which is fast but may go in
+circles; then they are exchanged one by one until fewer are."""
+
+_ROUNDS = 3
+"""Rounds per parameter at most; a fifth of one is usual. Only rounding can make them go on."""
+
+_ONE_BY_ONE = 20
+"""Steps per parameter of the slower method at most; it takes about one."""
+
+
+def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Array) -> Array:
+    r"""Minimum of :math:`x^T G x - 2 x^T m + x^T P x` within bounds, by block principal pivoting; shape (P,).
+
+    Args:
+        gram: G, shape (P, P).
+        moment: m, shape (P,).
+        precision: diagonal of the prior's P, shape (P,), > 0.
+        low: shape (P,).
+        high: shape (P,).
+
+    Reference:
+        Judice, Pires (1994), Computers & Operations Research 21(5), with the rule of Murty against circles.
+    """
+    x, free = np.zeros(len(moment)), np.ones(len(moment), dtype=np.bool_)
+    full = gram + np.diag(precision)
+    fewest, patience = len(moment) + 1, _PATIENCE
+    for _ in range(_ROUNDS * (len(moment) + 1)):
+        held = ~free
+        target = moment[free] - (full[np.ix_(free, held)] @ x[held] if held.any() else 0.0)
+        x[free] = cho_solve(cho_factor(full[np.ix_(free, free)]), target) if free.any() else x[free]
+        slope = moment - full @ x
+        out = free & ((x < low) | (x > high))
+        back = held & (low < high) & (((x <= low) & (slope > 0)) | ((x >= high) & (slope < 0)))
+        at_fault = np.flatnonzero(out | back)
+        if not len(at_fault):
+            return x
+        fewest, patience = (len(at_fault), _PATIENCE) if len(at_fault) < fewest else (fewest, patience - 1)
+        exchanged = at_fault if patience >= 0 else at_fault[-1:]
+        x[exchanged] = np.clip(x[exchanged], low[exchanged], high[exchanged])
+        free[exchanged] = ~free[exchanged]
+    return _one_by_one(full, moment, low, high)
+
+
+def _one_by_one(full: Array, moment: Array, low: Array, high: Array) -> Array:
+    """The same minimum, by a method that always ends."""
+    root = cholesky(full)
+    target = solve_triangular(root, moment, trans="T")
+    x: Array = lsq_linear(root, target, (low, high), method="bvls", max_iter=_ONE_BY_ONE * len(moment)).x
+    return x
+
+
+def left_by_block(
+    evidence: Evidence, folds: Sequence[Fold], columns: IntArray, priors: Priors, residual: int = 0
+) -> Array:
+    """Energy left in each block by a fit of `columns` to the blocks that are not left out with it, shape (B,)."""
+    left = np.zeros(len(evidence.blocks))
+    for fold in folds:
+        gram, pull = evidence.gram[fold.train].sum(axis=0), evidence.moment[fold.train].sum(axis=0)[:, residual]
+        x = bounded(
+            gram[np.ix_(columns, columns)],
+            pull[columns],
+            priors.precision[columns],
+            priors.low[columns],
+            priors.high[columns],
+        )
+        for b in np.flatnonzero(fold.test):
+            inner = evidence.gram[b][np.ix_(columns, columns)]
+            left[b] = evidence.energy[b, residual] - 2 * x @ evidence.moment[b, columns, residual] + x @ inner @ x
+    return left
+
+
+def fitted(
+    evidence: Evidence, columns: IntArray, priors: Priors, blocks: BoolArray | None = None, residual: int = 0
+) -> Array:
+    """Parameters of `columns` fitted to some blocks, or to all, shape (len(columns),)."""
+    chosen = slice(None) if blocks is None else blocks
+    gram, pull = evidence.gram[chosen].sum(axis=0), evidence.moment[chosen].sum(axis=0)[:, residual]
+    return bounded(
+        gram[np.ix_(columns, columns)],
+        pull[columns],
+        priors.precision[columns],
+        priors.low[columns],
+        priors.high[columns],
+    )
+
+
+_WIDE = 10.0
+"""Standard deviation of a candidate's parameter in its steps: as good as free, but not without end."""
+
+
+_NEAR = 1e-6
+"""Way to its bound within which a calibration error stands there already [standard deviations]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Candidate:
+    """Columns that are adopted together."""
+
+    columns: IntArray
+    """Their places among all columns."""
+    one_sided: bool
+    """Whether its single parameter cannot be negative."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Screened:
+    """Gains of C candidates with K residuals, in units of the noise's energy per row."""
+
+    gain: Array
+    """Energy removed from what was left out, shape (C, K)."""
+    left: Array
+    """Energy that the calibration alone leaves in what was left out, shape (K,)."""
+
+
+def screen(
+    evidence: Evidence, folds: Sequence[Fold], calibration: IntArray, candidates: Sequence[Candidate], priors: Priors
+) -> Screened:
+    """Held-out gain of every candidate beside the calibration columns."""
+    n_residuals = evidence.moment.shape[2]
+    gain, left = np.zeros((len(candidates), n_residuals)), np.zeros(n_residuals)
+    log, noise = slice(0, 1), slice(1, n_residuals)
+    alike = _alike(candidates)
+    for train, test in _sums(evidence, folds, calibration, alike):
+        known, of_log = priors.precision[calibration], _as_prior(train, calibration, priors)
+        apart = ((log, of_log), (noise, known)) if noise.start < noise.stop else ((log, of_log),)
+        for residuals, precision in ((slice(None), known),) if np.array_equal(of_log, known) else apart:
+            fitted = _fit(train.of(residuals), test.of(residuals), calibration, precision)
+            left[residuals] += fitted.left
+            for k, group in enumerate(alike):
+                gain[group.places, residuals] += fitted.gains(group, train.within[k], test.within[k])
+    return Screened(gain=gain, left=left)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Alike:
+    """Candidates with equally many columns."""
+
+    places: IntArray
+    """Among all candidates, shape (C,)."""
+    columns: IntArray
+    """Shape (C, S)."""
+    one_sided: BoolArray
+    """Shape (C,)."""
+
+
+def _alike(candidates: Sequence[Candidate]) -> list[_Alike]:
+    sizes = np.array([len(candidate.columns) for candidate in candidates])
+    found = []
+    for size in np.unique(sizes):
+        places = np.flatnonzero(sizes == size)
+        chosen = [candidates[int(i)] for i in places]
+        columns = np.stack([candidate.columns for candidate in chosen])
+        one_sided = np.array([candidate.one_sided for candidate in chosen])
+        found.append(_Alike(places=places, columns=columns, one_sided=one_sided))
+    return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sums:
+    """Of some blocks: what of the Gram matrix G matters, and the moments of K residuals."""
+
+    calibration: Array
+    """Rows of G of the F calibration columns, shape (F, P)."""
+    within: tuple[Array, ...]
+    """G among the columns of each candidate, shape (C, S, S), by size of candidates."""
+    moment: Array
+    """Shape (P, K)."""
+    energy: Array
+    """Shape (K,)."""
+
+    def of(self, residuals: slice) -> "_Sums":
+        """Those of some residuals."""
+        return replace(self, moment=self.moment[:, residuals], energy=self.energy[residuals])
+
+
+def _sums(
+    evidence: Evidence, folds: Sequence[Fold], calibration: IntArray, alike: Sequence[_Alike]
+) -> Iterator[tuple[_Sums, _Sums]]:
+    """Of what each fold fits to and judges by; blocks that are always in or out together are summed once."""
+    member = np.array([rows for fold in folds for rows in (fold.train, fold.test)])
+    kinds, of_block = np.unique(member, axis=1, return_inverse=True)
+    of_block = of_block.ravel()
+
+    def by_kind(values: Array) -> Array:
+        return np.stack([values[of_block == k].sum(axis=0) for k in range(kinds.shape[1])])
+
+    beside = by_kind(evidence.gram[:, calibration])
+    within = [by_kind(evidence.gram[:, one.columns[:, :, None], one.columns[:, None, :]]) for one in alike]
+    moment, energy = by_kind(evidence.moment), by_kind(evidence.energy)
+
+    def summed(chosen: BoolArray) -> _Sums:
+        return _Sums(
+            calibration=beside[chosen].sum(axis=0),
+            within=tuple(blocks[chosen].sum(axis=0) for blocks in within),
+            moment=moment[chosen].sum(axis=0),
+            energy=energy[chosen].sum(axis=0),
+        )
+
+    for train, test in zip(kinds[::2], kinds[1::2], strict=True):
+        yield summed(train), summed(test)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Fitted:
+    """Calibration fitted to a fold's training blocks; what all columns are beside it, there and in what is left out."""
+
+    v: Array
+    """V, shape (F, P)."""
+    train: Array
+    """G_nc of all columns, shape (F, P)."""
+    test: Array
+    """G'_nc, shape (F, P)."""
+    size: Array
+    """G'_nn V, shape (F, P)."""
+    pull: Array
+    """Shape (P, K)."""
+    held_out: Array
+    """w, shape (P, K)."""
+    left: Array
+
+    def gains(self, group: _Alike, train: Array, test: Array) -> Array:
+        """Energy that candidates remove from the blocks left out, shape (C, K), by their own G and G' (C, S, S)."""
+        columns = group.columns
+        v = self.v[:, columns].transpose(1, 2, 0)
+        inner = train - v @ self.train[:, columns].transpose(1, 0, 2)
+        cross = v @ self.test[:, columns].transpose(1, 0, 2)
+        size = test - cross - cross.transpose(0, 2, 1) + v @ self.size[:, columns].transpose(1, 0, 2)
+        x = np.linalg.solve(inner + _WIDE**-2 * np.eye(columns.shape[1]), self.pull[columns])
+        x[group.one_sided] = np.maximum(x[group.one_sided], 0.0)
+        gained: Array = np.sum(x * (2 * self.held_out[columns] - size @ x), axis=1)
+        return gained
+
+
+def _fit(train: _Sums, test: _Sums, columns: IntArray, precision: Array) -> _Fitted:
+    factor = cho_factor(train.calibration[:, columns] + np.diag(precision))
+    x = cho_solve(factor, train.moment[columns])
+    v = cho_solve(factor, train.calibration)
+    rest = test.moment - test.calibration.T @ x
+    return _Fitted(
+        v=v,
+        train=train.calibration,
+        test=test.calibration,
+        size=test.calibration[:, columns] @ v,
+        pull=train.moment - v.T @ train.moment[columns],
+        held_out=rest - v.T @ rest[columns],
+        left=test.energy - np.sum(x * (test.moment + rest)[columns], axis=0),
+    )
+
+
+def _as_prior(fold: _Sums, columns: IntArray, priors: Priors) -> Array:
+    """Precisions under which calibration errors that would leave their bounds come to lie at them, shape (F,).
+
+    They stay as soft as that when a candidate joins, and come back from their bounds if it takes over.
+    """
+    train, pull = fold.calibration[:, columns], fold.moment[columns, 0]
+    precision = priors.precision[columns]
+    x = bounded(train, pull, precision, priors.low[columns], priors.high[columns])
+    slope = pull - train @ x - precision * x
+    outward = ((x >= priors.high[columns]) & (slope > 0)) | ((x <= priors.low[columns]) & (slope < 0))
+    return precision + np.where(outward, np.abs(slope) / np.maximum(np.abs(x), _NEAR), 0.0)

@@ -1,0 +1,245 @@
+"""Long logs thinned to the stretches that a diagnosis uses.
+
+Its replays keep tens of arrays of samples, and its search hundreds of columns of rows that are compared. An hour of six
+axes at 1 kHz, thinned to 83 s, takes 2.6 GB and two minutes on one core; of 120 s it takes 4 GB. More of them tell
+hardly more: the protocol `diagnosis`, made to show every regime, lasts 88 s, and errors of sizes fall with the root of
+the time alone.
+
+A log that a diagnosis can afford is left as it is. Of a longer one stretches are cut, each of which is then a recording
+of its own, with its place on the clock of the session: it is conditioned and judged alone, so that what is wrong in one
+of them leaves the others. The choice looks at positions alone, on coarse rows, and does not depend on the order in
+which recordings are given.
+"""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.cells import CELL, Cells, Coarse, MotionRegressor, cells_of, coarse
+from ffgym.diagnosis.computing import on_one_thread
+from ffgym.diagnosis.sampling import Sampling
+from ffgym.recordings import Recording
+from ffgym.recordings.stored import Stored
+from ffgym.recordings.stretch import Span, started, stretches_of
+
+LENGTH = 10
+"""Cells of a stretch: 10 s, as the motions of the protocol `diagnosis` last. Of longer ones there would be fewer, and
+fewer could be left out in turn; of shorter ones filters and settling take too much."""
+
+_WHOLE = 1.5
+"""Lengths of a stretch up to which a recording is taken whole; what is left of it would be none."""
+
+_SPREAD = 0.5
+"""Share of the stretches that are spread evenly over the log, one in each part of it; the others lie where most is
+told. Chosen: what changes in an hour is seen at some ten times."""
+
+_MOVING = 0.25
+"""Share of a stretch in which a joint moves, at least."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Selection:
+    """A stretch that was chosen."""
+
+    recording: int
+    """Number of the recording."""
+    first: int
+    """Its first cell."""
+    stop: int
+    """The cell after its last one."""
+
+
+def choose(log: Sequence[Cells], seconds: float) -> list[Selection]:
+    r"""Choose stretches of recordings that last `seconds` at most, in their order.
+
+    Stretches are chosen one after the other (D-optimality, greedy): the next one is that with which
+
+    .. math:: \log \det \left( I + \sum X^T X \right)
+
+    grows most, with the regressor X in units of a typical second. First one stretch is chosen in each of as many parts
+    of the log as make up half of the time, then others anywhere. Of a part those count that begin and end at rest, if
+    there are any: a replay begins at rest.
+    """
+    windows = _Windows.of(log)
+    left, chosen_at = seconds, np.zeros(len(windows.length), dtype=np.bool_)
+    free, used = windows.usable.copy(), np.zeros(windows.n_cells, dtype=np.bool_)
+    parts = max(1, round(_SPREAD * seconds / (CELL * LENGTH)))
+    part_of = (2 * windows.begin + windows.length) * parts // (2 * windows.n_cells)
+    served = np.zeros(parts, dtype=np.bool_)
+    known = np.eye(windows.information.shape[1])
+    while True:
+        free &= (windows.lasting <= left) & ~windows.touches(used)
+        wanted = _best_ends(windows, free & ~served[part_of], part_of)
+        if not wanted.any():
+            wanted = _best_ends(windows, free, np.zeros_like(part_of))
+        if not wanted.any():
+            break
+        places = np.flatnonzero(wanted)
+        best = int(places[np.argmax(np.linalg.slogdet(known + windows.information[places])[1])])
+        known = known + windows.information[best]
+        left -= float(windows.lasting[best])
+        used[windows.begin[best] : windows.begin[best] + windows.length[best]] = True
+        chosen_at[best], served[int(part_of[best])] = True, True
+    return windows.choices(chosen_at)
+
+
+def _best_ends(windows: "_Windows", allowed: BoolArray, part_of: IntArray) -> BoolArray:
+    """Windows that are allowed and of which, in their part of the log, none has more ends at rest, shape (W,)."""
+    wanted = np.zeros_like(allowed)
+    for part in np.unique(part_of[allowed]):
+        here = allowed & (part_of == part)
+        wanted |= here & (windows.rests == windows.rests[here].max())
+    return wanted
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Windows:
+    """W stretches of which some are chosen, in the cells of all recordings, one recording after the other."""
+
+    n_cells: int
+    recording: IntArray
+    """Recording of each window, shape (W,)."""
+    begin: IntArray
+    """Its first cell among those of all recordings."""
+    first: IntArray
+    """The same among those of its recording."""
+    length: IntArray
+    """Its cells."""
+    lasting: Array
+    """Time from its first edge to its last one [s]."""
+    rests: IntArray
+    """How many of its ends are at rest."""
+    usable: BoolArray
+    """Whether all its rows are there, and joints move."""
+    information: Array
+    """Products of the regressor's columns over it, shape (W, K, K)."""
+
+    @classmethod
+    def of(cls, log: Sequence[Cells]) -> "_Windows":
+        """All windows of a log."""
+        recording, begin, first, length, lasting, rests, there, moving, information = ([] for _ in range(9))
+        before = 0
+        for i, cells in enumerate(log):
+            n = len(cells) if len(cells) <= _WHOLE * LENGTH else LENGTH
+            total = np.cumsum(np.concatenate([np.zeros_like(cells.information[:1]), cells.information]), axis=0)
+            for k in range(len(cells) - n + 1):
+                recording.append(i)
+                begin.append(before + k)
+                first.append(k)
+                length.append(n)
+                lasting.append(float(cells.edges[k + n] - cells.edges[k]))
+                rests.append(int(cells.at_rest[k]) + int(cells.at_rest[k + n]))
+                there.append(bool(cells.there[k : k + n].all()))
+                moving.append(float(cells.moving[k : k + n].mean()))
+            information.append(total[n:] - total[:-n])
+            before += len(cells)
+        is_there, moves = np.array(there), np.array(moving) >= _MOVING
+        return cls(
+            n_cells=before,
+            recording=np.array(recording),
+            begin=np.array(begin),
+            first=np.array(first),
+            length=np.array(length),
+            lasting=np.array(lasting),
+            rests=np.array(rests),
+            usable=is_there & moves if (is_there & moves).any() else is_there,
+            information=np.concatenate(information),
+        )
+
+    def touches(self, used: BoolArray) -> BoolArray:
+        """Windows that have a cell that is `used` (n_cells,), shape (W,)."""
+        count = np.concatenate([[0], np.cumsum(used)])
+        return np.asarray(count[self.begin + self.length] > count[self.begin])
+
+    def choices(self, chosen_at: BoolArray) -> list[Selection]:
+        """The windows that were chosen, in the order of the log."""
+        return [
+            Selection(
+                recording=int(self.recording[w]), first=int(self.first[w]), stop=int(self.first[w] + self.length[w])
+            )
+            for w in np.flatnonzero(chosen_at).tolist()
+        ]
+
+
+SAMPLES = 540_000
+"""Samples of all joints and recordings together: 90 s of six axes at 1 kHz, with which a diagnosis stays below 3 GB."""
+
+ROWS = 270_000
+"""Rows that are compared, of all joints together: 360 s of six axes at 250 Hz, 450 s at 100 Hz. It is the one that
+counts for slow logs, of which each sample is a row."""
+
+
+def affordable(dt: float, n_joints: int) -> float:
+    """Time [s] that all recordings of a log may last together before it is thinned."""
+    samples, rows = SAMPLES / n_joints, ROWS / n_joints
+    stride = Sampling.of(dt, [round(samples)]).stride
+    return min(samples, rows * stride) * dt
+
+
+NOTE = "thinned"
+"""Key of `meta` in the header of a stretch: a sentence on how the whole log was thinned."""
+
+
+def thin(recordings: Sequence[Recording]) -> list[Recording]:
+    """Thin a log that is too long for a diagnosis; a shorter one is returned as it is."""
+    return within_bound(recordings)
+
+
+def note_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
+    """Tell how a log was thinned that these are stretches of; empty if it was not."""
+    return tuple(dict.fromkeys(str(one.header.meta[NOTE]) for one in recordings if NOTE in one.header.meta))
+
+
+@on_one_thread
+def within_bound(sources: Sequence[Recording | Stored]) -> list[Recording]:
+    """Recordings in memory or in files, or if they are too long together, stretches of them.
+
+    Raises:
+        FFGymError: if one cannot be read.
+    """
+    lasting = [float(source.t[-1] - source.t[0]) for source in sources]
+    names = [source.header.segment for source in sources]
+    if len(set(names)) < len(names) or not _is_long(sources, lasting):
+        return [source.whole() if isinstance(source, Stored) else source for source in sources]
+    motions = [coarse(source) for source in sources]
+    order = sorted(range(len(sources)), key=lambda i: (started(sources[i].header), names[i], _digest(motions[i])))
+    regressor = MotionRegressor.of([motions[i] for i in order])
+    cells = [cells_of(motions[i], regressor) for i in order]
+    spans: list[list[Span]] = [[] for _ in sources]
+    for one in choose(cells, _affordable(sources)):
+        own = cells[one.recording]
+        ends = slice(one.first, one.stop + 1, one.stop - one.first)
+        (start, end), (first, last) = own.edges[ends].tolist(), own.at_rest[ends].tolist()
+        spans[order[one.recording]].append(Span(start=start, end=end, at_rest=(first, last)))
+    found = [part for source, own in zip(sources, spans, strict=True) if own for part in stretches_of(source, own)]
+    return _with_note(found, lasting)
+
+
+def _affordable(sources: Sequence[Recording | Stored]) -> float:
+    """Time that all may last together [s]: that of the fastest sample rate and the most joints."""
+    period = min(float(np.median(np.diff(source.t))) for source in sources)
+    return affordable(period, max(len(source.header.joints) for source in sources))
+
+
+def _is_long(sources: Sequence[Recording | Stored], lasting: Sequence[float]) -> bool:
+    return bool(sources) and sum(lasting) > _affordable(sources)
+
+
+def _digest(motion: Coarse) -> bytes:
+    digest = hashlib.sha256(np.ascontiguousarray(motion.t).tobytes())
+    digest.update(np.ascontiguousarray(motion.q).tobytes())
+    return digest.digest()
+
+
+def _with_note(found: Sequence[Recording], lasting: Sequence[float]) -> list[Recording]:
+    """Stretches with a sentence on how the log was thinned."""
+    used, total = sum(float(one.t[-1] - one.t[0]) for one in found), sum(lasting)
+    whole = "1 recording" if len(lasting) == 1 else f"{len(lasting)} recordings"
+    text = (
+        f"The log was thinned: {used:.0f} of {total:.0f} s are used, {len(found)} stretches of {whole} that are spread "
+        "over all of it and tell most of the joints; more would take memory and time, and tell hardly more."
+    )
+    return [Recording(one.columns, replace(one.header, meta=one.header.meta | {NOTE: text})) for one in found]

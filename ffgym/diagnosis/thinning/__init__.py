@@ -1,5 +1,0 @@
-"""Long logs, of which a diagnosis uses stretches."""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,254 @@
+r"""All numbers of a description fitted to recordings together, for a machine that is far from it in many.
+
+A diagnosis looks for some few causes, and takes the numbers of its model as nearly right. Where nobody identified them,
+all are wrong at once, each hides the others, and none alone explains much. So all that a description has per joint is
+fitted first: friction, rotors, masses of links, springs, by replaying the machine as in a diagnosis (Gauss-Newton on
+torque, tool and link angles together), near the description where recordings do not say. What such a model leaves is
+what a diagnosis may ask about.
+
+Beside them, torque offsets and the place of the tool in each motion are free: errors of the kinematics are nearly
+constant while an arm stays about one place, and shall not bend its springs. Each component of each motion counts in
+units of what the fit leaves there, found by iteration: unlike noise alone, that knows where the model lacks something.
+At first only slow changes are compared: where motors move as measured a wrong spring swings at its own frequency, and
+slopes lead to the right one only from near.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, final
+
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.diagnosis.calibration import BOUND, LinkMass
+from ffgym.diagnosis.evidence import BLOCK, blocks_of
+from ffgym.diagnosis.fit.fit import Fit, evaluated, left_by
+from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
+from ffgym.diagnosis.fit.setting import Setting
+from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.measured import counting_rows, valid_rows
+from ffgym.diagnosis.replay import Replay, replay
+from ffgym.diagnosis.sampling import CUTOFF
+from ffgym.diagnosis.signatures.column import columns_of
+from ffgym.diagnosis.signatures.push import Parts
+from ffgym.diagnosis.signatures.variant import STEP
+from ffgym.diagnosis.solving import bounded
+from ffgym.effects import Effect, NativeEffect
+from ffgym.effects.drive.offset import TorqueOffset
+from ffgym.effects.effect import Side
+from ffgym.effects.friction.coulomb import CoulombLevel
+from ffgym.effects.friction.presliding import PreslidingStiffness
+from ffgym.effects.friction.viscous import ViscousLevel
+from ffgym.effects.load.rotor_inertia import RotorInertia
+from ffgym.effects.parameters import parameter
+from ffgym.effects.transmission.stiffness import JointStiffness
+from ffgym.recordings import Recording
+from ffgym.robot import RobotDescription
+from ffgym.simulation.plant import Machine
+
+SPREAD = 2.0
+"""Standard deviation of a number, in plausible ranges of its effect, which are those of identified robots; chosen."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Breakaway(NativeEffect):
+    r"""Another Stribeck curve that never falls below the Coulomb torque; a number to be fitted, no effect to be named.
+
+    .. math:: f_s - f_c \to (1 + a) (f_s - f_c), \quad v_s \to (1 + b)\, v_s
+
+    As an effect to be named the peak counts in Coulomb torques, and a step of many numbers at once would leave what a
+    description can say.
+    """
+
+    name: ClassVar[str] = "breakaway"
+    side: ClassVar[Side] = "motor"
+    needs_friction: ClassVar[bool] = True
+
+    level: Array = parameter("a", unit="1", low=-0.6, high=1.5, minimum=-0.95, source="chosen: as bristles")
+    velocity: Array = parameter("b", unit="1", low=-0.5, high=1.0, minimum=-0.95, source="as of the Stribeck peak")
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        friction = robot.friction
+        static = friction.coulomb + (1 + self.level) * (friction.static - friction.coulomb)
+        velocity = friction.stribeck_velocity * (1 + self.velocity)
+        return replace(robot, friction=replace(friction, static=static, stribeck_velocity=velocity))
+
+
+NUMBERS: tuple[type[Effect], ...] = (
+    CoulombLevel,
+    ViscousLevel,
+    Breakaway,
+    PreslidingStiffness,
+    RotorInertia,
+    LinkMass,
+    JointStiffness,
+)
+"""What is fitted on every joint that has it, as shares of what the description says. Springs keep their damping ratio:
+recordings tell it only at resonance."""
+
+
+def as_described(robot: RobotDescription) -> tuple[Hypothesis, ...]:
+    """All numbers as a description has them."""
+    rigid = robot.drive.is_rigid
+    return tuple(
+        Hypothesis(
+            kind=kind,
+            joint=joint,
+            source=None,
+            values={name: np.array(p.neutral) for name, p in kind.parameters().items()},
+        )
+        for kind in NUMBERS
+        for j, joint in enumerate(robot.joints)
+        if not (kind.needs_elasticity and rigid[j])
+    )
+
+
+def distance(numbers: Iterable[Hypothesis]) -> Array:
+    """How far all numbers are from the description, in practical steps."""
+    return np.array(
+        [
+            (free.value - number.kind.parameters()[free.name].neutral) / free.step
+            for number in numbers
+            for free in number.free()
+        ]
+    )
+
+
+PRECISION = (STEP / SPREAD) ** 2
+"""Of that distance, before any recording."""
+
+
+def with_numbers(robot: RobotDescription, numbers: Iterable[Hypothesis]) -> RobotDescription:
+    """The description with other numbers."""
+    for number in numbers:
+        effect = number.effect(robot)
+        assert isinstance(effect, NativeEffect)
+        robot = effect.in_description(robot)
+    return robot
+
+
+CUTOFFS = (5.0, CUTOFF)
+"""Low-passes of what is compared, one after the other [Hz]: below the resonances of industrial robots, as for rigid
+bodies (`ffgym.diagnosis.identification.rigid_body`), then as in a diagnosis."""
+
+PASSES = 2
+"""Times that all is fitted and then weighed anew, at each of them."""
+
+_OFFSET = 0.5
+"""Standard deviation of a torque offset, in Coulomb torques; chosen: as good as free."""
+
+_PLACE = 1e-3
+"""Standard deviation of the tool's place in a motion, each axis [m]; chosen: that of robots that nobody calibrated."""
+
+_ROUNDS = 5
+"""Gauss-Newton steps at most, in each pass."""
+
+_HALVINGS = 4
+"""Times that a step is halved if it makes things worse."""
+
+_ENOUGH = 0.01
+"""Relative gain below which another step is not worth its replays."""
+
+
+def tuned(machine: Machine, recordings: Sequence[Recording]) -> Machine:
+    """The machine with numbers that predict recordings best.
+
+    Args:
+        machine: to begin with; its effects stay as they are.
+        recordings: of its motions, as for a diagnosis.
+
+    Raises:
+        FFGymError: if recordings do not fit the robot.
+    """
+    log = replace(log_of(machine.physical, recordings), feedback=None)  # the servo knows nothing of these numbers
+    numbers = as_described(machine.physical)
+    for cutoff in CUTOFFS:
+        sampling = replace(log.sampling, cutoff=min(cutoff, log.sampling.cutoff))
+        setting = _setting(replace(log, sampling=sampling), machine)
+        for _ in range(PASSES):
+            numbers = _fitted(_weighed(setting, numbers), numbers)
+    return replace(machine, robot=with_numbers(machine.robot, numbers))
+
+
+def _fitted(setting: Setting, numbers: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
+    """Numbers that leave least, by Gauss-Newton steps from the given ones."""
+    now = evaluated(setting, numbers)
+    cost = _cost(setting, numbers)
+    for _ in range(_ROUNDS):
+        step, better = _step(now), np.inf
+        for _ in range(_HALVINGS):
+            tried = moved(now.hypotheses, step)
+            better = _cost(setting, tried)
+            if better < cost:
+                break
+            step = 0.5 * step
+        if better > (1 - _ENOUGH) * cost:
+            break
+        now, cost = evaluated(setting, tried), better
+    return now.hypotheses
+
+
+def _cost(setting: Setting, numbers: Sequence[Hypothesis]) -> float:
+    """What numbers leave, and how far they are from the description."""
+    return left_by(setting, numbers) + PRECISION * float(np.sum(distance(numbers) ** 2))
+
+
+def _step(now: Fit) -> Array:
+    """Change of all numbers, in practical steps."""
+    off, n = distance(now.hypotheses), now.n_calibration
+    evidence, priors = now.evidence, now.priors
+    precision = np.concatenate([priors.precision[:n], np.full(len(off), PRECISION)])
+    pull = evidence.moment.sum(axis=0)[:, 0] - np.concatenate([np.zeros(n), PRECISION * off])
+    step: Array = bounded(evidence.gram.sum(axis=0), pull, precision, priors.low, priors.high)[n:]
+    return step
+
+
+def _setting(log: Log, machine: Machine) -> Setting:
+    """What all fits to a log share; all rows that count are alike at first."""
+    run = replay(log, machine)
+    counting = {key: rows.astype(np.float64) for key, rows in counting_rows(log).items()}
+    return Setting(
+        log=log,
+        nominal=machine,
+        blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
+        weights=counting,
+        calibration=_beside(run),
+        doubts=(),
+        like=run,
+        bias=dict.fromkeys(("torque", "tool", "link"), np.zeros(1)),
+        bound=BOUND,
+    )
+
+
+def _beside(run: Replay) -> list[Parts]:
+    """Columns of what is free beside the numbers, per standard deviation: torque offsets, and places of the tool."""
+    coulomb = dict(zip(run.robot.joints, run.robot.friction.coulomb, strict=True))
+    found: list[Parts] = [
+        {key: rows * _OFFSET * coulomb[column.joint] for key, rows in column.parts.items()}
+        for column in columns_of(run, [TorqueOffset], {})
+    ]
+    if run.log.tool is None:
+        return found
+    shape = valid_rows(run.log).shape
+    for motion in np.eye(shape[1]):
+        found += [{("tool", axis): np.broadcast_to(_PLACE * motion, shape)} for axis in range(3)]
+    return found
+
+
+def _weighed(setting: Setting, numbers: Sequence[Hypothesis]) -> Setting:
+    """With each component of each motion in units of what numbers leave there; of the tool about its mean.
+
+    What a model lacks goes on for a while, so that all rows of a block count as much as one.
+    """
+    machine = replace(setting.nominal, robot=with_numbers(setting.nominal.robot, numbers))
+    residual = evaluated(replace(setting, nominal=machine), ()).residual
+    counting, alike = counting_rows(setting.log), BLOCK / setting.log.sampling.row_dt
+    weights = {}
+    for (channel, c), rows in counting.items():
+        rest, count = residual[channel][:, :, c], np.maximum(rows.sum(axis=0), 1)
+        mean = np.sum(rest * rows, axis=0) / count if channel == "tool" else 0.0
+        square = np.sum(((rest - mean) * rows) ** 2, axis=0) / count
+        weights[channel, c] = rows / np.sqrt(alike * np.where(square > 0, square, np.inf))
+    return replace(setting, weights=weights)

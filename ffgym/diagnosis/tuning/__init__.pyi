@@ -1,1 +1,0 @@
-from .fit import tuned as tuned

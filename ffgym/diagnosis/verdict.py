@@ -1,0 +1,182 @@
+"""The verdict and its sentence: how much causes explain, what ties with them, and what is left."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from ffgym.diagnosis.fit.fit import Fit, Loudness, removed, touched
+from ffgym.diagnosis.fit.hypothesis import Hypothesis
+from ffgym.diagnosis.fit.setting import Setting
+from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged, Verdict
+from ffgym.diagnosis.search.found import Found, found_in
+from ffgym.diagnosis.search.rivals import tied_among
+from ffgym.diagnosis.search.worth import QUIET, removed_by, stretched
+from ffgym.effects import EFFECTS
+from ffgym.robot import RobotDescription
+
+NAMED = 0.9
+"""Share of the energy above the noise that causes must remove in each component to be named without reserve, or leave
+no more than QUIET."""
+
+HALF = 0.5
+"""Share of what was left, where it acts, that each cause must remove to be named without reserve."""
+
+LOUD = 1.5
+"""Energy from which on a component has something in it that noise does not explain."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judged:
+    """Verdict with its reasons in numbers."""
+
+    verdict: Verdict
+    gains: tuple[float, ...]
+    """Of each cause: share of the energy above the noise that it removes from what was left out."""
+    removed: float
+    """Share that all causes remove together."""
+    stretched: tuple[str, ...]
+    """Shapes at the end of their plausible range, such as 'time of dwell_stiction on j5': they may stand for something
+    else."""
+
+
+def judged(setting: Setting, found: Found, loud_before: Loudness, loud_after: Loudness) -> Judged:
+    """What a search comes to.
+
+    Args:
+        setting: the log.
+        found: by the search.
+        loud_before: energy of the nominal residual over that of noise, by component.
+        loud_after: the same with the causes.
+    """
+    where = touched(setting, list(found.final.fit.columns))
+    share = removed(loud_before, loud_after, where).of_excess if where else 0.0
+    gains = _gains(setting, found)
+    worst = max(value - setting.inexact(key) for key, value in loud_after.items())
+    stretched = stretched_shapes(setting, found.final.fit)
+    verdict: Verdict
+    if not found.final.fit.hypotheses:
+        verdict = "unknown" if worst > LOUD else "none"
+    elif tied_among(found.final.fit.hypotheses, found.rivals):
+        verdict = "ambiguous"
+    elif _is_explained(loud_before, loud_after) and min(gains) >= HALF and not (stretched or found.unsure):
+        verdict = "named"
+    else:
+        verdict = "partly"
+    return Judged(verdict=verdict, gains=gains, removed=float(share), stretched=stretched)
+
+
+def _is_explained(before: Loudness, after: Loudness) -> bool:
+    """Whether no component is left with something that no cause explains."""
+    return all(after[key] <= QUIET or before[key] - after[key] >= NAMED * (before[key] - 1.0) for key in after)
+
+
+def stretched_shapes(setting: Setting, fit: Fit) -> tuple[str, ...]:
+    """Shapes of causes that the fit has moved to the end of their plausible range, such as 'time of cogging on j1'."""
+    return tuple(f"{name} of {hypothesis.label}" for hypothesis, name in stretched(setting, fit))
+
+
+def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
+    """Share that each cause removed of the energy above the noise that was there when it was found."""
+    causes = (found_in(found.rounds, hypothesis) for hypothesis in found.final.fit.hypotheses)
+    return tuple(removed_by(setting, one.before, tried).of_excess for one, tried in causes)
+
+
+def blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[Unjudged]) -> tuple[Rival, ...]:
+    """Of causes that vary over a session, the effects that vary with what the log does not show and look alike."""
+    unseen = [(kind, one.reason) for one in not_judgeable if (kind := EFFECTS[one.effect]).varies_with]
+    return tuple(
+        Rival(
+            effect=kind.name,
+            joint=cause.joint,
+            held_out_gain=0.0,
+            tied=True,
+            against=cause.label,
+            reason=f"cannot be judged: {reason}; a log that shows it tells both apart",
+        )
+        for cause in causes
+        for kind, reason in unseen
+        if cause.kind.varies_with and kind.code in cause.kind.confusable_with
+    )
+
+
+def beside_blind(judged: Judged, rivals: Sequence[Rival]) -> Judged:
+    """The verdict where there are such rivals: nothing that has one is named without reserve."""
+    return replace(judged, verdict="ambiguous") if rivals and judged.verdict == "named" else judged
+
+
+def told(judged: Judged, rivals: Sequence[Rival]) -> Sequence[Rival]:
+    """Those of such rivals that belong to a verdict: of one that names causes, all."""
+    return rivals if judged.verdict in ("ambiguous", "partly") else ()
+
+
+_PATTERNS = 3
+"""Components of which the sentence says what is left there depends on; chosen: more are in the list of patterns."""
+
+_AS_MUCH = 0.9
+"""Share of what the strongest pattern of a component explains from which on another one stands beside it in the
+sentence; chosen: chance orders two that are so near."""
+
+
+def sentence_of(
+    judged: Judged,
+    causes: Sequence[Cause],
+    rivals: Sequence[Rival],
+    patterns: Sequence[Pattern],
+    robot: RobotDescription,
+) -> str:
+    """What a diagnosis says, in one sentence."""
+    tied = [rival for rival in rivals if rival.tied]
+    instead = [rival for rival in tied if rival.against in {cause.label for cause in causes}]
+    left = "; ".join(_strongest(patterns))
+    named, others = _all_of(causes), _any_of(tied)
+    share = f"{100 * min(judged.removed, 1.0):.0f} %"
+    if judged.verdict == "none":
+        return f"These motions do not falsify the model of {robot.name}: what is left is noise and calibration."
+    if judged.verdict == "unknown":
+        what = left or "nothing that was looked for"
+        return f"Something is there that no effect of the library explains; what is left depends on: {what}."
+    if judged.verdict == "ambiguous":
+        return f"Consistent with {named}; but {others} would explain these motions as well."
+    if judged.verdict == "partly":
+        more = f"; what is left depends on: {left}" if left else ", and something is left"
+        if judged.stretched:
+            more = f", and {judged.stretched[0]} is at the end of what is plausible: it may stand for something else"
+        elif beyond := [rival for rival in tied if rival not in instead]:
+            then = f"; what is left then depends on: {left}" if left else ""
+            more = f"; beyond that, {_any_of(beyond)} would explain more{then}"
+        besides = f" (these logs cannot tell it from {_any_of(instead)})" if instead else ""
+        return f"Partly explained by {named}{besides}: that removes {share} of what noise does not explain{more}."
+    return f"Consistent with {named}, which removes {share} of what noise does not explain."
+
+
+def _strongest(patterns: Sequence[Pattern]) -> list[str]:
+    """The strongest pattern of each of the first few components that have one, and those that explain as much."""
+    first: dict[tuple[str, str], Pattern] = {}
+    for pattern in patterns:
+        first.setdefault((pattern.channel, pattern.component), pattern)
+    chosen = list(first.values())[:_PATTERNS]
+    return [
+        pattern.message
+        for best in chosen
+        for pattern in patterns
+        if (pattern.channel, pattern.component) == (best.channel, best.component)
+        and (pattern is best or pattern.share > _AS_MUCH * best.share)
+    ]
+
+
+def _all_of(causes: Sequence[Cause]) -> str:
+    """Each effect on its joint once, however many waves it has."""
+    counts = Counter(_named(cause) for cause in causes)
+    return ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
+
+
+def _any_of(rivals: Sequence[Rival]) -> str:
+    return " or ".join(dict.fromkeys(_place(rival.effect, rival.joint) for rival in rivals))
+
+
+def _named(cause: Cause) -> str:
+    return f"{cause.title} {'of ' + cause.joint if cause.joint else ''}".strip()
+
+
+def _place(effect: str, joint: str) -> str:
+    return f"{effect.replace('_', ' ')} of {joint}" if joint else effect.replace("_", " ")

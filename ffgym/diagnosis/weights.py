@@ -1,0 +1,221 @@
+"""What of a residual counts as noise: torque that no replay can know, rows that stand out, a swing at the start.
+
+Bristles that are not yet torn off follow ways of a few micrometres. Four things keep those from being known: the noise
+of a motor that stands, in whose band it may have moved; what a motion has above the band that it was read in, as where
+it stops and rings; samples so rare that a reversal lies between them; and how bristles stood when the log began.
+
+Where a motor creeps over some steps of its encoder after a stop, noise moves the reading to and fro at the edge of each
+step, and whatever of that leaves the band of `Log.trembling` loosens the bristles a little: always the same way, in all
+logs of the motion, by more than the noise of the torque. What is systematic is no fault of the machine.
+
+Noise is the yardstick of a model that lacks one thing. Of a machine whose model misses a little everywhere, most rows
+are far above the noise, and the few in which it misses much, as where a motor starts or a filter smears a reversal,
+would decide by their squares what the others tell. They count as much as they would at a few times the usual misfit
+(Huber 1964, Ann. Math. Statist. 35(1)). Where most rows are as quiet as noise, what stands out is what is looked for,
+and stays.
+
+A log that begins right after a move, or while a brake lets go, has the arm swing on: freely, at its own frequencies and
+damping. Where the springs' free motions after the first sample leave clearly less of a motion's residual, what they
+take away counts as noise.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.ndimage import maximum_filter1d
+
+from ffgym.core.types import Array
+from ffgym.diagnosis.evidence import Values
+from ffgym.diagnosis.fit.fit import evaluated, without_calibration
+from ffgym.diagnosis.fit.setting import Setting
+from ffgym.diagnosis.identification import LowPass
+from ffgym.diagnosis.log import Log, log_of
+from ffgym.diagnosis.noise import Noise, noisy
+from ffgym.diagnosis.replay import Replay
+from ffgym.diagnosis.replay.states import along_speed
+from ffgym.diagnosis.residual import Channel
+from ffgym.diagnosis.sampling import without_trembling
+from ffgym.diagnosis.signatures.push import Parts, Push, changes, shown
+from ffgym.recordings import Recording
+
+_HALF = 0.5
+"""Share of both bands that is tried beside them: friction that half a band hides is as large as what a whole one does,
+to a factor of two; chosen."""
+
+_REVERSAL = 7e-3
+"""Time that a reversal takes in a motion without parts above 100 Hz [s]: samples so far apart tell nothing of it."""
+
+_PASSED = 4.0
+"""Sample periods, in reversals, from which on these lie between samples; chosen between two recordings: friction of
+the ball screw is named at 4 ms with the doubt alone, the late row of the KR300 at 100 ms without it alone."""
+
+_NEAR = 1
+"""Rows on either side of one in which a motion between samples may show; chosen."""
+
+
+def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
+    """Torque that may be there or not, unsigned, at rows (R, M, N), motor side [N m].
+
+    Args:
+        run: replay of a log.
+        bias: of torques, motor side, and of all else, (R, M, C) by channel: what the replay does wrong along a motion
+            that is made up between the samples.
+    """
+    log = run.read
+    narrow = _friction(run, log.q, _HALF * log.trembling)
+    slow = _friction(run, _slower(run), log.trembling)
+    begun = _friction(run, log.q, log.trembling, load=1.0)
+    changes = [log.sampling(friction - run.bristles.torque) for friction in (narrow, slow, begun)]
+    changes.append(_between_samples(log.dt) * bias["torque"])
+    unknown: Array = np.sqrt(np.sum(np.square(changes), axis=0))
+    return unknown
+
+
+def _friction(run: Replay, angle: Array, band: Array, load: float = 0.0) -> Array:
+    """Friction (T, M, N) if motors had moved so, to a half-width (N,) of what is taken for standing, [N m].
+
+    Bristles begin with a `load`, as a share of what tears them off.
+    """
+    log, drive = run.read, run.robot.drive
+    slip = np.gradient(without_trembling(angle, band), log.dt, axis=0)
+    return along_speed(run.robot.friction, drive.motor_angle(slip), drive.motor_angle(run.log.dq), log.dt, load).torque
+
+
+def _slower(run: Replay) -> Array:
+    """The motion (T, M, N) in half its band, link side [rad]."""
+    log = run.read
+    low_pass = LowPass(cutoff=_HALF * log.sampling.motion_filter.cutoff)
+    angle = log.q.copy()
+    for i, n in enumerate(log.lengths):
+        angle[:n, i] = low_pass(log.q[:n, i], log.dt)
+    return angle
+
+
+def _between_samples(dt: float) -> float:
+    """Share of what replays do wrong that is not known, as the motion between the samples is not, `dt` [s] apart."""
+    return min(1.0, dt / _REVERSAL) if dt < _PASSED * _REVERSAL else 0.0
+
+
+def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
+    """Weights (R, M) by component under which what is unknown counts as noise.
+
+    Args:
+        weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
+        unknown: what may be there or not, by channel, (R, M, C), signed or not.
+    """
+    found = dict(weights)
+    for (channel, c), rows in weights.items():
+        if channel in unknown and unknown[channel][:, :, c].any():
+            about = maximum_filter1d(np.abs(unknown[channel][:, :, c]), 2 * _NEAR + 1, axis=0)
+            found[channel, c] = rows / np.hypot(1.0, rows * about)
+    return found
+
+
+DRAWS = 4
+"""Draws of the reading's noise; from one to the next it differs by a seventh of its mean, where that is large."""
+
+
+def misread_friction(exact: Sequence[Recording], clean: Log, run: Replay, step: Array) -> Array:
+    """Friction in a replay of noisy readings beyond that of exact ones, mean at rows (R, M, N), motor side [N m].
+
+    The noise is that of the band in which a log's reading moves, so that logs with one band have one mean.
+
+    Args:
+        exact: the nominal machine over its own motion.
+        clean: the same as a log, with the band of the log that is diagnosed.
+        run: its replay.
+        step: of the encoders [rad], motor side, (M, N).
+    """
+    drive, none = run.robot.drive, np.zeros(step.shape)
+    angle = np.broadcast_to(np.abs(drive.motor_angle(clean.reading_noise)), step.shape)
+    noise = Noise(angle=angle, step=step, torque=none, tool=None, link=None, feedback=None)
+    rng, total = np.random.default_rng(0), np.zeros_like(run.bristles.torque)
+    for _ in range(DRAWS):
+        seen = [noisy(recording, noise, i, rng) for i, recording in enumerate(exact)]
+        one = log_of(clean.robot, seen, like=clean)
+        friction = along_speed(run.robot.friction, drive.motor_angle(one.slip_dq), drive.motor_angle(one.dq), one.dt)
+        total += friction.torque - run.bristles.torque
+    rows: Array = clean.sampling(total / DRAWS)
+    return rows
+
+
+EVERYWHERE = 5.0
+"""Usual misfit, in standard deviations of the noise, from which on a model misses everywhere; chosen."""
+
+USUAL = 3.0
+"""Usual misfits from which on a row stands out; of rows with a normal distribution 0.3 % do."""
+
+_NORMAL = 1.4826
+"""Standard deviation of a normal distribution over its median absolute value."""
+
+
+def bound_outliers(weights: Values, residual: Mapping[Channel, Array]) -> Values:
+    """Weights (R, M) by component under which no row stands out from a misfit that is everywhere.
+
+    Args:
+        weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
+        residual: of the nominal model, (R, M, C) by channel.
+    """
+    return {key: _bound(rows, residual[key[0]][:, :, key[1]]) for key, rows in weights.items()}
+
+
+def _bound(weight: Array, residual: Array) -> Array:
+    usual = _usual(weight, residual)
+    if usual < EVERYWHERE:
+        return weight
+    return weight * np.minimum(1.0, USUAL * usual / np.maximum(np.abs(weight * residual), 1e-300))
+
+
+def _usual(weight: Array, residual: Array) -> float:
+    """Usual misfit of rows that count, in standard deviations of the noise."""
+    size = np.abs(weight * residual)
+    counting = size[np.broadcast_to(weight, size.shape) > 0]
+    return _NORMAL * float(np.median(counting)) if counting.size else 0.0
+
+
+_CLEAR = 0.7
+"""Energy of a motion's residual that is left without its swing, as a share of it, at most, if there was one; chosen
+on two drawn machines: motions that began with a swing left 0.2 to 0.6, those with other faults 0.8 and more."""
+
+_BEND = 1e-4
+"""Deflection of which free motions are computed [rad]; chosen: any would do, they are linear."""
+
+_INDEPENDENT = 1e-8
+"""Relative size of a singular value below which a free motion is that of others."""
+
+
+def first_swing(setting: Setting) -> dict[Channel, Array]:
+    """Fit free motions of springs to the residual of a log, (R, M, C) by channel; empty if joints are rigid."""
+    run = setting.like
+    if run is None or run.robot.drive.is_rigid.all():
+        return {}
+    rest = without_calibration(setting, evaluated(setting, ()))
+    free = _free_motions(run)
+    keys = [key for key in free[0] if key in setting.weights]
+    found = {channel: np.zeros_like(rest[channel]) for channel in dict.fromkeys(channel for channel, _ in keys)}
+    for m in range(len(setting.log.recordings)):
+        weights = {key: np.broadcast_to(setting.weights[key], free[0][key].shape)[:, m] for key in keys}
+        columns = np.stack([_stacked({k: one[k][:, m] for k in keys}, weights) for one in free], axis=1)
+        target = _stacked({(channel, c): rest[channel][:, m, c] for channel, c in keys}, weights)
+        sizes = np.linalg.lstsq(columns, target, rcond=_INDEPENDENT)[0]
+        if np.sum((target - columns @ sizes) ** 2) > _CLEAR * np.sum(target**2):
+            continue
+        for channel, c in keys:
+            found[channel][:, m, c] = sum(size * one[channel, c][:, m] for size, one in zip(sizes, free, strict=True))
+    return found
+
+
+def _free_motions(run: Replay) -> list[Parts]:
+    """What arms show that are let go or knocked at the first sample: one of each for every elastic joint."""
+    pushes = []
+    for j in run.springs.elastic.tolist():
+        for sample in (0, 1):  # a load that is gone after the first sample, and one that comes and goes after it
+            load = np.zeros_like(run.log.q)
+            load[sample, :, j] = run.springs.stiffness[j] * _BEND
+            pushes.append(Push(links=load))
+    return [shown(run, change) for change in changes(run, pushes)]
+
+
+def _stacked(rows: Mapping[tuple[Channel, int], Array], weights: Mapping[tuple[Channel, int], Array]) -> Array:
+    """Weighted rows (R,) of all components, one after the other."""
+    return np.concatenate([rows[key] * weights[key] for key in rows])
