@@ -19,6 +19,7 @@ from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.entrants import Entrant, Registry, entrants_in
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, draw_name, plant_named
 from ffgym.leaderboard.results import Row
+from ffgym.leaderboard.submission.process import isolation_note
 from ffgym.leaderboard.tasks import SPLITS, THESIS
 from ffgym.robot import load_robot
 from ffgym.simulation.bare import bare_rate
@@ -67,6 +68,8 @@ class Leaderboard:
         if self.page is not None:
             need_extra("The page of the leaderboard", "jinja2", "matplotlib")
         executor = Executor(kind=self.executor, jobs=self.jobs, address=self.address)
+        if registry.files and (note := isolation_note()) is not None:
+            print(note)
         board = Board(registry=registry, folder=self.out)
         began = time.perf_counter()
         with progress_bar("leaderboard", "s of motion") as progress:

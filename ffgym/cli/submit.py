@@ -1,6 +1,6 @@
 """`ffgym submit`: an agent as a submission to the leaderboard, run and packed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import tyro
@@ -12,8 +12,8 @@ from ffgym.cli.verify import claim_lines
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes, write_json
 from ffgym.leaderboard.plants import ROBOT
-from ffgym.leaderboard.submission.manifest import AgentSource, Track
-from ffgym.leaderboard.submission.pack import About, pack
+from ffgym.leaderboard.submission.judge import Judge
+from ffgym.leaderboard.submission.manifest import About, AgentSource, Track
 
 
 @dataclass(frozen=True)
@@ -52,24 +52,10 @@ class Submit:
             raise FFGymError(f"--out {self.out}: the name must end in .zip.")
         check_outputs({"--out": self.out, "--json": self.json}, inputs=(self.agent, self.agent.partition(":")[2]))
         source = submitted(self.agent)
-        about = About(
-            name=self.name,
-            title=self.title or self.name,
-            author=self.author,
-            track=self.track,
-            seed=self.seed,
-            env_steps=self.env_steps,
-            robot_seconds=self.robot_seconds,
-            inference_us=self.inference_us,
-        )
-        packed = pack(
-            about,
-            AgentSource(kind=source.kind, law=source.law, file=source.file),
-            source.content,
-            loaders=LOADERS,
-            n_threads=self.threads,
-            stage=progress_bar,
-        )
+        said = {field.name: getattr(self, field.name) for field in fields(About)}
+        about = About(**said | {"title": self.title or self.name})
+        judge = Judge(loaders=LOADERS, n_threads=self.threads, stage=progress_bar)
+        packed = judge.pack(about, AgentSource(kind=source.kind, law=source.law, file=source.file), source.content)
         write_bytes(self.out, packed.data)
         if self.json is not None:
             info = provenance("ffgym submit", self, ROBOT, None, self.seed)

@@ -13,18 +13,16 @@ from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_json
 from ffgym.leaderboard.plants import ROBOT
-from ffgym.leaderboard.submission.archive import read_archive
-from ffgym.leaderboard.submission.manifest import Claim
-from ffgym.leaderboard.submission.refusal import Refused
-from ffgym.leaderboard.submission.verify import CHECKS, Verifier
+from ffgym.leaderboard.submission.judge import CHECKS, Judge
+from ffgym.leaderboard.submission.manifest import Claim, Refused, read_archive
+from ffgym.leaderboard.submission.process import isolation_note
 
 
 @dataclass(frozen=True)
 class Verify:
-    """Check a submission, replay its actions, and run its agent again where it sees observations only.
+    """Check a submission: replay its actions, while its agent is asked for them where it sees observations only.
 
-    Foreign code runs as you, behind a guard that keeps honest people honest and is no wall: use a container for agents
-    that you have reason to distrust.
+    Bubblewrap isolates foreign code if it is installed; docs/leaderboard/submissions.md has a container for others.
     """
 
     submission: tyro.conf.Positional[Path]
@@ -39,7 +37,9 @@ class Verify:
         check_outputs({"--json": self.json}, inputs=(self.submission,))
         try:
             data = read_archive(self.submission)
-            verdict = Verifier(loaders=LOADERS, n_threads=self.threads, stage=progress_bar).verify(data)
+            if (note := isolation_note()) is not None:
+                print(note)
+            verdict = Judge(loaders=LOADERS, n_threads=self.threads, stage=progress_bar).verify(data)
         except Refused as refusal:
             self._write({"accepted": False, "check": refusal.check, "reason": refusal.reason})
             raise FFGymError(f"{self.submission}: {refusal}") from refusal

@@ -14,7 +14,7 @@ from ffgym.agents.submission import SUBMITTED, load, submitted
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.submission.manifest import AgentSource
 from ffgym.robot import load_robot
-from tests.leaderboard.submission_samples import ROBOT, packed, verifier
+from tests.leaderboard.submission_samples import ROBOT, judge, packed
 
 MACHINE = f'[machine]\ntitle = "a machine"\nrobot = "{ROBOT}"\n'
 
@@ -44,7 +44,7 @@ def test_a_residual_policy_is_accepted(policy_file):
     source = submitted(str(policy_file))
     assert (source.kind, source.file) == ("policy", "agent.npz")
     data = packed(AgentSource(kind=source.kind, file=source.file), source.content).data
-    verdict = verifier().verify(data)
+    verdict = judge().verify(data)
     assert (verdict.manifest.preview, verdict.manifest.action_scale) == (8, 30.0)
     assert verdict.action_difference == 0.0
 

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.leaderboard.submission import plan
+from ffgym.leaderboard.submission import judge
 from tests.leaderboard.submission_samples import PLAN, agent_file, changed
 
 WHO = ["--name", "mine", "--author", "somebody", "--track", "causal, nominal parameters"]
@@ -14,7 +14,7 @@ WHO = ["--name", "mine", "--author", "somebody", "--track", "causal, nominal par
 @pytest.fixture
 def small(monkeypatch, tmp_path):
     """A folder with an agent's file, and one circle instead of the standard ones."""
-    monkeypatch.setattr(plan, "STANDARD", PLAN)
+    monkeypatch.setattr(judge, "STANDARD", PLAN)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.py").write_bytes(agent_file())
     return tmp_path

@@ -3,18 +3,21 @@
 import json
 
 from ffgym.agents.submission import LOADERS
-from ffgym.leaderboard.submission.archive import decode_archive, encode_archive
-from ffgym.leaderboard.submission.limits import Limits
-from ffgym.leaderboard.submission.manifest import MANIFEST, AgentSource, digest_of
-from ffgym.leaderboard.submission.pack import About, pack
-from ffgym.leaderboard.submission.plan import Plan
-from ffgym.leaderboard.submission.process import AgentProcess
-from ffgym.leaderboard.submission.verify import Verifier
+from ffgym.leaderboard.submission.judge import Judge
+from ffgym.leaderboard.submission.manifest import (
+    MANIFEST,
+    About,
+    AgentSource,
+    decode_archive,
+    digest_of,
+    encode_archive,
+)
+from ffgym.leaderboard.submission.process import AgentProcess, Limits
 from ffgym.leaderboard.tasks import Task
 
 ROBOT = "irb4600_60_205"
-PLAN = Plan({"nominal": (Task("p2", 0.1, (0.001,), "positions"),)})
-SIDE_BY_SIDE = Plan({"nominal": tuple(Task("p2", 0.1, (radius,), "positions") for radius in (0.001, 0.003))})
+PLAN = {"nominal": (Task("p2", 0.1, (0.001,), "positions"),)}
+SIDE_BY_SIDE = {"nominal": tuple(Task("p2", 0.1, (radius,), "positions") for radius in (0.001, 0.003))}
 """Two motions, on which agents decide at once."""
 ABOUT = About(name="mine", title="an agent of mine", author="somebody", track="causal, nominal parameters")
 PYTHON = AgentSource(kind="python", file="agent.py")
@@ -52,12 +55,12 @@ def agent_file(body="pass", head=""):
 def packed(source=PYTHON, content=None, plan=PLAN):
     """Submission of an agent, an honest one if there is no content."""
     content = agent_file() if content is None and source.kind == "python" else content
-    return pack(ABOUT, source, content, loaders=LOADERS, plan=plan, n_threads=1)
+    return judge(plan).pack(ABOUT, source, content)
 
 
-def verifier(plan=PLAN, **limits):
-    """What checks these submissions."""
-    return Verifier(loaders=LOADERS, plan=plan, limits=Limits(**limits), n_threads=1)
+def judge(plan=PLAN, **limits):
+    """What packs and checks these submissions."""
+    return Judge(loaders=LOADERS, plan=plan, limits=Limits(**limits), n_threads=1)
 
 
 def process(content, **limits):

@@ -10,21 +10,43 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ffgym.agents.submission import load
+from ffgym.agents.submission import LOADERS, load
 from ffgym.control import ObservationLayout
 from ffgym.core.files import decode_arrays, encode_arrays
 from ffgym.leaderboard.evaluation.closed_loop import fly
 from ffgym.leaderboard.evaluation.scoring import cells_of
 from ffgym.leaderboard.plants import plant_named
-from ffgym.leaderboard.submission import archive, python_agent
-from ffgym.leaderboard.submission import pack as packing
-from ffgym.leaderboard.submission.archive import decode_archive
-from ffgym.leaderboard.submission.checks import ACTION_TOLERANCE, SCORE_TOLERANCE, check_files, check_physics
-from ffgym.leaderboard.submission.manifest import ACTIONS, MANIFEST, AgentSource, decode_manifest
-from ffgym.leaderboard.submission.plan import controller_of
-from ffgym.leaderboard.submission.refusal import Refused
+from ffgym.leaderboard.submission import judge as judging
+from ffgym.leaderboard.submission import manifest as manifests
+from ffgym.leaderboard.submission import python_agent
+from ffgym.leaderboard.submission.judge import (
+    ACTION_TOLERANCE,
+    SCORE_TOLERANCE,
+    Judge,
+    check_physics,
+    check_time,
+    controller_of,
+)
+from ffgym.leaderboard.submission.manifest import (
+    ACTIONS,
+    AgentSource,
+    Refused,
+    decode_archive,
+    decode_submission,
+)
 from ffgym.robot import load_robot
-from tests.leaderboard.submission_samples import PLAN, ROBOT, agent_file, changed, manifest_of, packed, verifier
+from tests.leaderboard.submission_samples import (
+    ABOUT,
+    PLAN,
+    PYTHON,
+    ROBOT,
+    SIDE_BY_SIDE,
+    agent_file,
+    changed,
+    judge,
+    manifest_of,
+    packed,
+)
 
 PAGE = Path(__file__).parents[2] / "docs" / "leaderboard" / "submissions.md"
 
@@ -45,14 +67,14 @@ def code_of_page():
     return code
 
 
-def refusal(data, **limits):
+def refusal(data, plan=PLAN):
     with pytest.raises(Refused) as caught:
-        verifier(**limits).verify(data)
+        judge(plan).verify(data)
     return caught.value
 
 
 def test_an_honest_agent_is_accepted_with_the_very_actions_and_errors_that_were_logged(honest):
-    verdict = verifier().verify(honest)
+    verdict = judge().verify(honest)
     assert verdict.claims == verdict.manifest.claims
     assert verdict.action_difference == 0.0
     assert 0 < verdict.inference_us < 4000
@@ -65,19 +87,19 @@ def test_the_same_agent_gives_the_same_bytes(honest):
 def test_a_law_is_accepted_and_acts_as_the_law_in_this_process():
     law = AgentSource(kind="law", law="lugre_dynamic")
     data = packed(law).data
-    verdict = verifier().verify(data)
+    verdict = judge().verify(data)
     assert set(verdict.manifest.files) == {ACTIONS}
     here = load({"kind": "law", "law": "lugre_dynamic", "file": None}, PAGE, load_robot(ROBOT))
-    ((flight,),) = fly(plant_named("nominal"), [here], PLAN.tasks["nominal"])
+    ((flight,),) = fly(plant_named("nominal"), [here], PLAN["nominal"])
     assert np.allclose(decode_arrays(decode_archive(data)[ACTIONS])["nominal_0"], flight.actions, rtol=0, atol=1e-7)
-    (cell,) = cells_of(PLAN.tasks["nominal"][0], flight.recording)
+    (cell,) = cells_of(PLAN["nominal"][0], flight.recording)
     assert cell.rms_mm == pytest.approx(verdict.claims[0].rms_mm, rel=1e-4)
 
 
 def test_the_agent_of_the_page_has_ten_lines_and_is_accepted():
     code = code_of_page()
     assert len([line for line in code.splitlines() if line.strip()]) == 10
-    assert verifier().verify(packed(content=code.encode()).data).action_difference == 0.0
+    assert judge().verify(packed(content=code.encode()).data).action_difference == 0.0
 
 
 class Noisy:
@@ -94,7 +116,7 @@ class Noisy:
 def test_tolerances_are_far_above_what_rounding_makes_of_a_feedback(tmp_path):
     (tmp_path / "agent.py").write_text(code_of_page())
     policy = python_agent.load({"file": "agent.py"}, tmp_path, load_robot(ROBOT))
-    tasks = PLAN.tasks["nominal"]
+    tasks = PLAN["nominal"]
     layout = ObservationLayout(load_robot(ROBOT), 1, policy.action_scale * load_robot(ROBOT).friction.static)
     found = []
     for size in (0.0, 1e-7):
@@ -131,7 +153,7 @@ def test_a_changed_manifest_is_refused(honest):
         ("preview", -1, "out of range"),
         ("agent", {"kind": "pickle", "law": None, "file": "agent.pkl"}, "Unknown kind of agent 'pickle'"),
         ("claims", [{"plant": "nominal"}], "not complete"),
-        ("more", 1, "unknown entries: more"),
+        ("more", 1, "unknown entries more"),
         ("format", True, "has format True"),
         ("plants", {"draw:0": "0"}, "must be run on nominal"),
         ("claims", [], "claims 0 circles"),
@@ -144,15 +166,13 @@ def test_a_manifest_that_says_what_it_must_not_is_refused_though_its_digest_is_r
 @pytest.mark.parametrize("junk", [None, True, -1, 0.5, 1e300, "", "x" * 200, [], ["a"], [[]], {}, {"a": 1}])
 def test_whatever_stands_in_a_manifest_is_taken_or_refused_and_nothing_breaks(honest, junk):
     tree = manifest_of(honest)
-    files = decode_archive(honest)
     changes = [{key: junk} for key in tree if key != "digest"]
     changes += [{"claims": [tree["claims"][0] | {key: junk}]} for key in tree["claims"][0]]
     changes += [{"agent": tree["agent"] | {key: junk}} for key in tree["agent"]]
     for change in changes:
         with contextlib.suppress(Refused):
-            manifest = decode_manifest(decode_archive(changed(honest, manifest=change))[MANIFEST])
-            check_files(manifest, files)
-            check_physics(manifest, PLAN.tasks)
+            manifest, _ = decode_submission(changed(honest, manifest=change))
+            check_physics(manifest, PLAN)
 
 
 def test_other_physics_are_refused(honest):
@@ -170,12 +190,13 @@ def test_better_errors_than_come_out_are_refused_though_the_digest_is_right(hone
     assert (found.check, f"it claims {entry}" in found.reason) == ("replay", True)
 
 
-def test_a_file_that_nobody_needs_is_refused(honest):
-    assert "notes.txt is no file of a submission" in refusal(changed(honest, {"notes.txt": b"hello"})).reason
+@pytest.mark.parametrize("name", ["notes.txt", "../agent.py", "/agent.py", "a/b.py", "..", "a\\b.py", ".hidden", "a/"])
+def test_a_file_that_nobody_needs_or_whose_name_leads_elsewhere_is_refused(honest, name):
+    assert f"{name} is no file of a submission" in refusal(changed(honest, {name: b"hello"})).reason
 
 
 def test_arrays_of_an_agent_that_would_unpack_to_too_much_are_refused(honest, monkeypatch):
-    monkeypatch.setattr(archive, "LARGEST", 30_000)
+    monkeypatch.setattr(manifests, "LARGEST", 30_000)
     large = io.BytesIO()
     np.savez_compressed(large, weights=np.zeros(30_000))
     files = {key: value for key, value in manifest_of(honest)["files"].items() if key == ACTIONS}
@@ -187,8 +208,8 @@ def test_arrays_of_an_agent_that_would_unpack_to_too_much_are_refused(honest, mo
 
 
 def test_an_agent_that_is_too_large_is_refused_before_it_is_run(monkeypatch):
-    monkeypatch.setattr(archive, "LARGEST", 3000)
-    monkeypatch.setattr(packing, "run", None)
+    monkeypatch.setattr(manifests, "LARGEST", 3000)
+    monkeypatch.setattr(judging, "fly", None)
     with pytest.raises(Refused, match="would unpack to"):
         packed(content=agent_file() + b"#" * 3000)
 
@@ -232,7 +253,7 @@ def test_an_agent_that_lets_the_robot_stop_is_refused_when_it_is_packed():
 
 
 def test_agents_know_the_robot_that_the_controller_of_the_plant_knows():
-    assert {controller_of(name) for name in PLAN.tasks} == {"irb4600_60_205"}
+    assert {controller_of(name) for name in PLAN} == {"irb4600_60_205"}
     known = load_robot(controller_of("workcell:thesis"))
     assert np.array_equal(known.friction.static, plant_named("workcell:thesis").rig.arm.robot.friction.static)
 
@@ -241,3 +262,45 @@ def test_actions_are_logged_as_they_act(honest):
     logged = decode_arrays(decode_archive(honest)[ACTIONS])["nominal_0"]
     assert logged.dtype == np.float32
     assert 0.0 < np.abs(logged).max() < 1.0
+
+
+LOOKS_ASIDE = agent_file("action = action + 0.05 * action[:1]")
+"""Its first row does not depend on others; its second does."""
+
+
+def test_an_agent_that_acts_on_what_another_robot_sees_is_not_packed():
+    with pytest.raises(Refused, match="nominal, motion 1 alone it does not decide what was logged"):
+        packed(content=LOOKS_ASIDE, plan=SIDE_BY_SIDE)
+
+
+def test_an_agent_that_acts_on_what_another_robot_sees_is_refused_though_it_was_packed():
+    class Careless(Judge):
+        def verify(self, data):
+            return data
+
+    careless = Careless(loaders=LOADERS, plan=SIDE_BY_SIDE, n_threads=1)
+    assert refusal(careless.pack(ABOUT, PYTHON, LOOKS_ASIDE), plan=SIDE_BY_SIDE).check == "agent"
+
+
+def test_an_agent_that_decides_otherwise_for_many_than_for_one_is_refused():
+    honest = packed(plan=SIDE_BY_SIDE).data
+    other = agent_file("action = action * (1.0 if len(observation) == 1 else 1.01)")
+    files = manifest_of(honest)["files"] | {"agent.py": hash_of(other)}
+    found = refusal(changed(honest, {"agent.py": other}, {"files": files}), plan=SIDE_BY_SIDE)
+    assert (found.check, "motion 0 it does not decide what was logged" in found.reason) == ("agent", True)
+
+
+def test_an_agent_that_keeps_its_memory_in_itself_is_packed_and_accepted():
+    body = "self.past = 0.5 * getattr(self, 'past', 0 * action) + action\naction = 0.5 * self.past"
+    data = packed(content=agent_file(body), plan=SIDE_BY_SIDE).data
+    assert judge(SIDE_BY_SIDE).verify(data).action_difference == 0.0
+
+
+@pytest.mark.parametrize(("times", "which"), [([4500.0] * 10, "median"), ([10.0] * 99 + [1e6], "mean")])
+def test_decisions_that_take_longer_than_a_control_step_are_refused(times, which):
+    with pytest.raises(Refused, match=f"must take at most 4000 us .{which} of"):
+        check_time(times, 0.004)
+
+
+def test_the_first_decision_may_take_long():
+    check_time([1e6, *[10.0] * 99], 0.004)

@@ -63,7 +63,7 @@ def test_its_process_ends_when_nobody_asks_it_any_more(law):
     layout = env.unwrapped.observation_layout
     assert isinstance(layout, ObservationLayout)
     agent = ready.policy.agent(plant.rig.robot, layout)
-    pid = agent._process._process.pid
+    pid = agent._process.pid
     env.close()
     assert is_alive(pid)
     del agent

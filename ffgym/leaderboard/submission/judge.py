@@ -1,153 +1,319 @@
-"""What an agent must not try, told from the events of `sys.audit`: to read what is hidden, to start processes."""
+"""From an agent to its submission and back: run it and log its actions; replay them, and ask it for them again.
 
-import os
-from collections.abc import Sequence
-from pathlib import Path
+An agent lives in a process of its own and sees observations only; the simulation, its truth and all errors are here.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, nullcontext
+from dataclasses import asdict, dataclass
 from typing import Any
 
-import ffgym
+import numpy as np
 
-HIDDEN = (
-    "ffgym.workcell",
-    "ffgym.envs",
-    "scripts.exam",
-    "ffgym.cli",
-    "ffgym.improvement",
-    "scripts.thesis",
-    "ffgym.report",
-    "ffgym.leaderboard",
-    "scripts",
-    "tests",
-)
-"""Modules that no agent may see, with all below them: the machines, and what leads to them."""
-SEEN = ("ffgym.leaderboard.submission",)
-"""What it runs in."""
+from ffgym.control import Agent
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import decode_arrays, encode_arrays
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
+from ffgym.envs.machines import is_workcell
+from ffgym.envs.workcell_circles import CONTROLLER
+from ffgym.leaderboard.evaluation.closed_loop import Flight, fly
+from ffgym.leaderboard.evaluation.scoring import cells_of
+from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, plant_named
+from ffgym.leaderboard.submission import manifest as files_of
+from ffgym.leaderboard.submission.manifest import ACTIONS, About, AgentSource, Claim, Manifest, Refused, listed
+from ffgym.leaderboard.submission.process import AgentProcess, Limits
+from ffgym.leaderboard.submission.python_agent import View
+from ffgym.leaderboard.tasks import Task
+from ffgym.paths import RADII
+from ffgym.robot import load_robot
+from ffgym.simulation.run import Progress
+from ffgym.studies import in_mm
 
-_DOORS = ("_posixsubprocess",)
-"""Modules that are loaded, and must not be loaded afresh: they start processes without an event."""
-_TRUTH = os.sep + os.path.join("ffgym", "workcell") + os.sep
-"""Part of a path that leads to the machines, in whichever copy of this package."""
-_HARMLESS = ("/proc/cpuinfo", "/proc/meminfo", "/proc/stat")
-"""What libraries read to count processors and memory."""
-_MEMORIES = ("/proc", "/dev/mem", "/dev/kmem", "/dev/port")
-_ALONE = {
-    "subprocess.Popen": "start a process",
-    "os.system": "start a process",
-    "os.exec": "start a process",
-    "os.posix_spawn": "start a process",
-    "os.spawn": "start a process",
-    "os.fork": "start a process",
-    "os.forkpty": "start a process",
-    "pty.spawn": "start a process",
-    "os.startfile": "start a process",
-    "_winapi.CreateProcess": "start a process",
-    "os.kill": "send a signal",
-    "os.killpg": "send a signal",
-    "signal.pthread_kill": "send a signal",
-    "sqlite3.connect": "open a data base",
+_FAST, _MIDDLE, _SLOW = (Task("p2", speed, RADII, "positions") for speed in (0.1, 0.04, 0.01))
+STANDARD: Mapping[str, tuple[Task, ...]] = {NOMINAL: (_FAST, _MIDDLE, _SLOW), THESIS_WORKCELL: (_FAST, _MIDDLE)}
+"""Motions by plant, at a position that nobody learns on; slow circles on the workcell would take a minute."""
+SCORE_TOLERANCE = 1e-4
+"""Relative difference of errors that is allowed. On one machine they are the same bit for bit. Another processor rounds
+in the sixteenth digit; noise in the seventh digit of every observation changes errors by 1e-8, which a test repeats.
+Chosen: far above that, and far below what tells agents apart."""
+SCORE_FLOOR_MM = 1e-6
+"""Difference of errors that is always allowed [mm], for the same reason."""
+ACTION_TOLERANCE = 1e-3
+"""Difference of actions that is allowed, in the largest logged one of that motor and task. The same noise changes them
+by 3e-7; chosen as errors are, with room for agents of high gain."""
+CHECKS: Mapping[str, str] = {
+    "archive": "a readable ZIP file of a few plain files, small, with nothing outside of it",
+    "manifest": "complete, and as it was written",
+    "files": "each as it was packed, none missing, none more",
+    "physics": "the plants here are those of the claims",
+    "agent": "for one robot alone and for all, it decides what was logged",
+    "replay": "the logged actions give the claimed errors in the simulation here",
+    "time": "one decision for one robot fits into a control step, and all of a run keep up",
 }
-"""Events that are refused whatever their arguments, and what the agent tried."""
-_FAMILIES = {"ctypes.": "reach memory through ctypes", "socket.": "open a network connection"}
-_LISTS = ("os.listdir", "os.scandir")
-_CHANGES = {
-    "os.remove": 1,
-    "os.rename": 2,
-    "os.link": 2,
-    "os.symlink": 2,
-    "os.mkdir": 1,
-    "os.rmdir": 1,
-    "os.truncate": 1,
-    "os.chmod": 1,
-    "os.chown": 1,
-    "os.utime": 1,
-}
-"""Events that change files, and how many of their arguments are paths."""
-_WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+"""What is checked."""
 
 
+def controller_of(plant: str) -> str:
+    """Name of the description that the controller of a plant knows, and agents on it."""
+    return CONTROLLER if is_workcell(plant) else ROBOT
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """A submission that is accepted, and what was found of it."""
+
+    data: bytes
+    """The ZIP file."""
+    manifest: Manifest
+    claims: tuple[Claim, ...]
+    """Errors of the replay here."""
+    inference_us: float
+    """Median time of one decision for one robot on the first plant, here [us]."""
+    action_difference: float
+    """Largest, in the largest logged action of that motor and task."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Judge:
-    """Says what an event tries that is not allowed, or None.
+    """How submissions are packed and checked."""
+
+    loaders: Mapping[str, str]
+    """Modules that load agents, by kind."""
+    plan: Mapping[str, Sequence[Task]] | None = None
+    """Motions by plant; None is the standard."""
+    limits: Limits | None = None
+    """What agents may use."""
+    n_threads: int = 0
+    """Of the simulation, 0 for all cores."""
+    stage: Callable[[str, str], AbstractContextManager[Progress | None]] = lambda title, unit: nullcontext()
+    """Context of a piece of work by its title and unit, which shows how far it is."""
+
+    def pack(self, about: About, source: AgentSource, content: bytes | None) -> Verdict:
+        """Run an agent, made from a source and the content of its file, on every plant; pack what came out, check that.
+
+        Raises:
+            Refused: if the agent cannot be made, fails, or its submission would not be accepted.
+        """
+        actions: dict[str, Array] = {}
+        claims: list[Claim] = []
+        own = {} if source.file is None or content is None else {source.file: content}
+
+        def packed(view: View) -> bytes:
+            files = {ACTIONS: encode_arrays(actions)} | own
+            manifest = Manifest(
+                **asdict(about),
+                agent=source,
+                preview=view.preview,
+                action_scale=view.action_scale,
+                versions=versions(),
+                plants={plant: plant_named(plant).fingerprint for plant in self._tasks},
+                files={name: files_of.sha256_of(data) for name, data in files.items()},
+                claims=tuple(claims),
+            )
+            return files_of.encode_submission(manifest, files)
+
+        files_of.decode_submission(packed(View(preview=1, action_scale=1.0)))  # complain now, not after minutes
+        for plant in self._tasks:
+            with self._process(source, content, plant, about.seed) as agent:
+                view = View(preview=agent.preview, action_scale=agent.action_scale)
+                flights = self._fly(plant, view, agent, about.seed, "running")
+            claims += self._claims(plant, flights)
+            actions |= {_key(plant, k): flight.actions.astype("<f4") for k, flight in enumerate(flights)}
+        return self.verify(packed(view))
+
+    def verify(self, data: bytes) -> Verdict:
+        """Check the bytes of a submission: replay its actions, while its agent is asked for them once more.
+
+        Raises:
+            Refused: with the first check that it does not pass.
+        """
+        manifest, files = files_of.decode_submission(data)
+        check_physics(manifest, self._tasks)
+        source, seed = manifest.agent, manifest.seed
+        view = View(preview=manifest.preview, action_scale=manifest.action_scale)
+        claims: list[Claim] = []
+        replays: list[Replay] = []
+        for plant, logs in logged_actions(files[ACTIONS], self._tasks).items():
+            replays.append(replay := Replay(logs, plant))
+            with ExitStack() as stack:
+                for robots in (*((k,) for k in range(len(logs))), tuple(range(len(logs)))):  # each alone, and all
+                    agent = stack.enter_context(self._process(source, files.get(str(source.file)), plant, seed))
+                    if (agent.preview, agent.action_scale) != (view.preview, view.action_scale):
+                        asks = f"preview and action scale {(agent.preview, agent.action_scale)}"
+                        ran = (view.preview, view.action_scale)
+                        raise Refused("agent", f"it asks for {asks}, and {ran} is what it ran with.")
+                    replay.asked[robots] = agent
+                flights = self._fly(plant, view, replay, seed, "replaying")
+            claims += self._claims(plant, flights)
+            for logged, flight in zip(logs, flights, strict=True):
+                if len(logged) != len(flight.actions):
+                    steps = f"{len(logged)} steps of a motion that has {len(flight.actions)}"
+                    raise Refused("replay", f"{ACTIONS} has {steps}.")
+            for times in replay.alone_us.values():
+                check_time(times, load_robot(controller_of(plant)).servo.control_dt)
+        check_claims(manifest.claims, claims)
+        return Verdict(
+            data=data,
+            manifest=manifest,
+            claims=tuple(claims),
+            inference_us=float(np.median([time for times in replays[0].alone_us.values() for time in times])),
+            action_difference=max(replay.worst for replay in replays),
+        )
+
+    @property
+    def _tasks(self) -> Mapping[str, Sequence[Task]]:
+        return STANDARD if self.plan is None else self.plan
+
+    def _process(self, source: AgentSource, content: bytes | None, plant: str, seed: int) -> AgentProcess:
+        robot = controller_of(plant)
+        return AgentProcess(source, content, robot, loaders=self.loaders, seed=seed, limits=self.limits)
+
+    def _fly(self, plant: str, view: View, agent: Agent, seed: int, title: str) -> list[Flight]:
+        tasks, machine = self._tasks[plant], plant_named(plant)
+        with self.stage(f"{title}, {plant}", "s") as shown:
+            [flights] = fly(
+                machine, [view], tasks, agents=[agent], seeds=[seed], n_threads=self.n_threads, progress=shown
+            )
+        return flights
+
+    def _claims(self, plant: str, flights: Sequence[Flight]) -> list[Claim]:
+        claims: list[Claim] = []
+        for task, flight in zip(self._tasks[plant], flights, strict=True):
+            if flight.recording is None:
+                raise Refused(
+                    "replay",
+                    f"the robot stopped on {plant} after {len(flight.actions)} steps at {task.position}, "
+                    f"{task.speed * 1e3:g} mm/s: a motor was too far from its reference.",
+                )
+            names = ("position", "radius_mm", "speed_mm_s", "rms_mm", "max_mm")
+            found = cells_of(task, flight.recording)
+            claims += [Claim(plant=plant, **{name: getattr(cell, name) for name in names}) for cell in found]
+        return claims
+
+
+class Replay:
+    """Logged actions as an agent, which asks agents what they decide on the same observations and compares.
 
     Args:
-        folder: the only one in which files may be written.
-        hidden: modules that must not be seen, with all below them.
+        logs: actions of each robot, shape (T, N) each; nothing is added where a log has ended.
+        plant: name, for messages.
     """
 
-    def __init__(self, folder: Path, hidden: Sequence[str] = HIDDEN) -> None:
-        package = Path(os.path.realpath(ffgym.__file__ or "")).parent
-        self._folder = os.path.realpath(folder)
-        self._modules = tuple(hidden)
-        self._hidden = [_place(package, name) for name in hidden if name.startswith("ffgym.")]
-        if (package.parent / "pyproject.toml").is_file():  # elsewhere these names are of other packages
-            self._hidden += [str(package.parent / name) for name in hidden if "." not in name]
-        self._seen = [_place(package, name) for name in SEEN]
-        self._harmless = (*_HARMLESS, f"/proc/{os.getpid()}/maps")  # threadpoolctl looks there for libraries
+    def __init__(self, logs: Sequence[Array], plant: str) -> None:
+        self._rows = np.zeros((max(map(len, logs)) + 1, len(logs), logs[0].shape[1]))
+        for i, each in enumerate(logs):
+            self._rows[: len(each), i] = each
+        self._lengths = np.array([len(each) for each in logs])
+        self._largest = np.maximum(np.abs(self._rows).max(axis=0), np.finfo(np.float32).tiny)
+        self._plant = plant
+        self.asked: dict[tuple[int, ...], AgentProcess] = {}
+        """Agents, by the robots that each of them sees."""
+        self.alone_us: dict[int, list[float]] = {i: [] for i in range(len(logs))}
+        """Time of each decision for one robot alone [us]."""
+        self.worst = 0.0
+        """Largest difference from the log, in the largest of each motor."""
 
-    def __call__(self, event: str, arguments: tuple[Any, ...]) -> str | None:
-        """What the event tries that is not allowed; None if it may."""
-        if event == "open":
-            return self._opened(*arguments[:3])
-        if event == "import":
-            return f"import {arguments[0]}" if self.hides(str(arguments[0])) else None
-        if event in _ALONE:
-            return _ALONE[event]
-        if event in _LISTS:
-            return self._read(arguments[0] if arguments[0] is not None else os.curdir)
-        if event in _CHANGES:
-            return self._changed(arguments[: _CHANGES[event]])
-        return next((tried for begin, tried in _FAMILIES.items() if event.startswith(begin)), None)
+    def predict(
+        self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
+    ) -> tuple[Array, Any]:
+        """See `ffgym.control.Agent`; the state counts decisions.
 
-    def hides(self, module: str) -> bool:
-        """Whether a module must not be imported."""
-        return _below(module, _DOORS) or self.is_secret(module)
+        Raises:
+            Refused: if an agent fails, or decides otherwise.
+        """
+        step = 0 if state is None else int(state)
+        for robots, agent in self.asked.items():
+            rows = list(robots)
+            if step < self._lengths[rows].max():
+                action, _ = agent.predict(observation[rows], state, episode_start[rows])
+                self._compare(step, rows, action)
+                if len(rows) == 1:
+                    self.alone_us[rows[0]].append(agent.elapsed_us)
+        return self._rows[min(step, len(self._rows) - 1)], step + 1
 
-    def is_secret(self, module: str) -> bool:
-        """Whether a module must not even be loaded."""
-        if module == "ffgym.leaderboard" or _below(module, SEEN):
-            return False
-        return _below(module, self._modules)
-
-    def _opened(self, path: Any, mode: Any, flags: Any) -> str | None:
-        if isinstance(path, int):
-            return None  # it is open already
-        writes = bool(flags & _WRITING) if isinstance(flags, int) else False
-        writes |= isinstance(mode, str) and any(letter in mode for letter in "wax+")
-        return self._read(path) or self._entered(path) or (self._changed((path,)) if writes else None)
-
-    def _read(self, path: Any) -> str | None:
-        if isinstance(path, int):
-            return None
-        text = os.fsdecode(path)
-        place = os.path.realpath(text)
-        if place in self._harmless:
-            return None
-        hidden = within(place, _MEMORIES) or (within(place, self._hidden) and not within(place, self._seen))
-        named = (os.path.normpath(each) for each in (os.sep + text, place))  # a path may count from another folder
-        return f"read {place}" if hidden or any(_TRUTH in each + os.sep for each in named) else None
-
-    def _entered(self, path: Any) -> str | None:
-        """A folder that is opened is one that later paths may count from."""
-        place = os.path.realpath(os.fsdecode(path))
-        if os.path.isdir(place) and not within(place, [self._folder]):
-            return f"open the folder {place}"
-        return None
-
-    def _changed(self, paths: Sequence[Any]) -> str | None:
-        for path in paths:
-            place = None if isinstance(path, int) else os.path.realpath(os.fsdecode(path))
-            if place is not None and place != os.devnull and not within(place, [self._folder]):
-                return f"write {place}, outside of its folder"
-        return None
+    def _compare(self, step: int, rows: Sequence[int], action: Array) -> None:
+        logged = self._rows[step, rows]
+        difference = np.abs(action - logged) / self._largest[rows]
+        difference[step >= self._lengths[rows]] = 0.0  # their motion has ended
+        self.worst = max(self.worst, float(difference.max()))
+        if difference.max() > ACTION_TOLERANCE:
+            i, motor = map(int, np.unravel_index(difference.argmax(), difference.shape))
+            raise Refused(
+                "agent",
+                f"on {self._plant}, motion {rows[i]}{' alone' if len(rows) == 1 else ''} it does not decide what was "
+                f"logged: at step {step}, motor {motor + 1}, {action[i, motor]:.6g}, logged {logged[i, motor]:.6g}.",
+            )
 
 
-def within(path: str, folders: Sequence[str]) -> bool:
-    """Whether a path is one of `folders` or below."""
-    return any(path == folder or path.startswith(folder + os.sep) for folder in folders)
+def _key(plant: str, task: int) -> str:
+    """Name of the array with the actions of a motion."""
+    return f"{plant.replace(':', '_')}_{task}"
 
 
-def _below(name: str, parents: Sequence[str]) -> bool:
-    return any(name == parent or name.startswith(parent + ".") for parent in parents)
+def check_physics(manifest: Manifest, tasks: Mapping[str, Sequence[Task]]) -> None:
+    """Check that claims are about the plants here, and about all circles that are wanted; Refused if not."""
+    if set(manifest.plants) != set(tasks):
+        raise Refused("physics", f"it was run on {listed(manifest.plants)}, must be run on {listed(tasks)}.")
+    for name in tasks:
+        here, there = plant_named(name).fingerprint, manifest.plants[name]
+        if here != there:
+            known = ", ".join(f"{each} {manifest.versions.get(each, 'unknown')[:20]}" for each in ("ffgym", "mujoco"))
+            raise Refused(
+                "physics",
+                f"{name} has fingerprint {here} here, and {there} in the manifest: it was packed with other physics "
+                f"({known}). Pack it again with this version.",
+            )
+    motions = [(name, task) for name, each in tasks.items() for task in each]
+    wanted = [(name, task.position, in_mm(r), in_mm(task.speed)) for name, task in motions for r in task.radii]
+    if sorted(claim.circle for claim in manifest.claims) != sorted(wanted):
+        claimed = len(manifest.claims)
+        raise Refused("manifest", f"it claims {claimed} circles that are not the {len(wanted)} which are run.")
 
 
-def _place(package: Path, name: str) -> str:
-    return str(package.joinpath(*name.split(".")[1:]))
+def logged_actions(data: bytes, tasks: Mapping[str, Sequence[Task]]) -> dict[str, list[Array]]:
+    """Actions by plant, one array (T, N) for each of its tasks; Refused if they are no finite numbers in [-1, 1]."""
+    try:
+        arrays = decode_arrays(data)
+    except FFGymError as error:
+        raise Refused("files", f"{ACTIONS}: {error}") from error
+    wanted = {_key(plant, k): plant for plant, each in tasks.items() for k in range(len(each))}
+    if set(arrays) != set(wanted):
+        raise Refused("files", f"{ACTIONS} holds {listed(arrays)}, must hold {listed(wanted)}.")
+    logs: dict[str, list[Array]] = {plant: [] for plant in tasks}
+    for key, plant in wanted.items():
+        array, n = arrays[key], load_robot(controller_of(plant)).n_joints
+        if array.dtype != np.float32 or array.ndim != 2 or array.shape[1] != n or not len(array):
+            shape = f"{array.dtype} of shape {array.shape}"
+            raise Refused("files", f"{key} in {ACTIONS} is {shape}, must be float32 of shape (T, {n}).")
+        if not np.all(np.abs(array) <= 1.0):
+            raise Refused("files", f"{key} in {ACTIONS} holds NaN, or actions beyond -1 and 1.")
+        logs[plant].append(array.astype(np.float64))
+    return logs
+
+
+def check_claims(claimed: Sequence[Claim], found: Sequence[Claim]) -> None:
+    """Check that errors are the claimed ones; Refused if one is not."""
+    here = {claim.circle: claim for claim in found}
+    for claim in claimed:
+        for name in ("rms_mm", "max_mm"):
+            said, is_ = getattr(claim, name), getattr(here[claim.circle], name)
+            if not abs(said - is_) <= max(SCORE_FLOOR_MM, SCORE_TOLERANCE * is_):  # of NaN too
+                plant, position, radius, speed = claim.circle
+                raise Refused(
+                    "replay",
+                    f"it claims {name} = {said:.6g} for r = {radius:g} mm at {speed:g} mm/s, {position}, on {plant}, "
+                    f"and {is_:.6g} comes out.",
+                )
+
+
+def check_time(times_us: Sequence[float], control_dt: float) -> None:
+    """Check that a decision fits into a control step [s]; the first may load what is needed, and is not in the mean."""
+    limit = control_dt * 1e6
+    for which, time in {"median": np.median(times_us), "mean": np.mean(times_us[1:] or times_us)}.items():
+        if time > limit:
+            raise Refused(
+                "time",
+                f"one decision for one robot takes {time:.0f} us, must take at most {limit:.0f} us ({which} of "
+                f"{len(times_us)}).",
+            )

@@ -1,14 +1,19 @@
-"""What a submission says of itself: `manifest.json`."""
+"""A submission as a ZIP file: a manifest, logged actions, the agent's file; read without trust in what it says."""
 
 import hashlib
+import io
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+import os
+import stat
+import zipfile
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any, Literal, get_args
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.leaderboard.results import Cell
-from ffgym.leaderboard.submission.refusal import Refused
+from ffgym.core.files import read_bytes
+from ffgym.core.typed_json import from_json
 
 FORMAT = 1
 """Version of the format; see docs/leaderboard/submissions.md."""
@@ -16,14 +21,23 @@ MANIFEST, ACTIONS = "manifest.json", "actions.npz"
 """Files of every submission, beside that of the agent."""
 Track = Literal["causal", "causal, nominal parameters", "per task"]
 """Tracks of submissions; the oracle knows what no agent is told."""
-TRACKS: tuple[str, ...] = get_args(Track)
-"""Their names."""
 AGENT_FILES = {"law": ("agent.npz", "agent.toml"), "policy": ("agent.npz",), "python": ("agent.py",)}
 """Kinds of agents, and how the file of each may be called; a law of the catalogue has none."""
+LARGEST = 64 * 2**20
+"""Bytes of a submission, unpacked, all files together; chosen: thousand times a residual policy of this package."""
+MOST = 8
+"""Files of a submission; it has three at most, and the rest is named when it is refused."""
+LONGEST = 500
+"""Letters of a reason."""
 
-_CHECK = "manifest"
-_TEXTS = {"name": 60, "title": 120, "author": 120}
-"""Texts, and their greatest lengths."""
+
+class Refused(FFGymError):
+    """A submission that is not accepted, by the name of a check in `judge.CHECKS` and the reason."""
+
+    def __init__(self, check: str, reason: str, whose: str = "") -> None:
+        plain = "".join(letter if letter.isprintable() else "?" for letter in reason)  # it may be an agent's own words
+        self.check, self.reason = check, plain if len(plain) <= LONGEST else plain[: LONGEST - 3] + "..."
+        super().__init__(f"{whose}refused, {check}: {self.reason}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,9 +52,9 @@ class AgentSource:
     """Name of its file in the archive; None for a law that needs none."""
 
     def __post_init__(self) -> None:
-        check_choice("kind of agent", self.kind, list(AGENT_FILES))
+        names = AGENT_FILES[check_choice("kind of agent", self.kind, list(AGENT_FILES))]
         if self.file is not None:
-            check_choice("agent file", self.file, AGENT_FILES[self.kind])
+            check_choice("agent file", self.file, names)
         if self.law is not None and self.kind != "law":
             raise FFGymError(f"law = {self.law!r} is for agents of kind 'law' alone, this one is {self.kind!r}.")
         if self.file is None and self.law is None:
@@ -59,25 +73,8 @@ class Claim:
     max_mm: float
 
     def __post_init__(self) -> None:
-        for name in ("plant", "position"):
-            if not isinstance(getattr(self, name), str):
-                raise FFGymError(f"{name} = {getattr(self, name)!r} must be text.")
         for name in ("radius_mm", "speed_mm_s", "rms_mm", "max_mm"):
             check_number(name, getattr(self, name), low=0.0)
-
-    @classmethod
-    def of(cls, plant: str, cell: Cell) -> "Claim":
-        """Claim of a cell that was run to its end."""
-        assert cell.rms_mm is not None
-        assert cell.max_mm is not None
-        return cls(
-            plant=plant,
-            position=cell.position,
-            radius_mm=cell.radius_mm,
-            speed_mm_s=cell.speed_mm_s,
-            rms_mm=cell.rms_mm,
-            max_mm=cell.max_mm,
-        )
 
     @property
     def circle(self) -> tuple[str, str, float, float]:
@@ -86,50 +83,56 @@ class Claim:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Manifest:
-    """Everything but the files."""
+class About:
+    """What the author of a submission says."""
 
     name: str
     title: str
     author: str
     track: str
+    """In `Track`."""
+    seed: int = 0
+    """Of the agent's randomness and the sensors' noise."""
+    env_steps: int = 0
+    """Control steps of simulated training."""
+    robot_seconds: float = 0.0
+    """Time that a machine moved while it learned [s]."""
+    inference_us: float | None = None
+    """Median time of one decision for one robot [us]."""
+
+    def __post_init__(self) -> None:
+        for name, longest in {"name": 60, "title": 120, "author": 120}.items():
+            text = getattr(self, name)
+            if not text.strip() or not text.isprintable() or len(text) > longest:
+                raise FFGymError(f"{name} = {text!r} must be a line of 1 to {longest} characters.")
+        check_choice("track", self.track, get_args(Track))
+        check_whole("seed", self.seed, low=0, high=2**31 - 1)
+        check_whole("env_steps", self.env_steps, low=0, high=2**53)
+        check_number("robot_seconds", self.robot_seconds, unit="s", low=0.0)
+        if self.inference_us is not None:
+            check_number("inference_us", self.inference_us, unit="us", low=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Manifest(About):
+    """Everything but the files."""
+
     agent: AgentSource
     preview: int
     """Samples of the reference that it sees ahead."""
     action_scale: float
     """Torque of an action of 1 in breakaway torques."""
-    seed: int
-    """Of the agent's randomness and the sensors' noise."""
-    env_steps: int
-    """Control steps of simulated training, as its author says."""
-    robot_seconds: float
-    """Time that a machine moved while it learned [s], as its author says."""
-    inference_us: float | None
-    """Median time of one decision for one robot [us], as its author says."""
-    versions: Mapping[str, str]
-    plants: Mapping[str, str]
+    versions: dict[str, str]
+    plants: dict[str, str]
     """Physics fingerprints by plant."""
-    files: Mapping[str, str]
+    files: dict[str, str]
     """sha256 by name."""
     claims: tuple[Claim, ...]
 
     def __post_init__(self) -> None:
-        for name, longest in _TEXTS.items():
-            text = getattr(self, name)
-            if not isinstance(text, str) or not text.strip() or not text.isprintable() or len(text) > longest:
-                raise FFGymError(f"{name} = {text!r} must be a line of 1 to {longest} characters.")
-        check_choice("track", self.track, TRACKS)
+        super().__post_init__()
+        check_whole("preview", self.preview, low=0, high=1000)
         check_number("action_scale", self.action_scale, unit="breakaway torques", low=0.0, open_low=True)
-        whole = {"preview": (0, 1000), "seed": (0, 2**31 - 1), "env_steps": (0, 2**53)}
-        for name, (low, high) in whole.items():
-            object.__setattr__(self, name, check_whole(name, getattr(self, name), low=low, high=high))
-        check_number("robot_seconds", self.robot_seconds, unit="s", low=0.0)
-        if self.inference_us is not None:
-            check_number("inference_us", self.inference_us, unit="us", low=0.0)
-        for name in ("versions", "plants", "files"):
-            entries = getattr(self, name)
-            if not isinstance(entries, Mapping) or not all(isinstance(value, str) for value in entries.values()):
-                raise FFGymError(f"{name} = {entries!r} must be texts by name.")
 
     def tree(self) -> dict[str, Any]:
         """For JSON, with format and digest."""
@@ -140,40 +143,114 @@ class Manifest:
 def digest_of(tree: Mapping[str, Any]) -> str:
     """sha256 of a manifest without its digest, in canonical JSON: sorted keys, no blanks."""
     rest = {key: value for key, value in tree.items() if key != "digest"}
-    text = json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False)
-    return hashlib.sha256(text.encode()).hexdigest()
+    return sha256_of(json.dumps(rest, sort_keys=True, separators=(",", ":"), allow_nan=False).encode())
 
 
-def encode_manifest(manifest: Manifest) -> bytes:
-    """Bytes of manifest.json."""
-    return (json.dumps(manifest.tree(), indent=1, allow_nan=False) + "\n").encode()
+def sha256_of(data: bytes) -> str:
+    """Hash of a file, hexadecimal."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def encode_submission(manifest: Manifest, files: Mapping[str, bytes]) -> bytes:
+    """Bytes of a submission; the same agent gives the same bytes."""
+    text = json.dumps(manifest.tree(), indent=1, allow_nan=False) + "\n"
+    return encode_archive({MANIFEST: text.encode()} | dict(files))
+
+
+def decode_submission(data: bytes) -> tuple[Manifest, dict[str, bytes]]:
+    """Manifest and files of a submission; Refused unless the files are those of the manifest, and as it says."""
+    files = decode_archive(data)
+    if MANIFEST not in files:
+        raise Refused("archive", f"it has no {MANIFEST}.")
+    manifest = decode_manifest(files[MANIFEST])
+    wanted = {ACTIONS, manifest.agent.file} - {None}
+    if set(manifest.files) != wanted:
+        raise Refused("files", f"the manifest names {listed(manifest.files)}, must name {listed(wanted)}.")
+    if missing := wanted - set(files):
+        raise Refused("files", f"{listed(missing)} is missing.")
+    if unknown := set(files) - wanted - {MANIFEST}:
+        raise Refused("files", f"{listed(unknown)} is no file of a submission; take it out.")
+    for name, known in sorted(manifest.files.items()):
+        if sha256_of(files[name]) != known:
+            what = "logged actions" if name == ACTIONS else "weights"
+            raise Refused("files", f"{what} were changed: {name} has not the sha256 that the manifest gives.")
+        if name.endswith(".npz"):
+            decode_archive(files[name], name, LARGEST)  # it might unpack to too much
+    return manifest, files
 
 
 def decode_manifest(data: bytes) -> Manifest:
-    """Manifest from the bytes of manifest.json.
-
-    Raises:
-        Refused: if it is damaged, of another format, incomplete or changed.
-    """
+    """Manifest from the bytes of manifest.json; Refused if it is damaged, of another format, incomplete or changed."""
     try:
         tree = json.loads(data.decode())
     except (ValueError, RecursionError) as error:
-        raise Refused(_CHECK, f"{MANIFEST} is no JSON text ({type(error).__name__}).") from error
-    found = tree.get("format") if isinstance(tree, dict) else None
+        raise Refused("manifest", f"{MANIFEST} is no JSON text ({type(error).__name__}).") from error
+    found = tree.pop("format", None) if isinstance(tree, dict) else None
     if type(found) is not int or found != FORMAT:  # true equals 1
-        raise Refused(_CHECK, f"{MANIFEST} has format {found!r}, this version of ffgym reads {FORMAT}.")
-    wanted = {"format", "digest", *(field.name for field in fields(Manifest))}
-    if missing := sorted(wanted - set(tree)):
-        raise Refused(_CHECK, f"{MANIFEST} lacks {', '.join(missing)}.")
-    if unknown := sorted(set(tree) - wanted):
-        raise Refused(_CHECK, f"{MANIFEST} has unknown entries: {', '.join(unknown)}.")
+        raise Refused("manifest", f"{MANIFEST} has format {found!r}, this version of ffgym reads {FORMAT}.")
     try:
-        if digest_of(tree) != tree["digest"]:
-            raise Refused(_CHECK, f"{MANIFEST} was changed: its digest is not that of its content.")
-        own = {key: value for key, value in tree.items() if key not in ("format", "digest")}
-        own |= {"agent": AgentSource(**tree["agent"]), "claims": tuple(Claim(**claim) for claim in tree["claims"])}
-        return Manifest(**own)
+        digest = tree.pop("digest", None)
+        manifest: Manifest = from_json(Manifest, tree, "manifest")
+        changed = digest_of(tree | {"format": found}) != digest
+    except (ValueError, OverflowError) as error:
+        raise Refused("manifest", f"{MANIFEST} is not complete or not valid: {error}") from error
+    if changed:
+        raise Refused("manifest", f"{MANIFEST} was changed: its digest is not that of its content.")
+    return manifest
+
+
+def read_archive(path: str | os.PathLike[str]) -> bytes:
+    """Bytes of a submission's file; one that is too large, or no ordinary file, is not read."""
+    try:
+        found = Path(path).stat()
+    except FileNotFoundError:
+        return read_bytes(path)  # which says so
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
+    if not stat.S_ISREG(found.st_mode):
+        raise FFGymError(f"{path}: is a folder or a device, must be a file.")
+    _check_size("it has", found.st_size)
+    return read_bytes(path)
+
+
+def encode_archive(files: Mapping[str, bytes]) -> bytes:
+    """Bytes of a ZIP file; equal files in the same order give equal bytes."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, data in files.items():
+            entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+            entry.create_system = 3  # the same on every system
+            entry.external_attr = (stat.S_IFREG | 0o644) << 16
+            archive.writestr(entry, data, zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()
+
+
+def decode_archive(data: bytes, what: str = "it", most: int = MOST) -> dict[str, bytes]:
+    """Files of a ZIP file, by name; Refused if it is damaged, too large, or holds a name twice."""
+    _check_size(f"{what} has", len(data))
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            entries = archive.infolist()
+            _check_size(f"{what} would unpack to", sum(entry.file_size for entry in entries))
+            if len(entries) > most:
+                raise Refused("archive", f"{what} holds {len(entries)} files, must hold at most {most}.")
+            if twice := {entry.filename for entry in entries if archive.getinfo(entry.filename) is not entry}:
+                raise Refused("archive", f"{what} holds {listed(twice)} more than once.")
+            files = {entry.filename: archive.read(entry) for entry in entries}
+            if any(len(files[entry.filename]) != entry.file_size for entry in entries):
+                raise zipfile.BadZipFile
     except Refused:
         raise
-    except (TypeError, ValueError) as error:
-        raise Refused(_CHECK, f"{MANIFEST} is not complete: {error}") from error
+    except Exception as error:  # zipfile and zlib raise a dozen types for damaged bytes
+        raise Refused("archive", f"{what} is damaged or cut short, no ZIP file ({type(error).__name__}).") from error
+    return files
+
+
+def _check_size(what: str, size: int) -> None:
+    if size > LARGEST:
+        raise Refused("archive", f"{what} {size} bytes, must be at most {LARGEST}.")
+
+
+def listed(names: Iterable[Any]) -> str:
+    """Names in their order, for messages."""
+    return ", ".join(sorted(names)) or "nothing"

@@ -1,55 +1,79 @@
-"""An agent in a process of its own, asked from here as if it were at hand; what goes wrong there is a refusal here."""
+"""An agent in a process of its own, asked from here as if it were at hand; what goes wrong there is a refusal here.
+
+Bubblewrap isolates it where that is installed: no network, no other processes, and of the files only libraries and this
+package, without the truth of the workcells.
+"""
 
 import json
 import os
+import shutil
 import signal
+import struct
 import subprocess
+import sys
+import threading
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Self
+from typing import IO, Any, Self
+from weakref import finalize
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_number, check_whole
+import ffgym
+from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array
-from ffgym.leaderboard.submission.launch import PACKAGE, launch
-from ffgym.leaderboard.submission.limits import Limits
-from ffgym.leaderboard.submission.manifest import AgentSource
-from ffgym.leaderboard.submission.protocol import (
-    ACTIONS,
-    JSON,
-    OBSERVATIONS,
-    REFUSED,
-    Channel,
-    Closed,
-    pack_observations,
-    unpack_actions,
-)
-from ffgym.leaderboard.submission.refusal import Refused
-from ffgym.leaderboard.submission.watchdog import Watchdog
+from ffgym.leaderboard.submission.manifest import AgentSource, Refused
 from ffgym.robot import load_robot
 
-_CHECK = "agent"
+DECLARED = "FFGYM_ISOLATED"
+"""Variable of the environment that says that something else isolates, as a container does."""
+_PACKAGE = Path(os.path.realpath(ffgym.__file__ or "")).parent
+_SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc/alternatives", "/etc/ld.so.cache", "/etc/localtime", "/nix")
+"""Where programs and libraries are."""
+_PYTHON = (sys.executable, "-P", "-s", "-B")
+"""Neither its folder nor the user's own packages are searched, and nothing is written beside what is imported."""
+_HEAD = struct.Struct("<II")
+_LONGEST = 2**26
+"""Bytes of one part of a message."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What an agent may use; chosen so that honest ones never meet them."""
+
+    start_s: float = 120.0
+    """Time to load it, with libraries [s]."""
+    decision_s: float = 20.0
+    """Time of one decision, for all robots of a run [s]; what is usual is measured apart."""
+    late_s: float = 10.0
+    """Time that all decisions of a run may take beyond one control step for each decision of each robot [s]: the first
+    ones of libraries take long, and computers do other things. It bounds how long a run may take."""
+    memory_bytes: int = 32 * 2**30
+    """Address space: libraries reserve much more than they use."""
+    cpu_seconds: int = 1800
+    """Of one process, all threads together [s]."""
 
 
 class AgentProcess:
-    """An agent of others; `predict` is stable-baselines3's. Use it in a `with` block.
+    """An agent of others; `predict` is stable-baselines3's. It ends with `close`, a `with` block, or this object.
 
     Args:
         source: what it is made from.
         content: of its file; None if there is none.
         robot: name of what it may know of its robot.
-        loaders: modules that load agents, by kind: each has load(source, folder, robot), which returns a Policy, and
-            may have prepare(source, folder), which is called before the agent is watched.
+        loaders: modules that load agents, by kind: each has load(source, folder, robot), which returns a Policy.
         seed: of its randomness.
         limits: what it may use.
+        whose: begins what is said when it is refused.
 
     Raises:
-        Refused: if it cannot be made, or does what it must not.
+        FFGymError: if no process can be started.
+        Refused: if the agent cannot be made.
     """
 
     def __init__(
@@ -61,70 +85,47 @@ class AgentProcess:
         loaders: Mapping[str, str],
         seed: int,
         limits: Limits | None = None,
+        whose: str = "",
     ) -> None:
-        self._limits = limits or Limits()
+        self._limits, self._whose = limits or Limits(), whose
         known = load_robot(robot)
         self._n_joints, self._control_dt = known.n_joints, known.servo.control_dt
-        self._order: dict[str, Any] = {
-            "source": asdict(source),
-            "robot": robot,
-            "loader": loaders[source.kind],
-            "package": str(PACKAGE),
-            "seed": seed,
-            "memory_bytes": self._limits.memory_bytes,
-            "cpu_seconds": self._limits.cpu_seconds,
-        }
-        self._start(source.file, content)
         self._spent_s = self._due_s = 0.0
-        self.elapsed_ns = 0
-        """Time of the last decision [ns], measured beside the agent."""
-
-    def _start(self, file: str | None, content: bytes | None) -> None:
-        """Start the process in a folder of its own, which holds the agent's file."""
-        folders: TemporaryDirectory[str] | None = None
+        self.elapsed_us = 0.0
+        """Time of the last decision [us], measured beside the agent; all together are measured from here."""
         try:
-            folders = TemporaryDirectory(prefix="ffgym-agent-")
-            own = Path(folders.name).resolve() / "agent"
-            own.mkdir()
-            if file is not None and content is not None:
-                (own / file).write_bytes(content)
+            folder = TemporaryDirectory(prefix="ffgym-agent-")
+            own = Path(folder.name).resolve() / "agent"
             self._log = own.with_name("log.txt")
-            self._process = launch(own, self._log)
+            try:
+                own.mkdir()
+                if source.file is not None and content is not None:
+                    (own / source.file).write_bytes(content)
+                self._process = launch(own, self._log)
+            except OSError:
+                folder.cleanup()
+                raise
         except OSError as error:
-            if folders is not None:
-                folders.cleanup()
             raise FFGymError(
                 f"No process can be started for the agent: {error}. Its folder is made where TMPDIR says, "
                 "which must exist, be writable and have space left."
             ) from error
-        self._folders, self._order["folder"] = folders, str(own)
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        self._channel = Channel(self._process.stdout.fileno(), self._process.stdin.fileno())
-        self._watch = Watchdog(self._kill)
-
-    def __enter__(self) -> Self:
-        """Make the agent."""
+        self.close = finalize(self, _end, self._process, folder)
+        order = {"source": asdict(source), "robot": robot, "loader": loaders[source.kind], "seed": seed}
         try:
-            order = json.dumps(self._order).encode()
-            told = _tree(self._ask(JSON, order, JSON, self._limits.start_s, "to be made"))
-            try:
-                self.preview = check_whole("PREVIEW", told.get("preview"), low=0, high=1000)
-                self.action_scale = check_number("ACTION_SCALE", told.get("action_scale"), low=0.0, open_low=True)
-            except FFGymError as error:
-                raise Refused(_CHECK, str(error)) from error
+            order |= {"folder": str(own), "limits": asdict(self._limits)}
+            told, _ = self._ask(order, b"", self._limits.start_s, "to be made")
+            self.preview = int(self._number("preview", told, 1000))
+            self.action_scale = self._number("action_scale", told)
         except BaseException:
             self.close()
             raise
+
+    def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        """End the process; what it tried until its end counts."""
-        try:
-            if kind is None:
-                self._end()
-        finally:
-            self.close()
+    def __exit__(self, *error: object) -> None:
+        self.close()
 
     def predict(
         self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
@@ -132,92 +133,164 @@ class AgentProcess:
         """Actions (B, N) for observations (B, D), and a state that says that there is one; it stays with the agent.
 
         Raises:
-            Refused: if the agent fails, takes too long, answers with something else, or did what it must not.
+            Refused: if the agent fails, takes too long, or answers with something else.
         """
-        payload = pack_observations(observation, episode_start, first=state is None)
-        began = time.monotonic()
-        answer = self._ask(OBSERVATIONS, payload, ACTIONS, self._limits.decision_s, "for one decision")
-        self._keep_pace(time.monotonic() - began, len(observation))
-        try:
-            action, self.elapsed_ns = unpack_actions(answer, len(observation), self._n_joints)
-        except FFGymError as error:
-            raise Refused(_CHECK, str(error)) from error
+        began, rows = time.perf_counter(), len(observation)
+        starts = np.zeros(rows) if episode_start is None else np.asarray(episode_start)
+        message = {"shape": observation.shape, "starts": starts.astype(bool).tolist(), "first": state is None}
+        numbers = np.ascontiguousarray(observation, dtype="<f8").tobytes()
+        told, answer = self._ask(message, numbers, self._limits.decision_s, "for one decision")
+        self.elapsed_us = self._number("elapsed_us", told)
+        self._spent_s, self._due_s = self._spent_s + time.perf_counter() - began, self._due_s + rows * self._control_dt
+        if self._spent_s > self._due_s + self._limits.late_s:
+            times = f"{self._spent_s:.1f} s for decisions that the robots had {self._due_s:.1f} s for"
+            raise self._refused("time", f"it took {times}, must be late by at most {self._limits.late_s:g} s.")
+        if len(answer) != 4 * rows * self._n_joints:
+            raise self._refused("agent", f"it answered with {len(answer)} bytes, not with actions of {rows} robots.")
+        action = np.frombuffer(answer, dtype="<f4").reshape(rows, self._n_joints).astype(np.float64)
         if not np.all(np.isfinite(action)):
-            raise Refused(_CHECK, "it answered with NaN or infinity.")
+            raise self._refused("agent", "it answered with NaN or infinity.")
         return action, True
 
-    def _keep_pace(self, spent_s: float, rows: int) -> None:
-        """Check that all decisions together keep up with the robots, seen from here, where no agent sets the clock."""
-        self._spent_s += spent_s
-        self._due_s += rows * self._control_dt
-        if self._spent_s > self._due_s + self._limits.late_s:
-            raise Refused(
-                "time",
-                f"it took {self._spent_s:.1f} s for decisions that the robots had {self._due_s:.1f} s for, "
-                f"must be late by at most {self._limits.late_s:g} s.",
-            )
-
-    def _ask(self, kind: bytes, payload: bytes, wanted: bytes, limit: float, what: str) -> bytes:
-        """Answer to a frame."""
+    def _ask(self, message: Mapping[str, Any], numbers: bytes, limit: float, what: str) -> tuple[dict[str, Any], bytes]:
+        """Answer to a message; the process is ended when it takes longer than the limit [s]."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        deadline, timer = time.monotonic() + limit, threading.Timer(limit, _kill, [self._process])
+        timer.start()
         try:
-            with self._watch.limit(limit):
-                self._channel.send(kind, payload)
-                found, answer = self._channel.receive()
-        except Closed:
-            if self._watch.expired:
-                raise Refused(_CHECK, f"it took more than {limit:g} s {what}, and was ended.") from None
-            raise Refused(_CHECK, self._last_words()) from None
-        except FFGymError as error:
-            raise Refused(_CHECK, str(error)) from error
-        if found == REFUSED:
-            raise Refused(_CHECK, str(_tree(answer).get("reason")))
-        if found != wanted:
-            raise Refused(_CHECK, f"it answered with a message of kind {found!r}, not {wanted!r}.")
-        return answer
+            send(self._process.stdin, message, numbers)
+            answer, data = receive(self._process.stdout)
+        except (EOFError, OSError):
+            late = time.monotonic() >= deadline
+            reason = f"it took more than {limit:g} s {what}, and was ended." if late else self._last_words()
+            raise self._refused("agent", reason) from None
+        except (FFGymError, ValueError) as error:
+            raise self._refused("agent", str(error)) from None
+        finally:
+            timer.cancel()
+        if "refused" in answer:
+            raise self._refused("agent", str(answer["refused"]))
+        return answer, data
 
-    def _end(self) -> None:
-        """Let the process end, and hear what was tried on the way."""
-        with suppress(Closed), self._watch.limit(self._limits.decision_s):
-            self._channel.send_json({"end": True})
-            kind, answer = self._channel.receive()  # nothing is left to say but what it tried
-            said = _tree(answer).get("reason") if kind == REFUSED else f"it spoke unasked, a message of kind {kind!r}."
-            raise Refused(_CHECK, str(said))
+    def _number(self, name: str, told: Mapping[str, Any], high: float = np.inf) -> float:
+        try:
+            return check_number(name, told.get(name), low=0.0, high=high)
+        except FFGymError as error:
+            raise self._refused("agent", str(error)) from error
+
+    def _refused(self, check: str, reason: str) -> Refused:
+        return Refused(check, reason, self._whose)
 
     def _last_words(self) -> str:
         """How the process ended, and the last line that it wrote."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=5.0)
         code = self._process.returncode
-        if hasattr(signal, "SIGXCPU") and code == -signal.SIGXCPU:
+        if hasattr(signal, "SIGXCPU") and code in (-signal.SIGXCPU, 128 + signal.SIGXCPU):  # the latter from bubblewrap
             return f"it took more than {self._limits.cpu_seconds} s of processor time, and was ended."
         lines = self._log.read_bytes()[-2000:].decode(errors="replace").strip().splitlines()
         last = f": {lines[-1][:300]}" if lines else ""
         return f"its process ended by itself with code {code}{last}."
 
-    def _kill(self) -> None:
-        """End the process and what it started."""
-        with suppress(OSError):
-            if hasattr(os, "killpg"):
-                os.killpg(self._process.pid, signal.SIGKILL)
-            else:
-                self._process.kill()
 
-    def close(self) -> None:
-        """End the process and remove its files."""
-        self._watch.stop()
-        self._kill()  # what it started may live though it has ended
-        self._process.wait()
-        for pipe in (self._process.stdin, self._process.stdout):
-            if pipe is not None:
-                with suppress(OSError):
-                    pipe.close()
-        self._folders.cleanup()
+def send(pipe: IO[bytes], message: Mapping[str, Any], numbers: bytes = b"") -> None:
+    """Send JSON and numbers whose shape the other side knows, each after its length; nothing in it is a program."""
+    text = json.dumps(message).encode()
+    pipe.write(_HEAD.pack(len(text), len(numbers)) + text + numbers)
+    pipe.flush()
 
 
-def _tree(payload: bytes) -> dict[str, Any]:
-    """JSON object of an answer; what is none says nothing."""
-    try:
-        tree = json.loads(payload)
-    except (ValueError, RecursionError):
-        return {}
-    return tree if isinstance(tree, dict) else {}
+def receive(pipe: IO[bytes]) -> tuple[dict[str, Any], bytes]:
+    """The next message; EOFError if the other side has gone, FFGymError if it is no message."""
+
+    def read(length: int) -> bytes:
+        data = pipe.read(length)
+        if len(data) < length:
+            raise EOFError
+        return data
+
+    lengths = _HEAD.unpack(read(_HEAD.size))
+    if max(lengths) > _LONGEST:
+        raise FFGymError(f"its message of {max(lengths)} bytes is longer than any that is meant.")
+    message, numbers = json.loads(read(lengths[0])), read(lengths[1])
+    if not isinstance(message, dict):
+        raise FFGymError("its message is no JSON object.")
+    return message, numbers
+
+
+def launch(own: Path, log: Path) -> subprocess.Popen[bytes]:
+    """Process that waits for its order in the agent's own folder; `log` gets what it prints."""
+    variables = {"PATH": os.defpath, "HOME": str(own), "TMPDIR": str(own), "TEMP": str(own), "LC_ALL": "C.UTF-8"}
+    variables |= {"PYTHONHASHSEED": "0"}  # sets of names have the same order in every process
+    variables |= {"PYTHONPATH": str(_PACKAGE.parent)}  # the package that asks: another version decides otherwise
+    variables |= {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
+    variables |= {name: os.environ[name] for name in ("SYSTEMROOT", "TZ") if name in os.environ}
+    with log.open("wb") as file:
+        return subprocess.Popen(
+            [*(_bubble(own) if _exposed() is None else []), *_PYTHON, "-m", "ffgym.leaderboard.submission.worker"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=file,
+            cwd=own,
+            env=variables,
+            start_new_session=True,
+        )
+
+
+def isolation_note() -> str | None:
+    """Sentence for the screen where nothing isolates agents; None if something does."""
+    why = None if os.environ.get(DECLARED) else _exposed()
+    return why and (
+        f"Nothing isolates agents here ({why}): their code runs as you and can read your files. For one that you have "
+        "reason to distrust, install bubblewrap, or use the container of docs/leaderboard/submissions.md."
+    )
+
+
+@cache
+def _exposed() -> str | None:
+    """Why bubblewrap does not isolate; None if it does."""
+    if shutil.which("bwrap") is None:
+        return "no program bwrap"
+    with TemporaryDirectory() as own:
+        tried = subprocess.run([*_bubble(Path(own)), *_PYTHON, "-c", ""], capture_output=True, text=True, check=False)
+    return None if tried.returncode == 0 else f"bwrap fails: {' '.join(tried.stderr.split())[-200:]}"
+
+
+def _bubble(own: Path) -> list[str]:
+    """Command that runs another one where there is nothing but libraries, this package, and an agent's own folder."""
+    libraries = (*_SYSTEM, sys.prefix, sys.base_prefix, str(_PACKAGE), os.path.realpath(_PACKAGE / "agents"))
+    command = [
+        shutil.which("bwrap") or "bwrap",
+        "--unshare-all",
+        "--die-with-parent",
+        "--proc",
+        "/proc",
+        "--dev",
+        "/dev",
+        "--tmpfs",
+        "/tmp",
+    ]
+    for place in dict.fromkeys(libraries):
+        command += ["--ro-bind-try", place, place]
+    return [*command, "--tmpfs", str(_PACKAGE / "workcell"), "--bind", str(own), str(own), "--chdir", str(own)]
+
+
+def _end(process: subprocess.Popen[bytes], folder: "TemporaryDirectory[str]") -> None:
+    """End a process and remove its files."""
+    _kill(process)  # what it started may live though it has ended
+    process.wait()
+    for pipe in (process.stdin, process.stdout):
+        if pipe is not None:
+            with suppress(OSError):
+                pipe.close()
+    folder.cleanup()
+
+
+def _kill(process: subprocess.Popen[bytes]) -> None:
+    """End a process and what it started."""
+    with suppress(OSError):
+        if hasattr(os, "killpg"):
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()

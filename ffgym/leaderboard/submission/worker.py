@@ -1,188 +1,133 @@
 """The process that holds an agent of others: it is told what a controller knows, sees observations, and decides.
 
-It is started by `ffgym.leaderboard.submission.launch`, and speaks `ffgym.leaderboard.submission.protocol`.
+`AgentProcess` starts it, and asks.
 """
 
-import json
 import os
 import random
+import re
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+import traceback
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
 from ffgym.control import Agent, ObservationLayout
 from ffgym.core.errors import FFGymError, check_number, check_whole
-from ffgym.core.types import Array, BoolArray
-from ffgym.leaderboard.submission import guard
-from ffgym.leaderboard.submission.failure import failure_text
-from ffgym.leaderboard.submission.judge import HIDDEN
-from ffgym.leaderboard.submission.launch import PACKAGE
-from ffgym.leaderboard.submission.protocol import (
-    ACTIONS,
-    JSON,
-    OBSERVATIONS,
-    REFUSED,
-    Channel,
-    Closed,
-    pack_actions,
-    unpack_observations,
-)
+from ffgym.core.types import Array
+from ffgym.leaderboard.submission.process import receive, send
 from ffgym.robot import RobotDescription, load_robot
 
-_LOOKS_EVERY = 0.5
-"""[s]."""
 _GRACE_S = 5
 """Processor time between the signal that tells which limit was reached and the end without one [s]."""
 
 
 def main() -> None:
     """Serve until the other side has no more to ask."""
-    channel = _own_channel()
-    _end_with(os.getppid())
-
-    def refuse(tried: str) -> None:
-        channel.send_json({"reason": f"it tried to {tried}."}, REFUSED)
-
-    try:
-        _, payload = channel.receive()
-        order = json.loads(payload)
+    threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
+    reads, writes = os.dup(0), os.dup(1)  # under other numbers, so that what an agent prints does not get into them
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    os.dup2(2, 1)
+    with suppress(StopIteration, BrokenPipeError), open(reads, "rb") as asked, open(writes, "wb") as told:
+        messages = _messages(asked)
+        order, _ = next(messages)
         try:
-            _serve(channel, _begin(channel, order, refuse))
-        except Closed:
-            raise
+            _serve(order, messages, told)
         except BaseException as error:  # whatever the agent raises, SystemExit included
-            channel.send_json({"reason": failure_text(error, Path(order["folder"]))}, REFUSED)
-    except Closed:
-        return
+            send(told, {"refused": failure_text(error, Path(order["folder"]))})
 
 
 def _end_with(parent: int) -> None:
     """End when the process that asks has ended, however it did: an agent that loops would not notice."""
-
-    def watch() -> None:
-        while os.getppid() == parent:
-            time.sleep(_LOOKS_EVERY)
-        os._exit(1)
-
-    threading.Thread(target=watch, daemon=True).start()
+    while os.getppid() == parent:
+        time.sleep(0.5)
+    os._exit(1)
 
 
-def _own_channel() -> Channel:
-    """The pipes under other numbers, so that what an agent prints or reads does not get into them."""
-    reads, writes = os.dup(0), os.dup(1)
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    os.dup2(nothing, 0)
-    os.dup2(2, 1)
-    return Channel(reads, writes)
+def _messages(asked: IO[bytes]) -> Iterator[tuple[dict[str, Any], bytes]]:
+    with suppress(EOFError):
+        while True:
+            yield receive(asked)
 
 
-def _begin(channel: Channel, order: Mapping[str, Any], refuse: Callable[[str], None]) -> "_Decider":
-    """Make the agent, and tell what it asks of an environment."""
-    folder, stopwatch = Path(order["folder"]), _stopwatch()
-    _check_package(order["package"])
-    _limit(order["memory_bytes"], order["cpu_seconds"])
-    loader = import_module(order["loader"])
+def _serve(order: Mapping[str, Any], messages: Iterator[tuple[dict[str, Any], bytes]], told: IO[bytes]) -> None:
+    """Make the agent, tell what it asks of an environment, and answer observations with actions."""
+    clock = time.perf_counter  # which the agent's code does not replace
+    _limit(**order["limits"])
     robot = load_robot(order["robot"])
-    if hasattr(loader, "prepare"):
-        loader.prepare(order["source"], folder)
-    random.seed(order["seed"])
-    np.random.seed(order["seed"] % 2**32)  # noqa: NPY002 - agents may use the old way
-    if "torch" in sys.modules:
-        sys.modules["torch"].manual_seed(order["seed"])
-    guard.install(refuse, folder, getattr(loader, "HIDDEN", HIDDEN))
-    policy = loader.load(order["source"], folder, robot)
+    _seed(order["seed"], Path(order["folder"]))
+    policy = import_module(order["loader"]).load(order["source"], Path(order["folder"]), robot)
     preview = check_whole("PREVIEW", policy.preview, unit="samples", low=0, high=1000)
     scale = check_number("ACTION_SCALE", policy.action_scale, unit="breakaway torques", low=0.0, open_low=True)
-    layout = ObservationLayout(robot, preview, scale * robot.friction.static)
-    decider = _Decider(policy.agent(robot, layout), robot, stopwatch)
-    channel.send_json({"preview": preview, "action_scale": scale})
-    return decider
-
-
-def _check_package(asked: str) -> None:
-    """Check that this is the package that asks: another version decides otherwise.
-
-    Raises:
-        FFGymError: if it is not.
-    """
-    if str(PACKAGE) != asked:
-        raise FFGymError(f"The agent's process found ffgym in {PACKAGE}, it must be the one in {asked}.")
-
-
-def _stopwatch() -> Callable[..., tuple[Any, int]]:
-    """Function that calls another and says how long it took [ns], by a clock that later code does not replace."""
-    clock = time.perf_counter_ns
-
-    def timed(call: Callable[..., Any], *arguments: Any) -> tuple[Any, int]:
+    agent: Agent = policy.agent(robot, ObservationLayout(robot, preview, scale * robot.friction.static))
+    send(told, {"preview": preview, "action_scale": scale})
+    state: Any = None
+    for message, numbers in messages:
+        rows, columns = message["shape"]
+        observation = np.frombuffer(numbers, dtype="<f8").reshape(rows, columns).astype(np.float64)
         began = clock()
-        answer = call(*arguments)
-        return answer, clock() - began
-
-    return timed
-
-
-class _Decider:
-    """An agent, and its state."""
-
-    def __init__(self, agent: Agent, robot: RobotDescription, stopwatch: Callable[..., tuple[Any, int]]) -> None:
-        self._agent, self._n, self._timed = agent, robot.n_joints, stopwatch
-        self._state: Any = None
-
-    def __call__(self, observation: Array, starts: BoolArray, first: bool) -> tuple[Array, int]:
-        """Actions (B, N), and the time that they took [ns].
-
-        Raises:
-            FFGymError: if they are no finite numbers of the right shape.
-        """
-        state = None if first else self._state
-        answer, elapsed = self._timed(self._agent.predict, observation, state, starts, True)
+        answer = agent.predict(observation, None if message["first"] else state, np.array(message["starts"]), True)
+        elapsed = {"elapsed_us": (clock() - began) * 1e6}
         if not isinstance(answer, tuple) or len(answer) != 2:
             raise FFGymError("predict must return actions and state, a pair.")
-        action, self._state = answer
-        return self._checked(action, len(observation)), elapsed
-
-    def _checked(self, action: Any, rows: int) -> Array:
-        numbers = np.asarray(action)
-        if numbers.dtype.kind not in "fiu":
-            raise FFGymError(f"predict returned actions of type {numbers.dtype}, must be numbers.")
-        if numbers.shape != (rows, self._n):
-            raise FFGymError(f"predict returned actions of shape {numbers.shape}, must be {(rows, self._n)}.")
-        if not np.all(np.isfinite(numbers)):
-            raise FFGymError("predict returned NaN or infinity.")
-        return np.clip(numbers, -1.0, 1.0)
+        action, state = answer
+        send(told, elapsed, _checked(action, rows, robot).astype("<f4").tobytes())
 
 
-def _serve(channel: Channel, decide: _Decider) -> None:
-    while True:
-        kind, payload = channel.receive()
-        if kind == OBSERVATIONS:
-            channel.send(ACTIONS, pack_actions(*decide(*unpack_observations(payload))))
-        elif kind == JSON:  # the only further order is to end
-            return
+def _seed(seed: int, folder: Path) -> None:
+    """Begin the random numbers of Python, of numpy, and of torch if a file in the agent's folder uses it."""
+    random.seed(seed)
+    np.random.seed(seed % 2**32)  # noqa: NPY002 - agents may use the old way
+    if any(re.search(rb"torch|stable_baselines3|sb3_contrib", file.read_bytes()) for file in folder.glob("*.py")):
+        import_module("torch").manual_seed(seed)
 
 
-def _limit(memory_bytes: int, cpu_seconds: int) -> None:
+def _checked(action: Any, rows: int, robot: RobotDescription) -> Array:
+    """Actions (B, N) in [-1, 1].
+
+    Raises:
+        FFGymError: if they are no finite numbers of the right shape.
+    """
+    numbers, shape = np.asarray(action), (rows, robot.n_joints)
+    if numbers.dtype.kind not in "fiu":
+        raise FFGymError(f"predict returned actions of type {numbers.dtype}, must be numbers.")
+    if numbers.shape != shape:
+        raise FFGymError(f"predict returned actions of shape {numbers.shape}, must be {shape}.")
+    if not np.all(np.isfinite(numbers)):
+        raise FFGymError("predict returned NaN or infinity.")
+    return np.clip(numbers, -1.0, 1.0)
+
+
+def failure_text(error: BaseException, folder: Path) -> str:
+    """Reason why an agent is refused that raised this; with file and line if it was raised from a file in `folder`."""
+    text = " ".join(str(error).split())[:400]
+    reason = text if isinstance(error, FFGymError) else f"it raised {type(error).__name__}: {text}"
+    frames = [(Path(frame.f_code.co_filename), line) for frame, line in traceback.walk_tb(error.__traceback__)]
+    lines = [f" ({file.name}, line {line})" for file, line in frames if file.parent == folder]
+    return reason + "".join(lines[-1:])
+
+
+def _limit(memory_bytes: int, cpu_seconds: int, **_others: float) -> None:
     """Bound memory, time, and the size of files, where the system can."""
-    try:
-        import resource
-    except ImportError:  # Windows
+    if sys.platform == "win32":
         return
-    limits = {
-        resource.RLIMIT_AS: (memory_bytes, memory_bytes),
-        resource.RLIMIT_CPU: (cpu_seconds, cpu_seconds + _GRACE_S),
-        resource.RLIMIT_FSIZE: (2**26, 2**26),
-        resource.RLIMIT_CORE: (0, 0),
-    }
-    for which, wanted in limits.items():
+    import resource
+
+    limits = {resource.RLIMIT_AS: memory_bytes, resource.RLIMIT_FSIZE: 2**26, resource.RLIMIT_CORE: 0}
+    for which, wanted in (limits | {resource.RLIMIT_CPU: cpu_seconds}).items():
         _, hard = resource.getrlimit(which)
-        soft, last = (each if hard == resource.RLIM_INFINITY else min(each, hard) for each in wanted)
-        try:
-            resource.setrlimit(which, (soft, last))
-        except (ValueError, OSError):  # a system that knows the limit and cannot set it
-            continue
+        soft, grace = wanted, _GRACE_S if which == resource.RLIMIT_CPU else 0
+        if hard != resource.RLIM_INFINITY:
+            soft, grace = min(wanted, hard), min(grace, hard - min(wanted, hard))
+        with suppress(ValueError, OSError):  # a system that knows the limit and cannot set it
+            resource.setrlimit(which, (soft, soft + grace))
+
+
+if __name__ == "__main__":
+    main()
