@@ -13,7 +13,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_json, write_text
 from ffgym.logs import read_logs
 from ffgym.logs.quality import QualityReport, check_quality
-from ffgym.logs.quality.finding import Overall
+from ffgym.logs.quality.check import Overall
 from ffgym.logs.quality.wiring import Mistake, find_wiring
 from ffgym.recordings.folder import recording_files
 from ffgym.robot import RobotDescription, load_draft

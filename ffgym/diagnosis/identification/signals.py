@@ -8,7 +8,7 @@ from scipy.signal import butter, filtfilt
 
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.intervals import is_even
+from ffgym.logs.quality.signals import is_even
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 

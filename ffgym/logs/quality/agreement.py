@@ -1,91 +1,118 @@
-"""Checks of columns that say the same in different words: motion, torque."""
+"""Checks of columns that say the same in different words: units, sides, signs, joints, sizes and delays."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from typing import get_args
 
 import numpy as np
 
-from ffgym.logs.quality.check import Check, NotJudgedError, Seen
-from ffgym.logs.quality.kinship import CLOSE, Kind, Stranger, columns_of
-from ffgym.logs.quality.log import Log
-from ffgym.logs.quality.signals import motion_signals, torque_signals
+from ffgym.logs.quality.check import ROWS, Seen, check, late
+from ffgym.logs.quality.kinship import Kind, Signals, channel_of, columns_of, motion_signals, torque_signals
+from ffgym.logs.quality.log import Log, NotJudgedError
 
-_WAYS_OUT: Mapping[Kind, str] = {
-    "units": "Convert it where the data enter",
-    "side": "Correct position_side, torque_semantics or gear_ratio of the header, or convert the column",
-    "sign": "Turn its sign",
-    "permutation": "Give the columns the names of their joints",
-    "scale": "Look for another gear ratio, another unit, or another sensor",
-    "agreement": "Look for a log of another run, or a column of another quantity",
-}
+_CURRENT_LOOP = 5e-4
+"""Difference [s] between the delays of joints that their drives may make: current loops have 300 Hz and more."""
+
+_ROWS = ROWS["lag"]["flag"]
+"""Delay in rows that columns of one time may seem to have."""
+
+_COPY = 0.995
+"""Correlation of motor and set-point from which on a delay between them is one: what else differs may look like it."""
 
 
 def _judge(kind: Kind) -> Callable[[Log], Iterator[Seen]]:
+    """Judge of the columns that do not fit in one way."""
+
     def judge(log: Log) -> Iterator[Seen]:
         groups = [signals for signals in (motion_signals(log), torque_signals(log)) if len(signals.values) > 1]
         if not groups:
             raise NotJudgedError("no two columns say the same of a joint that moves")
         for signals in groups:
-            odd = [stranger for stranger in signals.strangers if stranger.kind == kind]
-            yield from (_seen(log, stranger) for stranger in odd)
+            odd = [misfit for misfit in signals.misfits if misfit.kind == kind]
+            for one in odd:
+                joint = log.joints[one.joint]
+                columns, others = columns_of(one.family, joint), columns_of(one.other, log.joints[one.other_joint])
+                words = {
+                    "name": " + ".join(columns),
+                    "other": " + ".join(others),
+                    "factor": one.value,
+                    "text": one.text,
+                }
+                # what some controllers command lacks friction, so that commanded torques count half
+                value = 0.5 if kind == "agreement" and one.family.endswith("effort") else 1.0
+                value = abs(np.log(abs(one.value))) if kind == "scale" else value
+                yield Seen(float(value), (*columns, *others), joint, words)
             if not odd:
-                yield Seen(value=0.0, message="")
+                yield Seen(0.0)
 
     return judge
 
 
-def _seen(log: Log, odd: Stranger) -> Seen:
-    joint = log.joints[odd.joint]
-    columns, others = columns_of(odd.family, joint), columns_of(odd.other, log.joints[odd.other_joint])
-    name, other = " + ".join(columns), " + ".join(others)
-    if odd.kind == "agreement":
-        figure = f"correlates with {other} by {odd.value:.3g}, must by 0.8"
-    elif odd.kind == "permutation":
-        figure = f"goes like {other} and {odd.value:.3g} times its own"
-    else:
-        figure = f"is {odd.value:.5g} times what {other} says, must be the same"
-    message = f"{name} {figure}: {odd.text}. {_WAYS_OUT[odd.kind]}."
-    value = 0.5 if odd.kind == "agreement" and odd.family.endswith("effort") else 1.0
-    value = abs(np.log(abs(odd.value))) if odd.kind == "scale" else value
-    return Seen(value=float(value), message=message, columns=(*columns, *others), joint=joint)
+KINDS = tuple(check(_judge(kind), kind) for kind in get_args(Kind))
+"""One check for each way in which a column may not fit the others."""
 
 
-_FACTOR = "columns of one quantity agree to some percent; a factor of another unit, side or sign is far outside"
-_TWIN = (
-    "a column that is another joint's at a slope of 1 and correlates with it by 0.98, not with its own, is that one's"
-)
-_ALONE = (
-    "columns of one quantity correlate by 0.97 and more; below 0.8 they are of different runs; commanded torques count "
-    "half: what some controllers command lacks friction"
-)
+@check
+def _lag(log: Log) -> Iterator[Seen]:
+    """Columns of one machine part: measured ones, torques, set-points."""
+    judged = False
+    for signals in (motion_signals(log), torque_signals(log)):
+        for family, other in _pairs(signals):
+            for j in signals.numbers:
+                lag = signals.lag(family, other, j)
+                if lag is None:
+                    continue
+                judged = True
+                columns = (*columns_of(family, log.joints[j]), *columns_of(other, log.joints[j]))
+                words = {"late": late(lag), "last": columns[-1], "seconds": abs(lag) * log.dt}
+                yield Seen(abs(lag), columns, log.joints[j], words)
+    if not judged:
+        raise NotJudgedError("no two columns of one channel say the same of a joint that moves")
 
-_FAULTS: Mapping[Kind, tuple[str, str]] = {
-    "units": ("Columns in another unit", _FACTOR),
-    "side": ("Columns of the other side of the gearbox", _FACTOR),
-    "sign": ("Columns of the opposite sign", _FACTOR),
-    "permutation": ("Columns of another joint", _TWIN),
-    "agreement": ("Columns that fit no other", _ALONE),
-}
 
-AGREEMENT = (
-    *(
-        Check(
-            name=kind,
-            figure=figure,
-            unit="columns",
-            flag=0.25 if kind == "agreement" else 0.5,
-            refuse=0.5,
-            why=why,
-            judge=_judge(kind),
-        )
-        for kind, (figure, why) in _FAULTS.items()
-    ),
-    Check(
-        name="scale",
-        figure="Size of a column against what others say, as |ln|",
-        unit="1",
-        flag=float(np.log1p(CLOSE)),
-        why="recorded axes of a coupled wrist differ from their set-points by up to 12 %; 5 % deserves a look",
-        judge=_judge("scale"),
-    ),
-)
-"""Checks of columns against each other."""
+@check
+def _torque_lag_apart(log: Log) -> Iterator[Seen]:
+    """Torques of which those of one joint are late."""
+    signals, judged = torque_signals(log), False
+    within = max(_ROWS * log.dt, _CURRENT_LOOP)
+    for family, other in _pairs(signals):
+        lags = {j: lag * log.dt for j in signals.numbers if (lag := signals.lag(family, other, j)) is not None}
+        if len(lags) < 2:
+            continue
+        judged = True
+        usual = float(np.median([*lags.values()]))
+        odd = max(lags, key=lambda j: abs(lags[j] - usual))
+        like = max(lags, key=lambda j: abs(lags[j] - lags[odd]))
+        columns = [c for j in (odd, like) for signal in (other, family) for c in columns_of(signal, log.joints[j])]
+        words = {"family": family, "other": other, "within": within, "odd": log.joints[odd], "like": log.joints[like]}
+        words |= {"odd_lag": lags[odd], "like_lag": lags[like]}
+        yield Seen(abs(lags[odd] - lags[like]) / within, tuple(columns), words=words)
+    if not judged:
+        raise NotJudgedError("no two columns say the same of the torques of two joints")
+
+
+def _pairs(signals: Signals) -> list[tuple[str, str]]:
+    """Families, each with the one that it is compared with: the first of its channel, else the motors'."""
+    pairs = []
+    for family in signals.values:
+        first = next(name for name in signals.values if channel_of(name) == channel_of(family))
+        if first == family and channel_of(family) != "reference":
+            first = next(iter(signals.values))
+        if first != family:
+            pairs.append((family, first))
+    return pairs
+
+
+@check
+def _reference_lag(log: Log) -> Iterator[Seen]:
+    """Measured against planned motion; a servo cannot be ahead by more than its feed-forward's error."""
+    signals, names = motion_signals(log), ("motor.position", "reference.position")
+    if not set(names) <= set(signals.values):
+        raise NotJudgedError("motor.position or reference.position is not there")
+    lags = [signals.lag(*names, j, _COPY) for j in signals.numbers]
+    known = [lag * log.dt for lag in lags if lag is not None]
+    if 2 * len(known) <= len(lags):
+        raise NotJudgedError("motors and set-points of most joints differ by more than a delay, or by too little")
+    common = float(np.median(known))
+    columns = tuple(f"{family}.{joint}" for family in names for joint in log.joints)
+    words = {"late": late(common), "seconds": abs(common)}
+    yield Seen(common if common > 0 else -10 * common, columns, words=words)

@@ -9,18 +9,15 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.logs.quality.check import Check, Seen
+from ffgym.logs.quality.check import ROWS, Seen, check
 from ffgym.logs.quality.log import Log
-from ffgym.logs.quality.runs import smallest_step
+from ffgym.logs.quality.signals import TINY, smallest_step
 
 REACH = 10
 """Rows to either side that say what is usual: enough to know the noise, few enough to stay in one phase of a motion."""
 
-SPIKE = 5.0
-"""Excursion over the largest steps around it from which on a row is not of the machine."""
-
-SPIKE_REFUSED = 8.0
-"""The same, from which on it is none of any machine."""
+SPIKE, _SPIKE_REFUSED = ROWS["spike"]["flag"], ROWS["spike"]["refuse"]
+"""Excursion over the largest steps around it from which on a row is not of the machine, and of no machine."""
 
 COMPUTED = ("feedforward.effort", "feedback.effort", "feedback.integral", "compensation.effort", "command.effort")
 """Families that a controller computed, which may do what no machine does: they are flagged, not refused."""
@@ -44,7 +41,7 @@ _CONTINUOUS = (
 BURST = 64
 """Rows over which noise is measured."""
 
-BURST_REFUSED = 50.0
+BURST_REFUSED = ROWS["noise_burst"]["refuse"]
 """Noise over the usual noise from which on it is none of the machine."""
 
 _WHITE = 5.0
@@ -69,7 +66,7 @@ def _largest(values: Array, rows: int) -> Array:
 
 
 def _floor(x: Array, resolution: float) -> float:
-    return max(resolution, _FLOOR * float(np.ptp(x)), np.finfo(np.float64).tiny)
+    return max(resolution, _FLOOR * float(np.ptp(x)), TINY)
 
 
 def outlier_ratio(x: Array, resolution: float) -> Array:
@@ -124,41 +121,29 @@ def columns_of(log: Log) -> tuple[Column, ...]:
     return tuple(found)
 
 
-def _joint_of(log: Log, name: str) -> str:
-    part = name.rpartition(".")[2]
-    return part if part in log.joints and not name.startswith("user.") else ""
-
-
-def _spikes(log: Log) -> Iterator[Seen]:
+@check
+def _spike(log: Log) -> Iterator[Seen]:
     for column in columns_of(log):
-        name, rows, x = column.name, column.rows, column.values
-        ratio = outlier_ratio(x, column.resolution)
+        ratio = outlier_ratio(column.values, column.resolution)
         worst = int(np.argmax(ratio))
-        message = (
-            f"{name}: {x[worst]:.6g} at {log.t[rows[worst]]:.4g} s sticks out of the rows around it by "
-            f"{ratio[worst]:.3g} of their largest steps, must be below 5; {np.sum(ratio > SPIKE)} rows do. Repair or "
-            "cut them."
-        )
-        value = float(ratio[worst])
-        value = min(value, SPIKE_REFUSED) if column.family in COMPUTED else value
-        yield Seen(value=value, message=message, columns=(name,), joint=_joint_of(log, name))
+        words = {"x": column.values[worst], "t": log.t[column.rows[worst]], "ratio": ratio[worst]}
+        words["count"] = np.sum(ratio > SPIKE)
+        value = min(float(ratio[worst]), _SPIKE_REFUSED) if column.family in COMPUTED else float(ratio[worst])
+        yield Seen(value, (column.name,), log.joint_of(column.name), words)
 
 
-def _jumps(log: Log) -> Iterator[Seen]:
+@check
+def _jump(log: Log) -> Iterator[Seen]:
     for column in columns_of(log):
         if column.family not in _CONTINUOUS:
             continue
-        name, rows, x = column.name, column.rows, column.values
+        rows, x = column.rows, column.values
         ratio = jump_ratio(x, column.resolution)
         ratio[0] = 0.0  # a run may begin with a step of its servo
         ratio[np.diff(rows) > np.median(np.diff(rows))] = 0.0  # a longer way between samples that are not missing
         worst = int(np.argmax(ratio))
-        message = (
-            f"{name}: jumps by {x[worst + 1] - x[worst]:.4g} {log.recording.unit(name)} after "
-            f"{log.t[rows[worst]]:.4g} s, {ratio[worst]:.3g} of the largest steps around it, must be below 10. Look "
-            "for a lost count, a new zero, or rows that do not belong together."
-        )
-        yield Seen(value=float(ratio[worst]), message=message, columns=(name,), joint=_joint_of(log, name))
+        words = {"step": x[worst + 1] - x[worst], "unit": log.recording.unit(column.name), "t": log.t[rows[worst]]}
+        yield Seen(float(ratio[worst]), (column.name,), log.joint_of(column.name), words)
 
 
 _ROUNDING = 1e-11
@@ -166,19 +151,15 @@ _ROUNDING = 1e-11
 they do not change, and more in some places than in others."""
 
 
-def _bursts(log: Log) -> Iterator[Seen]:
+@check
+def _noise_burst(log: Log) -> Iterator[Seen]:
     for column in columns_of(log):
-        joint = _joint_of(log, column.name)
+        joint = log.joint_of(column.name)
         counts = log.recording.valid[:, log.joints.index(joint)] if joint else np.ones(len(log.t), dtype=np.bool_)
         ratios = burst_ratios(column, counts)
-        if not ratios.size:
-            continue
-        worst = int(np.argmax(ratios))
-        message = (
-            f"{column.name}: noise around {log.t[column.rows[worst * BURST]]:.4g} s is {ratios[worst]:.3g} of the "
-            "usual, must be below 25. Look for a bad contact or a disturbance; cut it out."
-        )
-        yield Seen(value=float(ratios[worst]), message=message, columns=(column.name,), joint=joint)
+        if ratios.size:
+            worst = int(np.argmax(ratios))
+            yield Seen(float(ratios[worst]), (column.name,), joint, {"t": log.t[column.rows[worst * BURST]]})
 
 
 def burst_ratios(column: Column, counts: BoolArray) -> Array:
@@ -200,36 +181,3 @@ def noise_levels(x: Array) -> Array:
     third = np.diff(x, 3)[: count * BURST].reshape(count, BURST)
     white = np.mean(third**2, axis=1) > _WHITE * np.var(first, axis=1)
     return np.where(white, 1.4826 * np.median(np.abs(third), axis=1) / np.sqrt(20), 0.0)
-
-
-CELLS = (
-    Check(
-        name="spike",
-        figure="Largest excursion of a single row over the largest steps around it, or those of a noisy column",
-        unit="1",
-        flag=SPIKE,
-        refuse=SPIKE_REFUSED,
-        why="Gaussian noise reaches 3, recorded torque 3.9; a row beyond 8 is no sample of a machine, only what a "
-        "controller computed may be",
-        judge=_spikes,
-    ),
-    Check(
-        name="jump",
-        figure="Largest step over the steps around it, in columns that cannot jump",
-        unit="1",
-        flag=10.0,
-        refuse=10.0,
-        why="positions, speeds and temperatures are continuous; 10 is beyond any corner that a sample time can show",
-        judge=_jumps,
-    ),
-    Check(
-        name="noise_burst",
-        figure="Noise of 64 rows over the usual noise",
-        unit="1",
-        flag=25.0,
-        refuse=BURST_REFUSED,
-        why="the torque noise of recorded robots changes with speed and load by a factor of up to 15",
-        judge=_bursts,
-    ),
-)
-"""Checks of single rows."""

@@ -1,48 +1,28 @@
 """The quality gate: all checks of a recording, in an order in which a fault is named once, where it begins."""
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import final
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
-from ffgym.logs.quality.agreement import AGREEMENT
-from ffgym.logs.quality.cells import CELLS
-from ffgym.logs.quality.check import Check
-from ffgym.logs.quality.clock import CLOCK
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.logs.quality import agreement, cells, coverage, plausible, rows, tool, torque, torque_timing, values
+from ffgym.logs.quality.check import STAGE_ROWS, Check, Finding, QualityReport, worst_first
 from ffgym.logs.quality.conditioning import conditioned, notes_of
-from ffgym.logs.quality.coverage import COVERAGE
-from ffgym.logs.quality.finding import Finding, QualityReport, worst_first
-from ffgym.logs.quality.gravity import GRAVITY
-from ffgym.logs.quality.identity import IDENTITY
-from ffgym.logs.quality.levels import LEVELS
+from ffgym.logs.quality.coverage import NEEDS, need_findings
 from ffgym.logs.quality.log import Log
-from ffgym.logs.quality.masked import MASKED
-from ffgym.logs.quality.needs import need_findings
-from ffgym.logs.quality.plausible import PLAUSIBLE, SIZE
-from ffgym.logs.quality.rows import ROWS
-from ffgym.logs.quality.sampling import SAMPLING
-from ffgym.logs.quality.stuck import STUCK
-from ffgym.logs.quality.timing import TIMING
-from ffgym.logs.quality.tool import TOOL
-from ffgym.logs.quality.torque import TORQUE
-from ffgym.logs.quality.torque_timing import TORQUE_TIMING
+from ffgym.logs.quality.signals import EVEN, is_even
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
+_MODULES = (rows, plausible, values, cells, agreement, tool, torque, torque_timing, coverage)
+_FOUND = [made for module in _MODULES for made in vars(module).values() if isinstance(made, Check)]
+_BY_NAME = {made.name: made for made in (*_FOUND, *agreement.KINDS, *coverage.COVERAGE)}
+
 STAGES: Mapping[str, tuple[Check, ...]] = MappingProxyType(
-    {
-        "clock and header": (*SIZE, *CLOCK, *IDENTITY),
-        "rows": ROWS,
-        "values": (*STUCK, *LEVELS, *CELLS, *MASKED),
-        "columns against each other": (*AGREEMENT, *TIMING),
-        "sizes": PLAUSIBLE,
-        "tool": TOOL,
-        "torque": (*TORQUE_TIMING, *TORQUE, *GRAVITY),
-        "sampling": SAMPLING,
-        "coverage": COVERAGE,
-    }
+    {stage: tuple(_BY_NAME[name] for name in names) for stage, names in STAGE_ROWS.items()}
 )
 """Checks by stage. What a stage refuses would make later ones speak of its consequences, so they are not judged."""
 
@@ -51,6 +31,10 @@ CONDITIONED = ("clock and header", "rows", "values")
 
 CHECKS: tuple[Check, ...] = tuple(check for checks in STAGES.values() for check in checks)
 """All checks in their order."""
+
+
+_ALIKE = 1.5
+"""Largest ratio of sample periods of logs that are brought to one, if their clocks are uneven."""
 
 
 def check_quality(
@@ -132,3 +116,89 @@ def _mended(log: Log, others: Sequence[Finding]) -> list[Finding]:
 def _not_judged(check: Check, stage: str) -> Finding:
     message = f"Not judged: something in {stage!r} is refused, which this would repeat. Repair that first."
     return Finding(check=check.name, verdict="not judged", message=message)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """A log that is not used."""
+
+    segment: str
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.segment} was left out: {self.reason}"
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judged:
+    """Logs that serve, and what has to be known about all of them."""
+
+    recordings: tuple[Recording, ...]
+    """Conditioned, in their order."""
+    left_out: tuple[LeftOut, ...]
+    flagged: tuple[str, ...]
+    """What was left out, what conditioning did, what was accepted, and what else was flagged."""
+
+
+def judged(
+    recordings: Sequence[Recording],
+    robot: RobotDescription | None = None,
+    needs: Iterable[str] = (),
+    accept: Iterable[str] = (),
+) -> Judged:
+    """Condition and judge logs; those that are refused are left out with their reason, the others are used.
+
+    Args:
+        recordings: logs of one machine.
+        robot: what they are said to be of.
+        needs: uses that they must serve, see `ffgym.logs.quality.NEEDS`.
+        accept: names of checks that are overruled, and told.
+
+    Raises:
+        FFGymError: if a use or a check is unknown.
+    """
+    overruled, uses = accepted(accept), tuple(needs)
+    kept: list[Recording] = []
+    left_out: list[LeftOut] = []
+    told: list[str] = []
+    for recording in conditioned_alike(recordings):
+        segment = recording.header.segment or "A log"
+        report = check_quality(recording, robot, uses, accept=overruled)
+        if report.verdict == "insufficient":
+            left_out.append(LeftOut(segment=segment, reason=report.problems[0].message))
+            continue
+        kept.append(recording)
+        told += [f"{segment}: {note}" for note in notes_of(recording)]
+        told += [f"{segment}: {finding.message}" for finding in report.problems]
+    return Judged(recordings=tuple(kept), left_out=tuple(left_out), flagged=(*map(str, left_out), *told))
+
+
+def accepted(names: Iterable[str]) -> tuple[str, ...]:
+    """Names of checks to overrule.
+
+    Raises:
+        FFGymError: if one is unknown.
+    """
+    known = [check.name for check in CHECKS]
+    return tuple(check_choice("check", name, known) for name in names)
+
+
+def conditioned_alike(recordings: Sequence[Recording]) -> list[Recording]:
+    """Conditioned logs; those with uneven clocks of nearly one period are brought to the same."""
+    found = [conditioned(recording) for recording in recordings]
+    uneven = [i for i, recording in enumerate(recordings) if not is_even(recording.t)]
+    if not uneven:
+        return found
+    period = _usual([recording.dt for recording in found])
+    for i in uneven:
+        if abs(found[i].dt / period - 1.0) > EVEN and 1 / _ALIKE < found[i].dt / period < _ALIKE:
+            found[i] = conditioned(recordings[i], period=period)
+    return found
+
+
+def _usual(periods: Sequence[float]) -> float:
+    """The sample period that most logs have, the shortest of several."""
+    counts = [sum(abs(one / other - 1.0) <= EVEN for one in periods) for other in periods]
+    return min(period for period, count in zip(periods, counts, strict=True) if count == max(counts))

@@ -1,15 +1,16 @@
-"""Which of several signals of one quantity is not like the others, and what was probably done to it."""
+"""Signals of one quantity in several columns: which is not like the others, and what was probably done to it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations
 from typing import Literal, final
 
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.compare import compare, correlations
+from ffgym.logs.quality.log import EXCITED, Log
+from ffgym.logs.quality.signals import compare, correlations
 
 Kind = Literal["units", "side", "sign", "permutation", "scale", "agreement"]
 
@@ -44,9 +45,20 @@ _SAME_MOTION = 0.8
 """Correlation from which on a signal is of the same motion, whatever its size."""
 
 
+_WINDOW = 0.01
+"""Time [s] over which increments are taken: noise of single rows averages out, no planned motion turns around in it."""
+
+_SLACK = 0.01
+"""Difference [rad or m, link side] that servo errors, friction and elasticity may leave between set-points, motors and
+links: recorded robots stay below 5 mrad, a joint that sticks in a small motion does too."""
+
+LAG_SPAN = 0.3
+"""Largest delay [s] that is looked for: beyond, periodic motions fit themselves again."""
+
+
 @final
 @dataclass(frozen=True, kw_only=True)
-class Stranger:
+class Misfit:
     """A signal of one joint that does not fit the others."""
 
     kind: Kind
@@ -93,13 +105,13 @@ class Signals:
         return [int(j) for j in np.flatnonzero(self.judged)]
 
     @cached_property
-    def strangers(self) -> tuple[Stranger, ...]:
+    def misfits(self) -> tuple[Misfit, ...]:
         """Signals that do not fit the majority."""
         found = []
         for j in self.numbers:
             trusted = self.trusted(j)
             found += [self._explained(family, trusted[0], j) for family in self.values if family not in trusted]
-        return tuple(stranger for stranger in found if stranger is not None)
+        return tuple(misfit for misfit in found if misfit is not None)
 
     def trusted(self, j: int) -> list[str]:
         """The largest group of signals of joint `j` that agree, in the order of `values`."""
@@ -132,7 +144,7 @@ class Signals:
             return True
         return self.noisy and _alike_but_for_noise(self.values[one][:, j], self.values[other][:, j])
 
-    def _explained(self, family: str, other: str, j: int) -> Stranger | None:
+    def _explained(self, family: str, other: str, j: int) -> Misfit | None:
         a, b = self.increments[family][:, j], self.increments[other]
         seen = compare(a, b[:, j], self.lags)
         if seen.correlation > _SAME_MOTION and abs(seen.slope - 1) < CLOSE:
@@ -146,7 +158,7 @@ class Signals:
             kind, text = explain(seen.slope, float(self.ratio[j]), _NEAR)
         else:
             kind, value, text = "agreement", seen.correlation, "it is another motion, or another quantity"
-        return Stranger(
+        return Misfit(
             kind=kind,
             family=family,
             joint=j,
@@ -202,3 +214,37 @@ def explain(slope: float, ratio: float, tolerance: float) -> tuple[Kind, str]:
 
 def _distance(slope: float, factor: float) -> float:
     return abs(np.log(slope / factor)) if slope / factor > 0 else np.inf
+
+
+@lru_cache(maxsize=4)
+def motion_signals(log: Log) -> Signals:
+    """All that says how the joints move, as link-side positions."""
+    values = log.motions
+    moved = [np.ptp(x, axis=0) > EXCITED for x in values.values()]
+    judged = np.any(moved, axis=0) if moved else np.zeros(len(log.joints), dtype=np.bool_)
+    return _signals(log, values, _SLACK, judged, noisy=False)
+
+
+@lru_cache(maxsize=4)
+def torque_signals(log: Log) -> Signals:
+    """What says how large the motor torque is: measured, commanded, and the sum of the parts of the command."""
+    recording = log.recording
+    parts = [name for name in ("feedforward", "feedback", "compensation") if recording.has(f"{name}.effort")]
+    values = {
+        family: recording.joint_array(family) for family in ("motor.effort", "command.effort") if recording.has(family)
+    }
+    if {"feedforward", "feedback"} <= set(parts):
+        values["+".join(f"{part}.effort" for part in parts)] = np.sum(
+            [recording.joint_array(f"{part}.effort") for part in parts], axis=0
+        )
+    moves = np.array(
+        [any(np.ptp(x[:, j]) > 0 for x in values.values()) for j in range(len(log.joints))], dtype=np.bool_
+    )
+    return _signals(log, values, 0.0, moves & log.excited, noisy=True)
+
+
+def _signals(log: Log, values: dict[str, Array], slack: float, judged: BoolArray, *, noisy: bool) -> Signals:
+    window = min(log.rows(_WINDOW), len(log.t) - 1)
+    lags = min(max(3, round(LAG_SPAN / log.dt)), len(log.t) // 4)
+    ratio = np.asarray(log.recording.header.gear_ratio)
+    return Signals(values=values, ratio=ratio, judged=judged, window=window, lags=lags, slack=slack, noisy=noisy)

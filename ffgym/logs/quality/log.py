@@ -1,15 +1,15 @@
 """A recording as the checks look at it: link-side motion, speeds, and what is at rest, each computed once."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import final
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
-from scipy.ndimage import uniform_filter1d
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.noise import white_noise
+from ffgym.logs.quality.signals import TINY, averaged, white_noise
 from ffgym.recordings import FAMILIES, Recording
 from ffgym.recordings.schema import VALID
 from ffgym.robot import RigidArm, RobotDescription
@@ -44,6 +44,14 @@ MOTION_FAMILIES = (
 """Families that say how joints move."""
 
 
+TORQUES = ("motor.effort", "command.effort", "feedback.effort", "feedback.integral")
+"""Families of torques, which may be cut at their extremes."""
+
+
+class NotJudgedError(Exception):
+    """Raised by a check that the columns of a recording give no answer to; the text is the reason."""
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Log:
@@ -68,6 +76,11 @@ class Log:
         return self.recording.header.joints
 
     @property
+    def is_described(self) -> bool:
+        """Whether the robot is given, and has as many joints as the recording."""
+        return self.robot is not None and self.robot.n_joints == len(self.joints)
+
+    @property
     def families(self) -> tuple[str, ...]:
         """Families of the schema that are present; a mask is none that is judged."""
         return tuple(name for name in self.recording.families if name in FAMILIES and name != VALID)
@@ -76,6 +89,18 @@ class Log:
         """Columns of a family by name, those of joints that lack the sensor left out."""
         there, names = self.recording.columns, FAMILIES[family].columns(self.joints)
         return {name: there[name] for name in names if name in there}
+
+    def joint_columns(self, families: tuple[str, ...]) -> Iterator[tuple[str, int, str, Array]]:
+        """Family, joint number, name and values of all per-joint columns of `families` that are present."""
+        for family in families:
+            if self.recording.has(family):
+                for name, values in self.columns(family).items():
+                    yield family, self.joints.index(name.removeprefix(f"{family}.")), name, values
+
+    def joint_of(self, column: str) -> str:
+        """Joint of a column; empty if it belongs to none."""
+        part = column.rpartition(".")[2]
+        return part if part in self.joints and not column.startswith("user.") else ""
 
     def rows(self, seconds: float) -> int:
         """Rows in a time span, one at least."""
@@ -118,62 +143,63 @@ class Log:
         return _arm_of(self.robot)
 
     @cached_property
-    def q(self) -> Array | None:
-        """Joint positions, link side, as measured; else as set; shape (T, N). None if there are neither."""
-        for family in ("motor.position", "link.position", "reference.position"):
-            if family in self.motion_families:
-                return self.link_side(family)
-        return None
+    def _position_family(self) -> str:
+        """Family that says where the joints are: measured, else set; empty if there is neither."""
+        there = (f for f in ("motor.position", "link.position", "reference.position") if f in self.motion_families)
+        return next(there, "")
+
+    @property
+    def has_positions(self) -> bool:
+        """Whether the recording says where the joints are; if not, they count as at rest in 0."""
+        return bool(self._position_family)
+
+    @cached_property
+    def q(self) -> Array:
+        """Joint positions, link side, shape (T, N)."""
+        family = self._position_family
+        return self.link_side(family) if family else np.zeros((len(self.t), len(self.joints)))
 
     @cached_property
     def angle_noise(self) -> Array:
         """White noise of `q` [rad or m, link side], shape (N,)."""
-        return np.zeros(len(self.joints)) if self.q is None else white_noise(self.q)
+        return white_noise(self.q)
 
     @cached_property
     def smoothing(self) -> float:
         """Time [s] over which positions are averaged: `SMOOTHING`, or longer where noise of angles calls for it."""
-        if self.q is None:
-            return SMOOTHING
         for times in _LONGER:
             span = times * SMOOTHING
             moved = np.ptp(self.q, axis=0) > EXCITED
             size = np.std(_acceleration(self.q, self.t, self.rows(span)), axis=0)[moved]
             # two averages make a triangle, whose second derivative is three samples of noise over its width squared
             noise = np.sqrt(6) * self.angle_noise[moved] / max(span, self.dt) ** 2
-            if not moved.any() or np.median(noise / np.maximum(size, np.finfo(np.float64).tiny)) < _NOISY:
+            if not moved.any() or np.median(noise / np.maximum(size, TINY)) < _NOISY:
                 return span
         return _LONGER[-1] * SMOOTHING
 
     @cached_property
-    def smooth_q(self) -> Array | None:
+    def smooth_q(self) -> Array:
         """`q`, averaged over `smoothing`."""
-        return None if self.q is None else averaged(self.q, self.rows(self.smoothing))
+        return averaged(self.q, self.rows(self.smoothing))
 
     @cached_property
-    def dq(self) -> Array | None:
+    def dq(self) -> Array:
         """Joint speeds from `smooth_q`, link side, shape (T, N)."""
-        return None if self.smooth_q is None else np.gradient(self.smooth_q, self.t, axis=0)
+        return np.gradient(self.smooth_q, self.t, axis=0)
 
     @cached_property
-    def ddq(self) -> Array | None:
+    def ddq(self) -> Array:
         """Joint accelerations from `dq`, averaged again, link side, shape (T, N)."""
-        if self.dq is None:
-            return None
         return np.gradient(averaged(self.dq, self.rows(self.smoothing)), self.t, axis=0)
 
     @cached_property
     def excited(self) -> BoolArray:
         """Joints that move, shape (N,)."""
-        if self.smooth_q is None:
-            return np.zeros(len(self.joints), dtype=np.bool_)
         return np.ptp(self.smooth_q, axis=0) > EXCITED
 
     @cached_property
     def moving(self) -> BoolArray:
         """Where each joint moves, shape (T, N); joints that are not excited never do."""
-        if self.dq is None:
-            return np.zeros((len(self.t), len(self.joints)), dtype=np.bool_)
         speed = np.abs(self.dq)
         return self.excited & (speed > RESTING * speed.max(axis=0))
 
@@ -187,8 +213,3 @@ def _arm_of(robot: RobotDescription) -> RigidArm:
 def _acceleration(q: Array, t: Array, rows: int) -> Array:
     """Second derivative of positions that are averaged twice, (T, N)."""
     return np.asarray(np.gradient(averaged(np.gradient(averaged(q, rows), t, axis=0), rows), t, axis=0))
-
-
-def averaged(values: Array, rows: int) -> Array:
-    """Moving average along the first axis, without delay."""
-    return uniform_filter1d(values, rows | 1, axis=0, mode="nearest")

@@ -1,22 +1,20 @@
-"""Checks of whole rows and columns that are copies: repeated rows and blocks, one joint's column under two names."""
+"""Checks of whole rows: the clock, copies of rows and columns, what the mask leaves."""
 
 from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
 
-from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.check import Check, NotJudgedError, Seen
-from ffgym.logs.quality.log import Log
-from ffgym.logs.quality.runs import smallest_step, stretches
-from ffgym.recordings import FAMILIES
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.logs.quality.check import Seen, check
+from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.signals import longest_interval, smallest_step, stretches
 from ffgym.recordings.schema import VALID
 
-_BLOCK = 5
-"""Rows that must repeat one after the other to be a copied block."""
+_CLOCK = ("timestamp",)
 
 _CELLS = 40
-"""Cells that such a block must have: a coarse position and its set-point alone repeat by chance for six rows."""
+"""Cells that a copied block must have: a coarse position and its set-point alone repeat by chance for six rows."""
 
 _ALIVE = 5.0
 """Steps of its resolution by which a column must change from row to row to be in motion."""
@@ -26,6 +24,69 @@ _DIFFERENT = 10
 
 _MEASURED = ("motor.position", "motor.velocity", "motor.effort", "link.position", "link.velocity", "feedback.effort")
 """Families in which no two joints are equal to the last bit."""
+
+
+@check
+def _size(log: Log) -> Iterator[Seen]:
+    for name, values in log.recording.columns.items():
+        if name != "timestamp":
+            words = {"name": name, "unit": log.recording.unit(name)}
+            yield Seen(float(np.nanmax(np.abs(values), initial=0.0)), (name,), words=words)
+
+
+@check
+def _clock_unit(log: Log) -> Iterator[Seen]:
+    yield Seen(log.dt, _CLOCK)
+
+
+@check
+def _dropped_samples(log: Log) -> Iterator[Seen]:
+    """Rows that are missing, over rows that there should be; clock jumps, over which nothing moves, are not meant."""
+    steps, moved = long_intervals(log)
+    steps = steps[moved]
+    rows = (np.round(np.diff(log.t)[steps] / log.dt) - 1).sum()
+    first = "" if not steps.size else f", the first after {log.t[steps[0]]:.4g} s"
+    yield Seen(float(rows / (len(log.t) + rows)), _CLOCK, words={"rows": rows, "gaps": len(steps), "first": first})
+
+
+@check
+def _clock_jump(log: Log) -> Iterator[Seen]:
+    steps, moved = long_intervals(log)
+    jumps = steps[~moved]
+    jump = float(np.diff(log.t)[jumps].max() - log.dt) if jumps.size else 0.0
+    where = f" after {log.t[jumps[0]]:.4g} s" if jumps.size else ""
+    yield Seen(jump / log.dt, _CLOCK, words={"jump": jump, "where": where})
+
+
+def long_intervals(log: Log) -> tuple[IntArray, BoolArray]:
+    """Rows before intervals that are too long, and whether the joints moved as far as their speed and the clock say."""
+    steps = np.flatnonzero(np.diff(log.t) > longest_interval(log.t))
+    moved = np.ones(len(steps), dtype=np.bool_)
+    for i, row in enumerate(steps):
+        if 1 <= row < len(log.t) - 2:
+            before, across, after = (log.q[k + 1] - log.q[k] for k in (row - 1, row, row + 1))
+            speed = 0.5 * (before + after) / log.dt
+            joint = int(np.argmax(np.abs(speed)))
+            expected = speed[joint] * (log.t[row + 1] - log.t[row])
+            one_sample = speed[joint] * log.dt
+            moved[i] = abs(across[joint] - expected) <= abs(across[joint] - one_sample)
+    return steps, moved
+
+
+@check
+def _clock_jitter(log: Log) -> Iterator[Seen]:
+    intervals = np.diff(log.t)
+    regular = intervals[intervals < longest_interval(log.t)]
+    yield Seen(float(np.std(np.diff(regular)) / np.sqrt(2) / log.dt) if len(regular) > 1 else 0.0, _CLOCK)
+
+
+@check
+def _clock_drift(log: Log) -> Iterator[Seen]:
+    if len(log.t) < 200:
+        raise NotJudgedError(f"{len(log.t)} rows are too few, 200 are needed")
+    blocks = [float(np.median(block)) for block in np.array_split(np.diff(log.t), 10)]
+    low, high = min(blocks), max(blocks)
+    yield Seen((high - low) / log.dt, _CLOCK, words={"low": low, "high": high})
 
 
 def _table(log: Log) -> Array:
@@ -63,7 +124,7 @@ def _passing(log: Log, before: int, after: int) -> bool:
     return not families
 
 
-def repeated_rows(log: Log) -> list[slice]:
+def copies(log: Log) -> list[slice]:
     """Stretches of rows that repeat the row before them in motion.
 
     Raises:
@@ -72,38 +133,25 @@ def repeated_rows(log: Log) -> list[slice]:
     table = _table(log)
     equal = np.concatenate([[False], np.all(table[1:] == table[:-1], axis=1)])
     alive = _alive(table)
-    return [
-        rows
-        for rows in stretches(equal)
-        if rows.start >= 2
-        and rows.stop < len(equal)
-        and alive[rows.start - 1]
-        and alive[rows.stop]
-        and _passing(log, rows.start - 1, rows.stop)
-    ]
+    inner = [rows for rows in stretches(equal) if rows.start >= 2 and rows.stop < len(equal)]
+    between = [rows for rows in inner if alive[rows.start - 1] and alive[rows.stop]]
+    return [rows for rows in between if _passing(log, rows.start - 1, rows.stop)]
 
 
-def _repeated(log: Log) -> Iterator[Seen]:
-    copies = repeated_rows(log)
-    count = sum(rows.stop - rows.start for rows in copies)
-    where = f", first at {log.t[copies[0].start]:.4g} s" if copies else ""
-    message = (
-        f"All columns: {count} rows repeat the row before while the robot moves{where}, must be none. Drop them; a "
-        "logger that polls faster than the controller computes makes such rows."
-    )
-    yield Seen(value=float(count), message=message, columns=tuple(log.recording.columns))
+@check
+def _repeated_rows(log: Log) -> Iterator[Seen]:
+    found = copies(log)
+    where = f", first at {log.t[found[0].start]:.4g} s" if found else ""
+    rows = sum(rows.stop - rows.start for rows in found)
+    yield Seen(float(rows), tuple(log.recording.columns), words={"where": where})
 
 
-def _blocks(log: Log) -> Iterator[Seen]:
+@check
+def _repeated_block(log: Log) -> Iterator[Seen]:
     table = _table(log)
     longest, first, second = _longest_copy(table)
-    if longest * table.shape[1] < _CELLS:
-        longest = 0
-    message = (
-        f"All columns: {longest} rows from {log.t[second]:.4g} s on repeat those from {log.t[first]:.4g} s on to the "
-        f"last bit, must be fewer than {_BLOCK}. Drop the copy."
-    )
-    yield Seen(value=float(longest), message=message, columns=tuple(log.recording.columns))
+    words = {"first": log.t[first], "second": log.t[second]}
+    yield Seen(float(longest * (longest * table.shape[1] >= _CELLS)), tuple(log.recording.columns), words=words)
 
 
 def _longest_copy(table: Array) -> tuple[int, int, int]:
@@ -125,18 +173,12 @@ def _longest_copy(table: Array) -> tuple[int, int, int]:
     return best
 
 
-def _copied_columns(log: Log) -> Iterator[Seen]:
+@check
+def _copied_column(log: Log) -> Iterator[Seen]:
     for family in _MEASURED:
-        if not log.recording.has(family):
-            continue
-        columns = log.columns(family)
-        for (one, x), (other, y) in combinations(columns.items(), 2):
-            same = _equal_share(x, y)
-            message = (
-                f"{one} and {other} are equal in {same:.0%} of the rows in which they change, must differ. One of them "
-                "is a copy; export the log again."
-            )
-            yield Seen(value=same, message=message, columns=(one, other), joint=_joint(family, one))
+        if log.recording.has(family):
+            for (one, x), (other, y) in combinations(log.columns(family).items(), 2):
+                yield Seen(_equal_share(x, y), (one, other), log.joint_of(one))
 
 
 def _equal_share(x: Array, y: Array) -> float:
@@ -151,37 +193,14 @@ def _equal_share(x: Array, y: Array) -> float:
     return float(equal[changing].mean())
 
 
-def _joint(family: str, column: str) -> str:
-    return column.removeprefix(family + ".") if FAMILIES[family].parts == "joint" else ""
+@check
+def _masked(log: Log) -> Iterator[Seen]:
+    shares = 1.0 - log.recording.valid.mean(axis=0)
+    for joint, share in zip(log.joints, shares.tolist(), strict=True):
+        yield Seen(share, (f"{VALID}.{joint}",), joint)
 
 
-ROWS = (
-    Check(
-        name="repeated_rows",
-        figure="Rows that repeat the row before in motion",
-        unit="rows",
-        flag=0.0,
-        refuse=10.0,
-        why="a moving robot never gives the same row twice; each copy is a stop that was none",
-        judge=_repeated,
-    ),
-    Check(
-        name="repeated_block",
-        figure="Longest block of rows that occurs twice",
-        unit="rows",
-        flag=_BLOCK - 1.0,
-        refuse=_BLOCK - 1.0,
-        why="noise and rounding never repeat over five changing rows; a block that does was pasted",
-        judge=_blocks,
-    ),
-    Check(
-        name="copied_column",
-        figure="Share of the rows in which two joints change where they are equal",
-        unit="1",
-        flag=0.9,
-        refuse=0.9,
-        why="two joints that change are never equal to the last bit; joints that rest are",
-        judge=_copied_columns,
-    ),
-)
-"""Checks for copies."""
+@check
+def _nothing_left(log: Log) -> Iterator[Seen]:
+    share = 1.0 - float(log.recording.valid.any(axis=1).mean())
+    yield Seen(share, tuple(f"{VALID}.{joint}" for joint in log.joints))

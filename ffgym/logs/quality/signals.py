@@ -1,53 +1,162 @@
-"""Columns that say the same in different words, as one quantity: motion as positions, torque as motor torque."""
+"""Signals of a log: stretches and steps of a column, intervals of a clock, averages, noise; comparison of two."""
 
-from functools import lru_cache
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import correlate, correlation_lags
+from scipy.special import comb
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.kinship import Signals
-from ffgym.logs.quality.log import EXCITED, Log
 
-_WINDOW = 0.01
-"""Time [s] over which increments are taken: noise of single rows averages out, no planned motion turns around in it."""
+TINY = float(np.finfo(np.float64).tiny)
+"""Smallest number, so that shares of what is zero are finite."""
 
-_SLACK = 0.01
-"""Difference [rad or m, link side] that servo errors, friction and elasticity may leave between set-points, motors and
-links: recorded robots stay below 5 mrad, a joint that sticks in a small motion does too."""
+EVEN = 0.01
+"""Largest difference of sample periods that still counts as even, in sample periods."""
 
-LAG_SPAN = 0.3
-"""Largest delay [s] that is looked for: beyond, periodic motions fit themselves again."""
+_GAP = 1.5
+"""Periods from which on an interval is a gap: a missing row makes two. A clock that scatters has longer ones."""
 
+_ROUNDING = 1e-6
+"""Share of the range of a column below which a difference is rounding: of a speed from differences of large angles it
+is 1e-9, of the finest encoder in use a step is 1e-5."""
 
-@lru_cache(maxsize=4)
-def motion_signals(log: Log) -> Signals:
-    """All that says how the joints move, as link-side positions."""
-    values = log.motions
-    moved = [np.ptp(x, axis=0) > EXCITED for x in values.values()]
-    judged = np.any(moved, axis=0) if moved else np.zeros(len(log.joints), dtype=np.bool_)
-    return _signals(log, values, _SLACK, judged, noisy=False)
+_ORDER = 4
+"""Order of the differences in which noise is seen: motion of frequency f keeps (2 sin(pi f dt))^4 of its amplitude, at
+5 Hz and 250 Hz 2e-4."""
 
-
-@lru_cache(maxsize=4)
-def torque_signals(log: Log) -> Signals:
-    """What says how large the motor torque is: measured, commanded, and the sum of the parts of the command."""
-    recording = log.recording
-    parts = [name for name in ("feedforward", "feedback", "compensation") if recording.has(f"{name}.effort")]
-    values = {
-        family: recording.joint_array(family) for family in ("motor.effort", "command.effort") if recording.has(family)
-    }
-    if {"feedforward", "feedback"} <= set(parts):
-        values["+".join(f"{part}.effort" for part in parts)] = np.sum(
-            [recording.joint_array(f"{part}.effort") for part in parts], axis=0
-        )
-    moves = np.array(
-        [any(np.ptp(x[:, j]) > 0 for x in values.values()) for j in range(len(log.joints))], dtype=np.bool_
-    )
-    return _signals(log, values, 0.0, moves & log.excited, noisy=True)
+_NORMAL = 0.6745
+"""Median size of a normal variable in its standard deviations."""
 
 
-def _signals(log: Log, values: dict[str, Array], slack: float, judged: BoolArray, *, noisy: bool) -> Signals:
-    window = min(log.rows(_WINDOW), len(log.t) - 1)
-    lags = min(max(3, round(LAG_SPAN / log.dt)), len(log.t) // 4)
-    ratio = np.asarray(log.recording.header.gear_ratio)
-    return Signals(values=values, ratio=ratio, judged=judged, window=window, lags=lags, slack=slack, noisy=noisy)
+def stretches(inside: BoolArray, shortest: int = 1) -> list[slice]:
+    """Stretches of rows that are `inside` (T,), at least `shortest` long, in order."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
+    pairs = edges.reshape(-1, 2)
+    return [slice(int(start), int(stop)) for start, stop in pairs if stop - start >= shortest]
+
+
+def constant_stretches(x: Array, shortest: int) -> list[slice]:
+    """Stretches of one value in `x` (T,), at least `shortest` rows long."""
+    return [slice(rows.start, rows.stop + 1) for rows in stretches(np.diff(x) == 0, shortest - 1)]
+
+
+def smallest_step(x: Array) -> float:
+    """Smallest difference between neighbours in `x` (T,) that is more than rounding; 0 if there is none."""
+    steps = np.abs(np.diff(x))
+    steps = steps[steps > _ROUNDING * np.ptp(x)]
+    return float(steps.min()) if steps.size else 0.0
+
+
+def grid_step(x: Array) -> float:
+    """Step of the grid on which all values of `x` (T,) lie; 0 if they lie on none.
+
+    Ten different values must fit to a hundredth of a step: three always do.
+    """
+    values = np.unique(x)
+    step = smallest_step(values)
+    if step == 0.0 or len(values) < 10:
+        return 0.0
+    offsets = (values - values[0]) / step
+    off = np.abs(offsets - np.round(offsets))
+    return step if np.all(off < 0.01 + _ROUNDING * offsets.max()) else 0.0
+
+
+def is_even(t: Array) -> bool:
+    """Whether times [s] are of an even clock."""
+    steps = np.diff(t)
+    return bool(np.ptp(steps) <= EVEN * np.median(steps))
+
+
+def has_two_rates(t: Array) -> bool:
+    """Whether times [s] are of one even clock up to some row, and of another one from there on."""
+    steps = np.diff(t)
+    slow, fast = (float(np.quantile(steps, share)) for share in (0.75, 0.25))
+    if slow <= (1 + EVEN) * fast:
+        return False
+    is_slow = steps > np.sqrt(slow * fast)
+    parts = (steps[is_slow], steps[~is_slow])
+    are_even = all(np.ptp(part) <= EVEN * np.median(part) for part in parts)
+    return are_even and np.count_nonzero(np.diff(is_slow)) == 1
+
+
+def longest_interval(t: Array) -> float:
+    """Longest interval [s] that is no gap: five deviations of the clock above its median, `_GAP` periods at least."""
+    intervals = np.diff(t)
+    period = float(np.median(intervals))
+    scatter = 1.4826 * float(np.median(np.abs(intervals - period)))
+    return max(_GAP * period, period + 5 * scatter)
+
+
+def averaged(values: Array, rows: int) -> Array:
+    """Moving average along the first axis, without delay."""
+    return uniform_filter1d(values, rows | 1, axis=0, mode="nearest")
+
+
+def white_noise(values: Array) -> Array:
+    """Standard deviation of the white noise of signals (T, C), rows evenly spaced; an upper bound for slow sampling.
+
+    The median of high differences, which bursts, jumps and stops do not move.
+    """
+    if len(values) <= 4 * _ORDER:
+        return np.zeros(values.shape[1])
+    gain = np.sqrt(sum(comb(_ORDER, k) ** 2 for k in range(_ORDER + 1)))
+    sizes = np.abs(np.diff(values, _ORDER, axis=0))
+    return np.asarray(np.median(sizes, axis=0) / (_NORMAL * gain))
+
+
+def acceleration_noise(noise: Array, dt: float, cutoff: float) -> Array:
+    """Noise of the second derivative of white `noise` (C,), sampled every `dt` [s], behind a low-pass at `cutoff` [Hz].
+
+    Of the density 2 dt noise^2 up to the cut-off, times (2 pi f)^4.
+    """
+    return np.asarray(noise * (2 * np.pi * cutoff) ** 2 * np.sqrt(2 * dt * cutoff / 5))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Signal a in terms of signal b, by their increments."""
+
+    slope: float
+    """Size of a over size of b, negative if they go opposite ways; nan if b does not change."""
+    correlation: float
+    """In [-1, 1], at `lag`; 0 if one does not change."""
+    lag: float
+    """By how many rows a is later than b."""
+
+
+def compare(a: Array, b: Array, lags: int = 0) -> Comparison:
+    """Compare increments `a` and `b` (T,), shifted by up to `lags` rows against each other."""
+    size_a, size_b = float(np.sqrt(np.sum(a**2))), float(np.sqrt(np.sum(b**2)))
+    if size_a == 0.0 or size_b == 0.0:
+        return Comparison(slope=np.nan if size_b == 0.0 else 0.0, correlation=0.0, lag=0.0)
+    if lags == 0:
+        correlation, lag = float(np.sum(a * b) / (size_a * size_b)), 0.0
+    else:
+        correlation, lag = _peak(a, b, lags, size_a * size_b)
+    return Comparison(slope=float(np.copysign(size_a / size_b, correlation)), correlation=correlation, lag=lag)
+
+
+def _peak(a: Array, b: Array, lags: int, size: float) -> tuple[float, float]:
+    """Correlation of largest size within `lags` rows, and where it is, between rows by a parabola."""
+    near = np.abs(correlation_lags(len(a), len(b))) <= lags
+    curve = correlate(a, b, method="fft")[near] / size
+    peak = int(np.argmax(np.abs(curve)))
+    lag = float(peak - (len(curve) - 1) // 2)
+    if 0 < peak < len(curve) - 1:
+        before, top, after = curve[peak - 1 : peak + 2]
+        bend = before - 2 * top + after
+        lag += 0.5 * float((before - after) / bend) if bend else 0.0
+    return float(curve[peak]), lag
+
+
+def correlations(a: Array, b: Array) -> tuple[Array, Array]:
+    """Slopes and correlations, (N, N) each, of columns i of `a` in terms of columns j of `b`, both (T, N)."""
+    size_a, size_b = np.sqrt(np.sum(a**2, axis=0)), np.sqrt(np.sum(b**2, axis=0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        correlation = np.nan_to_num((a.T @ b) / np.outer(size_a, size_b))
+        slope = np.copysign(size_a[:, None] / size_b[None, :], correlation)
+    return slope, correlation

@@ -1,37 +1,124 @@
-"""Checks of the recorded torque against the description of the robot: unit, joint, mounting, and whether it fits."""
+"""Checks of the recorded torque against the description: unit, joint, mounting, saturation, and whether it fits."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import final
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from ffgym.logs.quality.check import Check, NotJudgedError, Seen
-from ffgym.logs.quality.log import Log
-from ffgym.logs.quality.model import Model, model_of, rms
+from ffgym.core.types import Array, BoolArray
+from ffgym.logs.quality.check import Seen, check
+from ffgym.logs.quality.log import Log, NotJudgedError
+from ffgym.logs.quality.signals import TINY, averaged
+from ffgym.robot import RigidArm, RobotDescription
 
-_FACTOR = 8.0
-"""Factor between recorded and predicted torque from which on a unit or a side is wrong: a payload that is not in the
-description made 7.7 on a wrist."""
+_MODEL_ROWS = 2500
+"""Rows at which the arm is computed: planned motion lies far below their rate, and more would only cost time."""
+
+_ENOUGH = 50
+"""Rows in motion that a joint needs to be judged."""
+
+_MISFIT = 0.35
+"""Share of its torque that a joint's own description leaves from which on another joint is looked for."""
+
+_SEEN = 0.2
+"""Share of the best seen component of gravity below which another one is not seen: small motions turn no link."""
+
+_GRAVITY_ROWS = 300
+"""Rows at which directions of gravity are compared."""
 
 
-def _units(log: Log) -> Iterator[Seen]:
+@final
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Motor torques of the description for the recorded motion, motor side [N m], (T, N) each."""
+
+    robot: RobotDescription
+    q: Array
+    """Joint positions that they are for, link side, averaged."""
+    gravity: Array
+    """Of links and springs, at rest."""
+    motion: Array
+    """Of links and rotors in motion."""
+    friction: Array
+    """At steady speed."""
+    measured: Array
+    """Recorded torque, motor side, averaged as the motion is."""
+    counted: BoolArray
+    """Rows and joints that count: the joint moves, and slides."""
+
+    @property
+    def joints(self) -> list[int]:
+        """Joints that move long enough to be judged, by number."""
+        return [int(j) for j in np.flatnonzero(self.counted.sum(axis=0) >= _ENOUGH)]
+
+    @property
+    def total(self) -> Array:
+        """Sum of all parts."""
+        return self.gravity + self.motion + self.friction
+
+
+@lru_cache(maxsize=4)
+def model_of(log: Log) -> Model:
+    """The description's torque beside the recorded one.
+
+    Raises:
+        NotJudgedError: if robot, motion or torque are not known.
+    """
+    q, dq, ddq, robot = log.smooth_q, log.dq, log.ddq, log.robot
+    if robot is None or not log.has_positions or not log.is_described:
+        raise NotJudgedError("it needs the robot and positions")
+    few = np.unique(np.linspace(0, len(log.t) - 1, min(len(log.t), _MODEL_ROWS)).astype(np.int64))
+    arm, drive = log.arm, robot.drive
+
+    def everywhere(values: Array) -> Array:
+        return np.stack([np.interp(log.t, log.t[few], column) for column in values.T], axis=1)
+
+    links = drive.motor_torque(arm.inverse_dynamics(q[few], dq[few], ddq[few]))
+    return Model(
+        robot=robot,
+        q=q,
+        gravity=everywhere(drive.motor_torque(arm.holding_torque(q[few]))),
+        motion=everywhere(links + drive.rotor_inertia * drive.motor_angle(ddq[few])),
+        friction=robot.friction.steady_torque(drive.motor_angle(dq)),
+        measured=averaged(averaged(_measured(log, robot), log.rows(log.smoothing)), log.rows(log.smoothing)),
+        counted=log.moving,
+    )
+
+
+def _measured(log: Log, robot: RobotDescription) -> Array:
+    """Recorded motor torque [N m], (T, N)."""
+    semantics = log.recording.header.torque_semantics
+    if not log.recording.has("motor.effort") or semantics == "unspecified":
+        raise NotJudgedError("it needs motor.effort, and torque_semantics in the header")
+    torque = log.recording.joint_array("motor.effort")
+    return robot.drive.motor_torque(torque) if semantics == "link_side" else torque
+
+
+def rms(values: Array) -> float:
+    """Root mean square of all `values`, no less than the smallest number, so that shares of it are finite."""
+    return max(float(np.sqrt(np.mean(values**2))), TINY)
+
+
+@check
+def _torque_units(log: Log) -> Iterator[Seen]:
     model = model_of(log)
     for j in model.joints:
         rows = model.counted[:, j]
-        factor = rms(model.measured[rows, j]) / max(rms(model.total[rows, j]), np.finfo(np.float64).tiny)
+        factor = rms(model.measured[rows, j]) / max(rms(model.total[rows, j]), TINY)
+        size = abs(np.log(max(factor, 1e-300)))
         ratio = abs(log.recording.header.gear_ratio[j])
         known = {"N m for mN m": 1e-3, "mN m for N m": 1e3, "the link side for the motor side": ratio}
         known["the motor side for the link side"] = 1 / ratio
         text = min(known, key=lambda name: abs(np.log(max(factor, 1e-300) / known[name])))
-        name = f"motor.effort.{log.joints[j]}"
-        message = (
-            f"{name} is {factor:.4g} times what the description of {model.robot.name} needs, must be within a factor "
-            f"of {_FACTOR:g}; nearest is {text} ({known[text]:.4g}). Convert it, or correct torque_semantics."
-        )
-        yield Seen(value=abs(np.log(max(factor, 1e-300))), message=message, columns=(name,), joint=log.joints[j])
+        words = {"factor": factor, "text": text, "known": known[text]}
+        yield Seen(size, (f"motor.effort.{log.joints[j]}",), log.joints[j], words)
 
 
-def _permutation(log: Log) -> Iterator[Seen]:
+@check
+def _torque_permutation(log: Log) -> Iterator[Seen]:
     model = model_of(log)
     joints = model.joints
     if len(joints) < 2:
@@ -42,12 +129,9 @@ def _permutation(log: Log) -> Iterator[Seen]:
     gains = np.where(own > np.log(_MISFIT), own - cost[np.arange(len(own)), chosen], 0.0)
     for row, column in enumerate(chosen):
         gain = float(gains[_exchanged(chosen, row)].min())  # all of them have changed places, or none
-        name, other = (f"motor.effort.{log.joints[joints[k]]}" for k in (row, column))
-        message = (
-            f"{name} is explained {np.exp(gain):.3g} times as well by the motion of joint {log.joints[joints[column]]} "
-            "as by that of its own, must be less than 2. Give the columns the names of their joints."
-        )
-        yield Seen(value=gain, message=message, columns=(name, other), joint=log.joints[joints[row]])
+        one, other = (log.joints[joints[k]] for k in (row, column))
+        words = {"times": np.exp(gain), "other": other}
+        yield Seen(gain, (f"motor.effort.{one}", f"motor.effort.{other}"), one, words)
 
 
 def _exchanged(chosen: list[int], row: int) -> list[int]:
@@ -58,10 +142,6 @@ def _exchanged(chosen: list[int], row: int) -> list[int]:
     return found
 
 
-_MISFIT = 0.35
-"""Share of its torque that a joint's own description leaves from which on another joint is looked for."""
-
-
 def _left(model: Model, i: int, j: int) -> float:
     """Log of the share of the torque of joint `i` that the description of joint `j` leaves."""
     rows = model.counted[:, i] | model.counted[:, j]
@@ -69,79 +149,64 @@ def _left(model: Model, i: int, j: int) -> float:
     return float(np.log(max(rms(u - p) / max(rms(u), 1e-300), 1e-3)))
 
 
-def _misfit(log: Log) -> Iterator[Seen]:
-    model = model_of(log)
-    shares = {}
+@check
+def _torque_model(log: Log) -> Iterator[Seen]:
+    model, shares = model_of(log), {}
     for j in model.joints:
         rows = model.counted[:, j]
         shares[j] = rms(model.measured[rows, j] - model.total[rows, j]) / max(rms(model.measured[rows, j]), 1e-300)
     if not shares:
         raise NotJudgedError("no joint moves long enough")
-    value = float(np.median(list(shares.values())))
-    message = (
-        f"motor.effort: the description of {model.robot.name} leaves {value:.0%} of the torque of a typical joint, "
-        "must leave less than 60 %. Look for another robot, payload, mounting or run, or wrong signs and units."
-    )
-    yield Seen(value=value, message=message, columns=tuple(f"motor.effort.{log.joints[j]}" for j in shares))
+    yield Seen(float(np.median([*shares.values()])), tuple(f"motor.effort.{log.joints[j]}" for j in shares))
 
 
+@check
 def _saturation(log: Log) -> Iterator[Seen]:
     semantics = log.recording.header.torque_semantics
-    if log.robot is None or not log.recording.has("motor.effort") or log.robot.n_joints != len(log.joints):
+    if log.robot is None or not log.recording.has("motor.effort") or not log.is_described:
         raise NotJudgedError("it needs the robot and motor.effort")
     if semantics == "unspecified":
         raise NotJudgedError("torque_semantics of the header is unspecified")
     if log.robot.quantities and "drive.peak_torque" not in log.robot.quantities:
         raise NotJudgedError("the description does not say drive.peak_torque")
-    torque = log.recording.joint_array("motor.effort")
-    if semantics == "link_side":
-        torque = log.robot.drive.motor_torque(torque)
+    torque = _measured(log, log.robot)
     for j, peak in enumerate(log.robot.drive.peak_torque):
         value = float(np.mean(np.abs(torque[:, j]) > 0.98 * peak))
-        name = f"motor.effort.{log.joints[j]}"
-        message = (
-            f"{name} is within 2 % of the peak torque of {peak:.4g} N m, or beyond, in {value:.1%} of all rows, must "
-            "be in less than 0.5 %. Move more gently: a saturated motor follows no model."
-        )
-        yield Seen(value=value, message=message, columns=(name,), joint=log.joints[j])
+        yield Seen(value, (f"motor.effort.{log.joints[j]}",), log.joints[j], {"peak": peak})
 
 
-TORQUE = (
-    Check(
-        name="torque_units",
-        figure="Recorded over predicted torque, as |ln|",
-        unit="1",
-        flag=float(np.log(_FACTOR)),
-        refuse=float(np.log(_FACTOR)),
-        why="a payload that is not described makes 8 on a wrist; a unit or a side makes 50 and more",
-        judge=_units,
-    ),
-    Check(
-        name="torque_permutation",
-        figure="How much better another joint's motion explains a torque, as ln",
-        unit="1",
-        flag=float(np.log(2.0)),
-        refuse=float(np.log(2.0)),
-        why="judged where own descriptions leave more than 35 %, as assignment of all torques to all joints; a payload "
-        "that is not described makes one torque like another, but not that one like the first",
-        judge=_permutation,
-    ),
-    Check(
-        name="torque_model",
-        figure="Share of the torque that the description leaves, median of the joints",
-        unit="1",
-        flag=0.6,
-        why="recorded robots and their descriptions leave 0.06 to 0.3, without payload 0.6; two robots leave more",
-        judge=_misfit,
-    ),
-    Check(
-        name="saturation",
-        figure="Share of rows at the peak torque",
-        unit="1",
-        flag=0.005,
-        refuse=0.2,
-        why="what a motor could not give does not show in its torque",
-        judge=_saturation,
-    ),
-)
-"""Checks of the torque that need the robot."""
+@check
+def _gravity_direction(log: Log) -> Iterator[Seen]:
+    model = model_of(log)
+    heavy = [j for j in model.joints if rms(model.gravity[:, j]) > 0.3 * rms(model.measured[:, j])]
+    if not heavy or not np.any(model.robot.gravity):
+        raise NotJudgedError("gravity is no large part of any torque")
+    few = slice(0, None, max(1, len(log.t) // _GRAVITY_ROWS))
+    weight = 1 / np.array([rms(model.measured[:, j]) for j in heavy])
+    q, rest = model.q[few], (model.measured - model.motion - model.friction)[few]
+    rest = rest - model.robot.drive.motor_torque(log.arm.spring_torque(q))
+    size = float(np.linalg.norm(model.robot.gravity))
+    torques = [model.robot.drive.motor_torque(arm.gravity_torque(q)) for arm in _pulled_along_axes(model.robot)]
+    columns = np.stack([(torque[:, heavy] * weight).ravel() for torque in torques], axis=1)
+    angle = _angle(columns, (rest[:, heavy] * weight).ravel(), model.robot.gravity / size)
+    yield Seen(angle, tuple(f"motor.effort.{log.joints[j]}" for j in heavy))
+
+
+@lru_cache(maxsize=1)
+def _pulled_along_axes(robot: RobotDescription) -> tuple[RigidArm, ...]:
+    """The robot in gravity as strong as its own, along each axis of the world; kept for the next log."""
+    size = float(np.linalg.norm(robot.gravity))
+    return tuple(RigidArm(replace(robot, gravity=size * axis)) for axis in np.eye(3))
+
+
+def _angle(columns: Array, torque: Array, expected: Array) -> float:
+    """Angle [deg] between the gravity that explains `torque` (R,) by `columns` (R, 3), and the expected one (3,).
+
+    Both are taken in the directions that the torques tell apart.
+    """
+    u, s, vt = np.linalg.svd(columns, full_matrices=False)
+    seen = s > _SEEN * s[0]
+    measured = (u[:, seen].T @ torque) / s[seen]
+    expected = vt[seen] @ expected
+    size = max(float(np.linalg.norm(measured) * np.linalg.norm(expected)), TINY)
+    return float(np.degrees(np.arccos(np.clip(measured @ expected / size, -1, 1))))

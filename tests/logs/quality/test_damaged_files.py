@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ffgym.core.errors import FFGymError
 from ffgym.logs.quality import check_quality
 from ffgym.logs.quality.cells import usual_steps
-from ffgym.logs.quality.runs import smallest_step
+from ffgym.logs.quality.signals import smallest_step
 from ffgym.recordings import Recording
 from ffgym.recordings import csv as csv_format
 from ffgym.recordings import npz as npz_format

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.runs import grid_step
+from ffgym.logs.quality.signals import grid_step
 from ffgym.recordings import FAMILIES
 
 NEAR = 8

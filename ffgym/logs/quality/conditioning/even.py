@@ -8,8 +8,8 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.quality.conditioning.bridge import between, bridged, is_smooth
 from ffgym.logs.quality.conditioning.notes import count, mask_columns, noted
 from ffgym.logs.quality.conditioning.times import Times, in_gaps, times_of
-from ffgym.logs.quality.intervals import has_two_rates, is_even, longest_interval
 from ffgym.logs.quality.log import Log
+from ffgym.logs.quality.signals import has_two_rates, is_even, longest_interval
 from ffgym.recordings import FAMILIES, Header, Recording, clipped
 from ffgym.recordings.schema import VALID
 

@@ -5,7 +5,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.logs.quality.conditioning.notes import amended
 from ffgym.logs.quality.log import RESTING, Log
-from ffgym.logs.quality.runs import stretches
+from ffgym.logs.quality.signals import stretches
 from ffgym.recordings import Recording
 
 _WINDOW = 0.02
@@ -28,7 +28,7 @@ _SLOW = 0.05
 def without_stops(recording: Recording) -> Recording:
     """The log with a mask over abrupt stops of all joints, and over the rest that follows them."""
     log = Log(recording)
-    if log.dq is None or not log.excited.any() or log.dt > _SLOW:
+    if not log.excited.any() or log.dt > _SLOW:
         return recording
     masked = np.zeros(recording.valid.shape, dtype=np.bool_)
     notes = []
@@ -44,8 +44,6 @@ def without_stops(recording: Recording) -> Recording:
 
 def abrupt_stops(log: Log) -> list[slice]:
     """Rows from where an abrupt stop begins to brake to the end of the rest after it."""
-    assert log.q is not None
-    assert log.dq is not None
     braking = _speed_changes(log.q[:, log.excited], log.rows(_WINDOW))
     speed = np.abs(log.dq[:, log.excited])
     resting = np.all(speed <= RESTING * speed.max(axis=0), axis=1)

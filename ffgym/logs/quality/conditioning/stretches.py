@@ -6,7 +6,7 @@ from ffgym.core.types import Array
 from ffgym.logs.quality.conditioning.bridge import bridged, is_smooth
 from ffgym.logs.quality.conditioning.notes import amended
 from ffgym.logs.quality.log import Log
-from ffgym.logs.quality.stuck import stuck_stretches
+from ffgym.logs.quality.values import stuck_stretches
 from ffgym.recordings import Recording
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.clock import long_intervals
-from ffgym.logs.quality.intervals import longest_interval
 from ffgym.logs.quality.log import Log
+from ffgym.logs.quality.rows import long_intervals
+from ffgym.logs.quality.signals import longest_interval
 
 _NO_WORSE = 1.02
 """Roughness of the motion, over that at the time stamps, up to which even times are taken: they leave values as they
@@ -42,7 +42,7 @@ def times_of(log: Log) -> Times:
     stepped = t is not log.t
     stamps = Times(s=t, period=_period(t), kept=True, stepped=stepped)
     even = _evenly(t, stepped=stepped)
-    if log.q is None or not log.excited.any():
+    if not log.excited.any():
         return even
     q = log.q[:, log.excited]
     rough = float(np.exp(np.mean(np.log(_roughness(even.s, q) / _roughness(t, q)))))

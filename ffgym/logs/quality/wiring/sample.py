@@ -9,7 +9,7 @@ import numpy as np
 from scipy.signal import butter, filtfilt
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.logs.quality.noise import acceleration_noise, white_noise
+from ffgym.logs.quality.signals import acceleration_noise, white_noise
 from ffgym.recordings import FAMILIES, Recording
 
 BANDS = (5.0, 2.5, 1.2)

@@ -1,4 +1,4 @@
-"""Checks for columns that keep one value while their joint moves."""
+"""Checks of the values of a column: stuck while its joint moves, clipped, coarse, missing."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,11 +7,9 @@ from typing import final
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.logs.quality.check import Check, NotJudgedError, Seen
-from ffgym.logs.quality.compare import compare
-from ffgym.logs.quality.families import TORQUES, joint_columns
-from ffgym.logs.quality.log import EXCITED, Log
-from ffgym.logs.quality.runs import constant_stretches, smallest_step
+from ffgym.logs.quality.check import Seen, check
+from ffgym.logs.quality.log import EXCITED, TORQUES, Log, NotJudgedError
+from ffgym.logs.quality.signals import compare, constant_stretches, grid_step, smallest_step
 
 _SENSED = ("motor.position", "motor.velocity", "link.position", "link.velocity", "motor.effort")
 """Families that are measured, and change wherever their joint moves."""
@@ -39,38 +37,29 @@ that sticks by friction goes on from where it stood."""
 _ABRUPT = 5.0
 """Steps of the resolution in a third of `_BEFORE`, before a stretch of one value that begins abruptly."""
 
+_GRID = 10
+"""Different positions from which on they say what their step is."""
 
+
+@check
 def _constant(log: Log) -> Iterator[Seen]:
-    moved = _travels(log)
+    travel = [np.ptp(motion, axis=0) for motion in log.motions.values()]
+    moved = np.max(travel, axis=0) > 1e-3 if travel else np.zeros(len(log.joints), dtype=np.bool_)
     if not moved.any():
         raise NotJudgedError("no joint moves")
-    for _, j, name, x in joint_columns(log, (*_SENSED, "command.effort", "reference.position")):
-        alone = bool(moved[j] and np.ptp(x) == 0.0)
-        message = (
-            f"{name} is {x[0]:.4g} {log.recording.unit(name)} in all rows while joint {log.joints[j]} moves, must "
-            "change. Log the signal, or leave the column out."
-        )
-        yield Seen(value=float(alone), message=message, columns=(name,), joint=log.joints[j])
+    for _, j, name, x in log.joint_columns((*_SENSED, "command.effort", "reference.position")):
+        words = {"first": x[0], "unit": log.recording.unit(name)}
+        yield Seen(float(bool(moved[j] and np.ptp(x) == 0.0)), (name,), log.joints[j], words)
 
 
-def _travels(log: Log) -> np.ndarray:
-    """Joints that move by any of their columns, (N,)."""
-    travel = [np.ptp(motion, axis=0) for motion in log.motions.values()]
-    return np.max(travel, axis=0) > 1e-3 if travel else np.zeros(len(log.joints), dtype=np.bool_)
-
-
+@check
 def _stuck(log: Log) -> Iterator[Seen]:
     found = stuck_stretches(log)
     if not found:
-        yield Seen(value=0.0, message="")
+        yield Seen(0.0)
     for stretch in found:
-        held = float(log.t[stretch.rows.stop - 1] - log.t[stretch.rows.start])
-        joint = log.joints[stretch.joint]
-        message = (
-            f"{stretch.name} keeps one value for {held:.4g} s from {log.t[stretch.rows.start]:.4g} s on while joint "
-            f"{joint} moves, must change. Look for a lost connection."
-        )
-        yield Seen(value=held, message=message, columns=(stretch.name,), joint=joint)
+        start, stop = log.t[stretch.rows.start], log.t[stretch.rows.stop - 1]
+        yield Seen(float(stop - start), (stretch.name,), log.joints[stretch.joint], {"start": start})
 
 
 @final
@@ -86,7 +75,7 @@ class Stretch:
 def stuck_stretches(log: Log) -> list[Stretch]:
     """Columns that keep one value while their joint moves on, and where."""
     found = []
-    for family, j, name, x in joint_columns(log, _SENSED):
+    for family, j, name, x in log.joint_columns(_SENSED):
         if np.ptp(x) > 0.0:
             step = smallest_step(x)
             held = _held(log, family, x)
@@ -165,27 +154,69 @@ def _alike(a: Array, b: Array, without: slice) -> bool:
     return kept.sum() > 2 and compare(np.diff(a)[kept], np.diff(b)[kept]).correlation > 0.8
 
 
-STUCK = (
-    Check(
-        name="constant",
-        figure="Columns of one value on a joint that moves",
-        unit="1",
-        flag=0.0,
-        refuse=0.0,
-        why="position, speed and torque of a moving joint change",
-        judge=_constant,
-    ),
-    Check(
-        name="stuck",
-        figure="Longest stretch of one value in motion",
-        unit="s",
-        flag=0.0,
-        refuse=0.0,
-        why="a stretch counts from 20 ms on, beyond 4 of the times for which the column keeps its values, if another "
-        "position of the joint moves on by 1 mrad and 5 % of its range, or if it begins abruptly, by 15 steps of the "
-        "resolution and a fifth of its usual top speed in 5 ms, and ends so; a position must jump to where the joint "
-        "is by then: one that sticks by friction goes on from where it stood",
-        judge=_stuck,
-    ),
-)
-"""Checks for stuck columns."""
+@check
+def _clipped(log: Log) -> Iterator[Seen]:
+    for _, j, name, x in log.joint_columns(TORQUES):
+        if np.ptp(x) == 0.0:
+            continue
+        share = sum(_plateau(x, edge) for edge in (x.max(), x.min())) / len(x)
+        words = {"low": x.min(), "high": x.max(), "unit": log.recording.unit(name)}
+        yield Seen(share, (name,), log.joints[j], words)
+
+
+def _plateau(x: Array, edge: float) -> int:
+    """Rows in which `x` stays at `edge` after it came there fast."""
+    step, count = smallest_step(x), 0
+    for rows in constant_stretches(x, 3):
+        if x[rows.start] == edge:
+            into = abs(x[rows.start] - x[rows.start - 1]) if rows.start else 0.0
+            away = abs(x[rows.stop] - x[rows.stop - 1]) if rows.stop < len(x) else 0.0
+            count += (rows.stop - rows.start) * (max(into, away) > 3 * step)
+    return count
+
+
+@check
+def _coarse(log: Log) -> Iterator[Seen]:
+    for _, j, name, x in log.joint_columns(("motor.position", "link.position", "motor.effort")):
+        if log.excited[j] and np.ptp(x) > 0.0:
+            share = grid_step(x) / float(np.ptp(x))
+            words = {"steps": 1 / share if share else 0, "step": share * np.ptp(x), "unit": log.recording.unit(name)}
+            yield Seen(share, (name,), log.joints[j], words)
+
+
+@check
+def _encoder_steps(log: Log) -> Iterator[Seen]:
+    header = log.recording.header
+    if header.encoder_bits is None or not log.recording.has("motor.position"):
+        raise NotJudgedError("the header has no encoder_bits, or there is no motor.position")
+    for _, j, name, x in log.joint_columns(("motor.position",)):
+        gear = abs(header.gear_ratio[j]) if header.position_side == "link" else 1.0
+        expected = 2 * np.pi / 2**header.encoder_bits / gear
+        ratio = _encoder_ratio(x, expected)
+        value = max(ratio, 1 / ratio) if ratio > 0 else 0.0
+        yield Seen(value, (name,), log.joints[j], {"step": ratio * expected, "ratio": ratio})
+
+
+def _encoder_ratio(x: Array, expected: float) -> float:
+    """Step of `x` (T,) over that of an encoder; 0 if it has none.
+
+    A fast motion skips most steps, so that not the smallest that it shows counts but what all have in common.
+    """
+    counts = (x - x[0]) / expected
+    whole = np.round(counts)
+    if np.all(np.abs(counts - whole) < 0.05) and len(np.unique(whole)) >= _GRID:
+        return float(np.gcd.reduce(whole.astype(np.int64)))
+    return grid_step(x) / expected
+
+
+@check
+def _missing(log: Log) -> Iterator[Seen]:
+    present = [name for name in log.recording.columns if name.startswith(("tcp.", "temperature."))]
+    if not present:
+        raise NotJudgedError("there is no column that may miss samples")
+    for name in present:
+        rows, share = np.flatnonzero(np.isfinite(log.recording[name])), 1.0
+        if len(rows) > 1:
+            every = float(np.median(np.diff(rows)))
+            share = max(0.0, 1.0 - len(rows) * every / len(log.t))
+        yield Seen(share, (name,))
