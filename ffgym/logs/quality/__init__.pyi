@@ -2,9 +2,9 @@ from .check import Check as Check
 from .check import Finding as Finding
 from .check import QualityReport as QualityReport
 from .conditioning import conditioned as conditioned
-from .conditioning import notes_of as notes_of
 from .coverage import NEEDS as NEEDS
 from .coverage import Need as Need
+from .even import notes_of as notes_of
 from .gate import CHECKS as CHECKS
 from .gate import STAGES as STAGES
 from .gate import Judged as Judged
