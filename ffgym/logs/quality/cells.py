@@ -114,7 +114,7 @@ def columns_of(log: Log) -> tuple[Column, ...]:
             continue
         seen = {name: np.flatnonzero(np.isfinite(values)) for name, values in log.columns(family).items()}
         values = {name: log.recording[name][rows] for name, rows in seen.items()}
-        steps = {name: smallest_step(x) if np.sum(np.diff(x) != 0) >= _STEPS else 0.0 for name, x in values.items()}
+        steps = {name: smallest_step(x, _STEPS) for name, x in values.items()}
         for name, rows in seen.items():
             if len(rows) > 2 * REACH:
                 found.append(Column(family, name, rows, values[name], steps[name] or max(steps.values())))

@@ -43,11 +43,11 @@ def constant_stretches(x: Array, shortest: int) -> list[slice]:
     return [slice(rows.start, rows.stop + 1) for rows in stretches(np.diff(x) == 0, shortest - 1)]
 
 
-def smallest_step(x: Array) -> float:
-    """Smallest difference between neighbours in `x` (T,) that is more than rounding; 0 if there is none."""
+def smallest_step(x: Array, least: int = 1) -> float:
+    """Smallest difference between neighbours in `x` (T,) that is more than rounding; 0 if fewer than `least` are."""
     steps = np.abs(np.diff(x))
     steps = steps[steps > _ROUNDING * np.ptp(x)]
-    return float(steps.min()) if steps.size else 0.0
+    return float(steps.min()) if steps.size >= least else 0.0
 
 
 def grid_step(x: Array) -> float:

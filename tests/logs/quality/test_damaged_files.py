@@ -34,6 +34,15 @@ HOW = {
 FEW, MANY = settings(max_examples=20, **HOW), settings(max_examples=400, **HOW)
 
 
+def test_a_number_beyond_all_others_does_not_hide_behind_its_own_size():
+    recording = clean_log("two_link", "multisine")
+    name = "feedback.integral.shoulder"
+    values = recording[name].copy()
+    values[500] = 1e9
+    report = check_quality(recording.with_columns({name: values}))
+    assert [(finding.check, finding.columns) for finding in report.problems] == [("spike", (name,))]
+
+
 @pytest.fixture(scope="module")
 def original() -> Recording:
     recording = clean_log(ROBOT, MOTION)
