@@ -14,8 +14,7 @@ from ffgym.logs.column_map.column import COLUMN_KEYS
 from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES
 from ffgym.logs.column_map.rewire import REWIRE_KEYS
 from ffgym.logs.column_map.units import COUNTS, KELVIN, UNITS
-from ffgym.logs.quality.gate import STAGES
-from ffgym.logs.quality.needs import NEEDS
+from ffgym.logs.quality import NEEDS, STAGES
 from ffgym.logs.text_layout import LAYOUT_KEYS
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.load import HEAD, PARTS, builtin_files

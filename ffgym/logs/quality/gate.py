@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError, check_choice
 from ffgym.logs.quality import agreement, cells, coverage, plausible, rows, tool, torque, torque_timing, values
 from ffgym.logs.quality.check import STAGE_ROWS, Check, Finding, QualityReport, worst_first
 from ffgym.logs.quality.conditioning import conditioned
-from ffgym.logs.quality.coverage import NEEDS, need_findings
+from ffgym.logs.quality.coverage import need_findings
 from ffgym.logs.quality.even import notes_of
 from ffgym.logs.quality.log import Log
 from ffgym.logs.quality.signals import EVEN, is_even
