@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.runs import stretches
+from ffgym.logs.quality.signals import stretches
 from ffgym.recordings.stretch import Source
 
 POSITION = "motor.position"

@@ -153,7 +153,7 @@ def joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPas
     if not is_even(recording.t):
         raise FFGymError(
             f"Recording {recording.header.segment!r} is sampled unevenly, every {np.diff(recording.t).min():g} to "
-            f"{np.diff(recording.t).max():g} s; ffgym.logs.quality.conditioning.conditioned brings it to even times."
+            f"{np.diff(recording.t).max():g} s; ffgym.logs.conditioned brings it to even times."
         )
     angle = angle if recording.header.position_side == "link" else robot.drive.joint_angle(angle)
     q = low_pass(angle, dt)
