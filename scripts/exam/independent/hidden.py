@@ -24,18 +24,19 @@ Changed = tuple[Numbers, View]
 
 
 @final
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Kind:
     """A kind of effect that may be hidden."""
 
     answer: str
     """Name in the library; empty outside it."""
-    full: Callable[[RobotDescription, int, np.random.Generator], float]
+    full: "Full"
     """Largest size on a joint, with a sign by chance where it may have two."""
-    change: Callable[[Changed, int, float, "Shape"], Changed]
+    change: "Change"
     """A machine with an effect of that size and shape on a joint."""
-    told: Callable[[float, "Shape"], dict[str, float]] = lambda size, shape: {}
-    """Its numbers by the names of the library; nothing where its equation is another one."""
+    numbers: Mapping[str, float | str] = field(default_factory=dict)
+    """Its numbers by the names of the library, "size", "cycles" and the "way" x, y, z among them; nothing where its
+    equation is another one."""
     needs: tuple[str, ...] = ()
     """'elastic' joints, a 'tracker', 'temperature', or a 'neighbour'."""
     at_machine: bool = False
@@ -55,6 +56,10 @@ class Shape:
     """[Hz]."""
     way: Array
     """Direction, of unit length, shape (3,)."""
+
+
+Full = Callable[[RobotDescription, int, np.random.Generator], float]
+Change = Callable[[Changed, int, float, Shape], Changed]
 
 
 @final
@@ -86,7 +91,7 @@ class Concealed:
     @property
     def is_foreign(self) -> bool:
         """Whether its sizes do not compare with those of the library."""
-        return not self.kind.told(self.size, self.shape)
+        return not self.kind.numbers
 
     def clue(self, robot: RobotDescription) -> Clue | None:
         """What an answer must say of an effect outside the library."""
@@ -99,8 +104,10 @@ class Concealed:
 
     def numbers(self, robot: RobotDescription) -> dict[str, float]:
         """Parameters by the names that causes have."""
-        told = self.kind.told(self.size, self.shape)
-        return {name: value + self.beside.get(name, 0.0) for name, value in told.items()}
+        way = dict(zip("xyz", (self.size * self.shape.way).tolist(), strict=True))
+        known = {"size": self.size, "cycles": self.shape.cycles} | way
+        numbers = {name: known[one] if isinstance(one, str) else one for name, one in self.kind.numbers.items()}
+        return {name: float(value) + self.beside.get(name, 0.0) for name, value in numbers.items()}
 
     def truth(self, robot: RobotDescription, loudness: float) -> Truth:
         """What marks need of it."""
@@ -145,15 +152,15 @@ def possible(robot: RobotDescription, columns: Columns) -> tuple[str, ...]:
     return tuple(name for name, kind in KINDS.items() if all(there[need] for need in kind.needs))
 
 
-def _either(limit: float) -> Callable[[RobotDescription, int, np.random.Generator], float]:
+def _either(limit: float) -> Full:
     return lambda robot, j, rng: limit * float(rng.choice([-1.0, 1.0]))
 
 
-def _up(limit: float) -> Callable[[RobotDescription, int, np.random.Generator], float]:
+def _up(limit: float) -> Full:
     return lambda robot, j, rng: limit
 
 
-def _of_coulomb(limit: float) -> Callable[[RobotDescription, int, np.random.Generator], float]:
+def _of_coulomb(limit: float) -> Full:
     return lambda robot, j, rng: limit * float(robot.friction.coulomb[j])
 
 
@@ -170,7 +177,7 @@ def _balance(robot: RobotDescription, j: int, rng: np.random.Generator) -> float
     return float(rng.choice([-1.0, 1.0])) * min(100.0, 0.05 * float(peak))
 
 
-def _scaled(*names: str) -> Callable[[Changed, int, float, Shape], Changed]:
+def _scaled(*names: str) -> Change:
     """Numbers of a joint that are a share of themselves larger."""
 
     def change(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
@@ -183,7 +190,7 @@ def _scaled(*names: str) -> Callable[[Changed, int, float, Shape], Changed]:
     return change
 
 
-def _fault(name: str, *, cycles: str = "", frequency: str = "") -> Callable[[Changed, int, float, Shape], Changed]:
+def _fault(name: str, *, cycles: str = "", frequency: str = "") -> Change:
     def change(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
         more = ({cycles: shape.cycles} if cycles else {}) | ({frequency: shape.frequency} if frequency else {})
         return with_fault(machine[0], j, **{name: size}, **more), machine[1]
@@ -191,26 +198,22 @@ def _fault(name: str, *, cycles: str = "", frequency: str = "") -> Callable[[Cha
     return change
 
 
-def _coulomb(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
-    """The whole strength of the contact is larger, by a share of the Coulomb torque."""
-    return _raised(machine, j, size, ("coulomb", "breakaway"))
-
-
 def _blocks(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
     """Another contact, which has no size."""
     return with_fault(machine[0], j, blocks=1.0), machine[1]
 
 
-def _peak(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
-    return _raised(machine, j, size, ("breakaway",))
+def _raised(*names: str) -> Change:
+    """Strengths of the contact that are larger by a share of the Coulomb torque."""
 
+    def change(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
+        numbers, view = machine
+        values = {name: getattr(numbers, name).copy() for name in names}
+        for value in values.values():
+            value[:, j] += size * numbers.coulomb[:, j]
+        return replace(numbers, **values), view
 
-def _raised(machine: Changed, j: int, size: float, names: tuple[str, ...]) -> Changed:
-    numbers, view = machine
-    values = {name: getattr(numbers, name).copy() for name in names}
-    for value in values.values():
-        value[:, j] += size * numbers.coulomb[:, j]
-    return replace(numbers, **values), view
+    return change
 
 
 def _stiffness(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
@@ -238,7 +241,7 @@ def _heavier(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
     return replace(numbers, bodies=replace(bodies, mass=mass, com=com, inertia=inertia)), view
 
 
-def _viewed(name: str) -> Callable[[Changed, int, float, Shape], Changed]:
+def _viewed(name: str) -> Change:
     def change(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
         numbers, view = machine
         value: Any = size if name == "latency" else getattr(view, name) + size * shape.way
@@ -247,126 +250,67 @@ def _viewed(name: str) -> Callable[[Changed, int, float, Shape], Changed]:
     return change
 
 
-def _by_tracker(answer: str, full: float, name: str, told: Callable[[float, Shape], dict[str, float]]) -> Kind:
-    """Of how the tracker sees the tool."""
-    change = _viewed(name)
-    return Kind(answer=answer, full=_up(full), change=change, told=told, needs=("tracker",), at_machine=True)
+def _at_tracker(answer: str, full: float, name: str, numbers: Mapping[str, float | str]) -> Kind:
+    """How the tracker sees the tool."""
+    return Kind(answer, _up(full), _viewed(name), numbers, needs=("tracker",), at_machine=True)
 
 
-def _vector(name: str) -> Callable[[float, Shape], dict[str, float]]:
-    return lambda size, shape: {f"{name}.{axis}": float(size * x) for axis, x in zip("xyz", shape.way, strict=True)}
+def _vector(name: str) -> Mapping[str, str]:
+    return {f"{name}.{axis}": axis for axis in "xyz"}
 
 
-def _number(name: str) -> Callable[[float, Shape], dict[str, float]]:
-    return lambda size, shape: {name: size}
+def _described(answer: str, full: Full, change: Change, numbers: Mapping[str, float | str], *needs: str) -> Kind:
+    """A number that is described."""
+    return Kind(answer, full, change, numbers, needs=needs, of_number=True)
 
+
+_CHANGE: Mapping[str, float | str] = {"change": "size"}
+_WAVE: Mapping[str, float | str] = {"cycles": "cycles", "phase": 0.0}
+_ONCE: Mapping[str, float | str] = {"amplitude": "size", "cycles": 1.0, "phase": 0.0}
+_PAYLOAD: Mapping[str, float | str] = {"mass": "size", "offset.x": 0.0, "offset.y": 0.0, "offset.z": 0.0, "radius": 0.0}
 
 KINDS: Mapping[str, Kind] = MappingProxyType(
     {
-        "coulomb": Kind(
-            answer="coulomb_level", full=_either(0.3), change=_coulomb, told=_number("change"), of_number=True
-        ),
-        "viscous": Kind(
-            answer="viscous_level", full=_either(0.5), change=_scaled("viscous"), told=_number("change"), of_number=True
-        ),
-        "peak": Kind(
-            answer="stribeck_peak",
-            full=_up(0.8),
-            change=_peak,
-            told=lambda size, shape: {"level": size, "velocity": 0.0},
-        ),
-        "presliding": Kind(
-            answer="presliding",
-            full=_up(1.5),
-            change=_scaled("presliding"),
-            told=lambda size, shape: {"stiffness": size, "damping": 0.0},
-            of_number=True,
-        ),
-        "blocks": Kind(answer="presliding", full=_up(1.0), change=_blocks),
-        "asymmetry": Kind(
-            answer="asymmetry",
-            full=_either(0.2),
-            change=_fault("asymmetry"),
-            told=lambda size, shape: {"coulomb": size, "viscous": 0.0},
-        ),
-        "load_share": Kind(answer="load_friction", full=_up(0.15), change=_fault("load_share"), told=_number("share")),
-        "bend": Kind(answer="nonlinear_viscous", full=_up(0.4), change=_fault("bend")),
-        "warm": Kind(answer="temperature_friction", full=_up(0.8), change=_fault("warm"), needs=("temperature",)),
-        "wear": Kind(answer="coulomb_drift", full=_either(3.0), change=_fault("wear")),
-        "waves": Kind(
-            answer="position_friction",
-            full=_up(0.2),
-            change=_fault("waves", cycles="wave_cycles"),
-            told=lambda size, shape: {"share": size, "cycles": shape.cycles, "phase": 0.0},
-        ),
-        "stiffness": Kind(
-            answer="joint_stiffness",
-            full=_either(0.3),
-            change=_stiffness,
-            told=_number("change"),
-            needs=("elastic",),
-            of_number=True,
-        ),
-        "growth": Kind(answer="hardening", full=_up(1.0), change=_growth, needs=("elastic",)),
-        "gap": Kind(
-            answer="backlash", full=_up(3e-4), change=_fault("gap"), told=_number("half_gap"), needs=("elastic",)
-        ),
-        "tooth": Kind(
-            answer="kinematic_error",
-            full=_up(3e-4),
-            change=_fault("tooth"),
-            told=lambda size, shape: {"amplitude": size, "cycles": 1.0, "phase": 0.0},
-            needs=("elastic",),
-        ),
-        "payload": Kind(
-            answer="payload",
-            full=_payload,
-            change=_heavier,
-            told=lambda size, shape: {"mass": size, "offset.x": 0.0, "offset.y": 0.0, "offset.z": 0.0, "radius": 0.0},
-            at_machine=True,
-        ),
-        "rotor": Kind(
-            answer="rotor_inertia", full=_either(0.2), change=_scaled("rotor"), told=_number("change"), of_number=True
-        ),
+        "coulomb": _described("coulomb_level", _either(0.3), _raised("coulomb", "breakaway"), _CHANGE),
+        "viscous": _described("viscous_level", _either(0.5), _scaled("viscous"), _CHANGE),
+        "peak": Kind("stribeck_peak", _up(0.8), _raised("breakaway"), {"level": "size", "velocity": 0.0}),
+        "presliding": _described("presliding", _up(1.5), _scaled("presliding"), {"stiffness": "size", "damping": 0.0}),
+        "blocks": Kind("presliding", _up(1.0), _blocks),
+        "asymmetry": Kind("asymmetry", _either(0.2), _fault("asymmetry"), {"coulomb": "size", "viscous": 0.0}),
+        "load_share": Kind("load_friction", _up(0.15), _fault("load_share"), {"share": "size"}),
+        "bend": Kind("nonlinear_viscous", _up(0.4), _fault("bend")),
+        "warm": Kind("temperature_friction", _up(0.8), _fault("warm"), needs=("temperature",)),
+        "wear": Kind("coulomb_drift", _either(3.0), _fault("wear")),
+        "waves": Kind("position_friction", _up(0.2), _fault("waves", cycles="wave_cycles"), {"share": "size", **_WAVE}),
+        "stiffness": _described("joint_stiffness", _either(0.3), _stiffness, _CHANGE, "elastic"),
+        "growth": Kind("hardening", _up(1.0), _growth, needs=("elastic",)),
+        "gap": Kind("backlash", _up(3e-4), _fault("gap"), {"half_gap": "size"}, needs=("elastic",)),
+        "tooth": Kind("kinematic_error", _up(3e-4), _fault("tooth"), _ONCE, needs=("elastic",)),
+        "payload": Kind("payload", _payload, _heavier, _PAYLOAD, at_machine=True),
+        "rotor": _described("rotor_inertia", _either(0.2), _scaled("rotor"), _CHANGE),
         "torque_error": Kind(
-            answer="torque_constant",
-            full=_either(0.1),
-            change=_fault("torque_error"),
-            told=lambda size, shape: {"error": size, "saturation": 0.0, "magnets": 0.0},
+            "torque_constant",
+            _either(0.1),
+            _fault("torque_error"),
+            {"error": "size", "saturation": 0.0, "magnets": 0.0},
         ),
-        "offset": Kind(answer="torque_offset", full=_offset, change=_fault("offset"), told=_number("offset")),
-        "lag": Kind(answer="torque_delay", full=_up(0.0015), change=_fault("lag")),
+        "offset": Kind("torque_offset", _offset, _fault("offset"), {"offset": "size"}),
+        "lag": Kind("torque_delay", _up(0.0015), _fault("lag")),
         "cogging": Kind(
-            answer="cogging",
-            full=_of_coulomb(0.3),
-            change=_fault("cogging", cycles="cogging_cycles"),
-            told=lambda size, shape: {"amplitude": size, "cycles": shape.cycles, "phase": 0.0},
+            "cogging", _of_coulomb(0.3), _fault("cogging", cycles="cogging_cycles"), {"amplitude": "size", **_WAVE}
         ),
         "ripple": Kind(
-            answer="torque_ripple",
-            full=_up(0.05),
-            change=_fault("ripple", cycles="ripple_cycles"),
-            told=lambda size, shape: {"share": size, "cycles": shape.cycles, "phase": 0.0},
+            "torque_ripple", _up(0.05), _fault("ripple", cycles="ripple_cycles"), {"share": "size", **_WAVE}
         ),
-        "resolver": Kind(
-            answer="resolver_ripple",
-            full=_up(3e-3),
-            change=_fault("resolver"),
-            told=lambda size, shape: {"amplitude": size, "cycles": 1.0, "phase": 0.0},
-        ),
-        "balance": Kind(
-            answer="gravity_term",
-            full=_balance,
-            change=_fault("balance"),
-            told=lambda size, shape: {"sine": 0.0, "cosine": size, "stiffness": 0.0},
-        ),
-        "reflector": _by_tracker("tool_frame", 1.5e-3, "offset", _vector("offset")),
-        "frame_shift": _by_tracker("tracker_frame", 1.5e-3, "shift", _vector("shift")),
-        "frame_turn": _by_tracker("tracker_frame", 1e-3, "turn", _vector("turn")),
-        "latency": _by_tracker("tracker_clock", 0.005, "latency", lambda size, shape: {"latency": size, "drift": 0.0}),
-        "brake": Kind(answer="", full=_of_coulomb(0.5), change=_fault("brake", frequency="frequency")),
-        "clock": Kind(answer="", full=_of_coulomb(0.3), change=_fault("clock", frequency="frequency")),
-        "neighbour": Kind(answer="", full=_of_coulomb(0.4), change=_fault("neighbour"), needs=("neighbour",)),
+        "resolver": Kind("resolver_ripple", _up(3e-3), _fault("resolver"), _ONCE),
+        "balance": Kind("gravity_term", _balance, _fault("balance"), {"sine": 0.0, "cosine": "size", "stiffness": 0.0}),
+        "reflector": _at_tracker("tool_frame", 1.5e-3, "offset", _vector("offset")),
+        "frame_shift": _at_tracker("tracker_frame", 1.5e-3, "shift", _vector("shift")),
+        "frame_turn": _at_tracker("tracker_frame", 1e-3, "turn", _vector("turn")),
+        "latency": _at_tracker("tracker_clock", 0.005, "latency", {"latency": "size", "drift": 0.0}),
+        "brake": Kind("", _of_coulomb(0.5), _fault("brake", frequency="frequency")),
+        "clock": Kind("", _of_coulomb(0.3), _fault("clock", frequency="frequency")),
+        "neighbour": Kind("", _of_coulomb(0.4), _fault("neighbour"), needs=("neighbour",)),
     }
 )
 """Every kind of effect, by the name that the exam gives it."""

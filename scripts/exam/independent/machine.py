@@ -1,11 +1,13 @@
 """Numbers of a machine: what its description says, made wrong as descriptions are, and faults beside them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
 from typing import Any, final
 
 import numpy as np
 
+from ffgym.core.errors import check_choice
 from ffgym.core.types import Array, BoolArray
 from ffgym.robot.description import RobotDescription
 from scripts.exam.independent.arm import Bodies, bodies_of
@@ -14,68 +16,37 @@ _USUAL = 0.3
 """Usual speed over the largest; chosen: what a motion that fills the range in a second comes to."""
 
 
-def _none(*shape: int) -> Array:
-    return np.zeros(shape)
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Faults:
-    """What a machine may have beside its description, none of it by default; one entry per joint, or alone.
-
-    Friction acts through the strength of the contact; torques are of the motor side if nothing else is said.
-    """
-
-    asymmetry: Array = field(default_factory=_none)
-    """Share of the Coulomb torque that is more forwards and less backwards."""
-    load_share: Array = field(default_factory=_none)
-    """Share of the torque that the gearbox passes on, which adds to the strength of the contact."""
-    blocks: Array = field(default_factory=_none)
-    """1 where blocks on springs rub in place of bristles."""
-    bend: Array = field(default_factory=_none)
-    """By how much the exponent of viscous friction is below 1."""
-    warm: Array = field(default_factory=_none)
-    """Share of viscous friction that is lost when warm, by a Lorentz curve of temperature."""
-    wear: Array = field(default_factory=_none)
-    """Share of the Coulomb torque that is gained in an hour, evenly."""
-    waves: Array = field(default_factory=_none)
-    """Share of the Coulomb torque that comes and goes with the joint angle."""
-    wave_cycles: Array = field(default_factory=_none)
-    """[1/rad] of the joint angle."""
-    gap: Array = field(default_factory=_none)
-    """Half the play of the gearbox, link side [rad], with edges round over a tenth of it."""
-    growth: Array = field(default_factory=_none)
-    """Share by which the spring is stiffer at the deflection `growth_at`, by its magnitude."""
-    growth_at: Array = field(default_factory=_none)
-    """Link side [rad]."""
-    tooth: Array = field(default_factory=_none)
-    """Error of the gearbox, link side [rad], once in a turn of the motor."""
-    cogging: Array = field(default_factory=_none)
-    """[N m]."""
-    cogging_cycles: Array = field(default_factory=_none)
-    """Per motor turn."""
-    ripple: Array = field(default_factory=_none)
-    """Share of the motor torque that comes and goes with its angle."""
-    ripple_cycles: Array = field(default_factory=_none)
-    """Per motor turn."""
-    torque_error: Array = field(default_factory=_none)
-    """Share by which the motor gives more than its current says."""
-    offset: Array = field(default_factory=_none)
-    """[N m]."""
-    lag: Array = field(default_factory=_none)
-    """Time constant with which torque follows what is logged [s]."""
-    resolver: Array = field(default_factory=_none)
-    """Error of the motor's angle, once in a turn [rad]."""
-    balance: Array = field(default_factory=_none)
-    """Amplitude of a torque of the link that goes with the cosine of its angle [N m], link side."""
-    brake: Array = field(default_factory=_none)
-    """Amplitude of a drag that comes and goes with time [N m]."""
-    clock: Array = field(default_factory=_none)
-    """Amplitude of a torque that comes and goes with time [N m]."""
-    frequency: Array = field(default_factory=_none)
-    """Of both [Hz]."""
-    neighbour: Array = field(default_factory=_none)
-    """Torque on this joint by the angle of the next, the first after the last [N m]."""
+FAULTS: Mapping[str, str] = MappingProxyType(
+    {
+        "asymmetry": "share of the Coulomb torque that is more forwards and less backwards",
+        "load_share": "share of the torque that the gearbox passes on, which adds to the strength of the contact",
+        "blocks": "1 where blocks on springs rub in place of bristles",
+        "bend": "by how much the exponent of viscous friction is below 1",
+        "warm": "share of viscous friction that is lost when warm, by a Lorentz curve of temperature",
+        "wear": "share of the Coulomb torque that is gained in an hour, evenly",
+        "waves": "share of the Coulomb torque that comes and goes with the joint angle",
+        "wave_cycles": "of these waves [1/rad], by the joint angle",
+        "gap": "half the play of the gearbox, link side [rad], with edges round over a tenth of it",
+        "growth": "share by which the spring is stiffer at the deflection `growth_at`, by its magnitude",
+        "growth_at": "deflection, link side [rad]",
+        "tooth": "error of the gearbox, link side [rad], once in a turn of the motor",
+        "cogging": "torque that comes and goes with the angle of the motor [N m]",
+        "cogging_cycles": "of it, per motor turn",
+        "ripple": "share of the motor torque that comes and goes with its angle",
+        "ripple_cycles": "of it, per motor turn",
+        "torque_error": "share by which the motor gives more than its current says",
+        "offset": "torque without a current [N m]",
+        "lag": "time constant with which torque follows what is logged [s]",
+        "resolver": "error of the motor's angle, once in a turn [rad]",
+        "balance": "amplitude of a torque of the link that goes with the cosine of its angle [N m], link side",
+        "brake": "amplitude of a drag that comes and goes with time [N m]",
+        "clock": "amplitude of a torque that comes and goes with time [N m]",
+        "frequency": "of both [Hz]",
+        "neighbour": "torque on this joint by the angle of the next, the first after the last [N m]",
+    }
+)
+"""What a machine may have beside its description, one number per joint; friction acts through the strength of the
+contact, and torques are of the motor side if nothing else is said."""
 
 
 @final
@@ -103,7 +74,8 @@ class Numbers:
     """Damping of the contact [N m s/rad]."""
     usual_speed: Array
     """At which bent viscous friction is as described [rad/s]."""
-    faults: Faults = field(default_factory=Faults)
+    faults: Mapping[str, Array] = field(default_factory=dict)
+    """Those of `FAULTS` that some machine has."""
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -133,7 +105,6 @@ def numbers_of(robot: RobotDescription) -> Numbers:
         presliding=one(friction.bristle_stiffness),
         rubbing=one(friction.bristle_damping),
         usual_speed=one(_USUAL * robot.kinematics.max_speed * np.abs(drive.gear_ratio)),
-        faults=_spread(Faults(), robot.n_joints),
     )
 
 
@@ -154,13 +125,14 @@ def unsure(robot: RobotDescription, share: float, rng: np.random.Generator) -> N
     return replace(found, breakaway=np.maximum(found.breakaway, found.coulomb))
 
 
-def with_fault(numbers: Numbers, joint: int | None, **values: float) -> Numbers:
-    """The same machine with a fault of that size on one joint, or on the machine."""
-    changed = {}
+def with_fault(numbers: Numbers, joint: int, **values: float) -> Numbers:
+    """The same machine with faults of that size on one joint."""
+    faults = dict(numbers.faults)
     for name, value in values.items():
-        changed[name] = getattr(numbers.faults, name).copy()
-        changed[name][:, slice(None) if joint is None else joint] = value
-    return replace(numbers, faults=replace(numbers.faults, **changed))
+        changed = faults.get(name, np.zeros(numbers.shape)).copy()
+        changed[:, joint] = value
+        faults[check_choice("fault", name, list(FAULTS))] = changed
+    return replace(numbers, faults=faults)
 
 
 def side_by_side(machines: Sequence[Numbers]) -> Numbers:
@@ -170,15 +142,10 @@ def side_by_side(machines: Sequence[Numbers]) -> Numbers:
         names = [f.name for f in fields(of[0]) if f.name not in skip]
         return {name: np.concatenate([getattr(one, name) for one in of]) for name in names}
 
-    bodies = [one.bodies for one in machines]
-    shared = ("slides", "gravity", "tool_rotation")
+    bodies, some = [one.bodies for one in machines], {name for one in machines for name in one.faults}
     return replace(
         machines[0],
-        bodies=replace(bodies[0], **all_of(bodies, shared)),
-        faults=replace(machines[0].faults, **all_of([one.faults for one in machines], ())),
+        bodies=replace(bodies[0], **all_of(bodies, ("slides", "gravity", "tool_rotation"))),
+        faults={name: np.concatenate([one.faults.get(name, np.zeros(one.shape)) for one in machines]) for name in some},
         **all_of(machines, ("bodies", "faults", "rigid")),
     )
-
-
-def _spread(faults: Faults, n: int) -> Faults:
-    return replace(faults, **{f.name: np.zeros((1, n)) for f in fields(Faults)})

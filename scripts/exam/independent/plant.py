@@ -75,8 +75,7 @@ class Plant:
         """
         self.numbers, self.contact, self.servo, self.dt = numbers, contact, servo, dt
         self._clock, self._warming = clock[:, None], warming
-        faults = numbers.faults
-        self._is_faulty = {name: bool(np.any(values)) for name, values in vars(faults).items()}
+        self._faults = {name: values for name, values in numbers.faults.items() if np.any(values)}
         self._load = np.zeros(numbers.shape)
         self._start = np.zeros(numbers.shape)
         rotors = np.where(numbers.rigid, numbers.gear_ratio**2 * numbers.rotor, 0.0)
@@ -134,107 +133,107 @@ class Plant:
 
     def rates(self, state: Array, half: int, orders: Orders) -> Stage:
         """Rates of a state at a half step since the motion began, and torque of the servo beside the feed-forward."""
-        n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
+        n, f = self.numbers, self._faults
         q, dq, angle, speed, servo, lagging = state
         # the motor's torque
         feedback, servo_rate = self.servo.torque(servo, half, orders, self._seen(angle), speed)
         said = feedback + orders.ahead[half]
         late, lag_rate = said, lagging * 0.0
-        if faulty["lag"]:
-            late = np.where(f.lag > 0, lagging, said)
-            lag_rate = (said - lagging) / np.where(f.lag > 0, f.lag, 1.0)
+        if "lag" in f:
+            late = np.where(f["lag"] > 0, lagging, said)
+            lag_rate = (said - lagging) / np.where(f["lag"] > 0, f["lag"], 1.0)
         torque = self._given(late, angle) - self._friction(q, angle, speed, half)
         torque = torque + self._by_clock(half)
         # spring and arm
         lever = self._lever
-        if faulty["tooth"]:
-            lever = lever + f.tooth * np.cos(angle)
+        if "tooth" in f:
+            lever = lever + f["tooth"] * np.cos(angle)
         spring = np.zeros_like(q) if self._all_rigid else self._spring(q, dq, angle, speed, lever)
         matrix, bias = mass_and_bias(n.bodies, q, dq)
         driving = (np.where(n.rigid, n.gear_ratio * torque, spring) if self._any_rigid else spring) - bias
-        if faulty["balance"]:
-            driving = driving - f.balance * np.cos(q)
+        if "balance" in f:
+            driving = driving - f["balance"] * np.cos(q)
         ddq = np.linalg.solve(matrix + self._rotors, driving[..., None])[..., 0]
         acceleration = (torque - spring * lever) / n.rotor
         if self._any_rigid:
             acceleration = np.where(n.rigid, n.gear_ratio * ddq, acceleration)
-        if faulty["load_share"]:
+        if "load_share" in f:
             carried = (matrix @ ddq[..., None])[..., 0] + bias
             self._load = np.where(n.rigid, carried, spring)
         return np.stack([dq, ddq, speed, acceleration, servo_rate, lag_rate]), feedback
 
     def _seen(self, angle: Array) -> Array:
         """Angle as the resolver reads it."""
-        return angle + self.numbers.faults.resolver * np.sin(angle) if self._is_faulty["resolver"] else angle
+        return angle + self._faults["resolver"] * np.sin(angle) if "resolver" in self._faults else angle
 
     def _seen_speed(self, angle: Array, speed: Array) -> Array:
         """Speed of what the resolver reads."""
-        return speed * (1 + self.numbers.faults.resolver * np.cos(angle)) if self._is_faulty["resolver"] else speed
+        return speed * (1 + self._faults["resolver"] * np.cos(angle)) if "resolver" in self._faults else speed
 
     def _given(self, torque: Array, angle: Array) -> Array:
         """Torque of motors whose currents say `torque`."""
-        f, faulty = self.numbers.faults, self._is_faulty
+        f = self._faults
         given = torque
-        if faulty["torque_error"] or faulty["offset"]:
-            given = torque * (1 + f.torque_error) + f.offset
-        if faulty["ripple"]:
-            given = given + torque * f.ripple * np.sin(f.ripple_cycles * angle)
-        if faulty["cogging"]:
-            given = given + f.cogging * np.sin(f.cogging_cycles * angle)
+        if "torque_error" in f or "offset" in f:
+            given = torque * (1 + f.get("torque_error", 0.0)) + f.get("offset", 0.0)
+        if "ripple" in f:
+            given = given + torque * f["ripple"] * np.sin(f["ripple_cycles"] * angle)
+        if "cogging" in f:
+            given = given + f["cogging"] * np.sin(f["cogging_cycles"] * angle)
         return given
 
     def _strength(self, q: Array, angle: Array, speed: Array, half: int) -> Array:
         """What the contact bears in the direction of the last movement [N m]."""
-        n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
+        n, f = self.numbers, self._faults
         level = n.coulomb + (n.breakaway - n.coulomb) * np.exp(-((speed / n.stribeck) ** 2))
-        if faulty["asymmetry"]:
+        if "asymmetry" in f:
             way = angle - self._start
-            level = level + f.asymmetry * n.coulomb * np.sign(np.where(way == 0, speed, way))
-        if faulty["load_share"]:
-            level = level + f.load_share * np.abs(self._load / n.gear_ratio)
-        if faulty["wear"]:
-            level = level + f.wear * n.coulomb * (self._time(half) / 3600.0)
-        if faulty["waves"]:
-            level = level + f.waves * n.coulomb * np.sin(f.wave_cycles * q)
+            level = level + f["asymmetry"] * n.coulomb * np.sign(np.where(way == 0, speed, way))
+        if "load_share" in f:
+            level = level + f["load_share"] * np.abs(self._load / n.gear_ratio)
+        if "wear" in f:
+            level = level + f["wear"] * n.coulomb * (self._time(half) / 3600.0)
+        if "waves" in f:
+            level = level + f["waves"] * n.coulomb * np.sin(f["wave_cycles"] * q)
         return level
 
     def _friction(self, q: Array, angle: Array, speed: Array, half: int) -> Array:
-        n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
+        n, f = self.numbers, self._faults
         strength = self._strength(q, angle, speed, half)
         contact, _ = self.contact.moved(self._memory, angle - self._start, strength)
         yielding = np.clip(1 - np.sign(speed) * contact / strength, 0.0, 2.0)
         viscous = n.viscous * speed
-        if faulty["bend"]:
+        if "bend" in f:
             share = np.hypot(speed, _SLOW * n.usual_speed) / n.usual_speed
-            viscous = viscous * share**-f.bend
-        if faulty["warm"]:
-            viscous = viscous * (1 - f.warm * self._warming**2 / (self._warming**2 + _WARM**2))
+            viscous = viscous * share ** -f["bend"]
+        if "warm" in f:
+            viscous = viscous * (1 - f["warm"] * self._warming**2 / (self._warming**2 + _WARM**2))
         drag = contact + n.rubbing * speed * yielding + viscous
-        if faulty["brake"]:
-            drag = drag + f.brake * np.sin(2 * np.pi * f.frequency * self._time(half)) * contact / strength
-        if faulty["neighbour"]:
-            drag = drag + f.neighbour * np.sin(3.0 * np.roll(q, -1, axis=1))
+        if "brake" in f:
+            drag = drag + f["brake"] * np.sin(2 * np.pi * f["frequency"] * self._time(half)) * contact / strength
+        if "neighbour" in f:
+            drag = drag + f["neighbour"] * np.sin(3.0 * np.roll(q, -1, axis=1))
         return drag
 
     def _by_clock(self, half: int) -> Array | float:
         f = self.numbers.faults
-        if not self._is_faulty["clock"]:
+        if "clock" not in f:
             return 0.0
-        return np.asarray(f.clock * np.tanh(4 * np.sin(2 * np.pi * f.frequency * self._time(half))))
+        return np.asarray(f["clock"] * np.tanh(4 * np.sin(2 * np.pi * f["frequency"] * self._time(half))))
 
     def _spring(self, q: Array, dq: Array, angle: Array, speed: Array, lever: Array) -> Array:
         """Torque of the springs on the links; 0 in rigid joints."""
-        n, f, faulty = self.numbers, self.numbers.faults, self._is_faulty
+        n, f = self.numbers, self._faults
         bent = q - angle * self._lever
-        if faulty["tooth"]:
-            bent = bent - f.tooth * np.sin(angle)
-        if faulty["gap"]:
-            gap = np.maximum(f.gap, 1e-12)
+        if "tooth" in f:
+            bent = bent - f["tooth"] * np.sin(angle)
+        if "gap" in f:
+            gap = np.maximum(f["gap"], 1e-12)
             edge = _EDGE * gap
             inside = edge * (np.logaddexp(0, (bent - gap) / edge) - np.logaddexp(0, (-bent - gap) / edge))
-            bent = np.where(f.gap > 0, inside, bent)
-        if faulty["growth"]:
-            bent = bent * (1 + f.growth * np.abs(bent) / np.where(f.growth_at > 0, f.growth_at, 1.0))
+            bent = np.where(f["gap"] > 0, inside, bent)
+        if "growth" in f:
+            bent = bent * (1 + f["growth"] * np.abs(bent) / np.where(f["growth_at"] > 0, f["growth_at"], 1.0))
         torque: Array = -n.stiffness * bent - n.damping * (dq - speed * lever)
         return np.where(n.rigid, 0.0, torque) if self._any_rigid else torque
 

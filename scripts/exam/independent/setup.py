@@ -8,7 +8,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from scripts.exam.independent.arm import bodies_of, inverse_dynamics
-from scripts.exam.independent.friction import Bristles, Contact, Either
+from scripts.exam.independent.friction import Contact
 from scripts.exam.independent.machine import Numbers, side_by_side, unsure
 from scripts.exam.independent.motions import KINDS, motion
 from scripts.exam.independent.plant import Plant
@@ -174,7 +174,7 @@ def simulated(setup: Setup, machines: list[tuple[Numbers, View]]) -> list[Exact]
     orders = _orders(setup, q, dq, ddq, before)
     plant = Plant(
         numbers,
-        _contact(numbers),
+        Contact(stiffness=numbers.presliding, has_blocks=numbers.faults.get("blocks", np.zeros(numbers.shape)) > 0),
         _servo(setup, numbers.shape),
         dt=STEP,
         clock=np.tile(setup.started, copies) - SETTLING,
@@ -236,13 +236,6 @@ def _orders(setup: Setup, q: Array, dq: Array, ddq: Array, before: int) -> Order
         return np.concatenate([np.repeat(values[:1], before, axis=0), values])
 
     return Orders(position=rest(q * drive.gear_ratio), speed=rest(dq * drive.gear_ratio), ahead=rest(np.asarray(ahead)))
-
-
-def _contact(numbers: Numbers) -> Contact:
-    has_blocks = numbers.faults.blocks > 0
-    if has_blocks.any():
-        return Either(stiffness=numbers.presliding, has_blocks=has_blocks)
-    return Bristles(stiffness=numbers.presliding)
 
 
 def _servo(setup: Setup, shape: tuple[int, int]) -> Servo:

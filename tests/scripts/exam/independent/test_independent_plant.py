@@ -8,7 +8,7 @@ import pytest
 from ffgym.robot import RigidArm, load_robot
 from ffgym.robot.parts import Kinematics
 from scripts.exam.independent.arm import bodies_of, energy, inverse_dynamics, mass_and_bias, pose_of, tool_of
-from scripts.exam.independent.friction import Blocks, Bristles, Either
+from scripts.exam.independent.friction import Contact
 from scripts.exam.independent.machine import numbers_of, side_by_side, unsure, with_fault
 from scripts.exam.independent.plant import Plant
 from scripts.exam.independent.robots import drawn_robot
@@ -56,6 +56,11 @@ def test_mass_matrix_and_bias_are_the_parts_of_inverse_dynamics(rng):
     )
 
 
+def contact_of(stiffness, blocks=False):
+    """Contact of bristles alone, or of blocks alone."""
+    return Contact(stiffness=stiffness, has_blocks=np.full(stiffness.shape, blocks))
+
+
 def free(robot):
     """Machine without friction, and a servo that does nothing."""
     numbers = numbers_of(robot)
@@ -79,11 +84,9 @@ def let_go(numbers, servo, q, dt, steps, every):
         speed=np.zeros((2 * steps + 1, *shape)),
         ahead=np.zeros((2 * steps + 1, *shape)),
     )
-    plant = Plant(
-        numbers, Bristles(stiffness=numbers.presliding), servo, dt=dt, clock=np.zeros(1), warming=np.zeros(shape)
-    )
+    plant = Plant(numbers, contact_of(numbers.presliding), servo, dt=dt, clock=np.zeros(1), warming=np.zeros(shape))
     plant._at_rest = lambda q, orders: np.stack([q, 0 * q, q * numbers.gear_ratio, 0 * q, 0 * q, 0 * q])
-    plant._memory = np.zeros(shape)
+    plant._memory = np.zeros((*shape, 1))
     return plant.run(q, orders, every)
 
 
@@ -129,7 +132,7 @@ def still(robot, numbers, servo, seconds=1.5):
     zero = np.zeros((2 * steps + 1, *numbers.shape))
     plant = Plant(
         numbers,
-        Bristles(stiffness=numbers.presliding),
+        contact_of(numbers.presliding),
         servo,
         dt=0.0005,
         clock=np.zeros(len(q)),
@@ -170,10 +173,10 @@ def test_play_gives_way_by_its_width(rng):
     assert abs(bent[1] - bent[0]) == pytest.approx(2e-4, rel=0.01)  # round edges
 
 
-@pytest.mark.parametrize("contact", [Bristles, Blocks])
-def test_friction_goes_from_one_sliding_direction_to_the_other_as_it_is_described(contact):
+@pytest.mark.parametrize("blocks", [False, True])
+def test_friction_goes_from_one_sliding_direction_to_the_other_as_it_is_described(blocks):
     stiffness, strength = np.array([[70.0]]), np.array([[0.5]])
-    surface = contact(stiffness=stiffness)
+    surface = contact_of(stiffness, blocks)
     _, memory = surface.moved(surface.at_rest(np.ones((1, 1)), strength), np.array([[-1.0]]), strength)
     for k in range(1, 40):
         force, memory = surface.moved(memory, np.array([[0.001]]), strength)
@@ -181,9 +184,9 @@ def test_friction_goes_from_one_sliding_direction_to_the_other_as_it_is_describe
 
 
 def test_the_way_of_bristles_can_be_cut_into_pieces():
-    surface, strength = Bristles(stiffness=np.array([[70.0]])), np.array([[0.5]])
-    whole, _ = surface.moved(np.zeros((1, 1)), np.array([[0.01]]), strength)
-    memory = np.zeros((1, 1))
+    surface, strength = contact_of(np.array([[70.0]])), np.array([[0.5]])
+    whole, _ = surface.moved(np.zeros((1, 1, 1)), np.array([[0.01]]), strength)
+    memory = np.zeros((1, 1, 1))
     for _ in range(10):
         force, memory = surface.moved(memory, np.array([[0.001]]), strength)
     np.testing.assert_allclose(force, whole, rtol=1e-12)
@@ -191,10 +194,10 @@ def test_the_way_of_bristles_can_be_cut_into_pieces():
 
 def test_blocks_and_bristles_stand_side_by_side():
     stiffness, strength, way = np.full((1, 2), 70.0), np.full((1, 2), 0.5), np.full((1, 2), 0.004)
-    surface = Either(stiffness=stiffness, has_blocks=np.array([[False, True]]))
+    surface = Contact(stiffness=stiffness, has_blocks=np.array([[False, True]]))
     force, _ = surface.moved(surface.at_rest(np.ones((1, 2)), strength), -way, strength)
-    for column, kind in enumerate((Bristles, Blocks)):
-        alone = kind(stiffness=stiffness)
+    for column, blocks in enumerate((False, True)):
+        alone = contact_of(stiffness, blocks)
         expected, _ = alone.moved(alone.at_rest(np.ones((1, 2)), strength), -way, strength)
         assert force[0, column] == expected[0, column]
     assert force[0, 0] != force[0, 1]
@@ -222,7 +225,7 @@ def test_a_cascade_brings_motors_to_their_set_points(rng):
     orders = Orders(position=wanted, speed=np.gradient(wanted, 0.00025, axis=0), ahead=np.zeros_like(wanted))
     plant = Plant(
         numbers,
-        Bristles(stiffness=numbers.presliding),
+        contact_of(numbers.presliding),
         servo,
         dt=0.0005,
         clock=np.zeros(1),
@@ -243,9 +246,7 @@ def test_friction_that_depends_on_direction_does_so_by_the_same_torque_at_any_sp
     wanted = np.cumsum(rate, axis=0) * dt / 2
     ahead = np.zeros_like(wanted)
     servo = servo_of(robot, both.shape)
-    plant = Plant(
-        both, Bristles(stiffness=both.presliding), servo, dt=dt, clock=np.zeros(1), warming=np.zeros(both.shape)
-    )
+    plant = Plant(both, contact_of(both.presliding), servo, dt=dt, clock=np.zeros(1), warming=np.zeros(both.shape))
     torque = plant.run(np.zeros(both.shape), Orders(position=wanted, speed=rate, ahead=ahead), 1).torque[..., 0]
     for part in range(4):
         settled = slice(part * steps // 4 + steps // 6, (part + 1) * steps // 4 - 5)
@@ -263,7 +264,7 @@ def test_what_is_recorded_of_a_motor_is_what_its_resolver_reads(rng):
     orders = Orders(position=np.cumsum(rate, axis=0) * dt / 2, speed=rate, ahead=np.zeros_like(rate))
     plant = Plant(
         numbers,
-        Bristles(stiffness=numbers.presliding),
+        contact_of(numbers.presliding),
         servo_of(robot, shape),
         dt=dt,
         clock=np.zeros(1),
