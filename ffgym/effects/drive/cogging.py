@@ -3,17 +3,16 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-import numpy as np
-
 from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
+from ffgym.effects.wave import Wave, cycles_per_turn, phase
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Cogging(TorqueEffect):
+class Cogging(Wave, TorqueEffect):
     """Torque between magnets and teeth of the motor, without any current."""
 
     name: ClassVar[str] = "cogging"
@@ -38,28 +37,11 @@ class Cogging(TorqueEffect):
         minimum=0.0,
         source="1 to 5 % of rated torque (MuJoCo's documentation of dcmotor), here of motors of 2 to 8 N m",
     )
-    cycles: Array = parameter(
-        "k, per motor turn",
-        role="cycles",
-        unit="1",
-        null=None,
-        low=1.0,
-        high=72.0,
-        minimum=0.0,
-        default=24.0,
-        source="least common multiple of poles and slots, 12 to 72, and 1 to 6 by eccentricity",
+    cycles: Array = cycles_per_turn(
+        1.0, 72.0, 24.0, "least common multiple of poles and slots, 12 to 72, and 1 to 6 by eccentricity"
     )
-    phase: Array = parameter(
-        "phi",
-        unit="rad",
-        null=None,
-        low=0.0,
-        high=2 * np.pi,
-        default=0.0,
-        role="phase",
-        source="any; where the motor's zero lies",
-    )
+    phase: Array = phase()
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
-        return Torques(motor=self.amplitude * np.sin(self.cycles * state.motor_angle + self.phase)), memory
+        return Torques(motor=self.amplitude * self.wave(state.motor_angle)), memory

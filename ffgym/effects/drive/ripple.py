@@ -3,17 +3,16 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-import numpy as np
-
 from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
+from ffgym.effects.wave import Wave, cycles_per_turn, phase
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class TorqueRipple(TorqueEffect):
+class TorqueRipple(Wave, TorqueEffect):
     """Torque that is more and less than commanded, by a share that is periodic in the motor angle."""
 
     name: ClassVar[str] = "torque_ripple"
@@ -30,30 +29,9 @@ class TorqueRipple(TorqueEffect):
     share: Array = parameter(
         "r", unit="1", low=0.0, high=0.05, minimum=0.0, maximum=1.0, source="1 to 5 %; from memory of the literature"
     )
-    cycles: Array = parameter(
-        "k, per motor turn",
-        role="cycles",
-        unit="1",
-        null=None,
-        low=1.0,
-        high=36.0,
-        minimum=0.0,
-        default=6.0,
-        source="1, 2 and 6 times the electrical angle, with 1 to 6 pole pairs",
-    )
-    phase: Array = parameter(
-        "phi",
-        unit="rad",
-        null=None,
-        low=0.0,
-        high=2 * np.pi,
-        default=0.0,
-        role="phase",
-        source="any; where the motor's zero lies",
-    )
+    cycles: Array = cycles_per_turn(1.0, 36.0, 6.0, "1, 2 and 6 times the electrical angle, with 1 to 6 pole pairs")
+    phase: Array = phase()
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
-        return Torques(motor=self.share * state.motor_torque * np.sin(self.cycles * state.motor_angle + self.phase)), (
-            memory
-        )
+        return Torques(motor=self.share * state.motor_torque * self.wave(state.motor_angle)), memory

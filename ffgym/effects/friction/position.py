@@ -3,17 +3,16 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-import numpy as np
-
 from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
+from ffgym.effects.wave import Wave, phase
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PositionFriction(TorqueEffect):
+class PositionFriction(Wave, TorqueEffect):
     """Coulomb friction that rises and falls along the joint's turn."""
 
     name: ClassVar[str] = "position_friction"
@@ -49,11 +48,9 @@ class PositionFriction(TorqueEffect):
         tries=(1.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0),
         source="chosen: from a turn of the joint to that of a planet wheel",
     )
-    phase: Array = parameter(
-        "phi", unit="rad", null=None, low=0.0, high=2 * np.pi, default=0.0, role="phase", source="any"
-    )
+    phase: Array = phase("any")
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
-        level = self.share * state.coulomb * np.sin(self.cycles * state.joint_angle + self.phase)
+        level = self.share * state.coulomb * self.wave(state.joint_angle)
         return Torques(motor=-level * state.friction_sign), memory

@@ -3,17 +3,16 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-import numpy as np
-
 from ffgym.core.types import Array
 from ffgym.effects.effect import ResolverEffect, Side
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import ResolverError
+from ffgym.effects.wave import Wave, cycles_per_turn, phase
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ResolverRipple(ResolverEffect):
+class ResolverRipple(Wave, ResolverEffect):
     """Periodic error of the measured motor angle, on which the servo acts."""
 
     name: ClassVar[str] = "resolver_ripple"
@@ -37,30 +36,10 @@ class ResolverRipple(ResolverEffect):
         minimum=0.0,
         source="1 to 10 arcmin, data sheets of resolvers",
     )
-    cycles: Array = parameter(
-        "k, per motor turn",
-        role="cycles",
-        unit="1",
-        null=None,
-        low=1.0,
-        high=2.0,
-        minimum=0.0,
-        default=2.0,
-        source="1: eccentricity; 2: unequal windings",
-    )
-    phase: Array = parameter(
-        "phi",
-        unit="rad",
-        null=None,
-        low=0.0,
-        high=2 * np.pi,
-        default=0.0,
-        role="phase",
-        source="any; where the motor's zero lies",
-    )
+    cycles: Array = cycles_per_turn(1.0, 2.0, 2.0, "1: eccentricity; 2: unequal windings")
+    phase: Array = phase()
 
     def error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
         """See base class."""
-        angle = self.cycles * motor_angle + self.phase
-        slope = self.amplitude * self.cycles * np.cos(angle)
-        return ResolverError(angle=self.amplitude * np.sin(angle), speed=slope * motor_speed)
+        slope = self.slope(self.amplitude, motor_angle)
+        return ResolverError(angle=self.amplitude * self.wave(motor_angle), speed=slope * motor_speed)

@@ -3,17 +3,16 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-import numpy as np
-
 from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
+from ffgym.effects.wave import Wave, cycles_per_turn, phase
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class KinematicError(TorqueEffect):
+class KinematicError(Wave, TorqueEffect):
     r"""Output of the gearbox ahead of or behind the ideal one, periodic in the motor angle.
 
     The spring is wound by :math:`\delta - e(\theta)` in place of :math:`\delta`. Its energy gives what acts on the
@@ -42,39 +41,17 @@ class KinematicError(TorqueEffect):
         minimum=0.0,
         source="0.1 to 0.3 mrad, strain wave gears; from memory of the literature",
     )
-    cycles: Array = parameter(
-        "k, per motor turn",
-        role="cycles",
-        unit="1",
-        null=None,
-        low=1.0,
-        high=2.0,
-        minimum=0.0,
-        default=2.0,
-        source="strain wave gears: two per turn of the wave generator, that of the motor",
+    cycles: Array = cycles_per_turn(
+        1.0, 2.0, 2.0, "strain wave gears: two per turn of the wave generator, that of the motor"
     )
-    phase: Array = parameter(
-        "phi",
-        unit="rad",
-        null=None,
-        low=0.0,
-        high=2 * np.pi,
-        default=0.0,
-        role="phase",
-        source="any; where the motor's zero lies",
-    )
+    phase: Array = phase()
 
     def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
         """See base class."""
-        error, slope = self.amplitude * np.sin(self._angle(state)), self.lead_slope(state)
+        error, slope = self.amplitude * self.wave(state.motor_angle), self.lead_slope(state)
         spring = state.joint_stiffness * error + state.joint_damping * slope * state.motor_speed
         return Torques(spring=spring, motor=-(state.load + spring) * slope), memory
 
     def lead_slope(self, state: State) -> Array:
         """See base class."""
-        slope: Array = self.amplitude * self.cycles * np.cos(self._angle(state))
-        return slope
-
-    def _angle(self, state: State) -> Array:
-        angle: Array = self.cycles * state.motor_angle + self.phase
-        return angle
+        return self.slope(self.amplitude, state.motor_angle)
