@@ -55,8 +55,8 @@ class Check:
         reports, wiring = self._judged()
         info = provenance("ffgym log check", self, self.robot or "", None, None)
         self._write(reports, wiring, info)
-        from ffgym.report.circles.tables import filled
-        from ffgym.report.quality.text import format_quality
+        from ffgym.report.quality import format_quality
+        from ffgym.report.table import filled
 
         for name, report in reports:
             print(f"{name}: {format_quality(report, figures=self.figures)}")
@@ -110,7 +110,7 @@ class Check:
     ) -> None:
         """Files first: nobody may read what is printed."""
         if self.report is not None:
-            from ffgym.report.quality.page import render_quality_page
+            from ffgym.report.quality import render_quality_page
 
             write_text(self.report, render_quality_page(reports, info))
         if self.json is not None:

@@ -111,7 +111,7 @@ class Check:
                 print(f"{what}: {place}")
 
     def _print(self, check: RobotCheck) -> None:
-        from ffgym.report.robot.text import format_check
+        from ffgym.report.robot.page import format_check
 
         print(format_check(check))
         proposals = [proposal.path for proposal in propose(check.draft)]

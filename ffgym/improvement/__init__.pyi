@@ -2,8 +2,8 @@ from .gain import Gain as Gain
 from .gain import Score as Score
 from .loop import Improvement as Improvement
 from .loop import improve as improve
-from .page import improvement_figures as improvement_figures
-from .page import render_improvement as render_improvement
+from .report import format_improvement as format_improvement
+from .report import improvement_figures as improvement_figures
+from .report import render_improvement as render_improvement
 from .rounds import Plan as Plan
 from .rounds import Round as Round
-from .text import format_improvement as format_improvement

@@ -1,10 +1,10 @@
 from .circles.comparison import SpeedTable as SpeedTable
 from .circles.comparison import circle_tables as circle_tables
-from .circles.figures import circle_figures as circle_figures
-from .circles.figures import one_axis_figures as one_axis_figures
 from .circles.findings import Finding as Finding
 from .circles.findings import findings as findings
-from .circles.headline import headline as headline
+from .circles.findings import headline as headline
+from .circles.page import circle_figures as circle_figures
+from .circles.page import one_axis_figures as one_axis_figures
 from .circles.page import render_report as render_report
 from .circles.page import write_report as write_report
 from .circles.tables import format_one_axis as format_one_axis
@@ -19,8 +19,8 @@ from .figure import save_figure as save_figure
 from .laws import law_styles as law_styles
 from .learning.trials_plot import TrialCurves as TrialCurves
 from .learning.trials_plot import trials_figure as trials_figure
+from .motion.page import format_motion as format_motion
 from .motion.page import render_motion_page as render_motion_page
-from .motion.tables import format_motion as format_motion
 from .page import Details as Details
 from .page import Items as Items
 from .page import Note as Note

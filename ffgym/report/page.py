@@ -9,9 +9,8 @@ from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from ffgym.core.errors import FFGymError
-from ffgym.report.circles.comparison import percent
 from ffgym.report.figure import ReportFigure, require_matplotlib
-from ffgym.report.table import Table
+from ffgym.report.table import Cell, Table
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -34,6 +33,14 @@ class Legend:
     colours: Mapping[str, str]
     """By the words for what has the colour."""
     kind: str = field(default="legend", init=False)
+
+
+@dataclass(frozen=True)
+class Code:
+    """Lines of a program or a file."""
+
+    text: str
+    kind: str = field(default="code", init=False)
 
 
 @dataclass(frozen=True)
@@ -61,10 +68,12 @@ class Section:
     parts: "Sequence[Part]"
     headline: Sequence[str] = ()
     """Paragraphs in a box below the heading."""
+    is_boxed: bool = False
+    """Whether all of it stands in a frame."""
     kind: str = field(default="section", init=False)
 
 
-Part = str | Note | Legend | Items | Details | Section | Table | ReportFigure
+Part = str | Note | Legend | Code | Items | Details | Section | Table | ReportFigure
 """Part of a page; a text is a paragraph, in which `code` and **bold** are set as in Markdown. A section in a section
 has a smaller heading."""
 
@@ -121,6 +130,13 @@ def provenance_lines(info: Mapping[str, Any]) -> dict[str, str]:
     return lines
 
 
+def verdict_cell(word: str) -> Cell:
+    """A verdict with its sign: full, half or empty."""
+    signs = {"reproduced": "good", "holds": "good", "partly reproduced": "partly", "partly": "partly"}
+    signs |= {"not reproduced": "bad", "does not hold": "bad"}
+    return Cell(word, style=f"verdict {signs.get(word, 'none')}")
+
+
 def resource(name: str) -> str:
     """Text of a file beside the templates."""
     return (resources.files("ffgym.report") / "templates" / name).read_text(encoding="utf-8")
@@ -139,8 +155,6 @@ def _environment() -> "Environment":
         lstrip_blocks=True,
     )
     environment.filters["prose"] = _prose
-    environment.filters["change"] = lambda share: "–" if share is None else percent(share)
-    environment.filters["mm"] = lambda value, digits=3: "–" if value is None else f"{value:.{digits}f}"
     return environment
 
 

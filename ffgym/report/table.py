@@ -120,7 +120,17 @@ class Table:
         return [(key if isinstance(key, str) else "", [column for _, column in own]) for key, own in grouped]
 
     @property
-    def rows(self) -> list[tuple[str, list[tuple[str, Cell]]]]:
+    def headings(self) -> tuple[str, ...]:
+        """Headings with units."""
+        return tuple(column.title for column in self.columns)
+
+    @property
+    def rows(self) -> tuple[tuple[str, ...], ...]:
+        """Texts of each row."""
+        return tuple(zip(*([cell.plain for cell in column.cells()] for column in self.columns), strict=True))
+
+    @property
+    def page_rows(self) -> list[tuple[str, list[tuple[str, Cell]]]]:
         """Each row as a page has it: its CSS classes, and its cells with theirs."""
         columns = [column.cells("–") for column in self.columns]
         edges = {id(own[0]) for title, own in self.groups if title}
@@ -133,6 +143,10 @@ class Table:
             shown = [(f"{own} {cell.style}".strip(), cell) for own, cell in zip(css, cells, strict=True)]
             rows.append((classes, shown))
         return rows
+
+    def plain(self) -> dict[str, Any]:
+        """Headings, rows of texts and note, as JSON can hold them."""
+        return {"headings": self.headings, "rows": self.rows, "note": self.note}
 
     def text(self) -> str:
         """Table for a terminal; columns that do not fit go below, each time with the fixed ones on their left."""
@@ -148,12 +162,12 @@ class Table:
                 tables.append(left)
                 between = " | "
             tables[-1] = [f"{row}{between}{line:<{width}}" for row, line in zip(tables[-1], lines, strict=True)]
-        return "\n\n".join("\n".join(line.rstrip() for line in table) for table in tables or [left])
+        shown = [table[1:] if not table[0].strip(" |") else table for table in tables or [left]]  # no group, no line
+        return "\n\n".join("\n".join(line.rstrip() for line in table) for table in shown)
 
     def markdown(self) -> str:
         """Table in Markdown."""
-        rows = [[column.title for column in self.columns]]
-        rows += [[cell.plain for cell in row] for row in zip(*(column.cells() for column in self.columns), strict=True)]
+        rows = [self.headings, *self.rows]
         head, *lines = [" | ".join(text.replace("|", r"\|") for text in row) for row in rows]
         return "\n".join([f"| {head} |", "|---" * len(self.columns) + "|", *(f"| {line} |" for line in lines)])
 

@@ -72,6 +72,10 @@ class MotionStudy:
             if (over := _overloaded(self.robot.joints, result.torque_use))
         ]
 
+    def results_of(self, motion: str) -> list[MotionResult]:
+        """Results of one motion, law by law."""
+        return [result for result in self.results if result.motion == motion]
+
     @property
     def agents(self) -> list[str]:
         """Names of the laws, in their order."""

@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from ffgym.core.errors import FFGymError
-from ffgym.report import ReportFigure, SpeedTable
+from ffgym.report import ReportFigure, SpeedTable, Table
 from scripts.thesis import claims, pictures, tables
 from scripts.thesis.claims import EVERY, THRESHOLDS, Claim
 from scripts.thesis.comparisons import Cells, call, compare
 from scripts.thesis.laboratory import Laboratory
 from scripts.thesis.measures import AsPublished
-from scripts.thesis.tables import PlainTable
 
 FILE = Path(__file__).parent / "claims.toml"
 
@@ -33,7 +32,7 @@ class Item:
     figures: Callable[[Laboratory], Sequence[ReportFigure]] = lambda laboratory: ()
     tables: Callable[[Laboratory], Sequence[SpeedTable]] = lambda laboratory: ()
     """Path errors, simulated beside published."""
-    numbers: Callable[[Laboratory], Sequence[PlainTable]] = lambda laboratory: ()
+    numbers: Callable[[Laboratory], Sequence[Table]] = lambda laboratory: ()
     """Other tables."""
     counterpart: str = ""
     """For figures of the real robot: which simulated item stands for it."""

@@ -23,7 +23,7 @@ from ffgym.report.circles.friction_loops import (
 from ffgym.report.circles.one_axis_plot import one_axis_caption, one_axis_figure
 from ffgym.report.circles.paths_plot import paths_caption, paths_figure
 from ffgym.report.identification import friction_loops_figure, friction_over_time_figure
-from ffgym.report.identification.stribeck_plot import stribeck_figure
+from ffgym.report.identification.friction_plots import stribeck_figure
 from ffgym.report.learning.agents_plot import agents_figure
 from ffgym.report.learning.basis_plot import basis_figure
 from ffgym.report.learning.feedback_plot import feedback_over_speed_figure, feedback_parts_figure

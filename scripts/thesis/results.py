@@ -5,13 +5,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ffgym.report import ReportFigure, SpeedTable, law_styles
-from ffgym.report.page import provenance_lines, render
+from ffgym.report import ReportFigure, SpeedTable, Table
+from ffgym.report.circles.tables import speed_table
+from ffgym.report.page import provenance_lines, render, verdict_cell
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 from scripts.thesis.catalogue import Item
 from scripts.thesis.claims import EVERY, MAJORITY, MOST, PARTLY, VERDICTS, Check, Judgement, Verdict, judge
 from scripts.thesis.laboratory import WORKCELL, Laboratory
-from scripts.thesis.tables import PlainTable
 
 TITLES = {
     "chapter-4": "Chapter 4: feed-forward with the LuGre model",
@@ -30,7 +30,7 @@ class Reproduced:
     judgements: tuple[Judgement, ...]
     figures: tuple[ReportFigure, ...]
     tables: tuple[SpeedTable, ...]
-    numbers: tuple[PlainTable, ...]
+    numbers: tuple[Table, ...]
 
 
 def reproduce(items: Sequence[Item], laboratory: Laboratory) -> Iterator[Reproduced]:
@@ -69,7 +69,7 @@ def as_json(results: Sequence[Reproduced], info: Mapping[str, Any]) -> dict[str,
             "claims": [_claim(judgement) for judgement in result.judgements],
             "figures": {figure.name: figure.caption for figure in result.figures},
             "tables": [asdict(table) for table in result.tables],
-            "numbers": [asdict(table) for table in result.numbers],
+            "numbers": [table.plain() for table in result.numbers],
         }
         for result in results
     ]
@@ -92,7 +92,8 @@ def render_page(results: Sequence[Reproduced], info: Mapping[str, Any]) -> str:
         counts=count(results),
         results=results,
         chapters={TITLES[chapter]: [one for one in results if one.item.chapter == chapter] for chapter in chapters},
-        styles=law_styles([agent for result in results for table in result.tables for agent in table.agents]),
+        circles=lambda table: speed_table(table, with_ratio=False),
+        verdict_cell=verdict_cell,
         shares={"every": EVERY, "most": MOST, "majority": MAJORITY, "partly": PARTLY},
         provenance=provenance_lines(info),
     )

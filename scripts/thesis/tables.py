@@ -1,6 +1,5 @@
 """Tables of the reproduction: path errors beside published ones, parameters, records, agents and networks."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.paths import SPEEDS
 from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS
-from ffgym.report import SpeedTable, circle_tables
+from ffgym.report import SpeedTable, Table, circle_tables
 from ffgym.report.circles.comparison import percent
 from scripts.thesis.laboratory import IDENTIFIED, Laboratory
 from scripts.thesis.measures import gone, path, static_of
@@ -20,16 +19,6 @@ VALIDATING = [each.number for each in FRICTION_RECORDS if each.number not in EST
 """Set V of thesis 6.1.2."""
 OLD = "lugre_dynamic"
 """Dynamic LuGre with the parameters that the controller's model carries."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PlainTable:
-    """A table of texts; the first column stands on the left."""
-
-    headings: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    note: str = ""
-    """What the columns mean."""
 
 
 def circles(laboratory: Laboratory, of: str, speed: float) -> list[SpeedTable]:
@@ -43,7 +32,7 @@ def network_circles(laboratory: Laboratory, of: str, speed: float) -> list[Speed
     return circle_tables(getattr(laboratory, of).only(laws=laws, speeds=[speed]))
 
 
-def parameters(laboratory: Laboratory) -> PlainTable:
+def parameters(laboratory: Laboratory) -> Table:
     """The six parameters of joint 1: published, identified, before."""
     measured, thesis = laboratory.joint_1, laboratory.axis.friction  # the one axis carries (6.9) and (6.18)
     rows = tuple(
@@ -57,7 +46,7 @@ def parameters(laboratory: Laboratory) -> PlainTable:
         )
         for name, estimate in zip(NAMES, measured.found.joints[measured.index].estimates, strict=True)
     )
-    return PlainTable(
+    return Table.of_rows(
         headings=("parameter", "thesis, real robot", "workcell", "90 % interval", "before", "status"),
         rows=rows,
         note="The workcell was made with the thesis' values and errs beyond the LuGre model, so that near is by "
@@ -65,7 +54,7 @@ def parameters(laboratory: Laboratory) -> PlainTable:
     )
 
 
-def records(laboratory: Laboratory) -> PlainTable:
+def records(laboratory: Laboratory) -> Table:
     """The fifteen records, and what both models leave of them."""
     after, before = (laboratory.joint_1.errors_of(model) for model in ("identified", "original"))
     rows = tuple(
@@ -80,7 +69,7 @@ def records(laboratory: Laboratory) -> PlainTable:
         )
         for each in FRICTION_RECORDS
     )
-    return PlainTable(
+    return Table.of_rows(
         headings=("record", "A [rad/s]", "f [Hz]", "set", "RMS friction [N m]", "original [N m]", "identified [N m]"),
         rows=rows,
         note="RMS errors of the dynamic LuGre model. Record 11 is printed with A = 5, as record 6; by the pattern "
@@ -96,7 +85,7 @@ def mean_rms(laboratory: Laboratory) -> dict[str, list[float]]:
     }
 
 
-def agents(laboratory: Laboratory) -> PlainTable:
+def agents(laboratory: Laboratory) -> Table:
     """What each agent may know, how much it tried, and its mean path errors."""
     errors = mean_rms(laboratory)
 
@@ -116,7 +105,7 @@ def agents(laboratory: Laboratory) -> PlainTable:
     )
     missing = [f"{entry.title} ({entry.package})" for entry in CATALOGUE.values() if not entry.is_available]
     left_out = f" Left out, as a package is not installed: {', '.join(missing)}." if missing else ""
-    return PlainTable(
+    return Table.of_rows(
         headings=(
             *("law", "what it may know", "trials", "robot time [s]"),
             *(f"{speed * 1e3:g} mm/s [µm]" for speed in SPEEDS),
@@ -131,13 +120,13 @@ def agents(laboratory: Laboratory) -> PlainTable:
     )
 
 
-def networks(laboratory: Laboratory) -> PlainTable:
+def networks(laboratory: Laboratory) -> Table:
     """Fits of every NARX network, and of the static curve."""
     floor = {name: fit_of_static(laboratory, name) for name in (ESTIMATION, VALIDATION, *map(record_name, VALIDATING))}
     on_v = [floor[record_name(number)] for number in VALIDATING]
     static = [f"{floor[ESTIMATION]:.1f}", f"{floor[VALIDATION]:.1f}", "", f"{np.median(on_v):.1f}", f"{min(on_v):.1f}"]
     fits = (laboratory.narx_published | laboratory.narx_extended).values()
-    return PlainTable(
+    return Table.of_rows(
         headings=(
             "network",
             f"{ESTIMATION} [%]",
@@ -170,7 +159,7 @@ def spread(values: Array) -> str:
     return f"{np.median(values):.1f} ({values.min():.1f} to {values.max():.1f})"
 
 
-def reidentified(laboratory: Laboratory, of: str) -> PlainTable:
+def reidentified(laboratory: Laboratory, of: str) -> Table:
     """Mean path errors with old and with identified parameters."""
     study = getattr(laboratory, of)
     rows = []
@@ -180,14 +169,14 @@ def reidentified(laboratory: Laboratory, of: str) -> PlainTable:
         means = [f"{np.mean([cell.rms_mm for cell in each]):.4f}" for each in cells.values()]
         less = percent(gone(laboratory, of, IDENTIFIED, than=OLD, speed=speed))
         rows.append((f"{speed * 1e3:g} mm/s", *means, less, f"{sum(better)} of {len(better)}"))
-    return PlainTable(
+    return Table.of_rows(
         headings=("", "none [mm]", "old [mm]", "identified [mm]", "identified against old", "circles with less"),
         rows=tuple(rows),
         note="Mean RMS path error of dynamic LuGre over 3 radii and 4 positions, workcell.",
     )
 
 
-def old_and_identified(laboratory: Laboratory) -> PlainTable:
+def old_and_identified(laboratory: Laboratory) -> Table:
     """Parameters of all joints of the workcell."""
     found = laboratory.all_joints.found
     names = [estimate.name.removeprefix("friction.").replace("_", " ") for estimate in found.joints[0].estimates]
@@ -195,7 +184,7 @@ def old_and_identified(laboratory: Laboratory) -> PlainTable:
     def change(each: Any) -> str:
         return f"{each.prior:.3g} → {each.value:.3g}{'' if each.is_identified else ' *'}"
 
-    return PlainTable(
+    return Table.of_rows(
         headings=("joint", *names),
         rows=tuple((joint.joint, *map(change, joint.estimates)) for joint in found.joints),
         note="Old → identified, motor side, SI units. "

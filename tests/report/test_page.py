@@ -54,7 +54,7 @@ def test_page_shows_every_cell_and_every_finding(page, circle, sine):
     for cell in circle.cells:
         assert f'{cell.rms_mm:.3f} <span class="max">({cell.max_mm:.3f})</span>' in page
     for finding in findings(circle):
-        assert f">{finding.verdict}</span>" in page
+        assert re.search(rf'class="l verdict \w+">{finding.verdict}</td>', page)
         assert finding.question in page
         assert finding.text in page
     for result in sine.results:

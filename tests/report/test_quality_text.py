@@ -1,7 +1,7 @@
 """The text of the quality gate: each problem is told once."""
 
 from ffgym.logs.quality import Finding, QualityReport
-from ffgym.report.quality.text import format_quality
+from ffgym.report.quality import format_quality
 
 
 def test_a_problem_that_several_joints_share_is_told_once():

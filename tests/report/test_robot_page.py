@@ -6,9 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.report.robot.page import render_robot_page, robot_figures
-from ffgym.report.robot.tables import robot_tables
-from ffgym.report.robot.text import format_check
+from ffgym.report.robot.page import format_check, render_robot_page, robot_figures, robot_tables
 from ffgym.robot import CAPABILITIES, builtin_robots, load_draft
 from ffgym.studies.robot_check import check_robot
 

@@ -73,5 +73,5 @@ def test_a_table_comes_from_rows_too():
 
 def test_a_table_without_rows_is_its_heading():
     table = Table.of_rows(["a", "b"], [])
-    assert table.rows == []
+    assert table.rows == ()
     assert table.text() == "a | b"

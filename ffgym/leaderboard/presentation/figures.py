@@ -5,6 +5,7 @@ from math import isfinite, isinf
 from typing import final
 
 from ffgym.leaderboard.comparison.statistics import Interval
+from ffgym.report.table import Cell
 
 STOPPED = "stopped"
 """Instead of the error of a robot that stopped."""
@@ -15,12 +16,9 @@ Sortable = float | str | None
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class Figure:
+class Figure(Cell):
     """One cell of the table."""
 
-    text: str
-    detail: str = ""
-    """Small, behind it."""
     sort: Sortable = None
     """What the column is sorted by; None goes last in either direction."""
     bar: float | None = None

@@ -2,9 +2,8 @@
 
 from ffgym.leaderboard.comparison.standings import Standings
 from ffgym.leaderboard.presentation.columns import columns_of
-from ffgym.leaderboard.presentation.figures import Figure
 from ffgym.leaderboard.presentation.words import SELECTION_TITLES, circles_note, group_title, residual_sentence
-from ffgym.report.circles.tables import Column, aligned, filled, shortened
+from ffgym.report.table import Column, Table, filled, underlined
 
 _KEYS = ("left", "iqm", "largest", "worse", "score", "seeds", "robot", "steps", "decision")
 """Columns of the page that a terminal gets too."""
@@ -20,30 +19,24 @@ def format_standings(standings: Standings) -> str:
     """One table: rank, agent, and figures side by side; what does not fit goes below."""
     title = f"{group_title(standings.group)}; {SELECTION_TITLES[standings.selection]}"
     lines = standings.lines
-    fixed: list[Column] = [
-        ("rank", ["-" if line.rank is None else str(line.rank) for line in lines]),
-        ("agent", [shortened(line.row.name) for line in lines]),
-    ]
     columns = {column.key: column for column in columns_of(standings)}
     left, *others = (columns[key] for key in _KEYS)
     speeds = [columns[f"speed{speed:g}"] for speed in standings.grid.speeds_mm_s]
-    blocks = [
-        [
-            (
-                f"{column.title} [{column.unit}]" if column.unit else column.title,
-                [_ascii(column.of(line)) for line in lines],
-            )
-        ]
-        for column in (left, *speeds, *others)
-    ]
+    table = Table(
+        columns=[
+            Column("rank", [None if line.rank is None else line.rank for line in lines]),
+            Column("agent", [line.row.name for line in lines], kind="name"),
+            *(
+                Column(each.title, [each.of(line) for line in lines], unit=each.unit)
+                for each in (left, *speeds, *others)
+            ),
+        ],
+        fixed=2,
+    )
     told = residual_sentence(standings)
     words = [_LEGEND, *([] if told is None else [told]), circles_note(standings)]
-    parts = [title, "-" * len(title), aligned(fixed, blocks), "", *map(filled, words)]
+    parts = [underlined(title), table.text(), "", *map(filled, words)]
     return "\n".join(_plain(part) for part in parts)
-
-
-def _ascii(figure: Figure) -> str:
-    return f"{figure.text} {figure.detail}".strip()
 
 
 def _plain(text: str) -> str:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ffgym.diagnosis.result import Level
-from ffgym.report.circles.tables import shortened
 from ffgym.report.diagnosis.models import EXTENDED, FINE, LOOKS, NOMINAL
 from ffgym.report.figure import house_style, legend_above, new_figure
+from ffgym.report.table import shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,10 +7,10 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.residual import MotionResidual, Residual
-from ffgym.report.circles.tables import shortened
 from ffgym.report.diagnosis.joint_units import scale_of
 from ffgym.report.diagnosis.models import LOOKS, NOMINAL, counting, motor_speed
 from ffgym.report.figure import house_style, legend_above, new_figure
+from ffgym.report.table import shortened
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

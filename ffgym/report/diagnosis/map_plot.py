@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ffgym.diagnosis.regimes import ResidualMap
-from ffgym.report.circles.tables import shortened
 from ffgym.report.figure import house_style, new_figure, require_matplotlib
+from ffgym.report.table import shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

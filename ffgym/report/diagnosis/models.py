@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.residual import MotionResidual, Residual
-from ffgym.report.identification.stribeck_plot import MEASURED, NEW, OLD
+from ffgym.report.identification.friction_plots import MEASURED, NEW, OLD
 
 NOMINAL, EXTENDED = "nominal model", "extended model"
 """What models are called in pictures."""

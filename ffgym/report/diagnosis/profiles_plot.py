@@ -7,7 +7,7 @@ from ffgym.diagnosis.profiles import VARIABLES, Profile, Variable, profiles
 from ffgym.diagnosis.regimes import LogRows
 from ffgym.diagnosis.residual import UNITS, Channel
 from ffgym.report.figure import house_style, legend_above, new_figure
-from ffgym.report.identification.stribeck_plot import NEW, OLD
+from ffgym.report.identification.friction_plots import NEW, OLD
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,7 @@ from ffgym.diagnosis.residual import Channel, Residual, components
 from ffgym.report.diagnosis.joint_units import fine_scale_of
 from ffgym.report.diagnosis.models import LOOKS
 from ffgym.report.figure import house_style, legend_above, new_figure
-from ffgym.report.motion.thinning import peaks_kept
+from ffgym.report.thinning import peaks_kept
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

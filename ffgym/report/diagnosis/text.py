@@ -1,13 +1,13 @@
-"""A diagnosis as plain text for a terminal, at most 120 columns wide."""
+"""A diagnosis as plain text for a terminal, and its tables, which a page has too."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ffgym.diagnosis.held_out import LoopLevel
-from ffgym.diagnosis.result import Diagnosis
-from ffgym.report.circles.tables import Column, aligned, filled, shortened
+from ffgym.diagnosis.result import Diagnosis, Level
 from ffgym.report.diagnosis.joint_units import in_joint_units
 from ffgym.report.diagnosis.models import FINE
 from ffgym.report.diagnosis.words import place_of, size_text, title_of, together
+from ffgym.report.table import Column, Table, filled
 from ffgym.robot import RobotDescription
 
 
@@ -26,7 +26,7 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
     for pattern in diagnosis.patterns:
         parts += [filled(f"pattern: {pattern.message}"), *(filled(f"  no cause: {lead}") for lead in pattern.leads)]
     if diagnosis.levels:
-        parts += ["", _levels(diagnosis), ""]
+        parts += ["", _shouted(levels_table(diagnosis).text()), ""]
     for word, unjudged in (("not excited", diagnosis.not_excited), ("not judgeable", diagnosis.not_judgeable)):
         parts += [filled(f"{word}: {effects}: {reason}") for effects, reason in together(unjudged)]
     parts += [filled(f"log: {line}") for line in diagnosis.quality]
@@ -49,45 +49,51 @@ def format_findings(diagnosis: Diagnosis) -> str:
     return "\n".join(parts)
 
 
-def _levels(diagnosis: Diagnosis) -> str:
-    """What is left, joint by joint, in the units in which people read it, and whether that is small."""
-    levels = list(diagnosis.levels)
-    scale = [FINE[level.unit] for level in levels]
-    names = [("measured", "measured"), ("noise", "noise_floor"), ("nominal model", "before")]
-    names += [("extended model", "after")] if diagnosis.causes else []
-    columns: list[Column] = [("unit", [unit for _, unit in scale])]
-    columns += [
-        (heading, [f"{factor * getattr(level, name):.3g}" for level, (factor, _) in zip(levels, scale, strict=True)])
-        for heading, name in names
-    ]
-    columns.append(("left", [diagnosis.tell_left(level).replace("not small", "NOT SMALL") for level in levels]))
-    fixed: list[Column] = [
-        ("RMS of", [level.channel for level in levels]),
-        ("", [shortened(level.component) for level in levels]),
-    ]
-    return aligned(fixed, [columns])
+def _shouted(text: str) -> str:
+    """Text for a terminal in which what is wrong stands out."""
+    return text.replace("not small", "NOT SMALL")
 
 
 def format_held_out(levels: Sequence[LoopLevel]) -> str:
     """What both models leave along recordings that were not diagnosed, as a table."""
-    return _compared("held out, RMS of", levels)
+    return compared_table("held out, RMS of", levels).text()
 
 
 def format_closed_loop(levels: Sequence[LoopLevel]) -> str:
     """How far both models are from the machine in closed loop, as a table."""
-    return _compared("closed loop, RMS of", levels)
+    return compared_table("closed loop, RMS of", levels).text()
 
 
-def _compared(heading: str, levels: Sequence[LoopLevel]) -> str:
+def levels_table(diagnosis: Diagnosis) -> Table:
+    """What is left, joint by joint, in the units in which people read it, and whether that is small."""
+    levels = diagnosis.levels
+    numbers = {"measured": "measured", "noise": "noise_floor", "nominal model": "before"}
+    numbers |= {"extended model": "after"} if diagnosis.causes else {}
+    columns = _columns("RMS of", levels, [level.channel for level in levels], numbers)
+    columns.append(Column("left", [diagnosis.tell_left(level) for level in levels], kind="text"))
+    return Table(columns=columns, name="levels", fixed=2, ruled_by=0)
+
+
+def compared_table(heading: str, levels: Sequence[LoopLevel], name: str = "") -> Table:
+    """What was measured, and what both models leave of it."""
+    numbers = {"measured": "measured", "nominal model": "before", "extended model": "after"}
+    columns = _columns(heading, levels, [level.quantity for level in levels], numbers)
+    return Table(columns=columns, name=name, fixed=2, ruled_by=0)
+
+
+def _columns(
+    heading: str, levels: Sequence[Level] | Sequence[LoopLevel], quantities: Sequence[str], numbers: Mapping[str, str]
+) -> list[Column]:
+    """Quantity, place and unit of each level, and numbers of it by their headings."""
     scale = [FINE[level.unit] for level in levels]
-    names = [("measured", "measured"), ("nominal model", "before"), ("extended model", "after")]
-    columns: list[Column] = [("unit", [unit for _, unit in scale])]
-    columns += [
-        (heading, [f"{factor * getattr(level, name):.3g}" for level, (factor, _) in zip(levels, scale, strict=True)])
-        for heading, name in names
+    return [
+        Column(heading, quantities, kind="text"),
+        Column("where", [level.component for level in levels], kind="name"),
+        Column("unit", [unit for _, unit in scale], kind="text"),
+        *(
+            Column(
+                title, [factor * getattr(level, name) for level, (factor, _) in zip(levels, scale, strict=True)], ".3g"
+            )
+            for title, name in numbers.items()
+        ),
     ]
-    fixed: list[Column] = [
-        (heading, [level.quantity for level in levels]),
-        ("", [shortened(level.component) for level in levels]),
-    ]
-    return aligned(fixed, [columns])

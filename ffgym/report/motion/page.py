@@ -1,12 +1,13 @@
-"""Any motion on a page that can be sent: robot, path of the tool, errors, torques, where the numbers come from."""
+"""Any motion as text for a terminal and as a page: path of the tool, errors, torques."""
 
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
 from typing import Any
 
 from ffgym.report.figure import ReportFigure
 from ffgym.report.laws import law_styles
 from ffgym.report.motion.plot import (
+    motion_path_caption,
+    motion_path_figure,
     motor_errors_caption,
     motor_errors_figure,
     path_error_caption,
@@ -14,9 +15,48 @@ from ffgym.report.motion.plot import (
     torques_caption,
     torques_figure,
 )
-from ffgym.report.motion.tool_plot import motion_path_caption, motion_path_figure
-from ffgym.report.page import provenance_lines, render
-from ffgym.studies import MotionStudy
+from ffgym.report.page import Legend, Note, Page, Part, Section
+from ffgym.report.table import Cell, Column, Table, filled, pair, underlined
+from ffgym.robot import RobotDescription
+from ffgym.studies import MotionResult, MotionStudy
+
+_JOINTS = (
+    "Motor error [mrad]: reference minus motor, motor side, RMS (max), without standstill. Torque: largest asked of "
+    "the drive, in percent of its peak torque. Speed: largest of the reference, in percent of the limit."
+)
+_PATH = (
+    "distance of the tool from the nearest point of its path, in space, and how far it is behind or ahead along the "
+    "path; offset at the start removed, without standstill."
+)
+
+
+def format_motion(study: MotionStudy) -> str:
+    """For each motion: path error, motor errors, and how much of the limits is used, one line per law."""
+    return "\n".join(_text(study, name) for name in study.references)
+
+
+def _text(study: MotionStudy, name: str) -> str:
+    results, reference = study.results_of(name), study.references[name]
+    parts = [underlined(f"{name}: {reference.duration:.2f} s, {study.robot.title}")]
+    if results[0].path:
+        whole = [result.path[0] for result in results]
+        columns = [
+            _laws("path error [mm]", results),
+            Column("RMS", [stretch.rms_mm for stretch in whole], ".3f"),
+            Column("max", [stretch.max_mm for stretch in whole], ".3f"),
+            Column("along: RMS", [stretch.lag_rms_mm for stretch in whole], ".3f"),
+            Column("max", [stretch.lag_max_mm for stretch in whole], ".3f"),
+        ]
+        parts += [filled(f"Path error [mm]: {_PATH}"), "", Table(columns=columns).text(), ""]
+    joints = list(enumerate(study.robot.joints))
+    errors = [Column(joint, [_motor_error(result, j) for result in results], kind="name") for j, joint in joints]
+    torques = [Column(joint, [result.torque_use[j] for result in results], ".1%", kind="name") for j, joint in joints]
+    speeds = [Column(joint, [results[0].speed_use[j]], ".1%", kind="name") for j, joint in joints]
+    parts += [filled(_JOINTS), ""]
+    parts += [Table(columns=[_laws("motor error [mrad]", results), *errors]).text(), ""]
+    parts += [Table(columns=[_laws("torque [%]", results), *torques]).text(), ""]
+    parts += [Table(columns=[Column("speed [%]", ["all laws"], kind="text"), *speeds]).text()]
+    return "\n".join(parts) + "\n"
 
 
 def render_motion_page(study: MotionStudy, notes: Sequence[str], info: Mapping[str, Any]) -> str:
@@ -30,39 +70,100 @@ def render_motion_page(study: MotionStudy, notes: Sequence[str], info: Mapping[s
     Raises:
         FFGymError: if matplotlib or jinja2 is missing.
     """
-    motions = [
-        {
-            "reference": reference,
-            "results": [result for result in study.results if result.motion == name],
-            "figures": list(motion_figures(study, name)),
-        }
-        for name, reference in study.references.items()
+    laws = {style.label: style.colour for style in law_styles(study.agents).values()}
+    words = "Simulated under its own servo and rigid feed-forward, with these feed-forward laws:"
+    return Page(
+        title=f"{study.robot.title}: {', '.join(reference.name for reference in study.references.values())}",
+        parts=[
+            Legend(words, laws),
+            *map(Note, notes),
+            Section("Robot", [_robot(study.robot)]),
+            *(_section(study, name) for name in study.references),
+        ],
+        provenance=info,
+    ).html()
+
+
+def _section(study: MotionStudy, name: str) -> Section:
+    results, reference = study.results_of(name), study.references[name]
+    parts: list[Part] = []
+    if results[0].path:
+        parts.append(Section("Path error [mm]", [Note(f"Across and along: {_PATH}"), _stretches(results)]))
+    parts.append(Section("Joints", [Note(_JOINTS), _joints(results, study.robot)]))
+    return Section(f"{reference.name} ({reference.duration:.2f} s)", [*parts, *motion_figures(study, name)])
+
+
+def _robot(robot: RobotDescription) -> Table:
+    kinematics, drive = robot.kinematics, robot.drive
+    units = kinematics.units
+    ranges = [f"{low:.4g} to {high:.4g} {unit}" for (low, high), unit in zip(kinematics.range, units, strict=True)]
+    speeds = [f"{speed:.4g} {unit}/s" for speed, unit in zip(kinematics.max_speed, units, strict=True)]
+    ratios = [f"{n:.5g}{' rad/m' * (unit == 'm')}" for n, unit in zip(drive.gear_ratio, units, strict=True)]
+    columns = [
+        Column("joint", robot.joints, kind="name"),
+        Column("type", kinematics.types, kind="text"),
+        Column("range", ranges),
+        Column("speed limit", speeds),
+        Column("motor turns per unit of joint", ratios),
+        Column("peak torque", drive.peak_torque.tolist(), ".4g", unit="N m"),
     ]
-    written = {"written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")}
-    return render(
-        "motion.html.j2",
-        robot=study.robot,
-        motions=motions,
-        styles=law_styles(study.agents),
-        notes=list(notes),
-        provenance=provenance_lines(info) | written,
-    )
+    return Table(columns=columns, name="robot")
+
+
+def _stretches(results: Sequence[MotionResult]) -> Table:
+    columns = [
+        Column("stretch", [stretch.label for stretch in results[0].path], kind="text"),
+        Column("from", [stretch.start for stretch in results[0].path], ".2f", unit="s"),
+    ]
+    for result, law in zip(results, _laws("", results).values, strict=True):
+        across = [pair(stretch.rms_mm, stretch.max_mm, ".3f") for stretch in result.path]
+        along = [pair(stretch.lag_rms_mm, stretch.lag_max_mm, ".3f") for stretch in result.path]
+        columns += [
+            Column("across: RMS (max)", across, group=law.text, colour=law.colour),
+            Column("along: RMS (max)", along, group=law.text),
+        ]
+    return Table(columns=columns, strong=[0])
+
+
+def _joints(results: Sequence[MotionResult], robot: RobotDescription) -> Table:
+    n = range(robot.n_joints)
+    columns = [
+        Column("joint", robot.joints, kind="name"),
+        Column("speed", [results[0].speed_use[j] for j in n], ".1%"),
+    ]
+    for result, law in zip(results, _laws("", results).values, strict=True):
+        errors = [_motor_error(result, j) for j in n]
+        columns += [
+            Column("error RMS (max)", errors, unit="mrad", group=law.text, colour=law.colour),
+            Column("torque", [result.torque_use[j] for j in n], ".1%", group=law.text),
+        ]
+    return Table(columns=columns)
+
+
+def _laws(heading: str, results: Sequence[MotionResult]) -> Column:
+    """Laws in their words and colours, one for each result."""
+    styles = law_styles(result.agent for result in results)
+    cells = [Cell(styles[result.agent].label, colour=styles[result.agent].colour) for result in results]
+    return Column(heading, cells, kind="name")
+
+
+def _motor_error(result: MotionResult, joint: int) -> Cell | None:
+    return pair(result.motor_rms_rad[joint] * 1e3, result.motor_max_rad[joint] * 1e3, ".2f")
 
 
 def motion_figures(study: MotionStudy, motion: str) -> list[ReportFigure]:
     """Figures of one motion; those of the tool only where it was seen."""
-    joint_figures = [
-        _figure("motor-errors", "Motor errors", motor_errors_caption, motor_errors_figure, study, motion),
-        _figure("torques", "Torque beside its limit", torques_caption, torques_figure, study, motion),
+    figures = [
+        ("motor-errors", "Motor errors", motor_errors_caption, motor_errors_figure),
+        ("torques", "Torque beside its limit", torques_caption, torques_figure),
     ]
-    if not any(result.path for result in study.results if result.motion == motion):
-        return joint_figures
+    if any(result.path for result in study.results_of(motion)):
+        figures = [
+            ("path", "Path of the tool", motion_path_caption, motion_path_figure),
+            ("path-error", "Path error over time", path_error_caption, path_error_figure),
+            *figures,
+        ]
     return [
-        _figure("path", "Path of the tool", motion_path_caption, motion_path_figure, study, motion),
-        _figure("path-error", "Path error over time", path_error_caption, path_error_figure, study, motion),
-        *joint_figures,
+        ReportFigure(name=name, title=title, caption=caption(study, motion), figure=figure(study, motion))
+        for name, title, caption, figure in figures
     ]
-
-
-def _figure(name: str, title: str, caption: Any, figure: Any, study: MotionStudy, motion: str) -> ReportFigure:
-    return ReportFigure(name=name, title=title, thesis="", caption=caption(study, motion), figure=figure(study, motion))

@@ -1,4 +1,4 @@
-"""Errors and torques of any motion over time."""
+"""The path of the tool on any motion with its error magnified; errors and torques over time."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
@@ -8,10 +8,11 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import Contour, motor_error
-from ffgym.report.figure import house_style, legend_above, new_figure
+from ffgym.report.figure import panels
 from ffgym.report.laws import law_styles
-from ffgym.report.motion.thinning import peaks_kept
-from ffgym.studies import MotionResult, MotionStudy
+from ffgym.report.thinning import peaks_kept
+from ffgym.report.tool_path import ToolPath, scale_of_error, sights_of, tool_path_figure
+from ffgym.studies import MotionStudy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +37,7 @@ def motor_errors_caption(study: MotionStudy, motion: str) -> str:
     """What the figure shows, and the joint that strays most with each law."""
     styles = law_styles(study.agents)
     worst = []
-    for result in _results(study, motion):
+    for result in study.results_of(motion):
         joint = int(np.argmax(result.motor_rms_rad))
         size = result.motor_rms_rad[joint] * 1e3
         worst.append(f"{styles[result.agent].label}: {study.robot.joints[joint]}, {size:.2f} mrad RMS")
@@ -62,7 +63,7 @@ def torques_caption(study: MotionStudy, motion: str) -> str:
     """What the figure shows, and the drive that is nearest to its limit with each law."""
     styles = law_styles(study.agents)
     nearest = []
-    for result in _results(study, motion):
+    for result in study.results_of(motion):
         joint = int(np.argmax(result.torque_use))
         nearest.append(f"{styles[result.agent].label}: {study.robot.joints[joint]}, {result.torque_use[joint]:.0%}")
     limits = ", ".join(
@@ -88,7 +89,7 @@ def path_error_caption(study: MotionStudy, motion: str) -> str:
     """What the figure shows, and the stretch with the largest deviation of each law."""
     styles = law_styles(study.agents)
     worst = []
-    for result in _results(study, motion):
+    for result in study.results_of(motion):
         whole, *stretches = result.path
         where = max(stretches, key=lambda stretch: stretch.max_mm, default=whole)
         worst.append(f"{styles[result.agent].label} {where.max_mm:.3f} mm ({where.label}, from {where.start:.2f} s)")
@@ -98,32 +99,65 @@ def path_error_caption(study: MotionStudy, motion: str) -> str:
     )
 
 
-def _results(study: MotionStudy, motion: str) -> list[MotionResult]:
-    return [result for result in study.results if result.motion == motion]
-
-
 def _panels(study: MotionStudy, motion: str, signal: Signal, titles: Sequence[str], label: str) -> "Figure":
     """One panel below the other, all laws in each."""
     styles = law_styles(study.agents)
-    with house_style():
-        figure = new_figure(10.0, 1.35 * len(titles) + 0.9)
-        panels = figure.subplots(len(titles), 1, squeeze=False, sharex=True)[:, 0]
+    with panels(len(titles), 1, size=(10.0, 1.35 * len(titles) + 0.9), sharex=True) as (figure, grid):
         for law, style in styles.items():
             recording = study.recordings[law, motion]
             t, values = signal(recording)
-            for axes, column in zip(panels, values.T, strict=True):
+            for axes, column in zip(grid[:, 0], values.T, strict=True):
                 kept = peaks_kept(column)
                 axes.plot(t[kept], column[kept], color=style.colour, linewidth=1.0, label=style.label)
-        for axes, title in zip(panels, titles, strict=True):
+        for axes, title in zip(grid[:, 0], titles, strict=True):
             axes.set_title(title, loc="left")
             _shade_rests(axes, recording)
         figure.supylabel(label, fontsize=9.0)
-        panels[-1].set_xlabel("time [s]")
-        panels[-1].set_xlim(recording.t[0], recording.t[-1])
-        legend_above(figure, *panels[0].get_legend_handles_labels())
+        grid[-1, 0].set_xlabel("time [s]")
+        grid[-1, 0].set_xlim(recording.t[0], recording.t[-1])
     return figure
 
 
 def _shade_rests(axes: "Axes", recording: Recording) -> None:
     for phase in recording.phases_of("standstill"):
         axes.axvspan(phase.start, phase.end, color="#f0f0f0", zorder=0)
+
+
+def motion_path_figure(study: MotionStudy, motion: str) -> "Figure":
+    """Path of the tool with every law beside the reference, dashed."""
+    paths, reference = _paths(study, motion), _reference(study, motion)
+    look = {"color": "k", "linewidth": 0.7, "linestyle": (0, (5, 3)), "label": "reference"}
+    return tool_path_figure(paths, reference, look, scale_of_error(paths, reference))
+
+
+def motion_path_caption(study: MotionStudy, motion: str) -> str:
+    """What the figure shows, with its magnification and the largest deviation of each law."""
+    paths, reference = _paths(study, motion), _reference(study, motion)
+    factor, sights = scale_of_error(paths, reference), sights_of(reference)
+    worst = ", ".join(f"{path.label} {1e3 * path.distance.max():.3f} mm" for path in paths)
+    drawn = "drawn to scale" if factor == 1 else f"drawn {factor:g} times as large"
+    hidden = max(float(np.abs(path.error @ sights[0].normal).max()) for path in paths)
+    looked = f"Seen along its normal, up to {1e3 * hidden:.3f} mm are out of its plane. " if len(sights) == 1 else ""
+    return (
+        f"{looked}Dashed: reference. Deviations from it are {drawn}; where the tool is late on the right path there is "
+        f"none. The offset at the start is removed. Dots: largest deviation in space ({worst})."
+    )
+
+
+def _paths(study: MotionStudy, motion: str) -> list[ToolPath]:
+    styles = law_styles(study.agents)
+    widths = np.linspace(2.4, 1.0, len(styles)) if len(styles) > 1 else [1.3]  # what lies below shows beside
+    contours = [Contour.of(study.recordings[law, motion]) for law in styles]
+    return [
+        ToolPath(
+            label=style.label,
+            nearest=contour.nearest,
+            error=contour.error,
+            look={"color": style.colour, "linestyle": style.line, "linewidth": width},
+        )
+        for style, contour, width in zip(styles.values(), contours, widths, strict=True)
+    ]
+
+
+def _reference(study: MotionStudy, motion: str) -> Array:
+    return study.recordings[study.agents[0], motion].vector("tcp_reference.position")

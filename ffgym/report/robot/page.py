@@ -1,16 +1,36 @@
-"""A robot check as one HTML page that needs nothing else."""
+"""What a robot check found, in sentences and tables, as text for a terminal and as a page."""
 
-from collections.abc import Mapping
-from datetime import UTC, datetime
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from ffgym.core.types import Array
 from ffgym.report.figure import ReportFigure
-from ffgym.report.page import provenance_lines, render
-from ffgym.report.robot.plot import robot_caption, robot_figure
-from ffgym.report.robot.rendering import rendered_robot
-from ffgym.report.robot.tables import robot_tables
-from ffgym.report.robot.text import facts
-from ffgym.studies.robot_check import RobotCheck
+from ffgym.report.page import Items, Note, Page, Section
+from ffgym.report.robot.pictures import rendered_robot, robot_caption, robot_figure
+from ffgym.report.table import Cell, Column, Table, filled, underlined
+from ffgym.robot import CAPABILITIES
+from ffgym.robot.inverse_kinematics import MAX_CONDITION
+from ffgym.robot.reading.quantity import ORIGINS
+from ffgym.robot.reading.rules import RULES
+from ffgym.studies.robot_check import POSES, Place, RobotCheck, ServoLoop
+
+_SHOWN_MODES = 3
+"""Resonances that a table shows, the lowest ones: those that feed-forward meets."""
+
+
+def format_check(check: RobotCheck) -> str:
+    """The check as text, at most 120 columns wide."""
+    parts = [filled(" ".join(facts(check)))]
+    for table in robot_tables(check):
+        parts.append(f"{underlined(table.title)}\n{table.text()}")
+        if table.note:
+            parts.append(filled(table.note))
+    doubts = [f"- {doubt}" for doubt in check.doubts] or ["none"]
+    parts.append("\n".join([underlined("Doubts"), *(filled(doubt) for doubt in doubts)]))
+    return "\n\n".join(parts) + "\n"
 
 
 def render_robot_page(check: RobotCheck, info: Mapping[str, Any]) -> str:
@@ -23,29 +43,211 @@ def render_robot_page(check: RobotCheck, info: Mapping[str, Any]) -> str:
     Raises:
         FFGymError: if matplotlib or jinja2 is missing.
     """
-    written = {"written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")}
-    return render(
-        "robot.html.j2",
-        draft=check.draft,
-        facts=facts(check),
-        doubts=check.doubts,
-        tables=robot_tables(check),
-        figures=list(robot_figures(check)),
-        entries=list(check.draft.quantities.items()),
-        provenance=provenance_lines(info) | written,
+    draft, figures = check.draft, robot_figures(check)
+    sources = Table(
+        columns=[
+            Column("entry", list(draft.quantities), kind="code"),
+            Column("origin", [", ".join(quantity.origin) for quantity in draft.quantities.values()], kind="text"),
+            Column("source", [quantity.source for quantity in draft.quantities.values()], kind="prose"),
+        ],
+        name="sources",
+        title="Where the robot's numbers come from",
     )
+    bare = draft.geoms and all(figure.name != "looks" for figure in figures)
+    doubts = Items(check.doubts) if check.doubts else "No number is out of the usual."
+    return Page(
+        title=draft.title,
+        subtitle=f"What the description says, what it lacks, and what it amounts to. File: `{draft.where}`",
+        headline=facts(check),
+        parts=[
+            Section("Doubts", [doubts]),
+            *figures,
+            *([Note("The description has shapes, but no OpenGL works here to draw them.")] if bare else []),
+            *robot_tables(check),
+            sources,
+        ],
+        provenance=info,
+    ).html()
 
 
 def robot_figures(check: RobotCheck) -> list[ReportFigure]:
     """Skeleton, if the kinematics are there, and the looks, if they can be drawn."""
     figures = []
     if check.reach is not None:
-        figures.append(_figure("skeleton", "Joints, masses, reach", robot_caption(check), robot_figure(check)))
+        title, caption = "Joints, masses, reach", robot_caption(check)
+        figures.append(ReportFigure(name="skeleton", title=title, caption=caption, figure=robot_figure(check)))
     looks = rendered_robot(check)
     if looks is not None:
-        figures.append(_figure("looks", "Looks", "The description's own shapes; they weigh nothing.", looks))
+        caption = "The description's own shapes; they weigh nothing."
+        figures.append(ReportFigure(name="looks", title="Looks", caption=caption, figure=looks))
     return figures
 
 
-def _figure(name: str, title: str, caption: str, figure: Any) -> ReportFigure:
-    return ReportFigure(name=name, title=title, thesis="", caption=caption, figure=figure)
+def facts(check: RobotCheck) -> list[str]:
+    """Sentences about the robot as a whole."""
+    draft = check.draft
+    state = "complete" if not draft.missing else f"{len(draft.missing)} entries missing"
+    found = [f"{draft.title} ({draft.name}), {len(draft.joints)} joint{'s' if len(draft.joints) > 1 else ''}: {state}."]
+    if draft.missing:
+        found.append(f"Missing: {', '.join(draft.missing)}.")
+    if check.mass is not None:
+        found.append(f"The joints carry {check.mass:.4g} kg.")
+    if check.reach is not None and check.reach.distance > 0:
+        reach, what = check.reach, _tip(check)
+        box = ", ".join(f"{n} {a:.2f} to {b:.2f}" for n, a, b in zip("xyz", reach.low, reach.high, strict=True))
+        found.append(f"{what} comes up to {reach.distance:.3g} m away from the first joint, within {box} m.")
+    if check.servo is not None and not check.servo.problem:
+        found.append(_servo(check.servo))
+    return found
+
+
+def _servo(servo: ServoLoop) -> str:
+    if not servo.stable:
+        return f"Servo unstable at {servo.place}, without friction."
+    margin = "more than 100" if servo.gain_margin is None else f"{servo.gain_margin:.3g}"
+    return (
+        f"Servo stable at {servo.place} up to {margin} times the gains; least damped oscillation "
+        f"{servo.frequency:.3g} Hz with damping ratio {servo.damping:.2g}, without friction."
+    )
+
+
+def _tip(check: RobotCheck) -> str:
+    return "The TCP" if "tool.tcp" in check.draft.quantities and check.draft.can("kinematics") else "The last link"
+
+
+def robot_tables(check: RobotCheck) -> list[Table]:
+    """All tables of a check, those with nothing in them left out."""
+    tables = [_entries(check), _functions(check), _joints(check), _places(check), _loads(check), _motors(check)]
+    return [table for table in tables if table.n_rows and len(table.columns) > 1]
+
+
+def _entries(check: RobotCheck) -> Table:
+    draft = check.draft
+    groups = dict.fromkeys(path.split(".")[0] for path in (*RULES, *draft.quantities))
+    rows = []
+    for group in groups:
+        own = [quantity for path, quantity in draft.quantities.items() if path.split(".")[0] == group]
+        origins = Counter(origin for quantity in own for origin in dict.fromkeys(quantity.origin))
+        lacking = [path.split(".")[1] for path in draft.missing if path.split(".")[0] == group]
+        if own or lacking:
+            counts = [str(origins[origin] or "") for origin in ORIGINS]
+            rows.append((group, str(len(own)), *counts, _few(lacking)))
+    waiting = f"{', '.join(draft.waiting)}: counted once drive.gear_ratio is there." if draft.waiting else ""
+    headings = ("group", "entries", *ORIGINS, "missing")
+    return Table.of_rows(headings, rows, name="entries", title="What is there", note=waiting)
+
+
+def _functions(check: RobotCheck) -> Table:
+    words = {True: "yes", False: Cell("no", style="no")}
+    rows = [(entry.title, words[check.works(entry)], _few(check.lacks[entry.name])) for entry in CAPABILITIES]
+    return Table.of_rows(("function", "works", "still needed"), rows, name="functions", title="What works")
+
+
+def _joints(check: RobotCheck) -> Table:
+    draft = check.draft
+    columns = {"joint": list(draft.joints), "type": list(draft.types)}
+    values = {path: quantity.value for path, quantity in draft.quantities.items()}
+    scale = np.array([1.0 if kind == "slide" else 180 / np.pi for kind in draft.types])
+    units = ["m" if kind == "slide" else "deg" for kind in draft.types]
+    if (limits := values.get("kinematics.range")) is not None:
+        lows = limits * scale[:, None]
+        columns["range"] = [f"{a:.4g} to {b:.4g} {u}" for (a, b), u in zip(lows, units, strict=True)]
+    if (speed := values.get("kinematics.max_speed")) is not None:
+        columns["speed"] = [f"{v:.4g} {u}/s" for v, u in zip(speed * scale, units, strict=True)]
+    for path, heading, digits in (
+        ("drive.gear_ratio", "gear ratio", 5),
+        ("drive.rotor_inertia", "rotor [kg m^2]", 3),
+        ("drive.joint_stiffness", "stiffness", 3),
+    ):
+        if path in values:
+            columns[heading] = [f"{v:.{digits}g}" for v in values[path]]
+    note = "Stiffness: link side, N m/rad, or N/m for a sliding joint." if "stiffness" in columns else ""
+    return _table("joints", "Joints", columns, note)
+
+
+def _places(check: RobotCheck) -> Table:
+    rows = []
+    for place in check.places:
+        condition = "-" if place.condition is None else _condition(place.condition)
+        found = (check.resonances or {}).get(place.name)
+        locked, free = ("-", "-") if found is None else (_modes(found.locked), _modes(found.free))
+        rows.append((place.name, "yes" if place.q is not None else "no", condition, _pose(check, place), locked, free))
+    headings = ("place", "reached", "condition", "joints", "resonances, motors held [Hz]", "motors free [Hz]")
+    note = f"Condition: of the Jacobian of the TCP; above {MAX_CONDITION:g} a path counts as too near a singularity."
+    return Table.of_rows(headings, rows, name="places", title="Places", note=note)
+
+
+def _loads(check: RobotCheck) -> Table:
+    columns = {"joint": list(check.draft.joints)}
+    if check.gravity is not None:
+        columns |= {f"at {name}": _numbers(torque) for name, torque in check.gravity.places.items()}
+        columns["worst"] = _numbers(check.gravity.worst)
+        if check.gravity.motor_worst is not None:
+            columns["worst, motor side"] = _numbers(check.gravity.motor_worst)
+    note = (
+        f"Torque that holds the arm still, link side [N m; N for a sliding joint]; worst: over {POSES} poses in the "
+        "ranges."
+    )
+    return _table("gravity", "Gravity load", columns, note)
+
+
+def _motors(check: RobotCheck) -> Table:
+    columns = {"joint": list(check.draft.joints)}
+    if check.inertia is not None:
+        columns["links / rotor"] = _numbers(check.inertia.ratio)
+    if (margin := check.margin) is not None:
+        columns |= {"peak [N m]": _numbers(margin.peak), "gravity": _shares(margin.gravity / margin.peak)}
+        columns["breakaway"] = _shares(margin.breakaway / margin.peak)
+        columns["friction at speed limit"] = _shares(margin.friction_at_speed / margin.peak)
+        columns |= {"left at start": _shares(margin.at_start), "acceleration": _numbers(margin.acceleration)}
+    circles = check.circles
+    if circles is not None and circles.torque is not None and circles.joint_speed is not None:
+        columns |= {"circles: torque": _shares(circles.torque), "circles: speed": _shares(circles.joint_speed)}
+    note = (
+        "Links / rotor: inertia at the motor. Shares are of the peak torque, gravity in its worst pose; friction at "
+        "the speed limit by the viscous line, which overstates it. Acceleration: of one joint alone at home "
+        "[rad/s^2, m/s^2]."
+    )
+    if circles is not None:
+        note += f" Circles: 1, 3 and 5 mm at all positions at {circles.speed * 1e3:g} mm/s"
+        note += f": cannot be followed. {circles.problem}" if circles.problem else ", rigid arm."
+    return _table("motors", "Motors", columns, note)
+
+
+def _table(name: str, title: str, columns: Mapping[str, Sequence[str]], note: str) -> Table:
+    """Table from cells by heading."""
+    texts = [Column(heading, cells, kind="text") for heading, cells in columns.items()]
+    return Table(columns=texts, name=name, title=title, note=note)
+
+
+def _few(paths: Sequence[str], room: int = 2) -> str:
+    """The first paths, and how many more there are."""
+    more = f" and {len(paths) - room} more" if len(paths) > room else ""
+    return ", ".join(paths[:room]) + more
+
+
+def _pose(check: RobotCheck, place: Place) -> str:
+    if place.q is None:
+        return "-"
+    scaled = [x if kind == "slide" else np.degrees(x) for x, kind in zip(place.q, check.draft.types, strict=True)]
+    digits = [3 if kind == "slide" else 1 for kind in check.draft.types]
+    return " ".join(f"{round(float(x), d) + 0.0:.{d}f}" for x, d in zip(scaled, digits, strict=True))  # and no -0.0
+
+
+def _condition(number: float) -> str:
+    return "singular" if number > MAX_CONDITION else f"{number:.3g}"
+
+
+def _modes(frequencies: Array | None) -> str:
+    if frequencies is None:
+        return "-"
+    return " ".join(f"{f:.3g}" for f in frequencies[:_SHOWN_MODES]) or "rigid"
+
+
+def _numbers(values: Array) -> list[str]:
+    """Three digits; what is zero but for rounding is 0."""
+    return [f"{0.0 if abs(value) < 1e-9 else value:.3g}" for value in values]
+
+
+def _shares(values: Array) -> list[str]:
+    return [f"{value:.0%}" for value in values]

@@ -120,7 +120,7 @@ def test_the_text_fits_a_terminal_and_names_ties_sizes_and_what_to_record():
     for words in ("ambiguous: ", "share = 0.021 (0.019 to 0.024)", "cannot be excluded: payload", "record next: holds"):
         assert words in text
     assert "torque constant" not in text
-    assert re.search(r"torque  j2 \| N m +0\.6 +0\.012 +0\.09 +0\.013 +small", text)
+    assert re.search(r"torque  j2 +\| N m +0\.6 +0\.012 +0\.09 +0\.013 +small", text)
 
 
 def test_rivals_stand_with_the_cause_whose_joint_they_name():

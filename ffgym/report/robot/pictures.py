@@ -1,13 +1,18 @@
-"""A robot as a skeleton: joints and axes, masses and inertia ellipsoids, and how far it comes."""
+"""A robot as a skeleton (joints and axes, masses and inertia ellipsoids, how far it comes), and its looks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import mujoco
 import numpy as np
 
+from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.report.figure import house_style, new_figure, require_matplotlib
+from ffgym.envs.rendering.camera import Camera
+from ffgym.envs.rendering.canvas import Canvas, Panel
+from ffgym.report.figure import new_figure, panels, require_matplotlib
+from ffgym.robot import ModelOptions, compile_model
 from ffgym.studies.robot_check import POSES, RobotCheck, Skeleton, skeleton
 
 if TYPE_CHECKING:
@@ -25,6 +30,10 @@ _BUBBLE = 900.0
 """Area of the heaviest body's bubble [points^2]."""
 _LIGHTEST = 0.02
 """Share of the heaviest body's bubble below which a bubble would not be seen."""
+_SIZE = (960, 480)
+"""Size of the picture of the looks [pixel]."""
+_BARE = ModelOptions(flexible=False, friction=False, servo=False)
+"""Links and looks: all that a picture needs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,10 +64,8 @@ def robot_figure(check: RobotCheck) -> "Figure":
     assert check.reach is not None
     with_masses = check.draft.can("kinematics", "links.mass", "links.com", "links.inertia")
     bones = skeleton(check.draft.description_for("kinematics"), check.rest.q)
-    with house_style():
-        figure = new_figure(11.0, 4.0)
-        panels = figure.subplots(1, len(_VIEWS))
-        for axes, view in zip(panels, _VIEWS, strict=True):
+    with panels(1, len(_VIEWS), size=(11.0, 4.0), legend=False) as (figure, grid):
+        for axes, view in zip(grid[0], _VIEWS, strict=True):
             _draw(axes, view, bones, check.reach.points, check.draft.joints, with_masses=with_masses)
     return figure
 
@@ -159,3 +166,35 @@ def _shadow(half_axes: Array, turn: Array, view: _View) -> tuple[float, float, f
 def _size(points: Array) -> float:
     """Longest side of the box around points [m]."""
     return float(np.ptp(points, axis=0).max()) or 1.0
+
+
+def rendered_robot(check: RobotCheck) -> "Figure | None":
+    """The robot at rest from two sides; None if it has no looks, or OpenGL does not work here."""
+    if not check.draft.geoms or check.rest is None or check.rest.q is None:
+        return None
+    model = compile_model(check.draft.description_for("kinematics"), _BARE)
+    data = mujoco.MjData(model)
+    data.qpos[:] = check.rest.q
+    mujoco.mj_forward(model, data)
+    try:
+        canvas = Canvas(model, *_SIZE)
+    except FFGymError:  # no OpenGL; the skeleton needs none
+        return None
+    centre, radius = _ball(model, data)
+    views = [Camera(centre=centre, radius=radius, azimuth=azimuth, elevation=15.0) for azimuth in (-50.0, 40.0)]
+    halves = [Panel(left=k / 2, right=(k + 1) / 2, camera=view) for k, view in enumerate(views)]
+    picture = canvas.picture(data, halves)
+    canvas.close()
+    figure = new_figure(_SIZE[0] / 110, _SIZE[1] / 110)
+    axes = figure.subplots()
+    axes.imshow(picture)
+    axes.set_axis_off()
+    return figure
+
+
+def _ball(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.ndarray, float]:
+    """Centre and radius [m] of a ball around all geoms of the robot."""
+    own = np.flatnonzero(model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE)
+    points, sizes = data.geom_xpos[own], model.geom_rbound[own, None]
+    low, high = (points - sizes).min(axis=0), (points + sizes).max(axis=0)
+    return (low + high) / 2, float(np.linalg.norm(high - low) / 2)

@@ -1,0 +1,156 @@
+"""An improvement as plain text for a terminal, and as one HTML page that needs nothing else."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ffgym.improvement.contenders import BASELINE, MODEL
+from ffgym.improvement.gain import Score
+from ffgym.improvement.loop import Improvement
+from ffgym.improvement.rounds import Round
+from ffgym.report import Column, Note, Page, ReportFigure, Section, Table, filled
+from ffgym.report.circles.comparison import percent
+from ffgym.report.circles.paths_plot import paths_caption, paths_figure
+from ffgym.report.diagnosis.words import size_text, title_of
+from ffgym.report.learning.agents_plot import agents_figure
+from ffgym.report.table import pair
+
+
+def format_improvement(improvement: Improvement) -> str:
+    """What each round found, and what the laws leave."""
+    parts = [filled(line) for each in improvement.rounds for line in _round_lines(each)]
+    table = _scores(improvement, with_largest=False)
+    parts += [filled(f"ended: {improvement.ended}"), "", table.text(), "", filled(verdict_of(improvement))]
+    return "\n".join(parts)
+
+
+def render_improvement(improvement: Improvement, info: Mapping[str, Any]) -> str:
+    """HTML of the page.
+
+    Args:
+        improvement: what to show.
+        info: provenance by name; a dict in it gives a line per entry.
+
+    Raises:
+        FFGymError: if matplotlib or jinja2 is missing.
+    """
+    laws, paths = improvement_figures(improvement)
+    note = (
+        "Means over circles that no round recorded, measured by the machine's own tracker. Change against dynamic "
+        "LuGre with nominal parameters, and on how many circles the error is smaller. Friction of the “identified” "
+        "laws was identified from the recordings of the first round."
+    )
+    return Page(
+        title="What the extended model gains",
+        subtitle=f"{improvement.rig.robot.title}, machine: {improvement.rig.name}. Recorded, diagnosed and extended in "
+        "rounds; then feed-forward from the model before and after ran on the machine.",
+        headline=[verdict_of(improvement)],
+        parts=[
+            Section("Path error", [laws, _scores(improvement, with_largest=True), Note(note), paths]),
+            Section("Rounds", [_rounds(improvement), Note(f"Ended as {improvement.ended}.")]),
+        ],
+        provenance=info,
+        is_dated=False,
+    ).html()
+
+
+def improvement_figures(improvement: Improvement) -> list[ReportFigure]:
+    """What laws leave, and the path of the tool before and after.
+
+    Raises:
+        FFGymError: if matplotlib is missing.
+    """
+    errors = {law: [score.rms_um * 1e-3 for score in own] for law, own in _by_law(improvement).items()}
+    both = improvement.gain.study.only(laws=[BASELINE, MODEL])
+    study = both.renamed(BASELINE, "dynamic LuGre, nominal").renamed(MODEL, "extended model")
+    return [
+        ReportFigure(
+            name="laws",
+            title="Mean path error of every law on the machine",
+            caption=f"Mean RMS path error, logarithmic; circles at each speed: {improvement.gain.scores[0].circles}. "
+            "No round recorded one at these places or of these sizes.",
+            figure=agents_figure(errors, _speeds(improvement)),
+        ),
+        ReportFigure(
+            name="paths",
+            title="Path of the tool, dynamic LuGre with nominal parameters and the extended model",
+            caption=paths_caption(study),
+            figure=paths_figure(study),
+        ),
+    ]
+
+
+def verdict_of(improvement: Improvement) -> str:
+    """What the model of the last round gains, in one sentence."""
+    own = [score for score in improvement.gain.scores if score.law == MODEL]
+    said = ", ".join(f"{percent(score.against)} at {score.speed_mm_s:g} mm/s" for score in own)
+    better, circles = (sum(getattr(score, name) for score in own) for name in ("better_on", "circles"))
+    return (
+        f"Feed-forward from the extended model against dynamic LuGre with nominal parameters, mean RMS path error: "
+        f"{said}; smaller on {better} of {circles} circles that no round recorded."
+    )
+
+
+def _scores(improvement: Improvement, *, with_largest: bool) -> Table:
+    """Mean RMS path error of every law at every speed [um], and what it takes off dynamic LuGre.
+
+    Args:
+        improvement: has the scores.
+        with_largest: with the largest error, and on how many circles a law is better.
+    """
+    laws = _by_law(improvement)
+    columns = [Column("mean RMS path error", list(laws), kind="text")]
+    for k, speed in enumerate(_speeds(improvement)):
+        scores, group = [own[k] for own in laws.values()], f"{speed:g} mm/s"
+        if with_largest:
+            errors = [pair(score.rms_um, score.max_um, ".1f") for score in scores]
+            columns.append(Column("RMS (largest)", errors, unit="um", group=group))
+        else:
+            columns.append(Column("um", [score.rms_um for score in scores], ".1f", group=group))
+        columns.append(Column("change", [_change(score, with_count=with_largest) for score in scores], group=group))
+    return Table(columns=columns, name="scores")
+
+
+def _change(score: Score, *, with_count: bool) -> str:
+    """What a law takes off the error of the baseline, and on how many circles it is better."""
+    if score.law == BASELINE:
+        return ""
+    count = f", {score.better_on}/{score.circles}" if with_count else ""
+    return (percent(score.against) if score.against else "the same") + count
+
+
+def _by_law(improvement: Improvement) -> dict[str, list[Score]]:
+    """Scores at each speed by the words for the law."""
+    scores = improvement.gain.scores
+    return {title: [s for s in scores if s.title == title] for title in dict.fromkeys(s.title for s in scores)}
+
+
+def _speeds(improvement: Improvement) -> list[float]:
+    return list(dict.fromkeys(score.speed_mm_s for score in improvement.gain.scores))
+
+
+def _rounds(improvement: Improvement) -> Table:
+    rounds = improvement.rounds
+    added = ["; ".join(_causes(each, "; explains {gain:.0%}")) or "nothing" for each in rounds]
+    columns = [
+        Column("round", [each.number for each in rounds]),
+        Column("recorded", [f"{', '.join(each.protocols)}, {each.seconds:.0f} s" for each in rounds], kind="prose"),
+        Column("verdict", [f"{each.diagnosis.verdict}: {each.diagnosis.sentence}" for each in rounds], kind="prose"),
+        Column("added to the model", added, kind="prose"),
+    ]
+    return Table(columns=columns, name="rounds")
+
+
+def _round_lines(each: Round) -> list[str]:
+    """What one round recorded and found."""
+    what = f"{', '.join(each.protocols)}, {each.seconds:.0f} s"
+    first = f"round {each.number} ({what}): {each.diagnosis.verdict}: {each.diagnosis.sentence}"
+    return [first, *(f"  {cause}" for cause in _causes(each))]
+
+
+def _causes(each: Round, behind: str = "") -> list[str]:
+    """What was added to the model, with sizes."""
+    return [
+        f"{title_of(cause.effect)}{f' of {cause.joint}' if cause.joint else ''}: "
+        f"{'; '.join(size_text(size) for size in cause.parameters)}{behind.format(gain=cause.held_out_gain)}"
+        for cause in each.diagnosis.causes
+    ]

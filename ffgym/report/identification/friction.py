@@ -1,0 +1,191 @@
+"""Identified friction as text for a terminal and as a page: parameters, curves, loops, and records not used."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ffgym.diagnosis.identification import Estimate, FrictionIdentification, FrictionTorque, JointFriction, Validation
+from ffgym.report.figure import ReportFigure
+from ffgym.report.identification.friction_plots import friction_loops_figure, stribeck_figure
+from ffgym.report.page import Note, Page, Part, Section
+from ffgym.report.table import Column, Table, filled, underlined
+
+LETTERS = {
+    "friction.coulomb": "f_c",
+    "friction.static": "f_s",
+    "friction.viscous": "f_v",
+    "friction.stribeck_velocity": "v_s",
+    "friction.bristle_stiffness": "sigma_0",
+    "friction.bristle_damping": "sigma_1",
+}
+"""How the thesis writes the parameters."""
+
+_MOST = 6
+"""Records of a joint that are shown."""
+
+_MOVING = 0.05
+"""Motor speed from which a joint moves in a record [rad/s]."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrictionReport:
+    """A friction identification with everything that is shown of it: from what, and how well it holds elsewhere."""
+
+    identification: FrictionIdentification
+    used: Sequence[FrictionTorque]
+    """Friction along the recordings that were used."""
+    held_out: Sequence[FrictionTorque]
+    """Friction along those that were not."""
+    before: Sequence[Validation]
+    """Errors of the old parameters on records that were not used."""
+    after: Sequence[Validation]
+    """Errors of the new ones on the same."""
+    doubts: Sequence[str] = ()
+    """What speaks against logs that were used all the same."""
+
+
+def format_friction(report: FrictionReport) -> str:
+    """Parameters old and new with intervals, notes, and errors on records that were not used."""
+    found = report.identification
+    title = f"Friction of {found.prior.title} from {len(found.segments)} logs, motor side"
+    parts = [underlined(title), _parameters(found, with_reasons=False).text()]
+    notes = [*_reasons(found.joints), *(f"{joint.joint}: {note}" for joint in found.joints for note in joint.notes)]
+    parts += [filled(f"note: {note}") for note in (*notes, *report.doubts)]
+    if report.after:
+        legend = (
+            "Logs that were not used: RMS of friction torque minus model [N m], and the share of the friction's "
+            "variance that the model explains, before and now."
+        )
+        parts += ["", filled(legend), "", _validation(report).text()]
+    return "\n".join(parts)
+
+
+def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str:
+    """HTML of the page.
+
+    Args:
+        report: what was found.
+        info: provenance by name; a dict in it gives a line per entry.
+
+    Raises:
+        FFGymError: if matplotlib or jinja2 is missing.
+    """
+    found = report.identification
+    parts: list[Part] = [*map(Note, report.doubts)]
+    parts.append(Section("Parameters", [_parameters(found, with_reasons=True), *map(Note, _notes(found.joints))]))
+    if report.after:
+        parts.append(Section("Logs that were not used", [_validation(report)]))
+    return Page(
+        title=f"Friction of {found.prior.title}",
+        subtitle=f"LuGre parameters from {len(found.segments)} logs, motor side, with {found.level:.0%} intervals. "
+        "What the logs do not tell keeps its value.",
+        parts=[*parts, *friction_figures(report)],
+        provenance=info,
+    ).html()
+
+
+def _parameters(found: FrictionIdentification, *, with_reasons: bool) -> Table:
+    """Parameters of all joints; reasons stand beside the verdict or, on a terminal, in notes."""
+    rows = [estimate for joint in found.joints for estimate in joint.estimates]
+    verdicts = [f"{r.status}: {r.reason}" if with_reasons and r.reason else r.status for r in rows]
+    columns = [
+        Column("joint", [row.joint for row in rows], kind="text"),
+        Column("parameter", [LETTERS[row.name] for row in rows], kind="text"),
+        Column("unit", [row.unit for row in rows], kind="text"),
+        Column("before", [row.prior for row in rows], ".4g"),
+        Column("now", [row.value for row in rows], ".4g"),
+        Column(f"{found.level:.0%} interval", [_interval(row) for row in rows]),
+        Column("verdict", verdicts, kind="text"),
+    ]
+    return Table(columns=columns, name="parameters", fixed=2, ruled_by=0)
+
+
+def _interval(estimate: Estimate) -> str | None:
+    """Interval of an estimate, if it is known."""
+    return f"{estimate.low:.4g} to {estimate.high:.4g}" if np.isfinite(estimate.high) else None
+
+
+def _reasons(joints: Sequence[JointFriction]) -> list[str]:
+    """Why parameters are not identified, those of one joint and reason together."""
+    reasons: dict[tuple[str, str], list[str]] = {}
+    for estimate in (estimate for joint in joints for estimate in joint.estimates if estimate.reason):
+        reasons.setdefault((estimate.joint, estimate.reason), []).append(LETTERS[estimate.name])
+    return [f"{joint}: {', '.join(letters)}: {reason}" for (joint, reason), letters in reasons.items()]
+
+
+def _notes(joints: Sequence[JointFriction]) -> list[str]:
+    """What else was found of each joint."""
+    notes = []
+    for joint in joints:
+        notes += [f"{joint.joint}: {note}." for note in joint.notes]
+        if joint.bristles is not None:
+            notes.append(
+                f"{joint.joint}: inertial torque of the model off by {joint.inertia_error:.1%}, offset "
+                f"{joint.offset:.3f} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
+            )
+    return notes
+
+
+def _validation(report: FrictionReport) -> Table:
+    columns = [
+        Column("log", [new.segment for new in report.after], kind="text"),
+        Column("joint", [new.joint for new in report.after], kind="text"),
+        Column("RMS friction", [new.rms_friction for new in report.after], ".4f", unit="N m"),
+        Column("error before", [old.rms_error for old in report.before], ".4f"),
+        Column("now", [new.rms_error for new in report.after], ".4f"),
+        Column("share before", [old.share for old in report.before], ".1%"),
+        Column("share now", [new.share for new in report.after], ".1%"),
+    ]
+    note = "RMS of friction torque minus model, and the share of the friction's variance that the model explains."
+    return Table(columns=columns, name="validation", fixed=2, note=note)
+
+
+def friction_figures(report: FrictionReport) -> list[ReportFigure]:
+    """Stribeck curves of all joints, then loops of each joint with bristles, of records that were not used first."""
+    found = report.identification
+    figures = []
+    if any(joint.stribeck is not None for joint in found.joints):
+        figures.append(
+            ReportFigure(
+                name="stribeck",
+                title="Friction at constant speed",
+                thesis="Figure 6.1",
+                caption="Each point is one run at constant speed. What both directions do not share is taken away.",
+                figure=stribeck_figure(found),
+            )
+        )
+    for j, joint in enumerate(found.joints):
+        if joint.bristles is not None:
+            figures += _loops(report, j, set(joint.bristles.data.segments))
+    return figures
+
+
+def _loops(report: FrictionReport, j: int, fitted: set[str]) -> list[ReportFigure]:
+    """Old against new parameters of one joint."""
+    found = report.identification
+    known = {"inertia_error": found.inertia_error, "offset": found.offset}
+    models = {"identified": found.friction, "before": found.prior.friction}
+    used = [torque for torque in report.used if torque.signals.segment in fitted]
+    figures = []
+    for name, thesis, torques, words in (
+        ("fit", "Figure 6.3", used, "Records that were used"),
+        ("validation", "Figures 6.4 to 6.7", report.held_out, "Records that were not used"),
+    ):
+        moving = [torque for torque in torques if _moves(torque.signals.motor_dq[torque.valid, j])]
+        if moving:
+            figures.append(
+                ReportFigure(
+                    name=f"{name}-{j + 1}",
+                    title=f"Friction of {found.joints[j].joint} over speed",
+                    thesis=thesis,
+                    caption=f"{words}. Inertia error and offset that were found are taken from what was measured.",
+                    figure=friction_loops_figure(moving[:_MOST], j, models, known=known),
+                )
+            )
+    return figures
+
+
+def _moves(speed: Any) -> bool:
+    return bool(len(speed) and np.abs(speed).max() > _MOVING)

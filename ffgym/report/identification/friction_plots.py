@@ -1,0 +1,143 @@
+"""Friction over constant speed, over motor speed and over time, measured and by models: thesis Figures 6.1 to 6.7."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification import (
+    FrictionIdentification,
+    FrictionTorque,
+    JointFriction,
+    predicted_friction,
+)
+from ffgym.report.figure import panels
+from ffgym.robot.friction import LuGreParameters
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MEASURED, NEW, OLD = "#999999", "#0072b2", "#d55e00"
+"""Colours of what was measured, and of new and old parameters; also told apart by the colour-blind, and by line."""
+
+LINES = ((NEW, "-"), (OLD, "--"), ("#009e73", ":"))
+"""Colour and line of models, in order."""
+
+_WIDEST = 3
+"""Panels side by side."""
+
+
+def stribeck_figure(identification: FrictionIdentification) -> "Figure":
+    """One panel per joint with constant speeds: both directions, the fitted curve, and that of the old parameters.
+
+    The even part, which the LuGre model has not, is taken from what was measured.
+    """
+    joints = [j for j, joint in enumerate(identification.joints) if joint.stribeck is not None]
+    rows, columns = _grid(len(joints))
+    with panels(rows, columns, size=(3.6 * columns + 0.4, 2.7 * rows + 0.5)) as (figure, grid):
+        for axes, j in zip(grid.flat, joints, strict=False):
+            _draw(axes, identification, identification.joints[j], j)
+        for axes in grid.flat[len(joints) :]:
+            axes.set_visible(False)
+    return figure
+
+
+def _grid(n: int) -> tuple[int, int]:
+    """Rows and columns of n panels."""
+    columns = min(max(n, 1), _WIDEST)
+    return -(-max(n, 1) // columns), columns
+
+
+def _draw(axes: "Axes", identification: FrictionIdentification, joint: JointFriction, j: int) -> None:
+    assert joint.stribeck is not None
+    fit = joint.stribeck
+    speed, friction, _ = fit.data.levels()
+    odd = np.sign(speed) * (friction - fit.offset - fit.asymmetry * np.abs(speed))
+    style: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "none", "color": MEASURED, "markersize": 5}
+    for sign, marker, label in ((1, "o", "measured, forwards"), (-1, "s", "measured, back")):
+        rows = np.sign(speed) == sign
+        axes.plot(np.abs(speed[rows]), odd[rows], marker=marker, label=label, **style)
+    fine = np.geomspace(0.5 * np.abs(speed).min(), np.abs(speed).max(), 300)
+    axes.plot(fine, fit.curve(fine), color=NEW, label="identified")
+    before = identification.prior.friction
+    old = np.array([before.steady_torque(np.full(before.n_joints, v))[j] for v in fine])
+    axes.plot(fine, old, color=OLD, linestyle="--", label="before")
+    axes.set_xscale("log")
+    axes.set_title(joint.joint)
+    axes.set_xlabel("motor speed [rad/s]")
+    axes.set_ylabel("friction torque [N m]")
+
+
+def friction_loops_figure(
+    torques: Sequence[FrictionTorque],
+    joint: int,
+    models: Mapping[str, LuGreParameters],
+    *,
+    known: Mapping[str, Array] | None = None,
+) -> "Figure":
+    """Friction over motor speed, one panel per record.
+
+    Args:
+        torques: friction along the records.
+        joint: which joint, 0 is the first.
+        models: LuGre parameters of all joints by what they are called in the legend; none shows what was measured.
+        known: `inertia_error` and `offset` of an identification, which belong to no model's friction.
+    """
+    rows, columns = _grid(len(torques))
+    with panels(rows, columns, size=(3.2 * columns + 0.4, 2.6 * rows + 0.5)) as (figure, grid):
+        for axes, torque in zip(grid.flat, torques, strict=False):
+            _draw_models(axes, torque, joint, models, known, torque.signals.motor_dq[:, joint], 0.7)
+            axes.set_title(torque.signals.segment, fontsize=8)
+            axes.set_xlabel("motor speed [rad/s]")
+        for axes in grid.flat[len(torques) :]:
+            axes.set_visible(False)
+        for axes in grid[:, 0]:
+            axes.set_ylabel("friction torque [N m]")
+    return figure
+
+
+def friction_over_time_figure(
+    torque: FrictionTorque,
+    joint: int,
+    models: Mapping[str, LuGreParameters],
+    *,
+    known: Mapping[str, Array] | None = None,
+) -> "Figure":
+    """Friction and motor speed of one record over time; arguments as `friction_loops_figure`."""
+    t, valid = torque.signals.t, torque.valid
+    with panels(2, 1, size=(7.2, 4.0), sharex=True) as (figure, grid):
+        upper, lower = grid[:, 0]
+        _draw_models(upper, torque, joint, models, known, t, 0.8)
+        lower.plot(t[valid], torque.signals.motor_dq[valid, joint], color="black", linewidth=0.8)
+        upper.set_ylabel("friction torque [N m]")
+        lower.set_ylabel("motor speed [rad/s]")
+        lower.set_xlabel("time [s]")
+        figure.align_ylabels()
+    return figure
+
+
+def _draw_models(
+    axes: "Axes",
+    torque: FrictionTorque,
+    joint: int,
+    models: Mapping[str, LuGreParameters],
+    known: Mapping[str, Array] | None,
+    over: Array,
+    width: float,
+) -> None:
+    """Friction of a record, measured and by each model, over speed or time."""
+    valid = torque.valid
+    axes.plot(over[valid], _measured(torque, joint, known)[valid], color=MEASURED, linewidth=width, label="measured")
+    for (name, friction), (colour, line) in zip(models.items(), LINES, strict=False):
+        model = predicted_friction(friction, torque)[:, joint]
+        axes.plot(over[valid], model[valid], color=colour, linestyle=line, linewidth=1.2, label=name)
+
+
+def _measured(torque: FrictionTorque, joint: int, known: Mapping[str, Array] | None) -> Array:
+    """Friction torque without what is known to be none [N m], shape (T,)."""
+    measured: Array = torque.friction[:, joint]
+    if known is not None:
+        measured = measured - known["inertia_error"][joint] * torque.inertia[:, joint] - known["offset"][joint]
+    return measured

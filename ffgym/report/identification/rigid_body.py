@@ -1,0 +1,275 @@
+"""An identified rigid body as text, numbers and a page: combinations, parameters, and torque that was not fitted."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.rigid_body import RigidBodyFit, TorqueErrors
+from ffgym.recordings import Recording
+from ffgym.report.figure import ReportFigure
+from ffgym.report.page import Note, Page, Section
+from ffgym.report.robot.torque_plot import torque_figure
+from ffgym.report.table import Column, Kind, Table, filled, underlined
+from ffgym.studies.torque_prediction import TorquePrediction
+
+SURE = 0.9
+"""Share of the data from which a number is theirs."""
+
+_MOST = 4
+"""Recordings that are shown."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RigidBodyReport:
+    """What was found, and how well it holds elsewhere."""
+
+    fit: RigidBodyFit
+    held_out: Sequence[Recording]
+    """Recordings that were not used."""
+    doubts_of_logs: Sequence[str] = ()
+    """What speaks against logs that were used all the same."""
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What speaks against logs and fit."""
+        return (*self.doubts_of_logs, *self.fit.doubts)
+
+    @property
+    def validation(self) -> Mapping[str, TorqueErrors]:
+        """Errors on the recordings that were used, and on each that was not."""
+        errors = {"logs": self.fit.errors}
+        return errors | {record.header.segment: self.fit.validate([record]) for record in self.held_out}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """A parameter, or a combination of parameters."""
+
+    name: str
+    unit: str
+    before: float
+    now: float
+    low: float
+    high: float
+    share: float
+    """Of the data."""
+    verdict: str
+
+
+def parameter_rows(fit: RigidBodyFit) -> list[Row]:
+    """Rotors, friction, offsets, springs: all but the bodies."""
+    low, high = fit.intervals.low, fit.intervals.high
+    return [
+        Row(
+            name=label,
+            unit=fit.units[i],
+            before=float(fit.described[i]),
+            now=float(fit.estimate[i]),
+            low=float(low[i]),
+            high=float(high[i]),
+            share=float(fit.shares[i]),
+            verdict=_verdict(bool(fit.fitted[i]), float(fit.shares[i])),
+        )
+        for i, label in enumerate(fit.labels)
+        if label.split(".")[0] not in (*fit.robot.links, "tool")
+    ]
+
+
+def base_rows(fit: RigidBodyFit) -> list[Row]:
+    """Combinations that torque can tell."""
+    before, now = fit.base.values(fit.described), fit.base.values(fit.estimate)
+    low, high = fit.base_intervals.low, fit.base_intervals.high
+    return [
+        Row(
+            name=fit.base.text(i),
+            unit=fit.units[own],
+            before=float(before[i]),
+            now=float(now[i]),
+            low=float(low[i]),
+            high=float(high[i]),
+            share=float(fit.base_shares[i]),
+            verdict=_verdict(bool(fit.fitted[own]), float(fit.base_shares[i])),
+        )
+        for i, own in enumerate(fit.base.own)
+    ]
+
+
+def format_rigid_body(report: RigidBodyReport) -> str:
+    """What was found and who says so, and what it leaves of the torque."""
+    fit = report.fit
+    title = f"Rigid body of {fit.robot.title} from {len(fit.segments)} logs"
+    summary = f"{_summary(fit, f' (condition number {fit.condition:.3g})')}{fit.trade_off.chosen:g}"
+    tried = len(fit.trade_off.spreads) > 1
+    summary += ", the nearest that predicts held-out parts of the logs as well as any." if tried else "."
+    parts = [underlined(title), filled(summary), ""]
+    for table in (_row_table(fit, "parameter, motor side", parameter_rows(fit)), _bodies(fit)):
+        if table.n_rows:
+            parts += [table.text(), ""]
+    if fit.not_excited:
+        parts += [filled(f"note: not excited, and so as described: {', '.join(fit.not_excited)}"), ""]
+    parts += [filled(f"note: {doubt}") for doubt in report.doubts]
+    legend = (
+        "RMS of the motor torque and of what is left of it [N m], over rows that move, below "
+        f"{fit.filtering.parallel.cutoff:g} Hz. logs: those that were fitted; below, each that was not. file: fitted "
+        "again without what a parameter file cannot hold."
+    )
+    return "\n".join([*parts, f"{filled(legend)}\n\n{_errors(report).text()}"])
+
+
+def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mapping[str, Any]) -> str:
+    """HTML of the page.
+
+    Args:
+        report: what was found.
+        used: a recording that was fitted, which is shown where none was kept out.
+        info: provenance by name; a dict in it gives a line per entry.
+
+    Raises:
+        FFGymError: if matplotlib or jinja2 is missing.
+    """
+    fit = report.fit
+    excited = f"Not excited, and so as described: {', '.join(fit.not_excited)}." if fit.not_excited else ""
+    left = (
+        f"RMS, motor side [N m], over rows that move, below {fit.filtering.parallel.cutoff} Hz. The first block is of "
+        "the logs that were fitted, the others are of logs that were not. file: fitted again without what a parameter "
+        "file cannot hold."
+    )
+    tables = {
+        "Rotors, friction, offsets": _row_table(fit, "parameter, motor side", parameter_rows(fit), "parameters"),
+        "Bodies": _bodies(fit),
+        "Combinations that torque can tell": _row_table(fit, "combination", base_rows(fit), "combinations", "text"),
+    }
+    shown, words = (report.held_out[:_MOST], "not fitted") if report.held_out else ([used], "fitted")
+    return Page(
+        title=f"Rigid body of {fit.robot.title}",
+        subtitle=f"Bodies, rotors and friction from {len(fit.segments)} logs, with {fit.level:.0%} intervals. "
+        f"{_summary(fit)}{fit.trade_off.chosen}.",
+        parts=[
+            *map(Note, [*report.doubts, *filter(None, [excited])]),
+            Section("What is left of the torque", [left, _errors(report)]),
+            *(Section(title, [table]) for title, table in tables.items() if table.n_rows),
+            *(_figure(report, recording, words) for recording in shown),
+        ],
+        provenance=info,
+    ).html()
+
+
+def _summary(fit: RigidBodyFit, condition: str = "") -> str:
+    """How many base parameters there are, and how near the description; the number at its end is left to say."""
+    told = int(np.sum(fit.base_shares >= SURE))
+    return (
+        f"Torque can tell {len(fit.base.own)} combinations of {len(fit.labels)} parameters; these logs tell {told} of "
+        f"them{condition}. Masses and rotors are held near the description, relative standard deviation "
+    )
+
+
+def _row_table(fit: RigidBodyFit, heading: str, rows: Sequence[Row], name: str = "", kind: Kind = "name") -> Table:
+    return Table(
+        columns=[
+            Column(heading, [row.name for row in rows], kind=kind),
+            Column("unit", [row.unit for row in rows], kind="text"),
+            Column("before", [row.before for row in rows], ".4g"),
+            Column("now", [row.now for row in rows], ".4g"),
+            Column(f"{fit.level:.0%} interval", [f"{row.low:.4g} to {row.high:.4g}" for row in rows]),
+            Column("told by", [row.verdict for row in rows], kind="text"),
+        ],
+        name=name,
+    )
+
+
+def _bodies(fit: RigidBodyFit) -> Table:
+    """Masses before and now, and how many of its ten numbers the data say, of each body."""
+    at = [i for i, label in enumerate(fit.labels) if label.endswith(".mass")]
+    return Table(
+        columns=[
+            Column("body", [fit.labels[i].removesuffix(".mass") for i in at], kind="name"),
+            Column("mass before", [fit.described[i] for i in at], ".4g", unit="kg"),
+            Column("now", [fit.estimate[i] for i in at], ".4g", unit="kg"),
+            Column("told by the data", [f"{fit.shares[i : i + 10].sum():.1f} of 10 numbers" for i in at]),
+        ],
+        name="bodies",
+    )
+
+
+def _errors(report: RigidBodyReport) -> Table:
+    rows = [
+        (log, joint, j, e) for log, e in report.validation.items() for j, joint in enumerate(report.fit.robot.joints)
+    ]
+    kinds = (("torque", "measured"), ("before", "described"), ("now", "identified"), ("file", "in_file"))
+    columns = [
+        Column("log", [log for log, *_ in rows], kind="name"),
+        Column("joint", [joint for _, joint, *_ in rows], kind="name"),
+        *(Column(kind, [getattr(e, field)[j] for _, _, j, e in rows], ".4f") for kind, field in kinds),
+    ]
+    return Table(columns=columns, name="errors", fixed=2, ruled_by=0)
+
+
+def rigid_body_numbers(report: RigidBodyReport) -> dict[str, Any]:
+    """Everything, as JSON has it."""
+    fit = report.fit
+    return {
+        "logs": list(fit.segments),
+        "level": fit.level,
+        "spread": {
+            "chosen": fit.trade_off.chosen,
+            "tried": fit.trade_off.spreads.tolist(),
+            "held_out_errors": _plain(fit.trade_off.errors),
+        },
+        "condition": fit.condition if np.isfinite(fit.condition) else None,
+        "not_excited": list(fit.not_excited),
+        "parameters": [
+            {"name": label, "unit": unit, "described": x0, "value": x, "low": low, "high": high, "data_share": share}
+            for label, unit, x0, x, low, high, share in zip(
+                fit.labels, fit.units, *map(_plain, _columns(fit)), strict=True
+            )
+        ],
+        "base_parameters": [vars(row) for row in base_rows(fit)],
+        "errors_nm": {
+            name: {kind: _plain(values) for kind, values in vars(errors).items()}
+            for name, errors in report.validation.items()
+        },
+        "doubts": list(report.doubts),
+    }
+
+
+def _columns(fit: RigidBodyFit) -> tuple[Array, ...]:
+    return fit.described, fit.estimate, fit.intervals.low, fit.intervals.high, fit.shares
+
+
+def _plain(values: Array) -> list[float | None]:
+    """JSON has no NaN."""
+    return [float(value) if np.isfinite(value) else None for value in values]
+
+
+def _verdict(fitted: bool, share: float) -> str:
+    if not fitted:
+        return "not excited"
+    return "data" if share >= SURE else "description" if share < 1 - SURE else "both"
+
+
+def _figure(report: RigidBodyReport, recording: Recording, words: str) -> ReportFigure:
+    """Measured and predicted torque of a recording."""
+    segment = recording.header.segment
+    return ReportFigure(
+        name=f"torque-{segment}",
+        title=f"Motor torque of {segment}",
+        caption=f"This recording was {words}. Torque and predictions are filtered alike.",
+        figure=torque_figure(prediction_of(report, recording)),
+    )
+
+
+def prediction_of(report: RigidBodyReport, recording: Recording) -> TorquePrediction:
+    """Filtered torque of a recording, and what the description and the fit make of its motion."""
+    fit = report.fit
+    equations = fit.equations([recording])
+    residuals = {"description": fit.described, "identified": fit.estimate}
+    return TorquePrediction(
+        robot=fit.robot,
+        t=equations.t,
+        measured=equations.measured,
+        predicted={name: equations.measured - equations.residual(values) for name, values in residuals.items()},
+        scored=equations.counts,
+    )

@@ -1,0 +1,143 @@
+"""What the quality gate found in logs, as text for a terminal and as a page that can be sent."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ffgym.logs.quality import Finding, QualityReport
+from ffgym.report.figure import ReportFigure, panels
+from ffgym.report.page import Details, Page, Section
+from ffgym.report.table import Cell, Column, Table, filled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_WORDS = {
+    "good": "good: nothing to object to",
+    "usable": "usable, with what is flagged in mind",
+    "insufficient": "insufficient: do not conclude from it what hangs on what is refused",
+}
+_COLOURS = {"ok": "#0072B2", "flagged": "#E69F00", "refused": "#D55E00"}
+_SMALLEST, _LARGEST = 1e-3, 1e3
+"""Ratios beyond are drawn at the edge: they differ by what nobody needs to see."""
+
+
+def format_quality(report: QualityReport, *, figures: bool = False) -> str:
+    """The verdict and what could not be judged in a line, what conditioning did, every problem, of several joints once.
+
+    Args:
+        report: what was found.
+        figures: also list every figure beside its limit, and the checks that were not judged.
+    """
+    unknown = dict.fromkeys(finding.check for finding in report.findings if finding.verdict == "not judged")
+    lines = [_verdict(report) + (f" {len(unknown)} checks not judged." if unknown else "")]
+    lines += [filled(f"conditioned: {note}") for note in report.conditioning]
+    problems = [f"{finding.verdict}: [{finding.check}] {finding.message}" for finding in report.problems]
+    lines += [filled(problem) for problem in dict.fromkeys(problems)]
+    if figures:
+        lines.append(_figures([finding for finding in report.findings if finding.value is not None]).text())
+        lines += [filled(f"not judged: {', '.join(unknown)}")] if unknown else []
+    return "\n".join(lines)
+
+
+def render_quality_page(reports: Sequence[tuple[str, QualityReport]], info: Mapping[str, Any]) -> str:
+    """HTML of the page.
+
+    Args:
+        reports: what was found, each with the name of its log.
+        info: provenance by name; a dict in it gives a line per entry.
+
+    Raises:
+        FFGymError: if matplotlib or jinja2 is missing.
+    """
+    return Page(
+        title="Quality of logs",
+        subtitle="What each log is good for, every figure beside its limit. Why the limits are where they are: "
+        "docs/quality.md",
+        parts=[_section(name, report, place) for place, (name, report) in enumerate(reports, 1)],
+        provenance=info,
+    ).html()
+
+
+def _section(name: str, report: QualityReport, place: int) -> Section:
+    """What was found in one log."""
+    problems = Table(
+        columns=[
+            Column("verdict", [Cell(found.verdict, style=found.verdict) for found in report.problems], kind="text"),
+            Column("check", [found.check for found in report.problems], kind="code"),
+            Column("what was seen", [found.message for found in report.problems], kind="prose"),
+        ]
+    )
+    picture = ReportFigure(
+        name=f"limits-{place}",
+        title="Figures beside their limits",
+        caption=limits_caption(report),
+        figure=limits_figure(report),
+    )
+    parts = [
+        *(f"Conditioned: {note}" for note in report.conditioning),
+        problems if report.problems else "Nothing is flagged.",
+        picture,
+        Details("Every figure", [_figures(report.findings, with_verdict=True)]),
+    ]
+    return Section(name, parts, headline=[_verdict(report)])
+
+
+def _verdict(report: QualityReport) -> str:
+    """The verdict in one sentence."""
+    name = f"{report.robot}, {report.segment}" if report.segment else report.robot
+    return f"{name}: {report.n_rows} rows, {report.duration:.6g} s. {_WORDS[report.verdict].capitalize()}."
+
+
+def _figures(findings: Sequence[Finding], *, with_verdict: bool = False) -> Table:
+    """Every figure beside its limit."""
+    columns = [
+        Column("check", [found.check for found in findings], kind="code"),
+        Column("of", [found.place for found in findings], kind="text"),
+        Column("figure", ["" if found.value is None else found.value for found in findings], ".4g"),
+        Column("limit", ["" if found.limit is None else found.limit for found in findings], ".4g"),
+        Column("unit", [found.unit for found in findings], kind="text"),
+    ]
+    if with_verdict:
+        columns.append(Column("verdict", [_verdict_cell(found) for found in findings], kind="text"))
+    return Table(columns=columns)
+
+
+def _verdict_cell(found: Finding) -> Cell:
+    why = found.message.replace("Not judged: ", "")
+    return Cell(f"not judged: {why}" if found.verdict == "not judged" else found.verdict, style=found.verdict)
+
+
+def limits_figure(report: QualityReport) -> "Figure":
+    """One bar for each check that was judged: its worst figure over its limit."""
+    worst = _worst(report)
+    with panels(size=(7.0, 0.9 + 0.19 * len(worst)), legend=False) as (figure, grid):
+        axes = grid[0, 0]
+        for row, (finding, ratio) in enumerate(worst):
+            axes.barh(row, ratio, left=_SMALLEST, color=_COLOURS[finding.verdict], height=0.7)
+        axes.axvline(1.0, color="#444444", linewidth=1.0)
+        axes.set_xscale("log")
+        axes.set_xlim(_SMALLEST, 2 * _LARGEST)
+        axes.set_yticks(range(len(worst)), [finding.check for finding, _ in worst])
+        axes.invert_yaxis()
+        axes.set_xlabel("worst figure over its limit; flagged beyond the line")
+    return figure
+
+
+def limits_caption(report: QualityReport) -> str:
+    """What the figure shows, and what is beyond its limit."""
+    beyond = dict.fromkeys(finding.check for finding in report.problems)
+    listed = ", ".join(beyond) or "nothing"
+    return f"Worst figure of each check over its limit, in the order of the checks. Flagged or refused: {listed}."
+
+
+def _worst(report: QualityReport) -> list[tuple[Finding, float]]:
+    """The finding of each check that is nearest to its limit or farthest beyond, with the ratio."""
+    worst: dict[str, tuple[Finding, float]] = {}
+    for finding in report.findings:
+        if finding.value is None or finding.limit is None:
+            continue
+        ratio = finding.value / finding.limit if finding.limit > 0 else (_LARGEST if finding.value > 0 else 0.0)
+        ratio = min(max(ratio, _SMALLEST), _LARGEST)
+        if finding.check not in worst or ratio > worst[finding.check][1]:
+            worst[finding.check] = (finding, ratio)
+    return list(worst.values())

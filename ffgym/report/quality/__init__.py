@@ -1,1 +1,0 @@
-"""What the quality gate found, as text and as a page."""
