@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import fields
+from inspect import signature
 from pathlib import Path
 
 import gymnasium as gym
@@ -29,8 +30,8 @@ def test_every_environment_has_a_page_with_its_arguments_and_options(name):
     assert page.startswith(f"# {name}\n")
     assert name in OVERVIEW
     vector = gym.make_vec(name).unwrapped
-    common = {"autoreset_mode", "render_mode"}
-    for keyword in set(type(vector).__init__.__kwdefaults__) - common:
+    own = set(type(vector).__init__.__kwdefaults__) - {"autoreset_mode", "render_mode"}
+    for keyword in own or signature(vector.tasks).parameters:
         assert f"| `{keyword}` |" in page
     for option in vector.core.tasks.option_names:
         assert f"`{option}`" in page

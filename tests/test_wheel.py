@@ -1,6 +1,7 @@
 """The built wheel: one top-level package, which lives beside others that are called agents."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -79,3 +80,29 @@ def test_it_is_installed_beside_another_package_called_agents_in_either_order(wh
     done = subprocess.run([python, str(script)], cwd=tmp_path, env=clean, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert all(Path(line).is_relative_to(tmp_path / "env") for line in done.stdout.split())
+
+
+PYTHONS = [sys.executable, *filter(None, os.environ.get("FFGYM_PYTHONS", "").split(os.pathsep))]
+"""Interpreters on which the tutorials run from the wheel; FFGYM_PYTHONS names others."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("python", PYTHONS)
+def test_readme_and_tutorials_run_from_the_wheel_outside_the_repository(wheel, tmp_path, python):
+    subprocess.run([python, "-m", "venv", str(tmp_path / "env")], check=True)
+    python = str(tmp_path / "env" / ("Scripts" if os.name == "nt" else "bin") / "python")
+    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    extras = "rl,plot,cli,logs,report,video,minari,gp,paths"
+    what = [f"ffgym[{extras}] @ {wheel.as_uri()}", "pytest", "-c", str(ROOT / "constraints.txt")]
+    subprocess.run([python, "-m", "pip", "--quiet", "install", *what], env=clean, check=True)
+    outside = tmp_path / "outside"
+    shutil.copytree(ROOT / "docs", outside / "docs")
+    shutil.copy(ROOT / "README.md", outside)
+    (outside / "tests" / "cli").mkdir(parents=True)
+    for name in ("test_documentation.py", "test_tutorial_with_commands.py", "cli/test_documented_commands.py"):
+        shutil.copy(ROOT / "tests" / name, outside / "tests" / name)
+    chosen = "README or tutorials or page_leads or documented"
+    run = [python, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-k", chosen, "tests"]
+    done = subprocess.run(run, cwd=outside, env=clean, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-3000:]
+    assert re.search(r"\b1\d passed", done.stdout)

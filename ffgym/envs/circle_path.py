@@ -7,17 +7,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from gymnasium.vector import AutoresetMode
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.core.types import Array
 from ffgym.envs.motion import Motion
-from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
 from ffgym.paths import RADII, SPEEDS, cartesian_reference, circle_test
-from ffgym.robot import RobotDescription, robot_of, solve_path
+from ffgym.robot import RobotDescription, solve_path
 
 Position = str | Sequence[float] | Array
 """Name of a position of the work area, or a point in the world [m], shape (3,)."""
@@ -29,7 +27,8 @@ class CircleTasks(Tasks):
     """Circle tests at several positions and speeds.
 
     Args:
-        robot: must have a work area.
+        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml;
+            it must have a work area.
         positions: names in its work area, or points [m]; None takes all of the area.
         speeds: TCP speeds [m/s].
         radii: circle radii [m].
@@ -40,7 +39,7 @@ class CircleTasks(Tasks):
 
     def __init__(
         self,
-        robot: RobotDescription,
+        robot: RobotDescription | str | Path = "irb4600_60_205",
         *,
         positions: Sequence[Position] | None = None,
         speeds: Sequence[float] = SPEEDS,
@@ -48,6 +47,7 @@ class CircleTasks(Tasks):
         order: Literal["listed", "shuffled", "one"] = "listed",
     ) -> None:
         super().__init__(robot)
+        robot = self.robot
         if robot.work_area is None:
             raise FFGymError(
                 f"Robot {robot.name!r} has no work area for circles; use ffgym/OneAxis-v0 for one axis, or "
@@ -132,38 +132,13 @@ def _sequence(name: str, values: Any) -> tuple[Any, ...]:
 class CirclePathVectorEnv(TrackingVectorEnv):
     """Six-axis robots on the circle test.
 
-    Args:
-        num_envs: number of robots.
-        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
-        positions: names in its work area, or points [m]; None takes all of the area.
-        speeds: TCP speeds [m/s].
-        radii: circle radii [m].
-        order: 'listed' runs all radii as they are listed, as the thesis; 'shuffled' in random order; 'one' one of them.
-        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
-        render_mode: 'rgb_array' or None.
-        settings: keyword arguments of every environment, see `ffgym.envs.Settings`.
+    Keyword arguments are those of `CircleTasks` and of `ffgym.envs.Settings`.
     """
 
-    def __init__(
-        self,
-        num_envs: int = 1,
-        *,
-        robot: RobotDescription | str | Path = "irb4600_60_205",
-        positions: Sequence[Position] | None = None,
-        speeds: Sequence[float] = SPEEDS,
-        radii: Sequence[float] = RADII,
-        order: Literal["listed", "shuffled", "one"] = "listed",
-        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        render_mode: str | None = None,
-        **settings: Any,
-    ) -> None:
-        own: dict[str, Any] = {"positions": positions, "speeds": speeds, "radii": radii, "order": order}
-        tasks = CircleTasks(robot_of(robot), **own)
-        super().__init__(num_envs, tasks, Settings.of(settings, ["robot", *own]), autoreset_mode, render_mode)
+    tasks = CircleTasks
 
 
 class CirclePathEnv(TrackingEnv):
     """One six-axis robot on the circle test; keyword arguments as `CirclePathVectorEnv`."""
 
-    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
-        super().__init__(CirclePathVectorEnv, render_mode, arguments)
+    kind = CirclePathVectorEnv

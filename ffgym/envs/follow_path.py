@@ -5,11 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode
 
 from ffgym.core.errors import FFGymError
 from ffgym.envs.motion import Motion
-from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
@@ -28,16 +26,20 @@ class PathTasks(Tasks):
     """Motions that were made before; each episode follows one of them.
 
     Args:
-        robot: the robot; None takes that of the first reference among `path`, or the built-in one.
-        path: one motion, or a sequence of them. A file may bring its own tool, which then is the robot's.
+        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml;
+            None takes that of the first reference among `path`, or the built-in six-axis robot.
+        path: name of a built-in motion, file of a motion, `Reference`, or a list of these, one of which is drawn for
+            each episode. A file may bring its own tool, which then is the robot's.
     """
 
     option_names = ("path",)
 
-    def __init__(self, robot: RobotDescription | None, *, path: Source | Sequence[Source]) -> None:
+    def __init__(
+        self, robot: RobotDescription | str | Path | None = None, *, path: Source | Sequence[Source] = "circles"
+    ) -> None:
         sources = check_not_empty("path", _sources(path), "'circles'")
         given = [source.robot for source in sources if isinstance(source, Reference)]
-        arm = RigidArm(robot or (given[0] if given else robot_of(ROBOT)))
+        arm = RigidArm(robot_of(robot if robot is not None else given[0] if given else ROBOT))
         references = [_reference(arm, source) for source in sources]
         super().__init__(references[0].robot)
         self._plain = arm
@@ -106,33 +108,13 @@ def _fingerprint(robot: RobotDescription) -> str:
 class FollowPathVectorEnv(TrackingVectorEnv):
     """Robots of any kind on motions of any kind.
 
-    Args:
-        num_envs: number of robots.
-        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml;
-            None takes that of the first reference among `path`, or the built-in six-axis robot.
-        path: name of a built-in motion, file of a motion, `Reference`, or a list of these, one of which is drawn for
-            each episode.
-        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
-        render_mode: 'rgb_array' or None.
-        settings: keyword arguments of every environment, see `ffgym.envs.Settings`.
+    Keyword arguments are those of `PathTasks` and of `ffgym.envs.Settings`.
     """
 
-    def __init__(
-        self,
-        num_envs: int = 1,
-        *,
-        robot: RobotDescription | str | Path | None = None,
-        path: Source | Sequence[Source] = "circles",
-        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        render_mode: str | None = None,
-        **settings: Any,
-    ) -> None:
-        tasks = PathTasks(None if robot is None else robot_of(robot), path=path)
-        super().__init__(num_envs, tasks, Settings.of(settings, ["robot", "path"]), autoreset_mode, render_mode)
+    tasks = PathTasks
 
 
 class FollowPathEnv(TrackingEnv):
     """One robot on motions of any kind; keyword arguments as `FollowPathVectorEnv`."""
 
-    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
-        super().__init__(FollowPathVectorEnv, render_mode, arguments)
+    kind = FollowPathVectorEnv

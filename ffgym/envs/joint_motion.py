@@ -6,17 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array
 from ffgym.envs.motion import Motion
-from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks
 from ffgym.envs.vector import TrackingVectorEnv
 from ffgym.paths import joint_reference, random_multisine
-from ffgym.robot import RobotDescription, robot_of
+from ffgym.robot import RobotDescription
 
 PEAK_SPEEDS = (0.2, 20.0)
 """Range of the fastest motor speed of each joint [rad/s]: from presliding to the fastest motor of the circle test."""
@@ -26,7 +24,7 @@ class RandomTasks(Tasks):
     """Random multisines; each episode has its own, and each joint its own peak speed.
 
     Args:
-        robot: any robot.
+        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
         duration: of an episode [s].
         peak_speeds: range of the largest speed of each joint, motor side [rad/s], without what couplings add; drawn
             log-uniformly.
@@ -36,7 +34,12 @@ class RandomTasks(Tasks):
     option_names = ("centre", "peak_speed")
 
     def __init__(
-        self, robot: RobotDescription, *, duration: float, peak_speeds: tuple[float, float], spread: float
+        self,
+        robot: RobotDescription | str | Path = "irb4600_60_205",
+        *,
+        duration: float = 2.0,
+        peak_speeds: tuple[float, float] = PEAK_SPEEDS,
+        spread: float = 0.3,
     ) -> None:
         super().__init__(robot)
         self._duration = check_number("duration", duration, unit="s", low=0.0, open_low=True)
@@ -92,39 +95,15 @@ def _inner(limits: Array) -> tuple[Array, Array]:
 
 
 class JointMotionVectorEnv(TrackingVectorEnv):
-    """Robots of any kind on random smooth joint motions, a new one for each episode.
+    """Robots on random smooth joint motions, a new one for each episode.
 
-    Args:
-        num_envs: number of robots.
-        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
-        duration: of an episode [s].
-        peak_speeds: range of the largest speed of each joint, motor side [rad/s], without what couplings add; drawn
-            log-uniformly.
-        spread: the centre of the motion is drawn within +- this of the home pose, link side [rad or m].
-        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
-        render_mode: 'rgb_array' or None.
-        settings: keyword arguments of every environment, see `ffgym.envs.Settings`.
+    Keyword arguments are those of `RandomTasks` and of `ffgym.envs.Settings`.
     """
 
-    def __init__(
-        self,
-        num_envs: int = 1,
-        *,
-        robot: RobotDescription | str | Path = "irb4600_60_205",
-        duration: float = 2.0,
-        peak_speeds: tuple[float, float] = PEAK_SPEEDS,
-        spread: float = 0.3,
-        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        render_mode: str | None = None,
-        **settings: Any,
-    ) -> None:
-        own: dict[str, Any] = {"duration": duration, "peak_speeds": peak_speeds, "spread": spread}
-        tasks = RandomTasks(robot_of(robot), **own)
-        super().__init__(num_envs, tasks, Settings.of(settings, ["robot", *own]), autoreset_mode, render_mode)
+    tasks = RandomTasks
 
 
 class JointMotionEnv(TrackingEnv):
     """One robot on random smooth joint motions; keyword arguments as `JointMotionVectorEnv`."""
 
-    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
-        super().__init__(JointMotionVectorEnv, render_mode, arguments)
+    kind = JointMotionVectorEnv

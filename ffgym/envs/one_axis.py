@@ -5,15 +5,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode
 
 from ffgym.core.errors import check_number, check_shape
 from ffgym.envs.motion import Motion
-from ffgym.envs.settings import Settings
 from ffgym.envs.single import TrackingEnv
 from ffgym.envs.tasks import Tasks, check_not_empty
 from ffgym.envs.vector import TrackingVectorEnv
-from ffgym.robot import RobotDescription, robot_of
+from ffgym.robot import RobotDescription
 from ffgym.studies.one_axis import sine_reference
 
 
@@ -21,8 +19,9 @@ class SineTasks(Tasks):
     """Sines of one joint.
 
     Args:
-        robot: a robot with one joint.
-        frequencies: [Hz].
+        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml,
+            with one joint.
+        frequencies: [Hz], one is drawn for each episode; the thesis has 1 and 3.
         amplitude: of the motor [rad].
         duration: of an episode [s].
     """
@@ -30,7 +29,12 @@ class SineTasks(Tasks):
     option_names = ("frequency", "amplitude")
 
     def __init__(
-        self, robot: RobotDescription, *, frequencies: Sequence[float], amplitude: float, duration: float
+        self,
+        robot: RobotDescription | str | Path = "one_axis",
+        *,
+        frequencies: Sequence[float] = (1.0, 3.0),
+        amplitude: float = 1.0,
+        duration: float = 10.0,
     ) -> None:
         super().__init__(robot)
         values = tuple(check_shape("frequencies", np.atleast_1d(frequencies), (None,)).tolist())
@@ -62,36 +66,13 @@ class SineTasks(Tasks):
 class OneAxisVectorEnv(TrackingVectorEnv):
     """One-axis robots that follow a sine.
 
-    Args:
-        num_envs: number of robots.
-        robot: what the controller knows: a description, a built-in name, or a path to a description ending in .toml.
-        frequencies: [Hz], one is drawn for each episode; the thesis has 1 and 3.
-        amplitude: of the motor [rad].
-        duration: of an episode [s].
-        autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
-        render_mode: 'rgb_array' or None.
-        settings: keyword arguments of every environment, see `ffgym.envs.Settings`.
+    Keyword arguments are those of `SineTasks` and of `ffgym.envs.Settings`.
     """
 
-    def __init__(
-        self,
-        num_envs: int = 1,
-        *,
-        robot: RobotDescription | str | Path = "one_axis",
-        frequencies: Sequence[float] = (1.0, 3.0),
-        amplitude: float = 1.0,
-        duration: float = 10.0,
-        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
-        render_mode: str | None = None,
-        **settings: Any,
-    ) -> None:
-        own: dict[str, Any] = {"frequencies": frequencies, "amplitude": amplitude, "duration": duration}
-        tasks = SineTasks(robot_of(robot), **own)
-        super().__init__(num_envs, tasks, Settings.of(settings, ["robot", *own]), autoreset_mode, render_mode)
+    tasks = SineTasks
 
 
 class OneAxisEnv(TrackingEnv):
     """A one-axis robot that follows a sine; keyword arguments as `OneAxisVectorEnv`."""
 
-    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
-        super().__init__(OneAxisVectorEnv, render_mode, arguments)
+    kind = OneAxisVectorEnv

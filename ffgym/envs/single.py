@@ -1,6 +1,6 @@
 """The single environment: the vector environment with one robot."""
 
-from typing import Any, SupportsFloat
+from typing import Any, ClassVar, SupportsFloat
 
 import gymnasium as gym
 import numpy as np
@@ -19,11 +19,14 @@ class TrackingEnv(gym.Env[Array, Array]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array", "human"], "render_fps": 25}  # noqa: RUF012  (Gymnasium's way)
 
-    def __init__(self, kind: type[TrackingVectorEnv], render_mode: str | None, arguments: dict[str, Any]) -> None:
+    kind: ClassVar[type[TrackingVectorEnv]]
+    """Vector environment of the same keyword arguments."""
+
+    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
         for name in ("num_envs", "autoreset_mode"):
             if name in arguments:
                 raise FFGymError(f"{name} = {arguments[name]!r} is for many robots: use gymnasium.make_vec.")
-        self._batch = kind(
+        self._batch = self.kind(
             1, autoreset_mode=AutoresetMode.DISABLED, render_mode=render_mode, **({"n_threads": 1} | arguments)
         )
         self.render_mode = render_mode

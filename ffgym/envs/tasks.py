@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -12,7 +13,7 @@ from gymnasium import spaces
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.envs.motion import Motion
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RigidArm, RobotDescription, robot_of
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,9 +65,9 @@ class Tasks(ABC):
     option_names: ClassVar[tuple[str, ...]]
     """What `reset(options=...)` may fix for an episode."""
 
-    def __init__(self, robot: RobotDescription) -> None:
-        self.robot = robot
-        self.arm = RigidArm(robot)
+    def __init__(self, robot: RobotDescription | str | Path) -> None:
+        self.robot = robot_of(robot)
+        self.arm = RigidArm(self.robot)
         self._cache: OrderedDict[Hashable, Motion] = OrderedDict()
 
     @abstractmethod

@@ -1,7 +1,8 @@
 """The vector environment: Gymnasium's interface and automatic reset, around the engine."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from inspect import signature
+from typing import Any, ClassVar
 
 import gymnasium as gym
 import numpy as np
@@ -30,14 +31,28 @@ class TrackingVectorEnv(gym.vector.VectorEnv[Array, Array, Any]):
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 25}  # noqa: RUF012  (Gymnasium's way)
 
+    tasks: ClassVar[type[Tasks]]
+    """Motions of an environment of this kind; its keyword arguments are the environment's, beside `Settings`."""
+
     def __init__(
         self,
-        num_envs: int,
-        tasks: Tasks,
-        settings: Settings,
+        num_envs: int = 1,
+        *,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         render_mode: str | None = None,
+        **arguments: Any,
     ) -> None:
+        """Make the robots.
+
+        Args:
+            num_envs: number of robots.
+            autoreset_mode: Gymnasium's NextStep, SameStep or Disabled.
+            render_mode: 'rgb_array' or None.
+            arguments: those of `tasks` and of `Settings`.
+        """
+        own = list(signature(self.tasks).parameters)
+        tasks = self.tasks(**{name: value for name, value in arguments.items() if name in own})
+        settings = Settings.of({name: value for name, value in arguments.items() if name not in own}, own)
         self.autoreset_mode = autoreset_mode_of(autoreset_mode)
         self.metadata = type(self).metadata | {"autoreset_mode": self.autoreset_mode}
         self.render_mode = check_render_mode(render_mode, num_envs)

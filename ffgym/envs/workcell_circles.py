@@ -57,5 +57,4 @@ class WorkcellCirclesVectorEnv(CirclePathVectorEnv):
 class WorkcellCirclesEnv(TrackingEnv):
     """One workcell on the circle test; keyword arguments as `WorkcellCirclesVectorEnv`."""
 
-    def __init__(self, *, render_mode: str | None = None, **arguments: Any) -> None:
-        super().__init__(WorkcellCirclesVectorEnv, render_mode, arguments)
+    kind = WorkcellCirclesVectorEnv

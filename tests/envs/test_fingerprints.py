@@ -65,7 +65,7 @@ def test_what_only_some_see_is_part_of_what_an_id_means(monkeypatch, change):
 
 
 def test_a_changed_default_asks_for_a_new_version(monkeypatch):
-    defaults = ffgym.envs.OneAxisVectorEnv.__init__.__kwdefaults__
+    defaults = ffgym.envs.OneAxisVectorEnv.tasks.__init__.__kwdefaults__
     monkeypatch.setitem(defaults, "frequencies", (1.0, 2.0))
     with pytest.raises(FFGymError, match="bump the version"):
         check("ffgym/OneAxis-v0")
