@@ -33,8 +33,8 @@ def changed_gain(robot):
 
 @pytest.mark.parametrize("change", [changed_stiffness, changed_gain])
 def test_a_changed_constant_of_the_robot_asks_for_a_new_version(monkeypatch, change):
-    original = ffgym.envs.circle_path.robot_of
-    monkeypatch.setattr(ffgym.envs.circle_path, "robot_of", lambda robot: change(original(robot)))
+    original = ffgym.envs.tasks.robot_of
+    monkeypatch.setattr(ffgym.envs.tasks, "robot_of", lambda robot: change(original(robot)))
     with pytest.raises(FFGymError, match=r"model.* changed.*bump the version \(register ffgym/CirclePath-v1"):
         check("ffgym/CirclePath-v0")
 
