@@ -1,3 +1,3 @@
-from .find import Wiring as Wiring
-from .find import find_wiring as find_wiring
-from .mistake import Mistake as Mistake
+from .hypothesis import Mistake as Mistake
+from .search import Wiring as Wiring
+from .search import find_wiring as find_wiring

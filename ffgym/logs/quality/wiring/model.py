@@ -51,6 +51,13 @@ _BODIES = ("inertia", "rotors", "gravity", "mass", "moment", "moment", "moment",
 _NAMES = (*_BODIES, "coulomb", "viscous", "load", "constant")
 """Column by column."""
 
+_SWEEPS = 40
+"""Passes over all coefficients: enough for what is left, which is all that is asked; columns are next to orthogonal or
+exchangeable."""
+
+_RIDGE = 1e-3
+"""Weight of the expected coefficients, in the energy of a column, which decides between columns that say the same."""
+
 
 def bounds(changed: Mapping[str, tuple[float, float]] | None = None) -> tuple[Array, Array]:
     """Smallest and largest coefficients, (K,) each, of which some may be `changed`."""
@@ -135,3 +142,28 @@ def _loads(robot: RobotDescription) -> list[RobotDescription]:
 def regressor_of(robot: RobotDescription) -> Regressor:
     """Regressor of a robot, kept for the next logs of it."""
     return Regressor(robot)
+
+
+def bounded_fit(gram: Array, moment: Array, low: Array, high: Array, expected: Array) -> Array:
+    """Coefficients (B, K) that minimise the squares left by K columns, by coordinate descent.
+
+    Args:
+        gram: products of the columns, shape (B, K, K).
+        moment: products of columns and target, shape (B, K).
+        low: smallest coefficients, shape (K,).
+        high: largest coefficients, shape (K,).
+        expected: those that are taken where columns do not tell, shape (K,).
+    """
+    size = np.sqrt(np.maximum(np.einsum("bkk->bk", gram), 1e-300))
+    scaled = gram / (size[:, :, None] * size[:, None, :])
+    lowest, highest, wanted = low * size, high * size, expected * size
+    found = np.clip(wanted, lowest, highest)
+    target = moment / size
+    slope = np.einsum("bkl,bl->bk", scaled, found) - target
+    for _ in range(_SWEEPS):
+        for k in range(gram.shape[1]):
+            step = (slope[:, k] + _RIDGE * (found[:, k] - wanted[:, k])) / (1.0 + _RIDGE)
+            new = np.clip(found[:, k] - step, lowest[:, k], highest[:, k])
+            slope += scaled[:, :, k] * (new - found[:, k])[:, None]
+            found[:, k] = new
+    return np.asarray(found / size)

@@ -8,8 +8,7 @@ from typing import final
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.logs.quality.wiring.bounded import bounded_fit
-from ffgym.logs.quality.wiring.model import Columns, Regressor, bounds
+from ffgym.logs.quality.wiring.model import Columns, Regressor, bounded_fit, bounds
 from ffgym.logs.quality.wiring.sample import Samples
 from ffgym.recordings.rewiring import Rewiring
 

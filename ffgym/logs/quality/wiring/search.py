@@ -1,15 +1,28 @@
 """Search for the mistakes that explain a set of logs, one after the other, the most telling first."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import final
 
 import numpy as np
 
-from ffgym.logs.quality.wiring.currents import with_currents
-from ffgym.logs.quality.wiring.found import Found
-from ffgym.logs.quality.wiring.hypothesis import Hypothesis, delays, hypotheses, touches_motion, zeros
-from ffgym.logs.quality.wiring.score import FLOOR, TOOL_FLOOR, TORQUE, Channel, Lefts, Scorer
+from ffgym.logs.quality.wiring.hypothesis import (
+    Found,
+    Hypothesis,
+    Mistake,
+    delays,
+    effort_groups,
+    hypotheses,
+    mistake_of,
+    touches_motion,
+    zeros,
+)
+from ffgym.logs.quality.wiring.model import KNOWN_MASSES, regressor_of
+from ffgym.logs.quality.wiring.sample import Samples
+from ffgym.logs.quality.wiring.score import FLOOR, POSITION, TOOL_FLOOR, TORQUE, Channel, Lefts, Scorer
+from ffgym.recordings import Recording
 from ffgym.recordings.rewiring import Rewiring
+from ffgym.robot import RobotDescription
 
 _GAIN = 1.5
 """Least gain, in logarithms of the share that is left, summed over all signals: wrong friction, loads and springs gain
@@ -38,12 +51,31 @@ _ALIKE = 0.5
 _MOST = 8
 """Mistakes after which a set of logs is not wired wrongly but something else."""
 
+_FACTOR = 1.8
+"""Factor of all parts of a torque from which on it is no torque: masses are known better, and a payload that nobody
+told of acts on gravity more than on rotors and friction."""
+
+_UNCLEAN = 1.3
+"""Factor of the torque of a joint that is no torque constant next to 1, where most joints show that there are some."""
+
+_CURRENT_SHARE, _CURRENT_EXPLAINED = 0.05, 0.02
+"""Share of a torque that is left as given at least, and with its factor at most, where masses are known to 60 %."""
+
+_ALONE = 0.004
+"""The same of few joints, on which a heavy payload acts more than on others."""
+
+_ROWS = 100
+"""Rows that a recording needs to take part."""
+
+_RATIO = 0.2
+"""Relative difference of gear ratios from which on logs are of another robot."""
+
 
 def search(scorer: Scorer) -> tuple[Rewiring, list[Found]]:
     """The corrected reading, and the mistakes in the given one."""
     wiring = Rewiring()
     found: list[Found] = []
-    fixed = [*hypotheses(scorer.samples, scorer.robot)]
+    fixed = [*hypotheses(scorer.samples, scorer.n)]
     while len(found) < _MOST:
         best = _best(scorer, wiring, fixed)
         if best is None:
@@ -60,7 +92,7 @@ def _best(scorer: Scorer, wiring: Rewiring, fixed: list[Hypothesis]) -> Found | 
         return None
     least = max(_LEAST_DELAY, _LEAST_ROWS * scorer.samples.period * wiring.clock) / wiring.clock
     considered: list[Found] = []
-    for candidates in (fixed, delays(scorer.samples, scorer.n, least), _zeros(scorer)):
+    for candidates in (fixed, delays(scorer.samples, scorer.n, least), zeros(scorer.samples, scorer.robot)):
         considered += _improved(scorer, wiring, before, candidates, considered)
     if not considered:
         return None
@@ -68,10 +100,6 @@ def _best(scorer: Scorer, wiring: Rewiring, fixed: list[Hypothesis]) -> Found | 
     if best.hypothesis.kind not in ("zero", "delay"):
         return best
     return replace(best, hypothesis=_refined(scorer, wiring, best.hypothesis, least))
-
-
-def _zeros(scorer: Scorer) -> Iterator[Hypothesis]:
-    return zeros(scorer.samples, scorer.robot)
 
 
 def _improved(
@@ -162,3 +190,78 @@ def _near(found: Hypothesis, dt: float, least: float) -> Iterator[Hypothesis]:
     nearest = round(found.amount / dt)
     amounts = [dt * k for k in range(nearest - rows, nearest + rows + 1)]
     yield from (replace(found, amount=amount) for amount in amounts if abs(amount) >= least)
+
+
+def with_currents(scorer: Scorer, wiring: Rewiring, found: Sequence[Found]) -> tuple[Rewiring, list[Found]]:
+    """Reading and mistakes, and beside them that torques are currents, if that explains them."""
+    if not scorer.samples.has(TORQUE) or scorer.samples.header.torque_semantics == "unspecified":
+        return wiring, [*found]
+    strengths = {j: scorer.strength(wiring, j) for j in scorer.judged(wiring)}
+    factors = {j: s for j, s in strengths.items() if s > 0 and abs(np.log(s)) > np.log(_FACTOR)}
+    if not factors:
+        return wiring, [*found]
+    before = scorer.torques(wiring, 0.0, KNOWN_MASSES)
+    candidates = [_scaled(group, factors) for group in effort_groups(scorer.samples) if TORQUE in group]
+    best = min(candidates, key=lambda one: scorer.left_at_all(one.mended(wiring, scorer.n)) + one.cost)
+    after = scorer.torques(best.mended(wiring, scorer.n), 0.0, KNOWN_MASSES)
+    telling = {j for j in factors if before[TORQUE, j] > _CURRENT_SHARE and after[TORQUE, j] < _CURRENT_EXPLAINED}
+    if not telling:
+        return wiring, [*found]
+    if len(telling) <= len(strengths) / 2:
+        factors = {j: factors[j] for j in telling if after[TORQUE, j] < _ALONE}
+        if not factors:
+            return wiring, [*found]
+    else:  # all of them, also where friction of an unknown size explains the factor as well
+        factors = {j: s for j, s in strengths.items() if s > 0 and abs(np.log(s)) > np.log(_UNCLEAN)}
+    current = _scaled(best.families, factors)
+    one = Found(hypothesis=current, before=before, after=after)
+    return current.mended(wiring, scorer.n), [*found, one]
+
+
+def _scaled(families: tuple[str, ...], factors: dict[int, float]) -> Hypothesis:
+    return Hypothesis(kind="current", families=families, parts=tuple(factors), factors=tuple(factors.values()))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Wiring:
+    """Mistakes in the wiring of a set of logs, the most telling first, and how their columns should be read."""
+
+    mistakes: tuple[Mistake, ...] = ()
+    rewiring: Rewiring = field(default_factory=Rewiring)
+
+
+def find_wiring(recordings: Sequence[Recording], robot: RobotDescription) -> Wiring:
+    """Fit the wiring of recordings of one robot, by what its description explains of their signals.
+
+    Friction, payloads, masses, springs and gears that differ from the description are no mistakes in wiring: they are
+    free within what machines have. A mistake is one that is discrete, and without which far more is explained on rows
+    that were left out. Without motor positions, or where recordings do not fit the robot or each other, there are none.
+
+    Args:
+        recordings: of one robot, with columns that mean the same.
+        robot: its description; masses and friction may be typical.
+    """
+    fitting = [recording for recording in recordings if _fits(recording, robot)]
+    if not fitting or len({_kind(recording) for recording in fitting}) > 1:
+        return Wiring()
+    samples = Samples(fitting)
+    if POSITION not in samples.families:
+        return Wiring()
+    rewiring, found = search(Scorer(samples, regressor_of(robot)))
+    ratio = fitting[0].header.gear_ratio
+    return Wiring(mistakes=tuple(mistake_of(one, samples, ratio) for one in found), rewiring=rewiring)
+
+
+def _fits(recording: Recording, robot: RobotDescription) -> bool:
+    """Whether a recording can be judged by a description."""
+    header, drive = recording.header, robot.drive
+    if header.joints != robot.joints or len(recording) < _ROWS or not recording.has(POSITION):
+        return False
+    return bool(np.allclose(header.gear_ratio, drive.gear_ratio, rtol=_RATIO))
+
+
+def _kind(recording: Recording) -> tuple[object, ...]:
+    """What columns of a recording mean."""
+    header = recording.header
+    return header.gear_ratio, header.position_side, header.torque_semantics, header.coupling
