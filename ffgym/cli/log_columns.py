@@ -10,7 +10,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_json, write_text
 from ffgym.logs import TextLayout, read_contents
 from ffgym.logs.draft import draft, listing
-from ffgym.logs.recognise import fitting_maps
+from ffgym.logs.entries import fitting_maps
 
 
 @dataclass(frozen=True)

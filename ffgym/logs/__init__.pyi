@@ -2,8 +2,8 @@ from .column_map import ColumnMap as ColumnMap
 from .column_map import builtin_columns as builtin_columns
 from .column_map import load_columns as load_columns
 from .column_map import parse_columns as parse_columns
+from .column_map import write_corrected as write_corrected
 from .contents import Contents as Contents
-from .corrected import write_corrected as write_corrected
 from .log_format import LogFormat as LogFormat
 from .log_format import log_formats as log_formats
 from .log_format import read_contents as read_contents

@@ -1,20 +1,66 @@
 """From the arrays of a file to recordings, as a column map says."""
 
-from dataclasses import replace
+from bisect import bisect_left
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.types import BoolArray
-from ffgym.logs.clock_order import increasing, order_note
-from ffgym.logs.clocks import Rows, rows_at_rate, rows_of
+from ffgym.core.types import Array, BoolArray
+from ffgym.logs.column import Column, Resample, conversion
 from ffgym.logs.column_map import ColumnMap
 from ffgym.logs.contents import Contents
 from ffgym.logs.entries import TIMESTAMP, Entries, Entry, entries_of, in_entry
 from ffgym.logs.motions import Motion, motions_of
-from ffgym.logs.resampling import DONE, Resampled, resample
 from ffgym.logs.si import to_kept_side, to_si, user_units
 from ffgym.recordings import Header, Recording
+
+_BACK = 0.01
+"""Share of the rows that may go back in time; a clock that does so more often, or starts again, is none."""
+
+DONE = {
+    "gaps": "samples of another clock, each put into the nearest row",
+    "linear": "samples of another clock, interpolated linearly",
+    "hold": "samples of another clock, held until the next",
+}
+"""What is said in the header about resampled columns."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """The rows of one motion in time."""
+
+    t: Array
+    """Times [s], shape (T,)."""
+    unit: str
+    """Unit of their clock in the file."""
+    zero: Any = None
+    """Reading of that clock at which times begin, None for its own zero."""
+
+    def seconds(self, clock: NDArray[Any], unit: str) -> Array:
+        """Times [s] of another clock of the same epoch, on the scale of `t`.
+
+        Raises:
+            FFGymError: if `unit` is no time.
+        """
+        factor = conversion(unit, "s").factor
+        if self.zero is None:
+            return clock.astype(np.float64) * factor
+        if unit == self.unit:
+            return since(clock, self.zero).astype(np.float64) * factor
+        return clock.astype(np.float64) * factor - float(self.zero) * conversion(self.unit, "s").factor
+
+
+class Resampled(NamedTuple):
+    """Samples at the rows."""
+
+    samples: Array
+    """Shape (T, P), NaN where there is none."""
+    reached: BoolArray
+    """Rows between the first sample and the last, shape (T,)."""
 
 
 def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> list[Recording]:
@@ -109,3 +155,120 @@ def _check_reach(entry: Entry, reached: BoolArray, *, trim: bool) -> None:
         f"has no sample for {np.sum(~reached)} of {len(reached)} rows, the first of them {row}. trim = true in [log] "
         "drops rows before and after the samples."
     )
+
+
+def increasing(t: Array) -> BoolArray:
+    """Rows to keep so that times (T,) increase: most of them, the first of equal ones; all where too many go back."""
+    everything = np.ones(len(t), dtype=np.bool_)
+    if not np.isfinite(t).all() or bool(np.all(np.diff(t) > 0)):
+        return everything
+    kept = _longest_increasing(t)
+    return everything if _back(t, kept) > max(1.0, _BACK * len(t)) else kept
+
+
+def order_note(t: Array, kept: BoolArray) -> str:
+    """What was left out, in a sentence."""
+    back = _back(t, kept)
+    twice = int((~kept).sum()) - back
+    texts = [
+        f"{n} {what}" for n, what in ((twice, "with the time of another row"), (back, "that go back in time")) if n
+    ]
+    return f"Rows of the file were dropped: {' and '.join(texts)}, the first in row {int(np.argmin(kept))}."
+
+
+def _back(t: Array, kept: BoolArray) -> int:
+    """Rows that are not `kept` (T,) and do not have the time of the kept row before them either."""
+    last = np.maximum.accumulate(np.where(kept, np.arange(len(t)), 0))
+    return int((~kept & (t != t[last])).sum())
+
+
+def _longest_increasing(t: Array) -> BoolArray:
+    """Rows of the longest increasing subsequence, by patience sorting; of equal times the first."""
+    ends: list[float] = []
+    rows: list[int] = []
+    before = np.full(len(t), -1)
+    for row, time in enumerate(t.tolist()):
+        place = bisect_left(ends, time)
+        if place < len(ends) and ends[place] == time:
+            continue  # the first of equal times stays
+        before[row] = rows[place - 1] if place else -1
+        ends[place : place + 1] = [time]
+        rows[place : place + 1] = [row]
+    kept = np.zeros(len(t), dtype=np.bool_)
+    row = rows[-1]
+    while row >= 0:
+        kept[row] = True
+        row = int(before[row])
+    return kept
+
+
+def rows_of(contents: Contents, timestamp: Column, clock: NDArray[Any]) -> Rows:
+    """Rows whose clock reads `clock`, shape (T, 1).
+
+    Raises:
+        FFGymError: if its unit is no time.
+    """
+    zero = clock[0, 0] if timestamp.from_first and len(clock) else None
+    readings = clock if zero is None else since(clock, zero)
+    return Rows(t=to_si(readings, timestamp, ("s",), contents)[:, 0], unit=str(timestamp.unit), zero=zero)
+
+
+def rows_at_rate(contents: Contents, rate_hz: float | str, n_rows: int) -> Rows:
+    """Rows at a constant rate, which begin at 0.
+
+    Raises:
+        FFGymError: if the rate is not one number > 0.
+    """
+    numbers = contents.numbers(rate_hz).reshape(-1) if isinstance(rate_hz, str) else np.array([rate_hz])
+    if numbers.size != 1 or not 0 < numbers[0] < np.inf:
+        raise FFGymError(f"rate_hz = {numbers.tolist()[:3]} must be one number > 0.")
+    return Rows(t=np.arange(n_rows) / float(numbers[0]), unit="s")
+
+
+def since(clock: NDArray[Any], zero: Any) -> NDArray[Any]:
+    """Clock readings after `zero`; whole numbers stay whole, as nanoseconds since 1970 do not fit a float64."""
+    if clock.dtype.kind == "f" or isinstance(zero, float):
+        return clock - zero
+    return clock.astype(np.int64) - np.int64(zero)
+
+
+def resample(samples: Array, clock: Array, t: Array, how: Resample) -> Resampled:
+    """Samples (C, P) taken at the times `clock` (C,) [s], at the rows `t` (T,) [s]; `how` as COLUMN_KEYS says.
+
+    Raises:
+        FFGymError: if there is not one time per sample, or the times do not increase.
+    """
+    if clock.shape != samples.shape[:1]:
+        raise FFGymError(f"its clock has {clock.size} times for {len(samples)} samples.")
+    if len(clock) < 2 or len(t) < 2:
+        raise FFGymError(f"has {len(clock)} samples for {len(t)} rows; to resample takes at least 2 of each.")
+    stalled = np.flatnonzero(~(np.diff(clock) > 0))
+    if stalled.size:
+        row = int(stalled[0]) + 1
+        raise FFGymError(f"its clock must increase, but sample {row} is at {clock[row]} s after {clock[row - 1]} s.")
+    methods = {"gaps": _nearest, "linear": _linear, "hold": _held}
+    return methods[how](samples, clock, t)
+
+
+def _nearest(samples: Array, clock: Array, t: Array) -> Resampled:
+    """Each sample goes into the row nearest to it, if that is within half a period; of several the nearest stays."""
+    after = np.clip(np.searchsorted(t, clock), 1, len(t) - 1)
+    row = np.where(clock - t[after - 1] <= t[after] - clock, after - 1, after)
+    distance = np.abs(clock - t[row])
+    farthest_first = np.argsort(-distance, kind="stable")
+    placed = farthest_first[distance[farthest_first] <= float(np.median(np.diff(t))) / 2]
+    at_rows = np.full((len(t), samples.shape[1]), np.nan)
+    at_rows[row[placed]] = samples[placed]  # the last of several, which is the nearest
+    return Resampled(at_rows, np.ones(len(t), dtype=np.bool_))
+
+
+def _linear(samples: Array, clock: Array, t: Array) -> Resampled:
+    columns = [np.interp(t, clock, column, left=np.nan, right=np.nan) for column in samples.T]
+    return Resampled(np.stack(columns, axis=1), (t >= clock[0]) & (t <= clock[-1]))
+
+
+def _held(samples: Array, clock: Array, t: Array) -> Resampled:
+    """The last one is held no longer than the longest of the others: after that the source has fallen silent."""
+    last = np.searchsorted(clock, t, side="right") - 1
+    reached = (last >= 0) & (t <= clock[-1] + np.max(np.diff(clock)))
+    return Resampled(np.where(reached[:, None], samples[last], np.nan), reached)

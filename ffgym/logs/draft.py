@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.logs.column_map.load import TO_FILL_IN
+from ffgym.logs.column_map import TO_FILL_IN
 from ffgym.logs.contents import NUMBERS, Contents, readable
 from ffgym.logs.text_layout import TextLayout
 

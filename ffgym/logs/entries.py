@@ -1,18 +1,22 @@
 """Entries of a column map beside the arrays of a file that they name."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import final
 
 from ffgym.core.errors import FFGymError
-from ffgym.logs.column_map import Column, ColumnMap
+from ffgym.logs.column import Column
+from ffgym.logs.column_map import ColumnMap, builtin_columns, load_columns
 from ffgym.logs.contents import Contents
-from ffgym.logs.gather import Gathered, gather, source_names
-from ffgym.logs.target import Target, target_of
+from ffgym.logs.gather import PLACE, Gathered, Target, gather, source_names, target_of
 from ffgym.recordings import Header
 
 TIMESTAMP = "timestamp"
+
+_ANY = {"joint": ".+", "number": r"\d+", "index": r"\d+"}
+"""What may stand in a place of a name, as long as it is not known whose log it is."""
 
 
 @final
@@ -172,3 +176,27 @@ def _present(contents: Contents, names: tuple[str, ...] | str) -> bool:
     """Whether the file has the arrays of an entry."""
     wanted = {names} if isinstance(names, str) else set(names)
     return wanted <= set(contents.arrays)
+
+
+def fitting_maps(contents: Contents) -> list[str]:
+    """Names of built-in column maps all of whose entries that are not optional the file has arrays for."""
+    return [name for name in builtin_columns() if _fits(load_columns(name), contents)]
+
+
+def _fits(columns: ColumnMap, contents: Contents) -> bool:
+    return all(column.optional or _held(column, contents) for column in columns.columns.values())
+
+
+def _held(column: Column, contents: Contents) -> bool:
+    """Whether the file has arrays for an entry, of one joint at least."""
+    if isinstance(column.rate_hz, str):
+        return column.rate_hz in contents.arrays
+    if isinstance(column.source, tuple):
+        return set(column.source) <= set(contents.arrays)
+    return not column.source or any(_has(name, contents) for name in (column.source, *column.otherwise))
+
+
+def _has(name: str, contents: Contents) -> bool:
+    parts = [_ANY[part] if k % 3 == 1 else re.escape(part) for k, part in enumerate(PLACE.split(name)) if k % 3 != 2]
+    pattern = re.compile("".join(parts))
+    return any(pattern.fullmatch(array) for array in contents.arrays)

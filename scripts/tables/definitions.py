@@ -10,10 +10,8 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.logs.column_map.column import COLUMN_KEYS
-from ffgym.logs.column_map.column_map import LOG_KEYS, MOTION_KEYS, TABLES
-from ffgym.logs.column_map.rewire import REWIRE_KEYS
-from ffgym.logs.column_map.units import COUNTS, KELVIN, UNITS
+from ffgym.logs.column import COLUMN_KEYS, COUNTS, KELVIN, UNITS
+from ffgym.logs.column_map import LOG_KEYS, MOTION_KEYS, REWIRE_KEYS, TABLES
 from ffgym.logs.quality import NEEDS, STAGES
 from ffgym.logs.text_layout import LAYOUT_KEYS
 from ffgym.paths.limits import MotionLimits

@@ -11,13 +11,11 @@ from log_samples import CLOCK, LOG, N_ROWS, POSITION, arrays, column_map, refuse
 
 from ffgym.core.errors import FFGymError
 from ffgym.logs import Contents, builtin_columns, load_columns, parse_columns, read_log
-from ffgym.logs.column_map.column import _READERS, COLUMN_KEYS, Column
-from ffgym.logs.column_map.column_map import LOG_KEYS
-from ffgym.logs.column_map.load import column_map_of
-from ffgym.logs.column_map.units import COUNTS, UNITS, conversion
+from ffgym.logs.column import _READERS, COLUMN_KEYS, COUNTS, UNITS, Column, conversion
+from ffgym.logs.column_map import LOG_KEYS, column_map_of
 from ffgym.logs.convert import recordings_of
-from ffgym.logs.drive_units import with_drive_units
-from ffgym.logs.header import header_of
+from ffgym.logs.read import header_of
+from ffgym.logs.si import with_drive_units
 from ffgym.logs.text_layout import LAYOUT_KEYS, TextLayout
 from ffgym.recordings import Header
 

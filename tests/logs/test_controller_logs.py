@@ -12,7 +12,7 @@ from log_samples import refused
 
 from ffgym.cli.main import main
 from ffgym.logs import builtin_columns, load_columns, parse_columns, read_contents, read_log
-from ffgym.logs.recognise import fitting_maps
+from ffgym.logs.entries import fitting_maps
 
 N = 40
 T = 0.004 * np.arange(N)

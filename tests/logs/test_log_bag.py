@@ -8,7 +8,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from ffgym.logs import parse_columns, read_contents, read_log
-from ffgym.logs.recognise import fitting_maps
+from ffgym.logs.entries import fitting_maps
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 START = 1_789_999_999_963_456_789  # a second ends after ten rows

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from log_samples import CLOCK, LOG, N_ROWS, POSITION, arrays, column_map, refused, write_npz
 
 from ffgym.logs import read_log, read_logs
-from ffgym.logs.resampling import resample
+from ffgym.logs.convert import resample
 
 STACKED = POSITION + 'axes = ["motion", "time", "part"]\n'
 RATE = '[columns.timestamp]\nrate_hz = "fs"\n'
@@ -76,7 +76,7 @@ def test_a_clock_may_count_in_any_unit(unit, per_second, tmp_path):
 
 @given(start=st.integers(0, 2**62), steps=st.lists(st.integers(1, 10**9), min_size=1, max_size=9))
 def test_nanoseconds_since_1970_keep_every_digit(start, steps):
-    from ffgym.logs.clocks import since
+    from ffgym.logs.convert import since
 
     clock = start + np.concatenate([[0], np.cumsum(steps)])
     assert since(clock.astype(np.uint64), np.uint64(start)).tolist() == np.concatenate([[0], np.cumsum(steps)]).tolist()
