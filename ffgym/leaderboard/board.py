@@ -10,8 +10,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.core.files import made_folder, write_text
 from ffgym.leaderboard.entrants import Entrant, Registry, entrants_in
-from ffgym.leaderboard.evaluation.jobs import Wanted, evaluated, jobs_for
-from ffgym.leaderboard.evaluation.scoring import lost_cells
+from ffgym.leaderboard.evaluation import jobs as work
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.results import DIGITS, Outcome, Row, decode_row, encode_row, read_row
 from ffgym.leaderboard.tasks import SPLITS, references_of
@@ -83,23 +82,23 @@ class Board:
         """
         with self.held():
             missing = list(self._missing(entrants, plants, splits, n_seeds))
-            jobs = jobs_for(self.registry, missing, splits)
+            jobs = work.jobs_for(self.registry, missing, splits)
             seconds = {plant: simulated_seconds([plant], splits) for plant in dict.fromkeys(plants)}
             total, done, run = sum(seconds[plant] for _, _, plant in missing), 0.0, 0.0
-            for job, outcomes in evaluated(jobs, executor):
+            for i, outcomes in executor.run(work.run_job, jobs):
                 self.keep(outcomes)
-                done += len(job.agents) * seconds[job.plant]
-                run += len(outcomes) * seconds[job.plant]  # without those that have nothing for a plant
+                done += len(jobs[i].agents) * seconds[jobs[i].plant]
+                run += len(outcomes) * seconds[jobs[i].plant]  # without those that have nothing for a plant
                 if progress is not None:
                     progress(done, total)
         return run
 
     def _missing(
         self, entrants: Iterable[Entrant], plants: Sequence[str], splits: Sequence[str], n_seeds: int
-    ) -> Iterable[Wanted]:
+    ) -> Iterable[work.Wanted]:
         for plant in plants:
             fingerprint = plant_named(plant).fingerprint
-            keys = {cell.key for task in plant_named(plant).tasks(splits) for cell in lost_cells(task)}
+            keys = {cell.key for task in plant_named(plant).tasks(splits) for cell in work.lost_cells(task)}
             for entrant in entrants:
                 for seed in entrant.seeds[:n_seeds]:
                     known = self._known(entrant.name, seed, plant)

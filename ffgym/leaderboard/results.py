@@ -3,7 +3,7 @@
 import json
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -117,8 +117,7 @@ class Row:
     def with_outcomes(self, new: Sequence[Outcome]) -> "Row":
         """The row with outcomes added; those of the same seed and plant are replaced."""
         merged = {outcome.key: outcome for outcome in (*self.outcomes, *new)}
-        values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return Row(**values | {"outcomes": tuple(merged.values())})
+        return replace(self, outcomes=tuple(merged.values()))
 
 
 def encode_row(row: Row) -> str:

@@ -7,8 +7,17 @@ from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, Ready
 from ffgym.leaderboard.evaluation.closed_loop import fly
-from ffgym.leaderboard.evaluation.jobs import TOGETHER, Job, Starter, jobs_for, outcomes_of, run_job
-from ffgym.leaderboard.evaluation.scoring import cells_of, lost_cells, trails_of
+from ffgym.leaderboard.evaluation.jobs import (
+    TOGETHER,
+    Job,
+    Starter,
+    cells_of,
+    jobs_for,
+    lost_cells,
+    outcomes_of,
+    run_job,
+    trails_of,
+)
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.results import Cell
 from ffgym.leaderboard.tasks import HELD_OUT, SPLITS, THESIS, Task, noise_seed, references_of, tasks_of

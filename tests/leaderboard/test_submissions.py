@@ -14,7 +14,7 @@ from ffgym.agents.submission import LOADERS, load
 from ffgym.control import ObservationLayout
 from ffgym.core.files import decode_arrays, encode_arrays
 from ffgym.leaderboard.evaluation.closed_loop import fly
-from ffgym.leaderboard.evaluation.scoring import cells_of
+from ffgym.leaderboard.evaluation.jobs import cells_of
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.submission import judge as judging
 from ffgym.leaderboard.submission import manifest as manifests

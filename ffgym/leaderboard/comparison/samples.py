@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TypeAlias, final
+from typing import TypeAlias
 
 import numpy as np
 
@@ -26,7 +26,6 @@ CellKey: TypeAlias = tuple[str, str, float, float]
 """Split, position, radius [mm], speed [mm/s]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Grid:
     """Plants and circles that rows are compared on."""
@@ -48,7 +47,6 @@ class Grid:
         return [k for k, (*_, speed) in enumerate(self.cells) if speed == speed_mm_s]
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sample:
     """Errors of a row over S seeds, P plants and C circles; infinite where the robot stopped."""

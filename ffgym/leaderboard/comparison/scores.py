@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from ffgym.leaderboard.comparison.statistics import (
 from ffgym.leaderboard.results import Row
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SpeedScore:
     """Mean RMS path error over all circles at one speed, seeds and plants."""
@@ -35,7 +33,6 @@ class SpeedScore:
     """Share of the zero action's mean that is gone; negative if the error has grown."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Score:
     """One row on one grid. Infinite stands for a robot that stopped; an interval is None if nothing is random."""
@@ -69,7 +66,6 @@ class Score:
     """Median over seeds and plants of the time of one decision."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scored:
     """A row's errors on a grid and the logarithm of what they leave of the zero action's error, resampled."""
@@ -95,7 +91,6 @@ class Scored:
         return float(self.logs.mean())
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Difference:
     """What one row leaves of another row's error, paired by plant and circle."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import final
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS, Grid, grid_of, group_of, lacking, sample_of
@@ -14,7 +13,6 @@ from ffgym.report.laws import ORACLE, UNCOMPENSATED
 _WORDS = {-1: "better than its base", 1: "worse than its base", 0: "not better: the interval includes zero"}
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class AgainstBase:
     """A residual beside the row that it is a residual on, on circles that nobody learned on."""
@@ -31,7 +29,6 @@ class AgainstBase:
         return self.sentence == _WORDS[-1]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Standing:
     """One row in the standings."""
@@ -48,7 +45,6 @@ class Standing:
     """Why chance was not measured, as 'one seed'; None if it was, or there is none."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Standings:
     """All rows on one group of plants and one selection of circles: ranked ones best first, then those shown only."""

@@ -16,7 +16,7 @@ References:
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import cast, final
+from typing import cast
 from zlib import crc32
 
 import numpy as np
@@ -39,7 +39,6 @@ _CHUNK = 500_000
 """Weights that are held at once; chosen to stay within the cache of a processor."""
 
 
-@final
 @dataclass(frozen=True)
 class Interval:
     """Interval that holds the true value in CONFIDENCE of all experiments; ends may be infinite."""
@@ -52,7 +51,6 @@ class Interval:
         return self.low <= value <= self.high
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Resamples:
     """How often each of S seeds and each of P plants is taken in each of R resamples."""

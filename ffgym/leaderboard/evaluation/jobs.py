@@ -1,21 +1,26 @@
-"""Agents on plants: cut into jobs that any process can do, and put together as outcomes."""
+"""Agents on plants: cut into jobs that any process can do, scored by circles, and put together as outcomes."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
 
-from ffgym.core.executors import Executor
 from ffgym.core.provenance import versions
 from ffgym.leaderboard.entrants import Ready, Registry, entrant_named
 from ffgym.leaderboard.evaluation.closed_loop import fly, inference_time
-from ffgym.leaderboard.evaluation.scoring import cells_of, lost_cells, trails_of
 from ffgym.leaderboard.plants import DRAW, TestPlant, plant_named
-from ffgym.leaderboard.results import Outcome
+from ffgym.leaderboard.results import Cell, Outcome, Trail
 from ffgym.leaderboard.tasks import Task, noise_seed, references_of
 from ffgym.recordings import Recording
+from ffgym.recordings.metrics import deviation_along
 from ffgym.simulation import Run
+from ffgym.studies import circle_scores, in_mm
+
+PICTURED = ("p2", 0.003)
+"""Position and radius [m] of the circles that pictures show: held out, of the thesis' middle size; chosen."""
+_POINTS = 120
+"""Of a picture's circle: every 3 degrees."""
 
 TOGETHER = 8
 """About how many agents one job has on one plant. More side by side cost less each, as the effects of a workcell are
@@ -51,16 +56,6 @@ def jobs_for(registry: Registry, wanted: Sequence[Wanted], splits: Sequence[str]
             min(parts, key=len).extend(row)
         jobs += [Job(registry, plant, tuple(part), tuple(splits), threads) for part in parts if part]
     return jobs
-
-
-def evaluated(jobs: Sequence[Job], executor: Executor) -> Iterator[tuple[Job, list[tuple[str, Outcome]]]]:
-    """Outcomes of jobs as they come, by names of agents; without those that have nothing for the plant.
-
-    Raises:
-        FFGymError: if an agent cannot be read or does not fit, or a simulation becomes unstable.
-    """
-    for i, outcomes in executor.run(run_job, jobs):
-        yield jobs[i], outcomes
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -148,3 +143,44 @@ def _fly_policies(
         flown = fly(plant, [each for each, _ in row], tasks, seeds=[seed for _, seed in row], n_threads=threads)
         recordings += [[flight.recording for flight in flights] for flights in flown]
     return recordings
+
+
+def trails_of(task: Task, recording: Recording) -> list[Trail]:
+    """Where the tool went on the circle that pictures show, if the task has it."""
+    position, radius = PICTURED
+    if task.position != position or radius not in task.radii:
+        return []
+    phase = recording.phases_of("circle")[task.radii.index(radius)]
+    deviation = deviation_along(recording, phase, _POINTS) * 1e6
+    return [
+        Trail(
+            position=position,
+            radius_mm=in_mm(radius),
+            speed_mm_s=in_mm(task.speed),
+            deviation_um=tuple(float(f"{x:.4g}") for x in deviation),
+        )
+    ]
+
+
+def cells_of(task: Task, recording: Recording) -> list[Cell]:
+    """Cells of a task that ran to its end.
+
+    Raises:
+        FFGymError: if the recording lacks a column.
+    """
+    return [
+        Cell(
+            split=task.split,
+            position=task.position,
+            speed_mm_s=in_mm(task.speed),
+            **vars(score) | {"motor_rms_rad": tuple(score.motor_rms_rad)},
+        )
+        for score in circle_scores(recording, task.radii)
+    ]
+
+
+def lost_cells(task: Task) -> list[Cell]:
+    """Cells of a task in which the robot stopped: no figures, which counts as the worst."""
+    place = {"split": task.split, "position": task.position, "speed_mm_s": in_mm(task.speed)}
+    none = dict.fromkeys(("rms_mm", "max_mm", "rms_3d_mm", "max_3d_mm", "motor_rms_rad"))
+    return [Cell(radius_mm=in_mm(radius), **place, **none) for radius in task.radii]

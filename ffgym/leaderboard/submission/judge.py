@@ -18,7 +18,7 @@ from ffgym.core.types import Array
 from ffgym.envs.machines import is_workcell
 from ffgym.envs.workcell_circles import CONTROLLER
 from ffgym.leaderboard.evaluation.closed_loop import Flight, fly
-from ffgym.leaderboard.evaluation.scoring import cells_of
+from ffgym.leaderboard.evaluation.jobs import cells_of
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, plant_named
 from ffgym.leaderboard.submission import manifest as files_of
 from ffgym.leaderboard.submission.manifest import ACTIONS, About, AgentSource, Claim, Manifest, Refused, listed
@@ -136,8 +136,9 @@ class Judge:
         replays: list[Replay] = []
         for plant, logs in logged_actions(files[ACTIONS], self._tasks).items():
             replays.append(replay := Replay(logs, plant))
+            every = tuple(range(len(logs)))
             with ExitStack() as stack:
-                for robots in (*((k,) for k in range(len(logs))), tuple(range(len(logs)))):  # each alone, and all
+                for robots in {*((k,) for k in every), every}:  # each alone, and all together
                     agent = stack.enter_context(self._process(source, files.get(str(source.file)), plant, seed))
                     if (agent.preview, agent.action_scale) != (view.preview, view.action_scale):
                         asks = f"preview and action scale {(agent.preview, agent.action_scale)}"

@@ -35,6 +35,7 @@ DECLARED = "FFGYM_ISOLATED"
 _PACKAGE = Path(os.path.realpath(ffgym.__file__ or "")).parent
 _SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc/alternatives", "/etc/ld.so.cache", "/etc/localtime", "/nix")
 """Where programs and libraries are."""
+_BUBBLE = tuple(["--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp"])
 _PYTHON = (sys.executable, "-P", "-s", "-B")
 """Neither its folder nor the user's own packages are searched, and nothing is written beside what is imported."""
 _HEAD = struct.Struct("<II")
@@ -165,8 +166,8 @@ class AgentProcess:
             late = time.monotonic() >= deadline
             reason = f"it took more than {limit:g} s {what}, and was ended." if late else self._last_words()
             raise self._refused("agent", reason) from None
-        except (FFGymError, ValueError) as error:
-            raise self._refused("agent", str(error)) from None
+        except (ValueError, RecursionError) as error:
+            raise self._refused("agent", f"it sent no message: {error}") from None
         finally:
             timer.cancel()
         if "refused" in answer:
@@ -212,10 +213,10 @@ def receive(pipe: IO[bytes]) -> tuple[dict[str, Any], bytes]:
 
     lengths = _HEAD.unpack(read(_HEAD.size))
     if max(lengths) > _LONGEST:
-        raise FFGymError(f"its message of {max(lengths)} bytes is longer than any that is meant.")
+        raise FFGymError(f"{max(lengths)} bytes are more than any has.")
     message, numbers = json.loads(read(lengths[0])), read(lengths[1])
     if not isinstance(message, dict):
-        raise FFGymError("its message is no JSON object.")
+        raise FFGymError("it is no JSON object.")
     return message, numbers
 
 
@@ -260,17 +261,7 @@ def _exposed() -> str | None:
 def _bubble(own: Path) -> list[str]:
     """Command that runs another one where there is nothing but libraries, this package, and an agent's own folder."""
     libraries = (*_SYSTEM, sys.prefix, sys.base_prefix, str(_PACKAGE), os.path.realpath(_PACKAGE / "agents"))
-    command = [
-        shutil.which("bwrap") or "bwrap",
-        "--unshare-all",
-        "--die-with-parent",
-        "--proc",
-        "/proc",
-        "--dev",
-        "/dev",
-        "--tmpfs",
-        "/tmp",
-    ]
+    command = [shutil.which("bwrap") or "bwrap", *_BUBBLE]
     for place in dict.fromkeys(libraries):
         command += ["--ro-bind-try", place, place]
     return [*command, "--tmpfs", str(_PACKAGE / "workcell"), "--bind", str(own), str(own), "--chdir", str(own)]

@@ -8,7 +8,7 @@ from ffgym.agents.residual.crew import ActorCrew
 from ffgym.control import Batchable, NoCompensation, ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.evaluation.closed_loop import fly
-from ffgym.leaderboard.evaluation.scoring import cells_of
+from ffgym.leaderboard.evaluation.jobs import cells_of
 from ffgym.leaderboard.plants import plant_named
 from ffgym.leaderboard.tasks import Task
 from tests.agents.residual.residual_samples import policy_of, random_actor
