@@ -29,13 +29,13 @@ class Cell:
     position: str
     radius_mm: float
     speed_mm_s: float
-    rms_mm: float | None
+    rms_mm: float | None = None
     """In the plane of the circle, as the thesis."""
-    max_mm: float | None
-    rms_3d_mm: float | None
+    max_mm: float | None = None
+    rms_3d_mm: float | None = None
     """In space."""
-    max_3d_mm: float | None
-    motor_rms_rad: tuple[float, ...] | None
+    max_3d_mm: float | None = None
+    motor_rms_rad: tuple[float, ...] | None = None
     """Per joint, motor side, over lead-in, circle and lead-out."""
 
     @property

@@ -181,6 +181,8 @@ def cells_of(task: Task, recording: Recording) -> list[Cell]:
 
 def lost_cells(task: Task) -> list[Cell]:
     """Cells of a task in which the robot stopped: no figures, which counts as the worst."""
-    place = {"split": task.split, "position": task.position, "speed_mm_s": in_mm(task.speed)}
-    none = dict.fromkeys(("rms_mm", "max_mm", "rms_3d_mm", "max_3d_mm", "motor_rms_rad"))
-    return [Cell(radius_mm=in_mm(radius), **place, **none) for radius in task.radii]
+    speed = in_mm(task.speed)
+    return [
+        Cell(split=task.split, position=task.position, radius_mm=in_mm(radius), speed_mm_s=speed)
+        for radius in task.radii
+    ]

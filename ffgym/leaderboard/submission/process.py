@@ -35,7 +35,7 @@ DECLARED = "FFGYM_ISOLATED"
 _PACKAGE = Path(os.path.realpath(ffgym.__file__ or "")).parent
 _SYSTEM = ("/usr", "/bin", "/lib", "/lib64", "/etc/alternatives", "/etc/ld.so.cache", "/etc/localtime", "/nix")
 """Where programs and libraries are."""
-_BUBBLE = tuple(["--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp"])
+_BUBBLE = ("--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp")
 _PYTHON = (sys.executable, "-P", "-s", "-B")
 """Neither its folder nor the user's own packages are searched, and nothing is written beside what is imported."""
 _HEAD = struct.Struct("<II")
