@@ -46,8 +46,12 @@ COMMANDS = {
     "leaderboard": Command(
         "leaderboard:Leaderboard", "all agents, compared", "ffgym leaderboard --agents none elastic"
     ),
-    "submit": Command("submit:Submit", "make a submission of an agent", "ffgym submit mine.npz --name mine"),
-    "verify": Command("verify:Verify", "run a submission again", "ffgym verify mine.json"),
+    "submit": Command(
+        "submission:Submit",
+        "make a submission of an agent",
+        "ffgym submit mine.py --name mine --author me --track causal",
+    ),
+    "verify": Command("submission:Verify", "run a submission again", "ffgym verify mine.zip"),
 }
 """Subcommands by name, in the order of `ffgym --help`."""
 
