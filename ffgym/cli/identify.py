@@ -8,10 +8,8 @@ from typing import Literal
 import tyro
 
 from ffgym.cli.descriptions import described_robot
-from ffgym.cli.identify_friction import identified_friction
+from ffgym.cli.identify_kinds import Outcome, identified_friction, identified_rigid_body
 from ffgym.cli.identify_logs import LogSet, read_logs
-from ffgym.cli.identify_outcome import Outcome
-from ffgym.cli.identify_rigid_body import identified_rigid_body
 from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.cli.unused import given_options
 from ffgym.core.errors import FFGymError, check_number, check_whole

@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -114,26 +115,13 @@ class Log:
     def motion(self, i: int) -> "Log":
         """The log of one of its motions alone, padded as before."""
         one = slice(i, i + 1)
-
-        def taken(values: Array | None) -> Array | None:
-            return None if values is None else values[:, one]
-
-        return replace(
-            self,
-            recordings=self.recordings[one],
-            started=self.started[one],
-            known=self.known[:, one],
-            q=self.q[:, one],
-            dq=self.dq[:, one],
-            ddq=self.ddq[:, one],
-            slip_dq=self.slip_dq[:, one],
-            torque=self.torque[:, one],
-            tool=taken(self.tool),
-            link=taken(self.link),
-            feedback=taken(self.feedback),
-            reference=None if self.reference is None else (self.reference[0][:, one], self.reference[1][:, one]),
-            temperature=taken(self.temperature),
-        )
+        columns = ("known", "q", "dq", "ddq", "slip_dq", "torque", "tool", "link", "feedback", "temperature")
+        taken: dict[str, Any] = {
+            name: None if (values := getattr(self, name)) is None else values[:, one] for name in columns
+        }
+        if self.reference is not None:
+            taken["reference"] = (self.reference[0][:, one], self.reference[1][:, one])
+        return replace(self, recordings=self.recordings[one], started=self.started[one], **taken)
 
 
 def log_of(
@@ -206,15 +194,8 @@ def _motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) ->
 
 def _with_channels_of(log: Log, like: Log) -> Log:
     """The log with no more channels than another one has."""
-    return replace(
-        log,
-        tool=None if like.tool is None else log.tool,
-        link=None if like.link is None else log.link,
-        feedback=None if like.feedback is None else log.feedback,
-        reference=None if like.reference is None else log.reference,
-        temperature=like.temperature,
-        started=like.started,
-    )
+    missing = {name: None for name in ("tool", "link", "feedback", "reference") if getattr(like, name) is None}
+    return replace(log, temperature=like.temperature, started=like.started, **missing)  # type: ignore[arg-type]
 
 
 def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pass: LowPass) -> Array:

@@ -217,7 +217,6 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
         robot=log.robot,
         motions=tuple(motions),
         floor=dict(floor),
-        has_temperature=log.temperature is not None,
         cutoff=log.sampling.cutoff,
     )
 

@@ -141,17 +141,6 @@ class ResidualMap:
         energy, rows = np.nansum(self.ratio**2 * self.rows, axis=1), (self.rows * np.isfinite(self.ratio)).sum(axis=1)
         return np.sqrt(energy / np.where(rows > 0, rows, np.nan))
 
-    def worst(self) -> tuple[str, str]:
-        """Component and place with the largest residual over noise floor.
-
-        Raises:
-            FFGymError: if there is no place with enough rows.
-        """
-        if np.isnan(self.ratio).all():
-            raise FFGymError(f"No place of channel {self.channel} has {FEW} rows or more; the log is too short.")
-        component, place = np.unravel_index(np.nanargmax(self.ratio), self.ratio.shape)
-        return self.components[component], self.places[place]
-
 
 def regime_map(residual: Residual, channel: Channel) -> ResidualMap:
     """Residuals by joint and regime, for a channel whose components are joints.

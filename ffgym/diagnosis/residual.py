@@ -67,8 +67,6 @@ class Residual:
     floor: Mapping[Channel, Array]
     """RMS of each component, shape (M, N) or (M, 3) for M motions, of the nominal model replayed over itself with this
     log's noise: what a model without any fault would leave."""
-    has_temperature: bool
-    """Whether the log has temperatures; else states carry a constant."""
     cutoff: float
     """Low-pass that all channels went through [Hz]."""
 

@@ -90,14 +90,7 @@ def left_by_block(
     """Energy left in each block by a fit of `columns` to the blocks that are not left out with it, shape (B,)."""
     left = np.zeros(len(evidence.blocks))
     for fold in folds:
-        gram, pull = evidence.gram[fold.train].sum(axis=0), evidence.moment[fold.train].sum(axis=0)[:, residual]
-        x = bounded(
-            gram[np.ix_(columns, columns)],
-            pull[columns],
-            priors.precision[columns],
-            priors.low[columns],
-            priors.high[columns],
-        )
+        x = fitted(evidence, columns, priors, fold.train, residual)
         for b in np.flatnonzero(fold.test):
             inner = evidence.gram[b][np.ix_(columns, columns)]
             left[b] = evidence.energy[b, residual] - 2 * x @ evidence.moment[b, columns, residual] + x @ inner @ x
@@ -110,13 +103,8 @@ def fitted(
     """Parameters of `columns` fitted to some blocks, or to all, shape (len(columns),)."""
     chosen = slice(None) if blocks is None else blocks
     gram, pull = evidence.gram[chosen].sum(axis=0), evidence.moment[chosen].sum(axis=0)[:, residual]
-    return bounded(
-        gram[np.ix_(columns, columns)],
-        pull[columns],
-        priors.precision[columns],
-        priors.low[columns],
-        priors.high[columns],
-    )
+    known = (of[columns] for of in (priors.precision, priors.low, priors.high))
+    return bounded(gram[np.ix_(columns, columns)], pull[columns], *known)
 
 
 _WIDE = 10.0

@@ -14,6 +14,7 @@ which recordings are given.
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -120,32 +121,28 @@ class _Windows:
     @classmethod
     def of(cls, log: Sequence[Cells]) -> "_Windows":
         """All windows of a log."""
-        recording, begin, first, length, lasting, rests, there, moving, information = ([] for _ in range(9))
-        before = 0
+        rows, information, before = list[tuple[Any, ...]](), list[Array](), 0
         for i, cells in enumerate(log):
             n = len(cells) if len(cells) <= _WHOLE * LENGTH else LENGTH
             total = np.cumsum(np.concatenate([np.zeros_like(cells.information[:1]), cells.information]), axis=0)
             for k in range(len(cells) - n + 1):
-                recording.append(i)
-                begin.append(before + k)
-                first.append(k)
-                length.append(n)
-                lasting.append(float(cells.edges[k + n] - cells.edges[k]))
-                rests.append(int(cells.at_rest[k]) + int(cells.at_rest[k + n]))
-                there.append(bool(cells.there[k : k + n].all()))
-                moving.append(float(cells.moving[k : k + n].mean()))
+                lasting, rests = cells.edges[k + n] - cells.edges[k], int(cells.at_rest[k]) + int(cells.at_rest[k + n])
+                inside = slice(k, k + n)
+                usable = cells.there[inside].all(), cells.moving[inside].mean() >= _MOVING
+                rows.append((i, before + k, k, n, rests, lasting, *usable))
             information.append(total[n:] - total[:-n])
             before += len(cells)
-        is_there, moves = np.array(there), np.array(moving) >= _MOVING
+        recording, begin, first, length, rest_ends, seconds, there, moves = np.array(rows).T
+        usable_rows = (there > 0) & (moves > 0)
         return cls(
             n_cells=before,
-            recording=np.array(recording),
-            begin=np.array(begin),
-            first=np.array(first),
-            length=np.array(length),
-            lasting=np.array(lasting),
-            rests=np.array(rests),
-            usable=is_there & moves if (is_there & moves).any() else is_there,
+            recording=recording.astype(np.intp),
+            begin=begin.astype(np.intp),
+            first=first.astype(np.intp),
+            length=length.astype(np.intp),
+            lasting=seconds,
+            rests=rest_ends.astype(np.intp),
+            usable=usable_rows if usable_rows.any() else there > 0,
             information=np.concatenate(information),
         )
 

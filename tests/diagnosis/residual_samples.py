@@ -24,7 +24,6 @@ def made_up(robot: RobotDescription, faults: Faults, *, channels: tuple[Channel,
         robot=robot,
         motions=motions,
         floor={c: np.full((3, 3 if c == "tool" else n), NOISE[c]) for c in channels},
-        has_temperature=True,
         cutoff=1 / (3 * DT),
     )
 

@@ -87,8 +87,6 @@ class Ranking:
 
     score: Array
     """Mean of both splits, shape (C,)."""
-    by_halves: Array
-    by_motions: Array
     order: IntArray
     """Best first."""
     threshold: float
@@ -114,13 +112,10 @@ def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray, *,
     folds = motion_folds(evidence.blocks)
     motions = screen(evidence, folds, calibration, candidates.groups, candidates.priors) if folds else halves
     per = float(evidence.rows.sum()) / evidence.n_components
-    by_halves, by_motions = halves.gain / per, motions.gain / per
-    score = 0.5 * (by_halves + by_motions)
+    score = 0.5 * (halves.gain / per + motions.gain / per)
     chance = score[:, 1:].max(axis=0) if score.shape[1] > 1 else np.zeros(1)
     return Ranking(
         score=score[:, 0],
-        by_halves=by_halves[:, 0],
-        by_motions=by_motions[:, 0],
         order=np.argsort(-score[:, 0], kind="stable"),
         threshold=_extreme(chance),
         most=_largest(evidence, candidates, calibration) / per if with_most else np.zeros(0),

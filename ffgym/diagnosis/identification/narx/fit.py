@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx.model import NarxModel, Regressors, joint_models
-from ffgym.diagnosis.identification.narx.problems import Prediction, Problem, Samples, Simulation, check_alike, split
+from ffgym.diagnosis.identification.narx.problems import Prediction, Samples, Simulation, check_alike, split
 
 Focus = Literal["prediction", "simulation"]
 """What errors are minimised: one step ahead, as in the thesis, or in free run."""
@@ -119,7 +119,7 @@ def _random(records: Sequence[Samples], rng: np.random.Generator, structure: Str
 def _minimised(
     start: NarxModel,
     records: Sequence[Samples],
-    problems: Callable[[NarxModel, Sequence[Samples]], Sequence[Problem]],
+    problems: Callable[[NarxModel, Sequence[Samples]], Sequence[Prediction | Simulation]],
     n_evaluations: int,
 ) -> NarxModel:
     """The network from `start` with the least squares of a problem, motor by motor."""

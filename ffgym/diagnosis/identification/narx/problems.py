@@ -3,7 +3,6 @@
 Parameters of a motor are one vector, K = H R + 2 H + 1: w row by row, then b, c and d of `NarxModel`.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import tanh
@@ -131,21 +130,9 @@ STEEPEST = 1e100
 far beyond any that leads somewhere, and small enough to be squared."""
 
 
-class Problem(ABC):
-    """Errors of one motor, weighted, S scored samples, and their derivative by its parameters."""
-
-    @abstractmethod
-    def residual(self, parameters: Array) -> Array:
-        """Weighted errors (S,) at parameters (K,)."""
-
-    @abstractmethod
-    def jacobian(self, parameters: Array) -> Array:
-        """Their derivative (S, K)."""
-
-
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Prediction(Problem):
+class Prediction:
     """Errors one step ahead; past outputs are the measured ones."""
 
     phi: Array
@@ -168,12 +155,12 @@ class Prediction(Problem):
         ]
 
     def residual(self, parameters: Array) -> Array:
-        """See base class."""
+        """Weighted errors (S,) at parameters (K,) of one motor, S scored samples."""
         w, b, c, d = split(parameters, self.n_neurons)
         return np.asarray(self.weight * (sigmoid(self.phi @ w.T + b) @ c + d - self.target))
 
     def jacobian(self, parameters: Array) -> Array:
-        """See base class."""
+        """Their derivative by the parameters (S, K)."""
         return self.weight[:, None] * slopes(parameters, self.phi, self.n_neurons)
 
 
@@ -193,7 +180,7 @@ class Drive:
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Simulation(Problem):
+class Simulation:
     r"""Errors in free run; past outputs are the network's own.
 
     The derivative of y(k) then holds those of its past outputs,
@@ -231,7 +218,7 @@ class Simulation(Problem):
         ]
 
     def residual(self, parameters: Array) -> Array:
-        """See base class."""
+        """Weighted errors (S,) at parameters (K,) of one motor, S scored samples."""
         return np.concatenate(
             [
                 drive.weight * (self._simulated(parameters, drive.inputs) - drive.target)[drive.scored]
@@ -240,7 +227,7 @@ class Simulation(Problem):
         )
 
     def jacobian(self, parameters: Array) -> Array:
-        """See base class."""
+        """Their derivative by the parameters (S, K)."""
         parts = []
         for drive in self.drives:
             outputs = self._simulated(parameters, drive.inputs)
