@@ -13,7 +13,7 @@ import tyro
 
 from ffgym.core.files import write_bytes
 from ffgym.core.types import Array
-from ffgym.diagnosis.examples import EXAMPLE_ROBOT
+from ffgym.diagnosis.nominal import EXAMPLE_ROBOT
 from ffgym.effects.drive.offset import TorqueOffset
 from ffgym.effects.measurement.tool_frame import ToolFrame
 from ffgym.recordings import Recording

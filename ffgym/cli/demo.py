@@ -9,7 +9,7 @@ from ffgym.cli.outputs import check_outputs, need_extra, provenance
 from ffgym.core.files import write_json, write_text
 from ffgym.diagnosis import Diagnosis, examine
 from ffgym.diagnosis.document import diagnosis_document
-from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
+from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
 from ffgym.envs.machines import is_workcell, rig_of
 from ffgym.paths import SPEEDS
 from ffgym.robot import RigidArm, RobotDescription, load_robot

@@ -10,8 +10,7 @@ from ffgym.cli.descriptions import described_robot
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_text
 from ffgym.diagnosis.calibration import Calibration
-from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
-from ffgym.diagnosis.nominal import fitted_nominal
+from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs, fitted_nominal
 from ffgym.diagnosis.thinning import within_bound
 from ffgym.effects import Origin
 from ffgym.logs import load_columns, read_logs

@@ -1,7 +1,5 @@
 from .calibration import Calibration as Calibration
 from .document import read_diagnosis as read_diagnosis
-from .examples import EXAMPLE_ROBOT as EXAMPLE_ROBOT
-from .examples import example_logs as example_logs
 from .identification import Blocks as Blocks
 from .identification import Estimate as Estimate
 from .identification import FrictionIdentification as FrictionIdentification
@@ -35,6 +33,8 @@ from .identification.rigid_body import best_excitation as best_excitation
 from .identification.rigid_body import excitation_condition as excitation_condition
 from .identification.rigid_body import identify_rigid_body as identify_rigid_body
 from .identification.rigid_body import starting_robot as starting_robot
+from .nominal import EXAMPLE_ROBOT as EXAMPLE_ROBOT
+from .nominal import example_logs as example_logs
 from .patterns import cycles_per_turn as cycles_per_turn
 from .patterns import find_patterns as find_patterns
 from .prepare import Memory as Memory

@@ -16,13 +16,13 @@ import numpy as np
 from scipy.stats import t as student
 
 from ffgym.core.types import Array, BoolArray
+from ffgym.diagnosis.column import columns_of
 from ffgym.diagnosis.evidence import Blocks
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import counting_rows
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import Drift
-from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.effects.friction.coulomb import CoulombLevel
 from ffgym.effects.friction.viscous import ViscousLevel
 from ffgym.recordings import Recording

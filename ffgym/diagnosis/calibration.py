@@ -13,12 +13,12 @@ import numpy as np
 
 from ffgym.core.errors import check_number
 from ffgym.core.types import Array
+from ffgym.diagnosis.column import Column, column_of_machine, columns_of, machine_columns
 from ffgym.diagnosis.identification.rigid_body.base import base_parameters
 from ffgym.diagnosis.identification.rigid_body.terms import BODIES, ROTOR_INERTIA, rigid_motion
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Column, column_of_machine, columns_of, machine_columns
-from ffgym.diagnosis.signatures.push import Parts
 from ffgym.effects import ClockEffect, Effect, NativeEffect
 from ffgym.effects.drive.delay import TorqueDelay
 from ffgym.effects.drive.offset import TorqueOffset

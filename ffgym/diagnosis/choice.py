@@ -8,15 +8,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ffgym.core.types import Array
+from ffgym.diagnosis.column import columns_of, stiffness_columns
 from ffgym.diagnosis.fit.fit import Fit, Loudness, loudness, without_calibration
 from ffgym.diagnosis.measured import residual_of
-from ffgym.diagnosis.patterns.periodic import Amplitude, cycles_per_turn
-from ffgym.diagnosis.patterns.spectra import Spectrum
+from ffgym.diagnosis.patterns.periodic import Amplitude, Spectrum, cycles_per_turn
 from ffgym.diagnosis.prepare import Memory, Prepared, candidates_for, repeats
 from ffgym.diagnosis.residual import Channel, components
 from ffgym.diagnosis.search.candidates import Candidates
-from ffgym.diagnosis.signatures.column import columns_of, stiffness_columns
-from ffgym.diagnosis.signatures.variant import Cycles
+from ffgym.diagnosis.variant import Cycles
 from ffgym.effects import Effect
 from ffgym.effects.transmission.stiffness import JointStiffness
 

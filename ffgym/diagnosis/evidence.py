@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.push import Parts
 
 BLOCK = 1.0
 """Length of a block [s], the unit of resampling and of what is left out; long against the low-pass, 50 ms, and against

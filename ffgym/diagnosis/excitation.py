@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.diagnosis.calibration import Calibration, doubts_of
+from ffgym.diagnosis.column import columns_of
 from ffgym.diagnosis.evidence import Blocks, Values, blocks_of, half_folds
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import knows_low_speed, residual_rows, valid_rows
@@ -18,7 +19,6 @@ from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.search.found import Found
-from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.diagnosis.solving import screen
 from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, ResolverEffect, TrackerEffect
 from ffgym.simulation.plant import Machine

@@ -1,7 +1,8 @@
-"""A nominal model for a robot whose numbers nobody knows: rigid bodies and friction fitted to the very logs."""
+"""Nominal models: rigid bodies and friction fitted to the very logs, and that of the logs of the package."""
 
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib import resources
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ffgym.diagnosis.identification.rigid_body import (
 )
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.recordings import Recording
+from ffgym.recordings.npz import decode
 from ffgym.robot import RobotDescription, RobotDraft
 from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.template.proposals import PRESLIDING
@@ -124,3 +126,17 @@ def _share(fit: RigidBodyFit, label: str) -> float:
     k = fit.labels.index(label)
     width = float(fit.intervals.high[k] - fit.intervals.low[k])
     return width / _NORMAL / max(abs(float(fit.estimate[k])), 1e-12)
+
+
+EXAMPLE_ROBOT = "irb4600_60_205"
+"""Nominal model of the machine that the logs are of."""
+
+
+def example_logs() -> list[Recording]:
+    """The first recording of a machine that its model describes but for two faults, in the order of the session.
+
+    `scripts/example_logs.py` makes them, on a machine of the workcell's kind.
+    """
+    files = (resources.files("ffgym.diagnosis") / "data").iterdir()
+    logs = [decode(file.read_bytes()) for file in files if file.name.endswith(".npz")]
+    return sorted(logs, key=lambda log: float(log.header.meta["session_start"]))

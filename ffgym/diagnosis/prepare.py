@@ -9,6 +9,7 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
+from ffgym.diagnosis.column import Column, columns_of
 from ffgym.diagnosis.evidence import Values, blocks_of
 from ffgym.diagnosis.exact import FOREIGN, UNKNOWN, Exact, exact_recordings, has_servo, is_foreign, is_same_motion
 from ffgym.diagnosis.fit.calibrate import calibrate
@@ -21,8 +22,7 @@ from ffgym.diagnosis.noise import Faultless, encoder_steps, faultless_residuals
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates, candidates_of, surrogates
-from ffgym.diagnosis.signatures.column import Column, columns_of
-from ffgym.diagnosis.signatures.variant import variants
+from ffgym.diagnosis.variant import variants
 from ffgym.diagnosis.weights import bound_outliers, doubt_rows, first_swing, misread_friction, unknown_torque
 from ffgym.effects import Effect, State, TorqueEffect, Torques
 from ffgym.recordings import Recording

@@ -21,15 +21,15 @@ from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.evidence import blocks_of, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.tangents import exchanged, tangents
+from ffgym.diagnosis.fit.setting import exchanged, tangents
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import valid_rows
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import replay
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.result import SeparatingMotion
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.sessions import Proposal, proposals
-from ffgym.diagnosis.signatures.push import Parts
 from ffgym.diagnosis.solving import bounded
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import SimulatedRig

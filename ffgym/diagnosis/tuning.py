@@ -21,18 +21,18 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import BOUND, LinkMass
+from ffgym.diagnosis.column import columns_of
 from ffgym.diagnosis.evidence import BLOCK, blocks_of
 from ffgym.diagnosis.fit.fit import Fit, evaluated, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import counting_rows, valid_rows
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import Replay, replay
 from ffgym.diagnosis.sampling import CUTOFF
-from ffgym.diagnosis.signatures.column import columns_of
-from ffgym.diagnosis.signatures.push import Parts
-from ffgym.diagnosis.signatures.variant import STEP
 from ffgym.diagnosis.solving import bounded
+from ffgym.diagnosis.variant import STEP
 from ffgym.effects import Effect, NativeEffect
 from ffgym.effects.drive.offset import TorqueOffset
 from ffgym.effects.effect import Side

@@ -31,11 +31,11 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.noise import Noise, noisy
+from ffgym.diagnosis.push import Parts, Push, changes, shown
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import without_trembling
-from ffgym.diagnosis.signatures.push import Parts, Push, changes, shown
 from ffgym.recordings import Recording
 
 _HALF = 0.5

@@ -21,10 +21,10 @@ from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
 from ffgym.diagnosis.evidence import Stack, Values, blocks_of, stack_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.replay.springs import FlownAwayError
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.push import Parts
 from ffgym.diagnosis.solving import Priors, fitted
 from ffgym.effects import Effect
 from ffgym.recordings import Recording

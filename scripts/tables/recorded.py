@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyFit, RigidBodyOptions, identify_rigid_body
 from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS
+from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
 from ffgym.diagnosis.procedure import examine
 from ffgym.diagnosis.regimes import log_rows, regime_map
 from ffgym.diagnosis.residual import Residual

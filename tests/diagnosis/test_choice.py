@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.diagnosis import choice as module
 from ffgym.diagnosis.choice import Choice, _not_among
-from ffgym.diagnosis.patterns.spectra import Spectrum
+from ffgym.diagnosis.patterns.periodic import Spectrum
 
 
 def test_a_frequency_is_tried_once_however_often_it_was_found():

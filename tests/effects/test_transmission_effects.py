@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ffgym.core.errors import FFGymError
-from ffgym.diagnosis.examples import example_logs
+from ffgym.diagnosis.nominal import example_logs
 from ffgym.effects import EFFECTS, torques_along
 from ffgym.paths import joint_reference, multisine
 from ffgym.robot import ModelOptions, RigidArm

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.examples import EXAMPLE_ROBOT, example_logs
+from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs
 from ffgym.logs.quality import check_quality
 from ffgym.recordings.npz import decode
 from ffgym.robot import load_robot

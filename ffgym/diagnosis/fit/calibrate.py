@@ -18,11 +18,10 @@ from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.evidence import Evidence, Stack, stack_of
 from ffgym.diagnosis.fit.fit import Trial, priors_of, priors_of_calibration, trial_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
-from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
-from ffgym.diagnosis.fit.tangents import tangents
+from ffgym.diagnosis.fit.setting import HELD, Setting, tangents, values_of
 from ffgym.diagnosis.fit.written import possible_numbers
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.push import Parts
 from ffgym.diagnosis.solving import bounded
 from ffgym.effects import NativeEffect
 from ffgym.simulation.plant import Machine

@@ -10,12 +10,11 @@ from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.evidence import Evidence
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_with
-from ffgym.diagnosis.fit.setting import Setting, values_of
-from ffgym.diagnosis.fit.tangents import tangents
+from ffgym.diagnosis.fit.setting import Setting, tangents, values_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.push import Parts
 from ffgym.diagnosis.solving import Priors, fitted
 from ffgym.simulation.plant import Machine
 

@@ -9,7 +9,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.result import label_of
-from ffgym.diagnosis.signatures.variant import step_of
+from ffgym.diagnosis.variant import step_of
 from ffgym.effects import Effect
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription

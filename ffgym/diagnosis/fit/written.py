@@ -16,8 +16,7 @@ from ffgym.diagnosis.calibration import Calibration, Doubt
 from ffgym.diagnosis.evidence import Evidence
 from ffgym.diagnosis.fit.fit import Fit, trial_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
-from ffgym.diagnosis.fit.setting import HELD, Setting, values_of
-from ffgym.diagnosis.fit.tangents import tangents
+from ffgym.diagnosis.fit.setting import HELD, Setting, tangents, values_of
 from ffgym.diagnosis.measured import residual_rows
 from ffgym.diagnosis.replay import Replay, predicted
 from ffgym.diagnosis.replay.channels import in_step

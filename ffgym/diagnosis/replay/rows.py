@@ -16,8 +16,17 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.replay.base import BaseTerms, Tilt, base_of, base_terms, tilt_of
-from ffgym.diagnosis.replay.link_terms import LinkTerms, bending_of, link_terms, terms_beside
+from ffgym.diagnosis.replay.links import (
+    BaseTerms,
+    LinkTerms,
+    Tilt,
+    base_of,
+    base_terms,
+    bending_of,
+    link_terms,
+    terms_beside,
+    tilt_of,
+)
 from ffgym.diagnosis.replay.springs import Deflection, Springs
 from ffgym.diagnosis.replay.states import (
     Bristles,

@@ -18,7 +18,6 @@ from scipy.sparse import csr_array, eye_array
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
-from ffgym.diagnosis.replay.link_terms import Bending
 from ffgym.diagnosis.replay.recursions import cubics, places_of, swing
 
 COARSE = 0.002
@@ -76,6 +75,16 @@ class Deflection:
     def at_every(self, n: int) -> "Deflection":
         """At every n-th sample."""
         return Deflection(angle=self.angle[::n], rate=self.rate[::n], acceleration=self.acceleration[::n])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bending:
+    """Torque of links beside inertia where joints bend, per bending of the last axis; (T, M, N, N)."""
+
+    rate: Array
+    """Per rate of the deflection [N m s/rad]."""
+    place: Array
+    """Per deflection [N m/rad]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,12 +7,12 @@ import numpy as np
 
 from ffgym.core.types import Array, IntArray
 from ffgym.diagnosis.calibration import BOUND, Doubt
+from ffgym.diagnosis.column import Column, together
 from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.signatures.column import Column, together
-from ffgym.diagnosis.signatures.push import Parts
-from ffgym.diagnosis.signatures.variant import step_of
 from ffgym.diagnosis.solving import Candidate, Priors
+from ffgym.diagnosis.variant import step_of
 
 DRAWS = 60
 """Draws of noise; the largest score of any candidate in each gives the threshold."""

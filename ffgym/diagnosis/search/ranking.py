@@ -8,13 +8,13 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
+from ffgym.diagnosis.column import Column
 from ffgym.diagnosis.evidence import Evidence, half_folds, motion_folds
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.candidates import Candidates
-from ffgym.diagnosis.signatures.column import Column
-from ffgym.diagnosis.signatures.variant import STEP
 from ffgym.diagnosis.solving import bounded, fitted, screen
+from ffgym.diagnosis.variant import STEP
 from ffgym.effects.parameters import Parameter
 from ffgym.robot import RobotDescription
 

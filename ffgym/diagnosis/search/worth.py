@@ -6,9 +6,9 @@ from ffgym.diagnosis.calibration import BOUND
 from ffgym.diagnosis.fit.fit import Fit, Loudness, Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.setting import Setting, is_number_of
+from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.found import Tried
-from ffgym.diagnosis.signatures.push import Parts
 
 _AT_END = 1e-3
 """Share of its plausible range within which a shape is at the end of it."""

@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.column import Column
 from ffgym.diagnosis.fit.fit import Fit
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.search.ranking import hypothesis_of
-from ffgym.diagnosis.signatures.column import Column
-from ffgym.diagnosis.signatures.variant import variants
+from ffgym.diagnosis.variant import variants
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.calibration import Doubt
+from ffgym.diagnosis.column import Column
 from ffgym.diagnosis.fit.written import with_numbers
-from ffgym.diagnosis.signatures.column import Column
 from ffgym.effects import EFFECTS
 from ffgym.robot import load_robot
 from ffgym.simulation.plant import Machine

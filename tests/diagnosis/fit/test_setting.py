@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.calibration import Doubt, RowOffset
+from ffgym.diagnosis.column import Column
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.setting import HELD, Setting
-from ffgym.diagnosis.signatures.column import Column
 from ffgym.effects import EFFECTS
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.tangents import tangents
+from ffgym.diagnosis.fit.setting import tangents
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import valid_rows
 from ffgym.diagnosis.replay.channels import predicted

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from ffgym.diagnosis.calibration import Calibration
+from ffgym.diagnosis.column import columns_of
 from ffgym.diagnosis.excitation import judgeable_kinds
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.tangents import tangents
+from ffgym.diagnosis.fit.setting import tangents
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.replay import predicted, replay
-from ffgym.diagnosis.signatures.column import columns_of
 from ffgym.effects import EFFECTS
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 

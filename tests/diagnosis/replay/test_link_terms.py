@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.replay.link_terms import bending_of, link_terms, terms_beside
+from ffgym.diagnosis.replay.links import bending_of, link_terms, terms_beside
 from ffgym.robot import RigidArm, load_robot
 
 

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ffgym.diagnosis.fit.tangents import exchanged
+from ffgym.diagnosis.fit.setting import exchanged
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import measured_rows, valid_rows
 from ffgym.diagnosis.replay import replay

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ffgym.diagnosis.column import columns_of, stiffness_columns
 from ffgym.diagnosis.log import log_of
+from ffgym.diagnosis.push import replayed_parts
 from ffgym.diagnosis.replay import replay
-from ffgym.diagnosis.signatures.column import columns_of, stiffness_columns
-from ffgym.diagnosis.signatures.push import replayed_parts
-from ffgym.diagnosis.signatures.variant import with_effect
+from ffgym.diagnosis.variant import with_effect
 from ffgym.effects.transmission.stiffness import JointStiffness
 from tests.diagnosis.replay.replay_samples import nominal, recorded
 

@@ -12,8 +12,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
-from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
-from ffgym.diagnosis.signatures.push import (
+from ffgym.diagnosis.push import (
     Parts,
     Push,
     changes,
@@ -25,7 +24,8 @@ from ffgym.diagnosis.signatures.push import (
     replayed_parts,
     shown,
 )
-from ffgym.diagnosis.signatures.variant import Cycles, Variant, variants, with_effect
+from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
+from ffgym.diagnosis.variant import Cycles, Variant, variants, with_effect
 from ffgym.effects import ClockEffect, Effect, ModelEffect, NativeEffect, ResolverEffect, TrackerEffect
 from ffgym.effects.transmission.stiffness import JointStiffness
 

@@ -1,1 +1,0 @@
-"""Effects along a replay, as columns of a regression."""
