@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_text
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs, fitted_nominal
-from ffgym.diagnosis.thinning import within_bound
+from ffgym.diagnosis.thinning import thin
 from ffgym.effects import Origin
 from ffgym.logs import load_columns, read_logs
 from ffgym.logs.quality import conditioned_alike
@@ -75,7 +75,7 @@ def logs_from(paths: Sequence[Path], columns: str | None, robot: RobotDescriptio
         source.renamed(f"{path.stem}/{source.header.segment}") if names.count(source.header.segment) > 1 else source
         for path, source in read
     ]
-    return conditioned_alike(within_bound(named))
+    return conditioned_alike(thin(named))
 
 
 def nominal_named(name: str | None) -> Nominal:

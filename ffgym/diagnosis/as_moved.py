@@ -47,18 +47,14 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
     n_motions = len(log.recordings)
     if n_motions > 1 and parts * len(log.q) * n_motions > _TOGETHER:
         return [one for i in range(n_motions) for one in as_moved(log.motion(i), run, smooth=smooth)]
-    few = _few(log.dt, parts)
+    # steps in a sample that are short enough for links and springs, of which each has some of all `parts`
+    few = min(n for n in range(1, parts + 1) if parts % n == 0 and (n == parts or log.dt / n <= _LINKS * (1 + 1e-09)))
     if few == parts or run.machine.resolver_effects:  # friction slips as motors truly move, which replays tell
         fine, few = replay(_finer(log, parts, smooth), run.machine, exact=True), parts
     else:
         bristles = _bristles(_finer(log, parts, smooth), run, parts // few)
         fine = replay(_finer(log, few, smooth), run.machine, bristles=bristles, exact=True)
     return [_record(log, run, fine, few, i) for i in range(n_motions)]
-
-
-def _few(dt: float, parts: int) -> int:
-    """Steps in a sample that are short enough for links and springs, of which each has some of all `parts`."""
-    return min(n for n in range(1, parts + 1) if parts % n == 0 and (n == parts or dt / n <= _LINKS * (1 + 1e-9)))
 
 
 def _bristles(fine: Log, run: Replay, every: int) -> Bristles:

@@ -139,7 +139,8 @@ def colour_of(
     low = frequency < cutoff
     if not high.any() or not low.any():
         return none
-    heard = _untaken(frequency[high], _quiet(above[:, high]), low_pass, dt)
+    # energy (N, H) of a signal by that of what a low-pass took from it, above its cut-off
+    heard = np.asarray(_quiet(above[:, high]) / (1 - taken(low_pass, frequency[high], dt)) ** 2, dtype=np.float64)
     of_band = frequency[low], _quiet(inside[:, low]), _quiet(known[:, low])
     found = np.zeros((3, n))
     if high.sum() < _GROUPS or frequency[high][0] * dt > _RARE:
@@ -159,11 +160,6 @@ def colour_of(
     rounding = _LEAST * np.max([values.std(axis=0) for values in signal], axis=0)
     found[:, found[0] < rounding] = 0.0
     return Colour(fresh=found[0], stays=found[1], white=found[2])
-
-
-def _untaken(frequency: Array, energy: Array, low_pass: LowPass, dt: float) -> Array:
-    """Energy (N, H) of a signal by that of what a low-pass took from it, above its cut-off."""
-    return np.asarray(energy / (1 - taken(low_pass, frequency, dt)) ** 2, dtype=np.float64)
 
 
 def _going_on(

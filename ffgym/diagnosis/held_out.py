@@ -89,7 +89,9 @@ def closed_loop_gain(
             _compared(quantity, robot, recording, run, one, other)
             for recording, run, one, other in zip(recordings, runs, before, after, strict=True)
         ]
-        own, first, second = (_rms([part[k] for part in rows]) for k in range(3))
+        own, first, second = (
+            np.sqrt(np.mean(np.concatenate([part[k] for part in rows]) ** 2, axis=0)) for k in range(3)
+        )
         names = ("x", "y", "z") if quantity == "tool" else robot.joints
         levels += [
             LoopLevel(quantity=quantity, component=name, unit=unit, measured=a, before=b, after=c)
@@ -204,11 +206,6 @@ def _at(t: Array, recording: Recording, values: Array) -> Array:
     """Values (T, C) of a recording at other times since its beginning, straight between its samples."""
     since, known = recording.t - recording.t[0], ~np.isnan(values).any(axis=1)
     return np.stack([np.interp(t, since[known], column[known]) for column in values.T], axis=1)
-
-
-def _rms(parts: Sequence[Array]) -> Array:
-    rms: Array = np.sqrt(np.mean(np.concatenate(parts) ** 2, axis=0))
-    return rms
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ffgym.core.toml import toml_value
 from ffgym.effects import Effect
 from ffgym.robot import RobotDescription
-from ffgym.robot.template.text import text
 from ffgym.simulation.protocols.load import PROTOCOLS
 from ffgym.simulation.protocols.protocol import Protocol
 
@@ -30,7 +30,7 @@ class Proposal:
         """The session as a protocol file."""
         lines = [f"# {self.name}: {self.why}"]
         for step in self.steps:
-            lines += ["", "[[step]]", *(f"{name} = {_value(value)}" for name, value in step.items())]
+            lines += ["", "[[step]]", *(f"{name} = {toml_value(value)}" for name, value in step.items())]
         return "\n".join(lines) + "\n"
 
     def is_advised(self, kinds: Sequence[type[Effect]]) -> bool:
@@ -102,10 +102,3 @@ def proposals(robot: RobotDescription, joints: Sequence[str]) -> list[Proposal]:
             )
         )
     return sessions
-
-
-def _value(value: Any) -> str:
-    """A setting as TOML: text, numbers, and lists of them."""
-    if isinstance(value, str):
-        return text(value)
-    return f"[{', '.join(map(_value, value))}]" if isinstance(value, list) else repr(value)

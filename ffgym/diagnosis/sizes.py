@@ -32,23 +32,19 @@ def levels(
             valid = counting[channel, c]
             if not valid.any():
                 continue  # no row counts: an encoder that is not there, or a joint that never moves
+            # RMS over rows that count, less their mean
             listed.append(
                 Level(
                     channel=channel,
                     component=name,
                     unit=UNITS[channel],
-                    measured=_about_mean(measured[channel][:, :, c], valid),
+                    measured=float(np.std(measured[channel][:, :, c][valid])),
                     noise_floor=_mean_square(floor[channel][:, c][None] + 0 * valid, valid),
                     before=_mean_square(before[channel][:, :, c], valid),
                     after=_mean_square(after[channel][:, :, c], valid),
                 )
             )
     return tuple(listed)
-
-
-def _about_mean(rows: Array, valid: BoolArray) -> float:
-    """RMS over rows that count, less their mean."""
-    return float(np.std(rows[valid]))
 
 
 def _mean_square(rows: Array, valid: BoolArray) -> float:

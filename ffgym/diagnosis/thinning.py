@@ -180,26 +180,23 @@ NOTE = "thinned"
 """Key of `meta` in the header of a stretch: a sentence on how the whole log was thinned."""
 
 
-def thin(recordings: Sequence[Recording]) -> list[Recording]:
-    """Thin a log that is too long for a diagnosis; a shorter one is returned as it is."""
-    return within_bound(recordings)
-
-
 def note_of(recordings: Sequence[Recording]) -> tuple[str, ...]:
     """Tell how a log was thinned that these are stretches of; empty if it was not."""
     return tuple(dict.fromkeys(str(one.header.meta[NOTE]) for one in recordings if NOTE in one.header.meta))
 
 
 @on_one_thread
-def within_bound(sources: Sequence[Recording | Stored]) -> list[Recording]:
-    """Recordings in memory or in files, or if they are too long together, stretches of them.
+def thin(sources: Sequence[Recording | Stored]) -> list[Recording]:
+    """Recordings in memory or in files, or if they are too long together for a diagnosis, stretches of them.
+
+    Recordings of one machine have different names; else nothing is done, as the diagnosis refuses them.
 
     Raises:
         FFGymError: if one cannot be read.
     """
     lasting = [float(source.t[-1] - source.t[0]) for source in sources]
     names = [source.header.segment for source in sources]
-    if len(set(names)) < len(names) or not _is_long(sources, lasting):
+    if len(set(names)) < len(names) or not (bool(sources) and sum(lasting) > _affordable(sources)):
         return [source.whole() if isinstance(source, Stored) else source for source in sources]
     motions = [coarse(source) for source in sources]
     order = sorted(range(len(sources)), key=lambda i: (started(sources[i].header), names[i], _digest(motions[i])))
@@ -219,10 +216,6 @@ def _affordable(sources: Sequence[Recording | Stored]) -> float:
     """Time that all may last together [s]: that of the fastest sample rate and the most joints."""
     period = min(float(np.median(np.diff(source.t))) for source in sources)
     return affordable(period, max(len(source.header.joints) for source in sources))
-
-
-def _is_long(sources: Sequence[Recording | Stored], lasting: Sequence[float]) -> bool:
-    return bool(sources) and sum(lasting) > _affordable(sources)
 
 
 def _digest(motion: Coarse) -> bytes:

@@ -166,16 +166,12 @@ def _strongest(patterns: Sequence[Pattern]) -> list[str]:
 
 def _all_of(causes: Sequence[Cause]) -> str:
     """Each effect on its joint once, however many waves it has."""
-    counts = Counter(_named(cause) for cause in causes)
+    counts = Counter(f"{cause.title} {('of ' + cause.joint if cause.joint else '')}".strip() for cause in causes)
     return ", and ".join(name if n == 1 else f"{name} in {n} waves" for name, n in counts.items())
 
 
 def _any_of(rivals: Sequence[Rival]) -> str:
     return " or ".join(dict.fromkeys(_place(rival.effect, rival.joint) for rival in rivals))
-
-
-def _named(cause: Cause) -> str:
-    return f"{cause.title} {'of ' + cause.joint if cause.joint else ''}".strip()
 
 
 def _place(effect: str, joint: str) -> str:

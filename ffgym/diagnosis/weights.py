@@ -66,7 +66,8 @@ def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
     slow = _friction(run, _slower(run), log.trembling)
     begun = _friction(run, log.q, log.trembling, load=1.0)
     changes = [log.sampling(friction - run.bristles.torque) for friction in (narrow, slow, begun)]
-    changes.append(_between_samples(log.dt) * bias["torque"])
+    # share of what replays do wrong that is not known, as the motion between the samples is not, `dt` [s] apart
+    changes.append((min(1.0, log.dt / _REVERSAL) if log.dt < _PASSED * _REVERSAL else 0.0) * bias["torque"])
     unknown: Array = np.sqrt(np.sum(np.square(changes), axis=0))
     return unknown
 
@@ -89,11 +90,6 @@ def _slower(run: Replay) -> Array:
     for i, n in enumerate(log.lengths):
         angle[:n, i] = low_pass(log.q[:n, i], log.dt)
     return angle
-
-
-def _between_samples(dt: float) -> float:
-    """Share of what replays do wrong that is not known, as the motion between the samples is not, `dt` [s] apart."""
-    return min(1.0, dt / _REVERSAL) if dt < _PASSED * _REVERSAL else 0.0
 
 
 def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:

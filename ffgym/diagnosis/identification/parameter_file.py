@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.toml import single, toml_table
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
 from ffgym.robot.reading.load import GROUPS
 from ffgym.robot.reading.quantity import JointFrame, Quantity, si_units
 from ffgym.robot.reading.rules import RULES
-from ffgym.robot.template.text import names, text
 
 
 def fitted_quantity(
@@ -62,28 +62,20 @@ def parameter_text(
         title: of the file.
         description: path of the robot's description from the folder of the file; None for a built-in robot.
     """
-    head = ["[parameters]", f"robot = {text(robot.name)}", f"title = {text(title)}"]
-    head += [] if description is None else [f"description = {text(description)}"]
-    entries = [[f"[{path}]", *_lines(quantity)] for path, quantity in quantities.items()]
+    head = toml_table("parameters", {"robot": robot.name, "title": title, "description": description})
+    entries = [toml_table(path, _entries(quantity)) for path, quantity in quantities.items()]
     return "\n\n".join("\n".join(lines) for lines in [head, *entries]) + "\n"
 
 
-def _lines(quantity: Quantity) -> list[str]:
-    units = quantity.unit.split(", ")
-    lines = [
-        f"value = {_numbers(quantity.value.tolist())}",
-        f"unit = {text(units[0]) if len(units) == 1 else names(units)}",
-        f"origin = {text(quantity.origin[0]) if len(quantity.origin) == 1 else names(quantity.origin)}",
-        f"source = {text(quantity.source)}",
-    ]
-    if quantity.side is not None:
-        lines.insert(2, f"side = {text(quantity.side)}")
-    if quantity.prior is not None and quantity.prior_source is not None:
-        lines += [f"prior = {_numbers(quantity.prior.tolist())}", f"prior_source = {text(quantity.prior_source)}"]
-    if quantity.interval is not None:
-        lines.append(f"interval = {_numbers(quantity.interval.tolist())}")
-    return lines
-
-
-def _numbers(value: Any) -> str:
-    return f"[{', '.join(map(_numbers, value))}]" if isinstance(value, list) else repr(float(value))
+def _entries(quantity: Quantity) -> dict[str, Any]:
+    has_prior = quantity.prior is not None and quantity.prior_source is not None
+    return {
+        "value": quantity.value,
+        "unit": single(quantity.unit.split(", ")),
+        "side": quantity.side,
+        "origin": single(quantity.origin),
+        "source": quantity.source,
+        "prior": quantity.prior if has_prior else None,
+        "prior_source": quantity.prior_source if has_prior else None,
+        "interval": quantity.interval,
+    }

@@ -146,7 +146,8 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     motion = rows.motion[kept]
     distances = np.stack([_distances(_ranks(getattr(rows.did, v)[kept, j], motion)).ravel() for v, j in names])
     kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
-    orders = [np.arange(len(kept)), *(_shuffled(motion, rng) for _ in range(DRAWS))]
+    # order of rows in which those of each motion are shuffled among themselves
+    orders = [np.arange(len(kept)), *(np.lexsort([rng.random(len(motion)), motion]) for _ in range(DRAWS))]
     covariance = np.stack([_covariances(distances, kinds[:, order][:, :, order]) for order in orders])
     null = covariance[1:]
     spread = null.std(axis=0)
@@ -170,11 +171,6 @@ def _covariances(distances: Array, kinds: Array) -> Array:
     """Covariances (2, V) of the distances (V, R^2) of variables with those of the residual (2, R, R)."""
     covariances: Array = kinds.reshape(len(kinds), -1) @ distances.T
     return covariances
-
-
-def _shuffled(motion: IntArray, rng: np.random.Generator) -> IntArray:
-    """Order of rows in which those of each motion are shuffled among themselves."""
-    return np.lexsort([rng.random(len(motion)), motion])
 
 
 def _ranks(values: Array, motion: IntArray) -> Array:

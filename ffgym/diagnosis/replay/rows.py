@@ -40,7 +40,7 @@ from ffgym.diagnosis.replay.states import (
     summed,
 )
 from ffgym.diagnosis.sampling import derivatives_of_motions
-from ffgym.effects import State, TorqueEffect
+from ffgym.effects import State
 from ffgym.effects.along import torques_along
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
@@ -201,7 +201,10 @@ def replay(
     base = robot.drive.rotor_inertia * robot.drive.motor_angle(log.ddq) + bristles.torque
     torque = base + robot.drive.motor_torque(needed)
     motor = added.motor
-    for of_motor in _in_order(machine):
+    # motor-side torque effects, those that act on what the drive commands last: they see all that it must give
+    for of_motor in sorted(
+        (e for e in machine.torque_effects if e.side == "motor"), key=lambda e: (e.code.startswith("M"), e.name)
+    ):
         state = replace(state, motor_torque=torque if motor is None else torque - motor)
         motor = plus(motor, torques_along(of_motor, state, log.dt).motor)
     torque = torque if motor is None else torque - motor
@@ -236,13 +239,6 @@ def _beyond_slopes(
 
 def _base_terms(log: Log, robot: RobotDescription, like: Replay | None) -> BaseTerms:
     return base_terms(log, robot) if like is None else like.base_terms
-
-
-def _in_order(machine: Machine) -> list[TorqueEffect]:
-    """Motor-side torque effects, those that act on what the drive commands last: they see all that it must give."""
-    return sorted(
-        (e for e in machine.torque_effects if e.side == "motor"), key=lambda e: (e.code.startswith("M"), e.name)
-    )
 
 
 def _truly(log: Log, machine: Machine) -> Log:

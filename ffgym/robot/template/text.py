@@ -116,6 +116,3 @@ def _waiting(lines: Sequence[str], path: str) -> tuple[int, int]:
 def _rounded(value: Any) -> Any:
     """Nested lists of numbers to a few digits."""
     return [_rounded(entry) for entry in value] if isinstance(value, list) else float(f"{value:.{_DIGITS}g}")
-
-
-text = names = toml_value  # until the diagnosis takes it from core

@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.diagnosis import diagnose, thinning
 from ffgym.diagnosis.cells import MotionRegressor, cells_of, coarse
-from ffgym.diagnosis.thinning import affordable, note_of, thin, within_bound
+from ffgym.diagnosis.thinning import affordable, note_of, thin
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording, write_recording
@@ -147,7 +147,7 @@ def test_recordings_in_files_are_thinned_as_those_in_memory(one_axis, tmp_path):
     logs = [working(one_axis, [swing(0.1, 0.3 * k, 9.0)] * 8, name=f"log{k}", seed=k) for k in (1, 2)]
     for log in logs:
         write_recording(log, tmp_path / f"{log.header.segment}.npz")
-    stored = within_bound([Stored(tmp_path / f"log{k}.npz") for k in (1, 2)])
+    stored = thin([Stored(tmp_path / f"log{k}.npz") for k in (1, 2)])
     assert len(stored) > 3
     assert all(one.equals(other) for one, other in zip(stored, thin(logs), strict=True))
 
