@@ -8,14 +8,18 @@ A spline is non-zero on a few knots only, so that a network forgets nothing at s
 
 Run it:
 
-    ffgym lffc --network extended --out network.npz
+    ffgym train bspline --network extended --out network.npz
     ffgym demo --agents none bsn_static bsn_extended network.npz
 
-Logged while learning: mean squares of motor error and learning signal per joint, see `ffgym.agents.learning.lffc`.
+Logged while learning: mean squares of motor error and learning signal per joint, see `ffgym.agents.lffc`.
 
 Departures from the source: the torque is the one for the next sample, at the speed and acceleration there, since the
-drive reaches it then; outermost knots are repeated, and beyond them the last value stays
-(`ffgym.agents.splines.basis`).
+drive reaches it then. SciPy's B-splines stand in place of the recursion (3.11), which counts the knots one too far for
+the text: order j means pieces of degree j - 1. The outermost knots are repeated, so that the splines add up to one on
+the whole interval, where those of (3.9)-(3.11) fade out towards its ends; beyond it the last value stays.
+
+Thesis 5.5 finds that a network trained at 10 mm/s gains little at 40 mm/s, as weights at speeds that it never met stay
+zero, and proposes first weights from a constant friction, and training over several speeds: `bsn_extended_prior`.
 """
 
 from abc import abstractmethod
@@ -24,14 +28,82 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self, final
 
 import numpy as np
+from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
-from ffgym.agents.common.network import Network
-from ffgym.agents.common.trials import Lesson
-from ffgym.agents.splines.basis import SplineBasis
+from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.coulomb_prior import CoulombPrior
+from ffgym.agents.lffc import Network, thesis_training
+from ffgym.agents.trials import Lesson, Trial, friction_motions, thesis_motions
 from ffgym.control import Window
-from ffgym.core.errors import FFGymError, check_shape
+from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, IntArray
+from ffgym.report.laws import LawStyle
+from ffgym.robot import RigidArm
+
+FINE_KNOTS = 41
+"""Knots in +-FINE_RANGE, thesis 5.1.1: friction bends there."""
+FINE_RANGE = 1.0
+"""[rad/s], motor side, thesis 5.1.1."""
+COARSE_KNOTS = 38
+"""Knots outside, half of them on each side, thesis 5.1.1."""
+FULL_RANGE = 20.0
+"""[rad/s], motor side: the fastest motor of the circles at 100 mm/s, thesis 5.1.1."""
+
+
+def thesis_knots() -> Array:
+    """Knots of thesis 5.1.1 [rad/s], motor side, shape (79,)."""
+    fine = np.linspace(-FINE_RANGE, FINE_RANGE, FINE_KNOTS)
+    coarse = np.linspace(FINE_RANGE, FULL_RANGE, COARSE_KNOTS // 2 + 1)[1:]
+    return np.concatenate([-coarse[::-1], fine, coarse])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SplineBasis:
+    """S B-splines of one order on one set of knots; S is the number of knots + order - 2."""
+
+    knots: Array = field(default_factory=thesis_knots)
+    """Motor speeds [rad/s], ascending, shape (K,)."""
+    order: int = 2
+    """Order j; 1 gives steps, 2 hats (thesis 5.1.1), 3 parabolas."""
+
+    def __post_init__(self) -> None:
+        knots = check_shape("knots", self.knots, (None,))
+        if len(knots) < 2 or np.any(np.diff(knots) <= 0):
+            raise FFGymError(f"knots = {knots.tolist()} must be two or more speeds in rad/s, each above the last.")
+        object.__setattr__(self, "knots", knots)
+        object.__setattr__(self, "order", check_whole("order", self.order, low=1))
+
+    @property
+    def n_splines(self) -> int:
+        """Number of splines S."""
+        return len(self.knots) + self.order - 2
+
+    @property
+    def clamped(self) -> Array:
+        """Knots with the outermost ones repeated, shape (S + order,)."""
+        return np.pad(self.knots, self.order - 1, mode="edge")
+
+    @property
+    def centres(self) -> Array:
+        """Speed that each spline stands for (Greville abscissa) [rad/s], shape (S,); the knots themselves for hats."""
+        if self.order == 1:
+            return np.asarray((self.knots[1:] + self.knots[:-1]) / 2)
+        inner = self.clamped[1:-1]
+        return np.lib.stride_tricks.sliding_window_view(inner, self.order - 1).mean(axis=-1)
+
+    def active(self, motor_dq: Array) -> tuple[Array, IntArray]:
+        """Values of the splines that are not zero at `motor_dq` [rad/s], and their numbers; shape (..., order) each.
+
+        Beyond the outermost knots a speed counts as that knot, so that a curve keeps its last value. Every speed is
+        treated by itself, whatever stands beside it.
+        """
+        inside = np.clip(motor_dq, self.knots[0], self.knots[-1])
+        # rows of a design matrix hold the `order` splines of their interval; 30 us for six speeds, 70 us for 64 x 6,
+        # against 20 and 25 us for one BSpline object per joint, which could not be trained from
+        matrix = BSpline.design_matrix(inside.ravel(), self.clamped, self.order - 1)
+        shape = (*inside.shape, self.order)
+        return matrix.data.reshape(shape), matrix.indices.reshape(shape).astype(np.int64)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,3 +237,64 @@ class ExtendedBSN(BSplineNetwork):
     def in_charge(self, motor_ddq: Array) -> IntArray:
         """See base class; 0 (H1) where the acceleration is >= 0, 1 (H2) where it is < 0."""
         return np.asarray(motor_ddq < 0, dtype=np.int64)
+
+
+def trained_as_in_thesis(kind: type[BSplineNetwork], arm: RigidArm, trial: Trial) -> Network:
+    """From zero weights on the one motion of the thesis: p1 at 10 mm/s, or the sine of 1 Hz.
+
+    Raises:
+        FFGymError: if the robot has neither a work area nor one joint alone.
+    """
+    n = arm.robot.n_joints
+    return thesis_training(n).learn(kind.zero(n), thesis_motions(arm), trial).best
+
+
+def trained_with_prior(arm: RigidArm, trial: Trial, name: str) -> Network:
+    """An extended network from a Coulomb torque, estimated from one more trial, on motions of two speeds.
+
+    The estimate is made on the slow motion of the thesis, where viscous friction and inertia are least.
+
+    Raises:
+        FFGymError: if the robot has neither a work area nor one joint alone.
+    """
+    n = arm.robot.n_joints
+    prior = CoulombPrior.estimated(thesis_motions(arm), trial)
+    first = ExtendedBSN.zero(n, name=name).filled(prior.torque_at)
+    return thesis_training(n).learn(first, friction_motions(arm), trial).best
+
+
+declare(
+    Entry(
+        name="bsn_static",
+        title="static B-spline network",
+        about="One B-spline network over speed per motor, learned from the feedback as in the thesis.",
+        track="causal",
+        order=4,
+        page="bspline.md",
+        style=LawStyle(label="static B-spline network", colour="#CC79A7", marker="D"),
+        make=lambda setting: trained_as_in_thesis(StaticBSN, setting.arm, setting.trial),
+        learns=True,
+    ),
+    Entry(
+        name="bsn_extended",
+        title="extended B-spline network",
+        about="Two B-spline networks per motor, for speeding up and for slowing down, as in the thesis.",
+        track="causal",
+        order=5,
+        page="bspline.md",
+        style=LawStyle(label="extended B-spline network", colour="#E69F00", marker="v"),
+        make=lambda setting: trained_as_in_thesis(ExtendedBSN, setting.arm, setting.trial),
+        learns=True,
+    ),
+    Entry(
+        name="bsn_extended_prior",
+        title="extended B-spline network with prior",
+        about="The extended network, begun from an estimated Coulomb torque and learned at two speeds.",
+        track="causal",
+        order=6,
+        page="bspline.md",
+        style=LawStyle(label="B-spline network with prior", colour="#B8860B", marker="^", line="--"),
+        make=lambda setting: trained_with_prior(setting.arm, setting.trial, "bsn_extended_prior"),
+        learns=True,
+    ),
+)

@@ -1,32 +1,27 @@
-"""All families by name: what each may know, and how a member is made, trained where it learns."""
+"""All agents by name. Each is declared beside its code, by `declare`, with all that tables and commands want of it.
 
-from collections.abc import Callable, Mapping, Sequence
+This module knows no family: those of this package stand in `ffgym.agents.families`, those of other packages are found
+by entry points in the group 'ffgym.agents'; both are imported when the catalogue is first asked (docs/extending.md).
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 from typing import Literal
 
-from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.common.law_files import load_law
-from ffgym.agents.common.trials import SimulatedTrial, Trial
-from ffgym.agents.elastic import elastic_law
-from ffgym.agents.feedback_error import trained_mlp
-from ffgym.agents.fitting.narx_fit import trained_narx
-from ffgym.agents.fitting.residual_fit import trained_residual_torque
-from ffgym.agents.iterative import motor_law, tool_law
-from ffgym.agents.lugre import dynamic_lugre, static_lugre
-from ffgym.agents.model import model_law
-from ffgym.agents.oracle import oracle_law
-from ffgym.agents.splines.recipes import trained_as_in_thesis, trained_with_prior
-from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.agents.law_files import load_law
+from ffgym.agents.trials import SimulatedTrial, Trial
+from ffgym.control import FeedForwardLaw, Policy
 from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.plugins import load_families
 from ffgym.core.provenance import installed
 from ffgym.paths import Reference
+from ffgym.report.laws import STYLES, LawStyle
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine, load_machine
 
 Track = Literal["causal", "causal, nominal parameters", "per task", "oracle"]
-"""What a family may know: nothing but its trials; the nominal model too; trials of the very task; the truth."""
+"""What an agent may know: nothing but its trials; the nominal model too; trials of the very task; the truth."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,24 +54,51 @@ class Setting:
         return self.arm.robot
 
 
-@dataclass(frozen=True, kw_only=True)
+def _stored(path: Path, arm: RigidArm) -> FeedForwardLaw:
+    return load_law(path)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Entry:
-    """One member of a family, as in tables and on the leaderboard."""
+    """Declaration of one agent. Only `make` or `load` has to do with how it works."""
 
     name: str
     """Also the name of its law."""
     title: str
+    about: str
+    """One sentence for the leaderboard: what it does, and what it learned from."""
     track: Track
-    page: str
+    order: float
+    """Place in tables, ascending: those of this package have 0 to 100, the oracle last."""
+    page: str | None = None
     """Its page below docs/agents."""
-    make: Callable[[Setting], FeedForwardLaw] = field(repr=False)
-    """Make the law; learning families run their trials here."""
+    style: LawStyle | None = None
+    """Look in figures; None takes a spare one."""
+    make: Callable[[Setting], FeedForwardLaw] | None = field(default=None, repr=False)
+    """Makes the law; learning families run their trials here. None is an agent that only its artefacts have."""
+    make_from: Callable[[Machine, Setting, str], FeedForwardLaw] | None = field(default=None, repr=False)
+    """Makes the law of a machine file that follows the name after a colon, with a name for it; None takes no file."""
+    load: Callable[[Path, RigidArm], FeedForwardLaw | Policy] = field(default=_stored, repr=False)
+    """Reads an artefact of agents/trained, for a nominal model of the robot."""
     needs_arm: bool = False
     """Whether it works only on a robot with a tool (TCP)."""
     package: str | None = None
     """Package that it needs to learn, beside those of the core."""
-    takes_machine: bool = False
-    """Whether a machine file may follow its name after a colon; without one it knows the nominal model."""
+    learns: bool = False
+    """Whether `scripts.train_laws` trains it with several seeds, and agents/trained has what it learned."""
+    seeded: bool = False
+    """Whether a seed changes an agent that has no artefacts."""
+    base: str | None = None
+    """Name of the law below a residual policy."""
+    ranked: bool = True
+    on_commands: bool = True
+    """Whether commands make it by its name."""
+    on_leaderboard: bool = True
+
+    @property
+    def takes_machine(self) -> bool:
+        """Whether a machine file may follow its name after a colon; without one it knows the nominal model."""
+        return self.make_from is not None
 
     @property
     def is_available(self) -> bool:
@@ -84,113 +106,51 @@ class Entry:
         return self.package is None or installed(self.package)
 
 
-_ENTRIES = (
-    Entry(
-        name="none",
-        title="no compensation",
-        track="causal",
-        page="README.md",
-        make=lambda setting: NoCompensation(),
-    ),
-    Entry(
-        name="lugre_static",
-        title="static LuGre",
-        track="causal, nominal parameters",
-        page="lugre.md",
-        make=lambda setting: static_lugre(setting.robot),
-    ),
-    Entry(
-        name="lugre_dynamic",
-        title="dynamic LuGre",
-        track="causal, nominal parameters",
-        page="lugre.md",
-        make=lambda setting: dynamic_lugre(setting.robot),
-    ),
-    Entry(
-        name="bsn_static",
-        title="static B-spline network",
-        track="causal",
-        page="bspline.md",
-        make=lambda setting: trained_as_in_thesis(StaticBSN, setting.arm, setting.trial),
-    ),
-    Entry(
-        name="bsn_extended",
-        title="extended B-spline network",
-        track="causal",
-        page="bspline.md",
-        make=lambda setting: trained_as_in_thesis(ExtendedBSN, setting.arm, setting.trial),
-    ),
-    Entry(
-        name="bsn_extended_prior",
-        title="extended B-spline network with prior",
-        track="causal",
-        page="bspline.md",
-        make=lambda setting: trained_with_prior(setting.arm, setting.trial, "bsn_extended_prior"),
-    ),
-    Entry(
-        name="mlp_fel",
-        title="perceptron, feedback-error learning",
-        track="causal, nominal parameters",
-        page="feedback_error.md",
-        make=lambda setting: trained_mlp(setting.arm, setting.trial, setting.seed),
-        package="torch",
-    ),
-    Entry(
-        name="narx",
-        title="NARX network",
-        track="causal",
-        page="narx.md",
-        make=lambda setting: trained_narx(setting.arm, setting.trial, setting.seed),
-    ),
-    Entry(
-        name="residual_gp",
-        title="residual torque model",
-        track="causal",
-        page="residual_torque.md",
-        make=lambda setting: trained_residual_torque(setting.arm, setting.trial),
-        package="scikit-learn",
-    ),
-    Entry(
-        name="ilc_motor",
-        title="iterative learning on motor positions",
-        track="per task",
-        page="iterative.md",
-        make=lambda setting: motor_law(setting.arm, setting.references, setting.trial),
-    ),
-    Entry(
-        name="ilc_tcp",
-        title="iterative learning on the tool's position",
-        track="per task",
-        page="iterative.md",
-        make=lambda setting: tool_law(setting.arm, setting.references, setting.trial, setting.controller),
-        needs_arm=True,
-    ),
-    Entry(
-        name="elastic",
-        title="elastic feed-forward",
-        track="causal, nominal parameters",
-        page="elastic.md",
-        make=lambda setting: elastic_law(setting.arm, setting.controller),
-    ),
-    Entry(
-        name="model",
-        title="feed-forward from a machine file",
-        track="causal, nominal parameters",
-        page="model.md",
-        make=lambda setting: model_law(Machine(robot=setting.robot), setting.controller or setting.arm),
-        takes_machine=True,
-    ),
-    Entry(
-        name="oracle",
-        title="elastic feed-forward with the true parameters",
-        track="oracle",
-        page="oracle.md",
-        make=lambda setting: oracle_law(setting.truth, setting.controller or setting.arm),
-    ),
-)
+_DECLARED: dict[str, Entry] = {}
 
-CATALOGUE: Mapping[str, Entry] = MappingProxyType({entry.name: entry for entry in _ENTRIES})
-"""Every family member, in the order of tables."""
+
+def declare(*entries: Entry) -> None:
+    """Make agents known by their names, in tables, figures, commands and on the leaderboard.
+
+    Raises:
+        FFGymError: if there is an agent of that name.
+    """
+    for entry in entries:
+        if entry.name in _DECLARED:
+            raise FFGymError(f"There is an agent {entry.name!r} already; declare yours with another name.")
+        _DECLARED[entry.name] = entry
+        if entry.style is not None:
+            STYLES[entry.name] = entry.style
+
+
+def declared() -> list[Entry]:
+    """Every agent, in the order of tables.
+
+    Raises:
+        FFGymError: if a package that declares some cannot be imported.
+    """
+    load_families("ffgym.agents")
+    return sorted(_DECLARED.values(), key=lambda entry: entry.order)
+
+
+class Catalogue(Mapping[str, Entry]):
+    """Agents that commands make by their names, in the order of tables; found when first asked for."""
+
+    def _members(self) -> dict[str, Entry]:
+        return {entry.name: entry for entry in declared() if entry.make is not None and entry.on_commands}
+
+    def __getitem__(self, name: str) -> Entry:
+        return self._members()[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._members())
+
+    def __len__(self) -> int:
+        return len(self._members())
+
+
+CATALOGUE = Catalogue()
+"""Every agent that commands make by its name."""
 
 
 def entry_of(name: str) -> Entry:
@@ -211,9 +171,10 @@ def law_named(name: str, setting: Setting) -> FeedForwardLaw:
     if name.endswith(".npz"):
         return load_law(name)
     entry, machine = _parts(name)
-    if machine is None:
-        return entry.make(setting)
-    return model_law(machine, setting.controller or setting.arm, name=_name_of(name))
+    if machine is not None and entry.make_from is not None:
+        return entry.make_from(machine, setting, _name_of(name))
+    assert entry.make is not None  # see Catalogue
+    return entry.make(setting)
 
 
 def name_of_law(name: str) -> str:

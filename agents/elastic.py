@@ -34,13 +34,23 @@ from typing import final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ffgym.agents.elasticity.existing_torque import given_torque, links_torque, wound_up, wound_up_sums
-from ffgym.agents.elasticity.lead import Lead, error_of, lead_between
-from ffgym.agents.elasticity.mean_friction import friction_along, step_friction
+from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.flexible_joints import (
+    Lead,
+    error_of,
+    friction_along,
+    given_torque,
+    lead_between,
+    links_torque,
+    step_friction,
+    wound_up,
+    wound_up_sums,
+)
 from ffgym.control import CausalLaw, DynamicLuGreExact, Window
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array
 from ffgym.paths import Reference
+from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm, RobotDescription, robot_of
 
 
@@ -231,3 +241,17 @@ def _remembered(gravity: Array, links: Array, lead: Lead, integral: Array, brist
     last = (lead.angle, lead.speed, lead.acceleration, integral, bristle, friction)
     rows = np.concatenate([gravity[..., None, :], links, np.stack(last, axis=-2)], axis=-2)
     return rows.reshape(*rows.shape[:-2], -1)
+
+
+declare(
+    Entry(
+        name="elastic",
+        title="elastic feed-forward",
+        about="Inverse dynamics with flexible joints and dynamic LuGre friction, nominal parameters.",
+        track="causal, nominal parameters",
+        order=12,
+        page="elastic.md",
+        style=LawStyle(label="elastic feed-forward", colour="#A50F15", marker="p"),
+        make=lambda setting: elastic_law(setting.arm, setting.controller),
+    )
+)

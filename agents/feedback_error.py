@@ -6,40 +6,67 @@ reference, in units of what breakaway torque f_s does (`ffgym.control.observatio
 
     u_lff / f_s = d + sum_h c_h tanh(w_h v + m_h a + b_h)
 
-Offline, an update is the one of LFFC (`ffgym.agents.learning.lffc`): the network is fitted to what it said plus the
-rate times what the feedback still did. Online, thesis (3.13) and (3.15): every sample moves all weights down the
-gradient of its own squared error, in the order of time (`adapted_in_order`).
+Offline, an update is the one of LFFC (`ffgym.agents.lffc`): the network is fitted to what it said plus the rate times
+what the feedback still did. Online, thesis (3.13) and (3.15): every sample moves all weights down the gradient of its
+own squared error, in the order of time (`adapted_in_order`).
 
 Run it:
 
     ffgym demo --agents none lugre_dynamic mlp_fel
     python -m scripts.forgetting
 
-Logged while learning: mean squares of motor error and learning signal per joint, see `ffgym.agents.learning.lffc`.
+Logged while learning: mean squares of motor error and learning signal per joint, see `ffgym.agents.lffc`.
 
 Departures from the source: one hidden layer instead of two, and only speed and acceleration as inputs, since the rigid
 feed-forward is the drive's own; the fit runs a fixed number of full-batch steps of Adam instead of back-propagation
-sample by sample, which is there for comparison (`ffgym.agents.learning.forgetting`). Training needs torch, running does
-not.
+sample by sample, which is there for comparison (`scripts.forgetting`). Training needs torch, running does not. It
+computes in double precision on one thread, and no joint touches another: Adam treats every weight by itself.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self, final
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, Self, final
 
 import numpy as np
 
-from ffgym.agents.common.lessons import every_speed
-from ffgym.agents.common.network import Network
-from ffgym.agents.common.trials import Lesson, Trial
-from ffgym.agents.fitting import mlp_training
-from ffgym.agents.fitting.mlp_training import Examples
-from ffgym.agents.splines.recipes import thesis_training
+from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.lffc import Network, thesis_training
+from ffgym.agents.trials import Lesson, Trial, every_speed
 from ffgym.control import Window
 from ffgym.control.observation import Scales
 from ffgym.core.errors import FFGymError, check_shape, check_whole
-from ffgym.core.types import Array
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm, RobotDescription
+
+if TYPE_CHECKING:
+    from torch import Tensor
+
+
+N_STEPS = 200
+"""Full-batch steps of Adam in an update. Chosen: with 50, ten updates leave a tenth more motor error."""
+
+
+STEP_SIZE = 0.02
+"""Of Adam. Chosen: at 0.005, learning takes twice the trials."""
+
+
+N_ROWS = 500
+"""Samples of a lesson in an update, evenly in time. Chosen: a speed of the motors counts alike in each lesson, and an
+update of six motors on three motions takes about a second."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Examples:
+    """What a network shall say: R rows for each of N joints."""
+
+    inputs: Array
+    """Scaled speed and acceleration, shape (N, R, 2)."""
+    targets: Array
+    """Torque in units of its scale, shape (N, R)."""
+
 
 N_HIDDEN = 16
 """Hidden neurons per motor. Chosen: as many as make a curve of friction, with some to spare."""
@@ -130,7 +157,7 @@ class MLP(Network):
         Raises:
             FFGymError: if torch is missing.
         """
-        rows = [mlp_training.evenly(lesson.moving) for lesson in lessons]
+        rows = [_evenly(lesson.moving) for lesson in lessons]
         dq, ddq, signal = (
             np.concatenate([getattr(lesson, name)[chosen] for lesson, chosen in zip(lessons, rows, strict=True)])
             for name in ("motor_dq", "motor_ddq", "signal")
@@ -143,7 +170,7 @@ class MLP(Network):
         Raises:
             FFGymError: if torch is missing.
         """
-        return self.with_weights(mlp_training.fitted(self.weights, self._examples(motor_dq, motor_ddq, wanted)))
+        return self.with_weights(_fitted(self.weights, self._examples(motor_dq, motor_ddq, wanted)))
 
     def adapted_in_order(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float) -> Self:
         """After samples one by one, each a step of `rate` down the gradient of its own squared error, thesis (3.15).
@@ -158,7 +185,7 @@ class MLP(Network):
             FFGymError: if torch is missing.
         """
         examples = self._examples(motor_dq, motor_ddq, wanted)
-        return self.with_weights(mlp_training.walked(self.weights, examples, rate))
+        return self.with_weights(_walked(self.weights, examples, rate))
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
         """See base class."""
@@ -192,3 +219,94 @@ def _drawn(rng: np.random.Generator, limits: tuple[float, float], shape: tuple[i
     low, high = np.log(limits)
     size = np.exp(rng.uniform(low, high, shape))
     return np.asarray(size * rng.choice([-1.0, 1.0], shape))
+
+
+def _fitted(weights: Mapping[str, Array], examples: Examples) -> dict[str, Array]:
+    """Weights after `N_STEPS` steps towards the least mean square error.
+
+    Raises:
+        FFGymError: if torch is missing.
+    """
+    torch = _require_torch()
+    with _one_thread(torch):
+        x, y = torch.from_numpy(examples.inputs.copy()), torch.from_numpy(examples.targets.copy())
+        tensors = _tensors(torch, weights)
+        adam = torch.optim.Adam(tensors.values(), lr=STEP_SIZE)
+        for _ in range(N_STEPS):
+            adam.zero_grad()
+            _cost(torch, tensors, x, y).backward()
+            adam.step()
+        return {name: tensor.detach().numpy().copy() for name, tensor in tensors.items()}
+
+
+def _walked(weights: Mapping[str, Array], examples: Examples, rate: float) -> dict[str, Array]:
+    """Weights after one gradient step of `rate` on each row, in order: thesis (3.15) for all weights of a network.
+
+    Raises:
+        FFGymError: if torch is missing.
+    """
+    torch = _require_torch()
+    with _one_thread(torch):
+        x, y = torch.from_numpy(examples.inputs.copy()), torch.from_numpy(examples.targets.copy())
+        tensors = _tensors(torch, weights)
+        descent = torch.optim.SGD(tensors.values(), lr=rate)
+        for row in range(x.shape[1]):
+            descent.zero_grad()
+            (0.5 * _cost(torch, tensors, x[:, row : row + 1], y[:, row : row + 1])).backward()
+            descent.step()
+        return {name: tensor.detach().numpy().copy() for name, tensor in tensors.items()}
+
+
+def _evenly(moving: BoolArray) -> IntArray:
+    """Indices of at most `N_ROWS` rows, spread evenly over those that move."""
+    rows = np.flatnonzero(moving)
+    if len(rows) <= N_ROWS:
+        return rows
+    return np.asarray(rows[np.linspace(0, len(rows) - 1, N_ROWS).round().astype(np.int64)])
+
+
+def _tensors(torch: ModuleType, weights: Mapping[str, Array]) -> "dict[str, Tensor]":
+    return {name: torch.tensor(value, dtype=torch.float64, requires_grad=True) for name, value in weights.items()}
+
+
+def _cost(torch: ModuleType, weights: "dict[str, Tensor]", x: "Tensor", y: "Tensor") -> "Tensor":
+    """Mean square error over rows, summed over joints."""
+    inside = x @ weights["hidden"].transpose(1, 2) + weights["bias"][:, None]
+    said = (torch.tanh(inside) * weights["output"][:, None]).sum(-1) + weights["offset"][:, None]
+    cost: Tensor = ((said - y) ** 2).mean(1).sum()
+    return cost
+
+
+def _require_torch() -> ModuleType:
+    try:
+        import torch
+    except ImportError as error:
+        raise FFGymError("Training a multi-layer perceptron needs torch; pip install 'ffgym[rl]'.") from error
+    return torch
+
+
+@contextmanager
+def _one_thread(torch: ModuleType) -> Iterator[None]:
+    """Compute on one thread, so that sums do not depend on the machine; put the caller's setting back."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
+
+
+declare(
+    Entry(
+        name="mlp_fel",
+        title="perceptron, feedback-error learning",
+        about="A small perceptron per motor, learned from the feedback error.",
+        track="causal, nominal parameters",
+        order=7,
+        page="feedback_error.md",
+        style=LawStyle(label="perceptron", colour="#7F4F24", marker="X", line="-."),
+        make=lambda setting: trained_mlp(setting.arm, setting.trial, setting.seed),
+        package="torch",
+        learns=True,
+    )
+)

@@ -23,30 +23,116 @@ control, as the last trial shows it; the torque that did best is kept, not the l
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
-from ffgym.agents.common.law_files import digest
-from ffgym.agents.common.trials import Trial, performed
+from ffgym.agents.catalogue import Entry, declare
 from ffgym.agents.elastic import elastic_law
+from ffgym.agents.law_files import FORMAT, digest, pack, unpack
 from ffgym.agents.lugre import dynamic_lugre
-from ffgym.agents.per_task.norm_optimal import NormOptimalStep
-from ffgym.agents.per_task.practice import Practice, StateFile
-from ffgym.agents.per_task.task_error import at_samples, circle_rms, rms, task_error
-from ffgym.agents.per_task.task_torques import Task, TaskTorques, same_motion
-from ffgym.agents.per_task.torque_response import TARGETS, Target, TorqueResponse
+from ffgym.agents.task_torques import Task, TaskTorques, same_motion
+from ffgym.agents.torque_response import (
+    TARGETS,
+    NormOptimalStep,
+    Target,
+    TorqueResponse,
+    at_samples,
+    circle_rms,
+    rms,
+    task_error,
+)
+from ffgym.agents.trials import Trial, performed
 from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
+from ffgym.core.files import check_writable, write_bytes
 from ffgym.core.types import Array, IntArray
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
+from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run
 from ffgym.simulation.run import Progress
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Practice:
+    """One motion after J trials."""
+
+    torque: Array
+    """To be tried next, motor side [N m], shape (T, N)."""
+    best: Array
+    """The one that did best, shape (T, N)."""
+    motion_error: Array
+    """RMS length of the error over the motion, shape (J,)."""
+    circle_error: Array
+    """The same on each circle, shape (J, C)."""
+
+    @classmethod
+    def begin(cls, torque: Array, n_circles: int) -> "Practice":
+        """Nothing tried yet."""
+        first = torque.copy()
+        first[0] = 0.0  # no torque is computed before t = 0
+        return cls(torque=first, best=first, motion_error=np.zeros(0), circle_error=np.zeros((0, n_circles)))
+
+    def tried(self, motion_error: float, circle_error: Sequence[float], following: Array) -> "Practice":
+        """After a trial of `torque` with these errors; `following` is to be tried next."""
+        is_best = not (motion_error >= self.motion_error).any()
+        return Practice(
+            torque=following,
+            best=self.torque if is_best else self.best,
+            motion_error=np.append(self.motion_error, motion_error),
+            circle_error=np.vstack([self.circle_error, circle_error]),
+        )
+
+    @property
+    def trials(self) -> int:
+        """Number of trials J."""
+        return len(self.motion_error)
+
+
+_FIELDS = fields(Practice)
+
+
+_KIND = "practice"
+"""Kind of the state file, beside those of laws."""
+
+
+@dataclass(frozen=True)
+class StateFile:
+    """Practices on disk, written whole or not at all."""
+
+    path: Path
+    fingerprint: str
+    """Of the learning it belongs to."""
+
+    def __post_init__(self) -> None:
+        check_writable(self.path)
+
+    def write(self, practices: Sequence[Practice]) -> None:
+        """Replace the file."""
+        arrays = {f"{f.name}_{i}": getattr(practice, f.name) for i, practice in enumerate(practices) for f in _FIELDS}
+        write_bytes(self.path, pack({"format": FORMAT, "kind": _KIND, "fingerprint": self.fingerprint}, arrays))
+
+    def read(self, beginning: Sequence[Practice]) -> list[Practice]:
+        """Practices of the file, or `beginning` where there is no file yet.
+
+        Raises:
+            FFGymError: if the file is damaged, or of other learning.
+        """
+        if not self.path.exists():
+            return list(beginning)
+        header, arrays = unpack(self.path)
+        if header.get("kind") != _KIND or header.get("fingerprint") != self.fingerprint:
+            raise FFGymError(
+                f"{self.path} is the state of other learning: another target, tolerance, first torque, robot model or "
+                f"other motions. Go on with the same, or give another file."
+            )
+        return [Practice(**{f.name: arrays[f"{f.name}_{i}"] for f in _FIELDS}) for i in range(len(beginning))]
+
 
 TRIALS = 10
 """Trials of the catalogue's members. Chosen: even from zero torque, every circle of the thesis then has a path error
@@ -226,3 +312,28 @@ def _history(references: Sequence[Reference], practices: Sequence[Practice]) -> 
         circle_error=np.concatenate([practice.circle_error for practice in practices], axis=1),
         robot_seconds=np.arange(1.0, trials + 1) * sum(reference.duration for reference in references),
     )
+
+
+declare(
+    Entry(
+        name="ilc_motor",
+        title="iterative learning on motor positions",
+        about="Iterative learning of each motion from its motor errors: ten trials of every circle that is scored.",
+        track="per task",
+        order=10,
+        page="iterative.md",
+        style=LawStyle(label="iterative learning, motors", colour="#3B0F70", marker="<", line=":"),
+        make=lambda setting: motor_law(setting.arm, setting.references, setting.trial),
+    ),
+    Entry(
+        name="ilc_tcp",
+        title="iterative learning on the tool's position",
+        about="Iterative learning of each motion from the tool's errors: ten trials of every circle that is scored.",
+        track="per task",
+        order=11,
+        page="iterative.md",
+        style=LawStyle(label="iterative learning, tool", colour="#3B0F70", marker=">"),
+        make=lambda setting: tool_law(setting.arm, setting.references, setting.trial, setting.controller),
+        needs_arm=True,
+    ),
+)

@@ -15,8 +15,10 @@ Logged: nothing; the laws learn nothing. Departures from the source: the bristle
 
 from pathlib import Path
 
+from ffgym.agents.catalogue import Entry, declare
 from ffgym.control import DynamicLuGre, DynamicLuGreEuler, DynamicLuGreExact, StaticLuGre
 from ffgym.core.errors import check_choice
+from ffgym.report.laws import LawStyle
 from ffgym.robot import RobotDescription, robot_of
 from ffgym.robot.friction import LuGreParameters
 
@@ -50,3 +52,27 @@ def friction_of(parameters: LuGreParameters | RobotDescription | str | Path) -> 
     if isinstance(parameters, LuGreParameters):
         return parameters
     return robot_of(parameters, "friction parameters").friction
+
+
+declare(
+    Entry(
+        name="lugre_static",
+        title="static LuGre",
+        about="Friction of the static LuGre model at the speed of the reference, nominal parameters.",
+        track="causal, nominal parameters",
+        order=2,
+        page="lugre.md",
+        style=LawStyle(label="static LuGre", colour="#D55E00", marker="s"),
+        make=lambda setting: static_lugre(setting.robot),
+    ),
+    Entry(
+        name="lugre_dynamic",
+        title="dynamic LuGre",
+        about="Friction of the dynamic LuGre model along the reference, nominal parameters.",
+        track="causal, nominal parameters",
+        order=3,
+        page="lugre.md",
+        style=LawStyle(label="dynamic LuGre", colour="#009E73", marker="^"),
+        make=lambda setting: dynamic_lugre(setting.robot),
+    ),
+)

@@ -35,17 +35,15 @@ from typing import final
 
 import numpy as np
 
-from ffgym.agents.effects.motors import Motors
-from ffgym.agents.effects.past import Past, Start, unpacked
-from ffgym.agents.effects.springs import Carried, Springs
-from ffgym.agents.effects.states import Place, States
+from ffgym.agents.catalogue import Entry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
-from ffgym.agents.elasticity.existing_torque import given_torque, wound_up
-from ffgym.agents.elasticity.lead import Lead, error_of
-from ffgym.agents.elasticity.mean_friction import bristles_within, in_parts
+from ffgym.agents.flexible_joints import Lead, bristles_within, error_of, given_torque, in_parts, wound_up
+from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpacked
+from ffgym.agents.model_states import Motors, Place, States
 from ffgym.control import CausalLaw, DynamicLuGreExact, Window
 from ffgym.core.types import Array
 from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
+from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm
 from ffgym.robot.drive import Drive
 from ffgym.simulation.plant import Machine, load_machine
@@ -268,3 +266,32 @@ class ModelLaw(CausalLaw):
 def _sample(window: Window, k: int) -> tuple[Array, Array, Array]:
     """Position, motor speed and motor acceleration of sample `k`."""
     return window.q[..., k, :], window.motor_dq[..., k, :], window.motor_ddq[..., k, :]
+
+
+FITTED = "model_fitted"
+"""Row of feed-forward from models that were fitted to recordings of the workcell."""
+
+declare(
+    Entry(
+        name="model",
+        title="feed-forward from a machine file",
+        about="Elastic feed-forward from a machine file, with the effects that stand in it.",
+        track="causal, nominal parameters",
+        order=13,
+        page="model.md",
+        style=LawStyle(label="model feed-forward", colour="#1B7837", marker="h"),
+        make=lambda setting: model_law(Machine(robot=setting.robot), setting.controller or setting.arm),
+        make_from=lambda machine, setting, name: model_law(machine, setting.controller or setting.arm, name),
+        on_leaderboard=False,  # without a file it is elastic
+    ),
+    Entry(
+        name=FITTED,
+        title="fitted and diagnosed model",
+        about="Elastic feed-forward from a model whose friction, rotors, masses and springs were fitted to 88 s of "
+        "recordings of the machine, and which has the effects that a diagnosis of these recordings found.",
+        track="causal, nominal parameters",
+        order=14,
+        page="model.md",
+        load=lambda path, arm: model_law(path, arm, FITTED),
+    ),
+)

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.agents.bspline import BSplineNetwork
-from ffgym.agents.common.law_agent import LawAgent
+from ffgym.agents.law_agent import LawAgent
 from ffgym.control import servo_torque
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array

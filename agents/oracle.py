@@ -16,11 +16,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ffgym.agents.common.law_agent import LawAgent, acting_in, attribute_of
+from ffgym.agents.catalogue import Entry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
+from ffgym.agents.law_agent import LawAgent, acting_in, attribute_of
 from ffgym.control import ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
+from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm, RobotDescription
 
 if TYPE_CHECKING:
@@ -107,3 +109,18 @@ class OracleAgent:
     def _agent(self, robot: RobotDescription) -> LawAgent:
         law = oracle_law(robot, self.core.tasks.arm)
         return LawAgent(law=law, layout=self.layout, control_dt=self.control_dt)
+
+
+declare(
+    Entry(
+        name="oracle",
+        title="elastic feed-forward with the true parameters",
+        about="Elastic feed-forward with the machine's true parameters, which no controller knows. Not ranked.",
+        track="oracle",
+        order=100,
+        page="oracle.md",
+        style=LawStyle(label="oracle (true parameters)", colour="#A50F15", marker="H", line=":"),
+        make=lambda setting: oracle_law(setting.truth, setting.controller or setting.arm),
+        ranked=False,
+    )
+)

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ffgym.agents.catalogue import CATALOGUE, Setting, entry_of, law_named
-from ffgym.agents.common.law_files import load_law, unpack
-from ffgym.agents.common.law_policy import LawPolicy, causal
+from ffgym.agents.law_agent import LawPolicy, causal
+from ffgym.agents.law_files import load_law, unpack
 from ffgym.agents.residual.policy import KIND, load_policy
 from ffgym.control import FeedForwardLaw, Policy
 from ffgym.core.errors import FFGymError

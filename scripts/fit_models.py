@@ -9,7 +9,7 @@ from pathlib import Path
 from shutil import copyfile
 
 from ffgym.agents.artefacts import TRAINED, Manifest, described, manifest_of, merged, write_manifest
-from ffgym.agents.entrants import FITTED
+from ffgym.agents.model import FITTED
 from ffgym.cli.improve import Improve
 from ffgym.core.provenance import versions
 from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named

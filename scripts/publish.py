@@ -12,9 +12,8 @@ import numpy as np
 import tyro
 
 from ffgym.agents.artefacts import ANYWHERE, TRAINED, Artefact, Manifest, described, write_manifest
-from ffgym.agents.entrants import RESIDUALS
 from ffgym.agents.residual.plan import Training
-from ffgym.agents.residual.policy import ResidualPolicy, load_policy
+from ffgym.agents.residual.policy import RESIDUALS, ResidualPolicy, load_policy
 from ffgym.cli.train_options import options_of
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import made_folder, read_bytes, write_bytes
@@ -137,7 +136,7 @@ def _check_row(name: str, training: Training) -> None:
     if (training.algorithm, training.base) != (algorithm, base):
         raise FFGymError(
             f"{name} is a row of {algorithm} on {base}, these are of {training.algorithm} on {training.base}. Publish "
-            f"them under another name, or add a row in agents/entrants.py."
+            f"them under another name, or add a row in agents/residual/policy.py."
         )
 
 

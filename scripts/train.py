@@ -29,7 +29,7 @@ class Sweep(Options):
 
 def train_one(job: tuple[Training, Path]) -> tuple[int, float, str]:
     """Train; returns steps, reward per step at last, and the sha256 of the policy."""
-    from ffgym.agents.residual.learning.training import train
+    from ffgym.agents.residual.training import train
 
     trained = train(*job)
     return trained.env_steps, trained.curve[-1][1], trained.sha256

@@ -10,17 +10,16 @@ from functools import partial
 from pathlib import Path
 
 from ffgym.agents.artefacts import TRAINED, Artefact, Manifest, described, manifest_of, merged, write_manifest
-from ffgym.agents.catalogue import Setting, entry_of
-from ffgym.agents.common.law_files import StoredLaw, save_law
-from ffgym.agents.common.shared_trials import learn_together
-from ffgym.agents.common.trials import CountedTrial, Trial, measured
+from ffgym.agents.catalogue import Setting, declared, law_named
+from ffgym.agents.law_files import StoredLaw, save_law
+from ffgym.agents.shared_trials import learn_together
+from ffgym.agents.trials import CountedTrial, Trial, measured
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import versions
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, plant_named
 from ffgym.simulation import Rig
 
-LEARNERS = ("bsn_static", "bsn_extended", "bsn_extended_prior", "mlp_fel", "narx", "residual_gp")
 COMMAND = "python -m scripts.train_laws"
 
 
@@ -28,7 +27,7 @@ COMMAND = "python -m scripts.train_laws"
 class Config:
     """What to train."""
 
-    agents: tuple[str, ...] = LEARNERS
+    agents: tuple[str, ...] = tuple(entry.name for entry in declared() if entry.learns)
     """Names in the catalogue."""
     plants: tuple[str, ...] = (NOMINAL, THESIS_WORKCELL)
     """Where."""
@@ -58,7 +57,7 @@ def main(config: Config) -> None:
 def learned(name: str, rig: Rig, seed: int, trial: Trial) -> Learned:
     """A member of the catalogue, trained."""
     counted = CountedTrial(trial)
-    law = entry_of(name).make(Setting(arm=rig.arm, trial=counted, seed=seed))
+    law = law_named(name, Setting(arm=rig.arm, trial=counted, seed=seed))
     return law, counted.robot_seconds
 
 

@@ -60,7 +60,7 @@ def main(config: Tune) -> dict[str, Any]:
 
 def objective(config: Tune, trainings: dict[str, Training], folder: Path, title: str) -> float:
     """Mean of ln(error / that of the base) over trainings, each in a folder of its own."""
-    from ffgym.agents.residual.learning.training import train
+    from ffgym.agents.residual.training import train
 
     values = []
     for name, training in trainings.items():
@@ -76,7 +76,7 @@ def check_runs(training: Training, plants: int) -> None:
     Raises:
         FFGymError: if the environment cannot be made, or the robot has no such places.
     """
-    from ffgym.agents.residual.learning.environment import environment_of
+    from ffgym.agents.residual.environment import environment_of
 
     environment_of(training, n_envs=1).close()
     own = (training.action_scale, training.preview)
@@ -87,7 +87,7 @@ def _search(config: Tune, training: Training) -> dict[str, Any]:
     """All that decides what a search finds, as JSON gives it back; more trials may follow."""
     import optuna
 
-    from ffgym.agents.residual.learning.training import library_versions
+    from ffgym.agents.residual.training import library_versions
 
     own = {name: value for name, value in training.document().items() if name not in ("bound", "seed")}
     given = {name: value for name, value in own["hyperparameters"].items() if name not in config.searched}

@@ -8,8 +8,8 @@ run this row. `python -m scripts.workcell_oracle --out FOLDER` adds it to the ro
 from dataclasses import dataclass
 from pathlib import Path
 
-from ffgym.agents.common.law_policy import LawPolicy
 from ffgym.agents.entrants import REGISTRY
+from ffgym.agents.law_agent import LawPolicy
 from ffgym.agents.model import model_law
 from ffgym.leaderboard.board import Board
 from ffgym.leaderboard.entrants import Ready

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parent.parent
 
 SCRIPT = """
 import agents, ffgym, ffgym.agents, gymnasium
-assert ffgym.agents.LawAgent.__module__ == "ffgym.agents.common.law_agent", ffgym.agents.LawAgent.__module__
+assert ffgym.agents.LawAgent.__module__ == "ffgym.agents.law_agent", ffgym.agents.LawAgent.__module__
 gymnasium.make("ffgym/OneAxis-v0").reset(seed=0)
 print(agents.__file__)
 print(ffgym.__file__)

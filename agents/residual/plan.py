@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from ffgym.agents.residual.bases import ACTION_SCALES, base_law
-from ffgym.agents.residual.features import AHEAD
+from ffgym.agents.residual.composition import AHEAD
 from ffgym.agents.residual.hyperparameters import ALGORITHMS, Value, checked, hyperparameters
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.robot import ModelOptions, RobotDescription, compile_model, load_robot, physics_fingerprint

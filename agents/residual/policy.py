@@ -14,7 +14,7 @@ while replay buffers are filled (docs/agents/residual.md).
 
 Train it, and run it:
 
-    ffgym train --algorithm ppo --base elastic --seed 0 --out trained
+    ffgym train policy --algorithm ppo --base elastic --seed 0 --out trained
     policy = load_policy("trained/policy.npz")
 
 Logged: the reward per step while training, with exploration, in `meta["learning_curve"]` and TensorBoard.
@@ -24,20 +24,101 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
-from ffgym.agents.common.law_files import FORMAT, pack, unpack
-from ffgym.agents.residual.actor import Actor
-from ffgym.agents.residual.agent import ResidualAgent
+import numpy as np
+
+from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.law_files import FORMAT, pack, unpack
+from ffgym.agents.residual.actor import Actor, ActorCrew, same_shape
 from ffgym.agents.residual.bases import base_law
-from ffgym.agents.residual.composition import Composition
-from ffgym.agents.residual.crew import ActorCrew, same_shape
-from ffgym.agents.residual.features import AHEAD
+from ffgym.agents.residual.composition import AHEAD, Composition, Memory, chosen
 from ffgym.control import Agent, ObservationLayout, Policy
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import check_writable, write_bytes
 from ffgym.core.provenance import versions
+from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AgentState:
+    """What a residual agent remembers from one decision to the next."""
+
+    memory: Memory
+    residual: Array
+    """What it added last, in [-1, 1], shape (B, N)."""
+    network: Array
+    """State of the network, see `Actor.initial_state`."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResidualAgent:
+    """A composition and the network on top of it, or several networks that share its rows."""
+
+    composition: Composition
+    actor: Actor | ActorCrew
+
+    def __post_init__(self) -> None:
+        features = self.composition.features
+        if (self.actor.n_motors, self.actor.n_features) != (features.layout.n_joints, features.size):
+            raise FFGymError(
+                f"A policy for {self.actor.n_motors} motors and {self.actor.n_features} features does not fit an "
+                f"environment with {features.layout.n_joints} motors, which has {features.size}."
+            )
+
+    def predict(
+        self,
+        observation: Array,
+        state: AgentState | None = None,
+        episode_start: Any = None,
+        deterministic: bool = True,
+    ) -> tuple[Array, AgentState]:
+        """Actions for observations (B, D) or (D,), shape (B, N) or (N,), and what to remember for the next call.
+
+        Args:
+            observation: one observation, or a batch of them.
+            state: what the last call returned, None at first.
+            episode_start: True where an episode begins, shape (B,) or (); None is nowhere.
+            deterministic: without effect, a trained policy does not explore.
+
+        Raises:
+            FFGymError: if observations are of another environment, or the state is of another batch.
+        """
+        seen_now = np.asarray(observation)
+        size = self.composition.features.layout.size
+        if seen_now.ndim not in (1, 2) or seen_now.shape[-1] < size:
+            raise FFGymError(
+                f"Observations must have {size} numbers each, as those of the environment that this agent was made "
+                f"for, got shape {seen_now.shape}."
+            )
+        rows = np.atleast_2d(seen_now)
+        if state is None:
+            seen, network = self.composition.begin(rows), self.actor.initial_state((len(rows),))
+            begins = np.ones(len(rows), dtype=np.bool_)
+        else:
+            if len(state.residual) != len(rows):
+                raise FFGymError(
+                    f"The state of {len(state.residual)} robots is not what predict returned for {len(rows)}; give "
+                    f"None where a batch begins."
+                )
+            begins = np.zeros(len(rows), dtype=np.bool_) if episode_start is None else _flags(episode_start, len(rows))
+            seen, network = self.composition.follow(state.memory, rows, state.residual), state.network
+            if begins.any():
+                seen = chosen(begins, self.composition.begin(rows), seen)
+        residual, network = self.actor.act(seen.features, network, begins)
+        action = self.composition.action(seen, residual)
+        known = AgentState(memory=seen.memory, residual=residual, network=network)
+        return (action[0] if seen_now.ndim == 1 else action), known
+
+
+def _flags(episode_start: Any, count: int) -> Any:
+    flags = np.atleast_1d(np.asarray(episode_start, dtype=np.bool_))
+    if flags.shape != (count,):
+        raise FFGymError(f"episode_start has shape {flags.shape}, must be ({count},): one for each observation.")
+    return flags
+
 
 KIND = "residual_policy"
 """In the header of a file."""
@@ -145,3 +226,38 @@ def load_policy(path: str | os.PathLike[str]) -> ResidualPolicy:
 
 
 _SETTINGS = ("base", "machine", "memory", "bound", "action_scale", "preview")
+
+
+_EACH_MOTOR = "one small network for all motors"
+_LSTM, _MEMORY = "an LSTM that sees all motors", "one small network that sees the last samples"
+RESIDUALS: Mapping[str, tuple[str, str, str, str]] = MappingProxyType(
+    {
+        "ppo_elastic": ("ppo", "elastic", "PPO on elastic", _EACH_MOTOR),
+        "sac_elastic": ("sac", "elastic", "SAC on elastic", _EACH_MOTOR),
+        "tqc_elastic": ("tqc", "elastic", "TQC on elastic", _EACH_MOTOR),
+        "recurrent_ppo_elastic": ("recurrent_ppo", "elastic", "recurrent PPO on elastic", _LSTM),
+        "ppo_elastic_memory": ("ppo", "elastic", "PPO on elastic, memory", _MEMORY),
+        "ppo_lugre": ("ppo", "lugre_dynamic", "PPO on dynamic LuGre", _EACH_MOTOR),
+        "ppo_none": ("ppo", "none", "PPO on nothing", _EACH_MOTOR),
+    }
+)
+"""Trained residual policies: algorithm, base, title, kind of network. They have rows where they are published."""
+
+_ON = {"none": "no compensation", "lugre_dynamic": "dynamic LuGre", "elastic": "elastic feed-forward"}
+
+declare(
+    *(
+        Entry(
+            name=name,
+            title=title,
+            about=f"A bounded residual torque on {_ON[base]}: {network}, trained in simulation at p1 on robots drawn "
+            f"about the nominal one; it never met the machine that it is scored on.",
+            track="causal, nominal parameters",  # without a base too: it was trained on robots about the nominal one
+            order=20 + i,
+            page="residual.md",
+            load=lambda path, arm: load_policy(path),
+            base=base,
+        )
+        for i, (name, (_, base, title, network)) in enumerate(RESIDUALS.items())
+    )
+)

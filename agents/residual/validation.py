@@ -13,7 +13,7 @@ import numpy as np
 from gymnasium.vector import AutoresetMode
 
 from ffgym.agents.residual.actor import Actor, Layer
-from ffgym.agents.residual.features import per_motor
+from ffgym.agents.residual.composition import per_motor
 from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT
 from ffgym.agents.residual.policy import ResidualPolicy
 from ffgym.core.errors import FFGymError, check_whole

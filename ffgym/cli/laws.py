@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ffgym.agents.catalogue import CATALOGUE, Setting, law_named, name_of_law
-from ffgym.agents.common.trials import RigTrial
+from ffgym.agents.trials import RigTrial
 from ffgym.cli.progress import progress_bar
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError

@@ -5,16 +5,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from ffgym.agents.bspline import BSplineNetwork, ExtendedBSN, StaticBSN
-from ffgym.agents.common.law_files import save_law
-from ffgym.agents.common.lessons import training_motions
-from ffgym.agents.common.trials import RigTrial
-from ffgym.agents.learning.coulomb_prior import CoulombPrior
-from ffgym.agents.learning.lffc import LFFC, robot_seconds
-from ffgym.agents.learning.progress import Learning, relative
-from ffgym.agents.splines.basis import SplineBasis
-from ffgym.agents.splines.recipes import thesis_training
-from ffgym.agents.stability.limits import LearningStability
+from ffgym.agents.bspline import BSplineNetwork, ExtendedBSN, SplineBasis, StaticBSN
+from ffgym.agents.coulomb_prior import CoulombPrior
+from ffgym.agents.law_files import save_law
+from ffgym.agents.lffc import LFFC, Learning, relative, robot_seconds, thesis_training
+from ffgym.agents.stability import LearningStability
+from ffgym.agents.trials import RigTrial, training_motions
 from ffgym.cli.outputs import check_outputs
 from ffgym.cli.unused import given_options, refuse_unused
 from ffgym.core.errors import FFGymError

@@ -7,10 +7,9 @@ from typing import Literal
 import numpy as np
 
 from ffgym.agents.bspline import BSplineNetwork
-from ffgym.agents.common.lessons import training_motions
-from ffgym.agents.common.trials import SimulatedTrial
-from ffgym.agents.splines.recipes import thesis_training
-from ffgym.agents.stability.limits import LearningStability
+from ffgym.agents.lffc import thesis_training
+from ffgym.agents.stability import LearningStability
+from ffgym.agents.trials import SimulatedTrial, training_motions
 from ffgym.cli.descriptions import described_robot
 from ffgym.cli.lffc import NETWORKS
 from ffgym.cli.unused import refuse_unused
@@ -86,7 +85,7 @@ class Stability:
             raise FFGymError(f"figure rates = {list(self.figure_rates)} must be one or more, ascending.")
 
     def _draw(self, network: BSplineNetwork, arm: RigidArm, motion: Reference, iterations: int, path: Path) -> None:
-        from ffgym.agents.stability.check import learning_curves
+        from ffgym.agents.stability import learning_curves
         from ffgym.report import save_figure
         from ffgym.report.learning.learning_plot import learning_caption, learning_figure
 

@@ -100,7 +100,7 @@ class Train(Options):
         check_outputs({"--json": self.json})
         training = self.with_seed(self.seed)
         robot = training.known()
-        from ffgym.agents.residual.learning.training import train
+        from ffgym.agents.residual.training import train
 
         with progress_bar("training", "steps") as progress:
             trained = train(training, self.out, watch=progress)

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import cycle, product
 
+from ffgym.core.plugins import load_families
+
 UNCOMPENSATED = "none"
 """Name of the law that adds nothing; others are compared with it."""
 ORACLE = "oracle"
@@ -21,34 +23,22 @@ class LawStyle:
     line: str = "-"
 
 
-_KNOWN = {
-    "none": LawStyle(label="no compensation", colour="#0072B2", marker="o"),
-    "lugre_static": LawStyle(label="static LuGre", colour="#D55E00", marker="s"),
-    "lugre_dynamic": LawStyle(label="dynamic LuGre", colour="#009E73", marker="^"),
+STYLES: dict[str, LawStyle] = {
     "lugre_identified": LawStyle(label="dynamic LuGre, identified", colour="#56B4E9", marker="P"),
-    "bsn_static": LawStyle(label="static B-spline network", colour="#CC79A7", marker="D"),
-    "bsn_extended": LawStyle(label="extended B-spline network", colour="#E69F00", marker="v"),
-    "bsn_extended_prior": LawStyle(label="B-spline network with prior", colour="#B8860B", marker="^", line="--"),
-    "mlp_fel": LawStyle(label="perceptron", colour="#7F4F24", marker="X", line="-."),
-    "residual_gp": LawStyle(label="residual torque model", colour="#8C6BB1", marker="P", line="-."),
-    "narx": LawStyle(label="NARX network", colour="#56B4E9", marker="*", line="-."),
-    "elastic": LawStyle(label="elastic feed-forward", colour="#A50F15", marker="p"),
-    "model": LawStyle(label="model feed-forward", colour="#1B7837", marker="h"),
-    "ilc_motor": LawStyle(label="iterative learning, motors", colour="#3B0F70", marker="<", line=":"),
-    "ilc_tcp": LawStyle(label="iterative learning, tool", colour="#3B0F70", marker=">"),
-    "oracle": LawStyle(label="oracle (true parameters)", colour="#A50F15", marker="H", line=":"),
 }
-"""Blue, red, green as in the thesis, in the colour-blind safe shades of Okabe and Ito."""
+"""Looks by name. Agents enter theirs (`ffgym.agents.catalogue`), and are found when a look is first asked for. Blue,
+red, green as in the thesis, in the colour-blind safe shades of Okabe and Ito."""
 _SPARE = tuple(product(("-", "--", ":"), (("#56B4E9", "P"), ("#8C6BB1", "X"), ("#7F4F24", "*"), ("#5C5C5C", "h"))))
 
 
 def law_styles(agents: Iterable[str]) -> dict[str, LawStyle]:
     """Style by law name, in the given order; laws without a fixed style get spare ones in order of appearance."""
+    load_families("ffgym.agents")
     spare = cycle(_SPARE)
     styles: dict[str, LawStyle] = {}
     for agent in agents:
         if agent not in styles:
-            styles[agent] = _KNOWN[agent] if agent in _KNOWN else _spare_style(agent, *next(spare))
+            styles[agent] = STYLES[agent] if agent in STYLES else _spare_style(agent, *next(spare))
     return styles
 
 

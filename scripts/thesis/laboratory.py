@@ -6,11 +6,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.catalogue import CATALOGUE, Entry, Setting, entry_of
-from ffgym.agents.common.lessons import thesis_motions, training_motions
-from ffgym.agents.common.trials import CountedTrial
-from ffgym.agents.learning.progress import Learning
-from ffgym.agents.splines.recipes import thesis_training
+from ffgym.agents.catalogue import CATALOGUE, Entry, Setting, entry_of, law_named
+from ffgym.agents.lffc import Learning, thesis_training
+from ffgym.agents.trials import CountedTrial, thesis_motions, training_motions
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation
 from ffgym.diagnosis.identification.narx import Samples
 from ffgym.envs.machines import rig_of
@@ -59,7 +57,7 @@ def contender(name: str, setting: Setting) -> Contender:
     """Make a member of the catalogue; learning members run their trials here."""
     counted = CountedTrial(setting.trial)
     entry = entry_of(name)
-    law = entry.make(replace(setting, trial=counted))
+    law = law_named(name, replace(setting, trial=counted))
     return Contender(entry=entry, law=law, trials=counted.trials, robot_seconds=counted.robot_seconds)
 
 

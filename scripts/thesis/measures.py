@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.agents.splines.basis import FINE_RANGE, SplineBasis
+from ffgym.agents.bspline import FINE_RANGE, SplineBasis
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.narx import Misfit
 from ffgym.published import published_mm

@@ -5,11 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ffgym.agents.bspline import StaticBSN
-from ffgym.agents.common.lessons import thesis_motions
-from ffgym.agents.common.trials import SimulatedTrial
-from ffgym.agents.splines.basis import FINE_RANGE, SplineBasis
-from ffgym.agents.stability.check import learning_curves
+from ffgym.agents.bspline import FINE_RANGE, SplineBasis, StaticBSN
+from ffgym.agents.stability import learning_curves
+from ffgym.agents.trials import SimulatedTrial, thesis_motions
 from ffgym.paths import SPEEDS
 from ffgym.published import FRICTION_RECORDS
 from ffgym.report import ReportFigure, law_styles

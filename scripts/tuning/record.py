@@ -33,7 +33,7 @@ def read_trials(file: Path, search: Mapping[str, Any]) -> list[Trial]:
     Raises:
         FFGymError: if the file is of another search, or damaged.
     """
-    from ffgym.agents.residual.learning.checkpoint import check_same
+    from ffgym.agents.residual.training import check_same
 
     if not file.exists():
         return []

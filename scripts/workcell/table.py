@@ -6,9 +6,8 @@ from itertools import product
 import numpy as np
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.common.lessons import training_motions
-from ffgym.agents.common.trials import RigTrial
-from ffgym.agents.splines.recipes import thesis_training
+from ffgym.agents.lffc import thesis_training
+from ffgym.agents.trials import RigTrial, training_motions
 from ffgym.control import FeedForwardLaw
 from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ffgym.agents.common.trials import Lesson
+from ffgym.agents.trials import Lesson
 from ffgym.paths import Reference
 
 

@@ -5,11 +5,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ffgym.agents.bspline import StaticBSN
-from ffgym.agents.common.law_files import save_law
+from ffgym.agents.bspline import SplineBasis, StaticBSN
+from ffgym.agents.law_files import save_law
 from ffgym.agents.residual.actor import Actor, Layer
 from ffgym.agents.residual.policy import ResidualPolicy, save_policy
-from ffgym.agents.splines.basis import SplineBasis
 from ffgym.agents.submission import SUBMITTED, load, submitted
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.submission.manifest import AgentSource

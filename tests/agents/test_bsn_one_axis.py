@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.common.lessons import thesis_motions
-from ffgym.agents.common.trials import SimulatedTrial
-from ffgym.agents.learning.progress import relative
-from ffgym.agents.splines.recipes import thesis_training
+from ffgym.agents.lffc import relative, thesis_training
+from ffgym.agents.trials import SimulatedTrial, thesis_motions
 from ffgym.control import NoCompensation
 from ffgym.robot import RigidArm
 from ffgym.studies import one_axis_study

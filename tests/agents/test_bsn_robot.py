@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.common.trials import SimulatedTrial
-from ffgym.agents.learning.coulomb_prior import CoulombPrior
-from ffgym.agents.splines.recipes import thesis_training
+from ffgym.agents.coulomb_prior import CoulombPrior
+from ffgym.agents.lffc import thesis_training
+from ffgym.agents.trials import SimulatedTrial
 from ffgym.control import NoCompensation
 from ffgym.paths import RADII
 from ffgym.recordings.metrics import friction_miss

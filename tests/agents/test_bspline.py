@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.common.law_files import load_law, save_law
-from ffgym.agents.splines.basis import SplineBasis
+from ffgym.agents.bspline import ExtendedBSN, SplineBasis, StaticBSN
+from ffgym.agents.law_files import load_law, save_law
 from ffgym.core.errors import FFGymError
 from ffgym.studies import sine_references
 from tests.agents.lesson_samples import lesson

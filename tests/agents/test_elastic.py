@@ -7,7 +7,7 @@ import pytest
 
 from ffgym.agents import LawAgent
 from ffgym.agents.elastic import ElasticLaw, elastic_feedforward, elastic_law
-from ffgym.agents.elasticity.mean_friction import friction_along
+from ffgym.agents.flexible_joints import friction_along
 from ffgym.control import CausalLaw, DynamicLuGreExact, Window
 from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from ffgym.agents.catalogue import Setting
-from ffgym.agents.common.trials import Lesson
 from ffgym.agents.feedback_error import MLP
-from ffgym.agents.learning.forgetting import compare
-from ffgym.agents.learning.lffc import LFFC
+from ffgym.agents.lffc import LFFC
+from ffgym.agents.trials import Lesson
 from ffgym.control import StaticLuGre
 from ffgym.core.errors import FFGymError
 from ffgym.report.learning.forgetting_plot import forgetting_figure
 from ffgym.simulation import Run
 from ffgym.studies import sine_references
+from scripts.forgetting import compare
 from tests.agents.lesson_samples import lesson
 
 

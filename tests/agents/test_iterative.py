@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
-from ffgym.agents.common.trials import SimulatedTrial
 from ffgym.agents.iterative import TRIALS, IterativeLearning
-from ffgym.agents.per_task.task_error import rms, task_error
+from ffgym.agents.torque_response import rms, task_error
+from ffgym.agents.trials import SimulatedTrial
 from ffgym.control import DynamicLuGreExact, StaticLuGre
 from ffgym.core.errors import FFGymError
 from ffgym.recordings.metrics import motor_error, path_errors

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from ffgym.agents.catalogue import Setting
-from ffgym.agents.common.law_files import load_law, save_law
-from ffgym.agents.fitting.narx_fit import learn_narx, samples_of
-from ffgym.agents.fitting.supervised import MotorRecord
-from ffgym.agents.narx import NARX
+from ffgym.agents.law_files import load_law, save_law
+from ffgym.agents.narx import NARX, learn_narx, samples_of
+from ffgym.agents.supervised import MotorRecord
 from ffgym.control import Window
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.identification.narx import Errors, NarxModel, Regressors, Structure

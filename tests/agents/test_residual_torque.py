@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents.catalogue import Setting
-from ffgym.agents.fitting.residual_fit import fitted, learn_residual_torque
-from ffgym.agents.fitting.supervised import MotorRecord
-from ffgym.agents.residual_torque import ResidualTorque
+from ffgym.agents.residual_torque import ResidualTorque, fitted, learn_residual_torque
+from ffgym.agents.supervised import MotorRecord
 from ffgym.control import DynamicLuGreExact, NoCompensation, Window
 from ffgym.core.errors import FFGymError
 from ffgym.recordings.metrics import motor_error_rms

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.common.law_files import load_law, unpack
-from ffgym.agents.common.lessons import thesis_motions
+from ffgym.agents.law_files import load_law, unpack
+from ffgym.agents.trials import thesis_motions
 from ffgym.cli.main import main
 from ffgym.robot import ModelOptions, RigidArm, compile_model, physics_fingerprint
 

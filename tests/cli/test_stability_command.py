@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents.bspline import StaticBSN
-from ffgym.agents.common.law_files import load_law
-from ffgym.agents.stability.limits import LearningStability
+from ffgym.agents.law_files import load_law
+from ffgym.agents.stability import LearningStability
 from ffgym.cli.main import main
 from ffgym.robot import RigidArm
 from ffgym.studies import sine_references

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents.catalogue import CATALOGUE, Setting
-from ffgym.agents.common.law_policy import LawPolicy
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
+from ffgym.agents.law_agent import LawPolicy
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.entrants import Entrant, Ready
 from ffgym.leaderboard.evaluation.closed_loop import fly

@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from ffgym.agents.common import law_files
-from ffgym.agents.common.law_files import StoredLaw, load_law, pack, save_law, unpack
+from ffgym.agents.law_files import StoredLaw, load_law, pack, save_law, unpack
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError, check_shape
 
@@ -36,11 +35,6 @@ class Viscous(CausalLaw, StoredLaw):
     @classmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays):
         return cls(check_shape("coefficient", arrays["coefficient"], (None,)), name=settings["name"])
-
-
-@pytest.fixture(autouse=True)
-def known(monkeypatch):
-    monkeypatch.setitem(law_files.KINDS, "viscous", (__name__, "Viscous"))
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from ffgym.agents.common.lessons import every_speed, friction_motions, thesis_motions, training_motions
+from ffgym.agents.trials import every_speed, friction_motions, thesis_motions, training_motions
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.common.shared_trials import learn_together
-from ffgym.agents.common.trials import RigTrial
+from ffgym.agents.shared_trials import learn_together
+from ffgym.agents.trials import RigTrial
 from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm

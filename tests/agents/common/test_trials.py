@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.common.trials import SIGNALS, Lesson, SimulatedTrial, learning_signal, performed
+from ffgym.agents.trials import SIGNALS, Lesson, SimulatedTrial, learning_signal, performed
 from ffgym.control import NoCompensation, StaticLuGre
 from ffgym.core.errors import FFGymError
 from ffgym.paths import joint_reference, joint_sine

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ffgym.agents.elasticity.mean_friction import friction_along, step_friction
+from ffgym.agents.flexible_joints import friction_along, step_friction
 from ffgym.control import DynamicLuGreExact
 
 DT = 0.004

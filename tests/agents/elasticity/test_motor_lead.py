@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.polynomial import Polynomial
 
-from ffgym.agents.elasticity.lead import lead_between
+from ffgym.agents.flexible_joints import lead_between
 
 DT = 0.004
 

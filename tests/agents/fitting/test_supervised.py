@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ffgym.agents.catalogue import Setting
-from ffgym.agents.fitting.supervised import MotorRecord, learn
+from ffgym.agents.supervised import MotorRecord, learn
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError
 from ffgym.simulation import Run

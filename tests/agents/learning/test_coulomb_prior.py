@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents.bspline import ExtendedBSN
-from ffgym.agents.common.lessons import thesis_motions
-from ffgym.agents.common.trials import SimulatedTrial
-from ffgym.agents.learning.coulomb_prior import STEEPNESS, CoulombPrior
+from ffgym.agents.coulomb_prior import STEEPNESS, CoulombPrior
+from ffgym.agents.trials import SimulatedTrial, thesis_motions
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 from tests.agents.lesson_samples import lesson

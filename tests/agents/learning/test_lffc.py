@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.common.law_files import pack, unpack
-from ffgym.agents.common.trials import Lesson, SimulatedTrial, learning_signal
-from ffgym.agents.learning.lffc import LFFC, robot_seconds
-from ffgym.agents.learning.progress import Learning, relative
+from ffgym.agents.law_files import pack, unpack
+from ffgym.agents.lffc import LFFC, Learning, relative, robot_seconds
+from ffgym.agents.trials import Lesson, SimulatedTrial, learning_signal
 from ffgym.core.errors import FFGymError
 from ffgym.paths import joint_reference, joint_sine
 from ffgym.recordings.metrics import motor_error
@@ -195,8 +194,8 @@ def test_a_killed_process_loses_no_more_than_its_last_trial(trial, sines, learne
         import os, signal
         from pathlib import Path
         from ffgym.agents.bspline import StaticBSN
-        from ffgym.agents.learning.lffc import LFFC
-        from ffgym.agents.common.trials import SimulatedTrial
+        from ffgym.agents.lffc import LFFC
+        from ffgym.agents.trials import SimulatedTrial
         from ffgym.paths import joint_reference
         from ffgym.paths import joint_sine
         from ffgym.robot import RigidArm, load_robot
@@ -255,7 +254,7 @@ def test_more_iterations_can_be_asked_for_later_but_not_fewer(state, trial, sine
 
 
 def test_a_law_is_no_state_of_learning(trial, sines, tmp_path):
-    from ffgym.agents.common.law_files import save_law
+    from ffgym.agents.law_files import save_law
 
     path = save_law(tmp_path / "law.npz", StaticBSN.zero(1))
     with pytest.raises(FFGymError, match="kind 'bsn_static', not of learning"):

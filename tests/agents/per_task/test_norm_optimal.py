@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
-from ffgym.agents.per_task.norm_optimal import NormOptimalStep
-from ffgym.agents.per_task.torque_response import TorqueResponse
+from ffgym.agents.torque_response import NormOptimalStep, TorqueResponse
 from ffgym.core.errors import FFGymError
 from ffgym.robot import RigidArm
 

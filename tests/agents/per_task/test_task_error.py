@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.per_task.task_error import at_samples, circle_rms, rms, task_error
+from ffgym.agents.torque_response import at_samples, circle_rms, rms, task_error
 from ffgym.core.errors import FFGymError
 from ffgym.recordings.metrics import motor_error, path_errors, standstill_offset
 from ffgym.simulation import LaserTracker, Run, simulate

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents import LawAgent
-from ffgym.agents.common.law_files import load_law, save_law
-from ffgym.agents.per_task.task_torques import Task, TaskTorques
+from ffgym.agents.law_files import load_law, save_law
+from ffgym.agents.task_torques import Task, TaskTorques
 from ffgym.control import Window
 from ffgym.core.errors import FFGymError
 from ffgym.envs import EpisodeRecorder

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.per_task.task_torques import Task, TaskTorques
-from ffgym.agents.per_task.torque_response import TorqueResponse
+from ffgym.agents.task_torques import Task, TaskTorques
+from ffgym.agents.torque_response import TorqueResponse
 from ffgym.core.errors import FFGymError
 from ffgym.paths import joint_reference, joint_sine
 from ffgym.recordings.metrics import motor_error

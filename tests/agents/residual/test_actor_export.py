@@ -7,9 +7,8 @@ from gymnasium import spaces
 from torch import nn
 
 from ffgym.agents.residual.actor import LSTM, Actor
-from ffgym.agents.residual.learning.algorithms import algorithm_of
-from ffgym.agents.residual.learning.environment import environment_of
-from ffgym.agents.residual.learning.export import actor_of
+from ffgym.agents.residual.environment import environment_of
+from ffgym.agents.residual.sb3 import actor_of, algorithm_of
 from ffgym.core.errors import FFGymError
 from tests.agents.residual.residual_samples import random_actor, tiny
 

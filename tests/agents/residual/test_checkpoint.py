@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import torch
 
+from ffgym.agents.residual.environment import environment_of
 from ffgym.agents.residual.hyperparameters import ALGORITHMS
-from ffgym.agents.residual.learning.algorithms import algorithm_of
-from ffgym.agents.residual.learning.checkpoint import read_newest, write_checkpoint
-from ffgym.agents.residual.learning.environment import environment_of
+from ffgym.agents.residual.sb3 import algorithm_of
+from ffgym.agents.residual.training import read_newest, write_checkpoint
 from tests.agents.residual.residual_samples import tiny
 
 

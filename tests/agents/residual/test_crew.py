@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.common.law_policy import LawPolicy
-from ffgym.agents.residual.crew import ActorCrew
+from ffgym.agents.law_agent import LawPolicy
+from ffgym.agents.residual.actor import ActorCrew
 from ffgym.control import Batchable, NoCompensation, ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.evaluation.closed_loop import fly

@@ -8,12 +8,12 @@ import gymnasium as gym
 import numpy as np
 import pytest
 
-from ffgym.agents.common.law_agent import LawAgent
-from ffgym.agents.common.law_files import pack, unpack
 from ffgym.agents.elastic import elastic_feedforward
+from ffgym.agents.law_agent import LawAgent
+from ffgym.agents.law_files import pack, unpack
 from ffgym.agents.residual.actor import Layer
 from ffgym.agents.residual.bases import BASES, base_law, base_named
-from ffgym.agents.residual.learning.environment import environment_of
+from ffgym.agents.residual.environment import environment_of
 from ffgym.agents.residual.policy import encode_policy, load_policy, save_policy
 from ffgym.agents.residual.validation import base_errors, validate
 from ffgym.control import Agent, ObservationLayout, Policy

@@ -10,11 +10,11 @@ from math import isclose
 
 import numpy as np
 import pytest
-
 from ffgym.agents.residual.learning import training as under_test
-from ffgym.agents.residual.learning.environment import environment_of
-from ffgym.agents.residual.learning.training import segment_seed, train
+
+from ffgym.agents.residual.environment import environment_of
 from ffgym.agents.residual.policy import load_policy
+from ffgym.agents.residual.training import segment_seed, train
 from ffgym.agents.residual.validation import POINTS, RADIUS, SPEEDS
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
@@ -69,7 +69,7 @@ def test_a_training_that_was_killed_ends_as_if_it_had_not_been(algorithm, done, 
     """The process kills itself in the middle of the second segment."""
     code = (
         "import os, signal; from pathlib import Path\n"
-        "from ffgym.agents.residual.learning.training import train\n"
+        "from ffgym.agents.residual.training import train\n"
         "from tests.agents.residual.residual_samples import tiny\n"
         f"train(tiny({algorithm!r}), Path({str(tmp_path)!r}),\n"
         "      watch=lambda done, total: os.kill(os.getpid(), signal.SIGKILL) if done > 24 else None)"

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ffgym.agents.splines.basis import SplineBasis, thesis_knots
+from ffgym.agents.bspline import SplineBasis, thesis_knots
 from ffgym.core.errors import FFGymError
 
 bases = st.builds(

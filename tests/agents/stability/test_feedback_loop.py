@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents.bspline import StaticBSN
-from ffgym.agents.common.trials import SIGNALS, learning_signal
-from ffgym.agents.stability.feedback_loop import FeedbackLoop, nominal_bristles
+from ffgym.agents.feedback_loop import FeedbackLoop, nominal_bristles
+from ffgym.agents.trials import SIGNALS, learning_signal
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw
 from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.errors import FFGymError

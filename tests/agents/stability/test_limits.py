@@ -9,11 +9,8 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.common.trials import Lesson, SimulatedTrial
-from ffgym.agents.stability import iteration_map
-from ffgym.agents.stability.check import learning_curves
-from ffgym.agents.stability.iteration_map import STABLE_GROWTH, LearningMap
-from ffgym.agents.stability.limits import LearningStability
+from ffgym.agents.stability import STABLE_GROWTH, LearningMap, LearningStability, iteration_map, learning_curves
+from ffgym.agents.trials import Lesson, SimulatedTrial
 from ffgym.core.errors import FFGymError
 from ffgym.paths import Reference, joint_reference, joint_sine
 from ffgym.paths.excitations import joint_path

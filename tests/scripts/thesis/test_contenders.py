@@ -5,8 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from ffgym.agents.catalogue import CATALOGUE, Setting
-from ffgym.agents.common.lessons import thesis_motions
-from ffgym.agents.common.trials import CountedTrial
+from ffgym.agents.trials import CountedTrial, thesis_motions
 from ffgym.control import NoCompensation
 from ffgym.simulation import Run
 from scripts.thesis import ITEMS

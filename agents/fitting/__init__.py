@@ -1,1 +1,0 @@
-"""How black-box laws are fitted to trials; the laws themselves run without these."""

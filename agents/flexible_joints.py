@@ -1,0 +1,190 @@
+"""Parts of elastic feed-forward: the lead of the motors, the torque of the controller that is there, mean friction.
+
+A drive joins samples of torque by straight lines. Where a motor turns round, friction changes within a few
+milliseconds: a sample of it that happens to fall there gives too much or too little momentum. The average over the step
+before and the step after, weighted by the share that the sample has in the straight lines, gives the right one.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from math import factorial
+
+import numpy as np
+
+from ffgym.control import DynamicLuGreExact
+from ffgym.core.types import Array
+from ffgym.robot import RigidArm
+from ffgym.robot.drive import Drive
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lead:
+    """Motor angle minus arm angle, link side, with its derivatives; shape (..., N) each."""
+
+    angle: Array
+    """[rad]."""
+    speed: Array
+    """[rad/s]."""
+    acceleration: Array
+    """[rad/s^2]."""
+
+
+def lead_between(bend: Array, relaxation: Array, dt: float) -> Lead:
+    r"""Lead at the middle one of an odd number of samples.
+
+    It solves :math:`\Delta + T \dot\Delta = x` for the polynomial x through the samples, which has one solution that is
+    a polynomial too: :math:`\Delta = x - T \dot x + T^2 \ddot x - \ldots`, a finite sum.
+
+    Args:
+        bend: x, torque of the springs / stiffness [rad], at 2 w + 1 samples, shape (..., 2 w + 1, N).
+        relaxation: T, damping / stiffness of the springs [s], shape (N,).
+        dt: time between the samples [s].
+    """
+    table = _derivatives(bend.shape[-2] // 2)
+    lead = np.zeros_like(bend[..., 0, :])
+    found = []
+    for order in range(len(table) - 1, -1, -1):  # the k-th derivative is x^(k) - T times the next one
+        derivative = np.zeros_like(lead)
+        for k, weight in enumerate(table[order]):  # a loop, so that no shape changes the rounding
+            derivative += weight * bend[..., k, :]
+        lead = derivative / dt**order - relaxation * lead
+        found.append(lead)
+    return Lead(angle=found[-1], speed=found[-2], acceleration=found[-3])
+
+
+def error_of(angle: Array, speed: Array, drive: Drive) -> tuple[Array, Array]:
+    """Errors [rad], [rad/s], reference - motor, motor side, of motors that lead by an angle and a speed, link side."""
+    return -drive.motor_angle(angle), -drive.motor_angle(speed)
+
+
+@cache
+def _derivatives(reach: int) -> Array:
+    """Weights of the derivatives 0 to 2 w at the middle of 2 w + 1 samples with unit distance, a row each."""
+    at = np.arange(-reach, reach + 1, dtype=np.float64)
+    powers = np.linalg.inv(np.vander(at, increasing=True))  # from samples to coefficients of the polynomial
+    return powers * np.array([[float(factorial(k))] for k in range(len(at))])
+
+
+def given_torque(
+    controller: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, lead: Lead, integral: Array
+) -> Array:
+    """Torque of the existing controller [N m], beyond gravity at the start, shape (..., N).
+
+    The servo sees the motor ahead of its reference by the lead, and pulls it back; it is in equilibrium at the start.
+
+    Args:
+        controller: rigid dynamics and servo that it was made for.
+        q: joint position of the reference [rad], shape (..., N).
+        motor_dq: motor speed of the reference [rad/s], shape (..., N).
+        motor_ddq: motor acceleration of the reference [rad/s^2], shape (..., N).
+        lead: how far the motors lead beyond their lead at the start.
+        integral: integral of the lead since the start, link side [rad s], shape (..., N).
+    """
+    drive, servo = controller.robot.drive, controller.robot.servo
+    rigid = drive.motor_torque(links_torque(controller, q, motor_dq, motor_ddq, load=False))
+    rigid += drive.rotor_inertia * motor_ddq
+    angle, speed, sum_of_angle = (drive.motor_angle(part) for part in (lead.angle, lead.speed, integral))
+    return rigid - (servo.position_gain * angle + servo.velocity_gain * speed + servo.integral_gain * sum_of_angle)
+
+
+def wound_up(integral: Array, controller: RigidArm, load: Array) -> Array:
+    """Integral of the lead as the servo knows it: its own integral ends where it alone would give the peak torque.
+
+    Args:
+        integral: integral of the lead since the start, link side [rad s], shape (..., N).
+        controller: rigid dynamics and servo of the existing controller.
+        load: what the links weigh at the start, which the servo's integral carries there, link side [N m], (..., N).
+    """
+    drive, gain = controller.robot.drive, controller.robot.servo.integral_gain
+    reach = np.divide(drive.peak_torque, gain, out=np.full_like(gain, np.inf), where=gain > 0)
+    carried = np.divide(drive.motor_torque(load), gain, out=np.zeros_like(load), where=gain > 0)
+    turned = drive.motor_angle(integral)
+    ended = np.clip(turned, carried - reach, carried + reach)
+    beyond = np.any(ended != turned, axis=-1, keepdims=True)
+    return np.where(beyond, drive.joint_angle(ended), integral)
+
+
+def wound_up_sums(increments: Array, controller: RigidArm, load: Array) -> Array:
+    """Running sums of `increments` (T, N) [rad s] from 0 on, each as `wound_up` leaves it, shape (T + 1, N)."""
+    sums = np.zeros((len(increments) + 1, increments.shape[1]))
+    np.cumsum(increments, axis=0, out=sums[1:])
+    if np.array_equal(wound_up(sums, controller, np.broadcast_to(load, sums.shape)), sums):
+        return sums
+    for k, increment in enumerate(increments):
+        sums[k + 1] = wound_up(sums[k] + increment, controller, load)
+    return sums
+
+
+def links_torque(arm: RigidArm, q: Array, motor_dq: Array, motor_ddq: Array, *, load: bool) -> Array:
+    """Torque of the links, link side [N m], for a motion of any shape (..., N).
+
+    `load` adds what must be carried at rest too: gravity, and springs between links.
+    """
+    drive = arm.robot.drive
+    motion = (q, drive.joint_angle(motor_dq), drive.joint_angle(motor_ddq))
+    rows = [part.reshape(-1, arm.robot.n_joints) for part in motion]
+    torque = arm.inverse_dynamics(*rows, gravity=load)
+    if load:
+        torque += arm.spring_torque(rows[0])
+    return torque.reshape(q.shape)
+
+
+def step_friction(law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float) -> tuple[Array, Array, Array]:
+    """Friction within a control step, as parts of the torque at its two ends, and the bristles after it.
+
+    Args:
+        law: friction model, and in how many sub-steps a step is resolved.
+        z: bristle deflection at the start [rad], shape (..., N).
+        dq: motor speed at the start [rad/s], shape (..., N).
+        next_dq: motor speed at the end [rad/s], shape (..., N).
+        dt: length of the step [s].
+
+    Returns:
+        Parts that belong to the start and to the end [N m], and the bristle deflection at the end [rad], (..., N) each.
+        The parts of a constant friction are half of it.
+    """
+    middles, speeds, z = bristles_within(law, z, dq, next_dq, dt)
+    return *in_parts(law.friction.torque(middles, speeds)), z
+
+
+def bristles_within(
+    law: DynamicLuGreExact, z: Array, dq: Array, next_dq: Array, dt: float
+) -> tuple[Array, Array, Array]:
+    """Bristles within a control step; arguments as in `step_friction`.
+
+    Returns:
+        Deflection [rad] and motor speed [rad/s] in the middle of each sub-step, (S, ..., N), and the deflection at the
+        end, (..., N).
+    """
+    speeds = np.stack([dq + (next_dq - dq) * share for share in law.shares])
+    middles = np.empty_like(speeds)
+    for k, (keep, gain) in enumerate(
+        zip(*law.friction.exact_bristle_factors(speeds, dt / law.n_substeps), strict=True)
+    ):
+        next_z = keep * z + gain
+        middles[k], z = 0.5 * (z + next_z), next_z
+    return middles, speeds, z
+
+
+def in_parts(torques: Array) -> tuple[Array, Array]:
+    """Parts of torques in the middle of S sub-steps (S, ..., N) that belong to the two ends of the step [N m]."""
+    n = len(torques)
+    torques = torques / n
+    start, end = np.zeros_like(torques[0]), np.zeros_like(torques[0])
+    for torque, share in zip(torques, (np.arange(n) + 0.5) / n, strict=True):  # a loop, so that no shape changes bits
+        start, end = start + (1 - share) * torque, end + share * torque
+    return start, end
+
+
+def friction_along(law: DynamicLuGreExact, motor_dq: Array, dt: float) -> Array:
+    """Averaged friction at samples of the motor speed (T, N) [rad/s], from relaxed bristles on [N m], (T - 1, N).
+
+    The last sample has no step behind it, and is left out.
+    """
+    keep, gain = law.advance(motor_dq[:-1], motor_dq[1:], dt)
+    z = np.zeros_like(motor_dq)
+    for k in range(len(keep)):
+        z[k + 1] = keep[k] * z[k] + gain[k]
+    start, end, _ = step_friction(law, z[:-1], motor_dq[:-1], motor_dq[1:], dt)
+    start[1:] += end[:-1]
+    return start

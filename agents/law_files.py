@@ -1,0 +1,133 @@
+"""Learned laws as files: one NPZ with the arrays and a JSON header that says what they are and where they come from."""
+
+import json
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from ffgym.control import FeedForwardLaw
+from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.files import check_writable, decode_arrays, encode_arrays, write_bytes
+from ffgym.core.plugins import load_families
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array
+
+FORMAT = 1
+"""Version of the file format; see docs/agents/files.md."""
+
+KINDS: dict[str, type["StoredLaw"]] = {}
+"""Classes of laws by the kind of their files; each class enters itself."""
+
+
+class StoredLaw(ABC):
+    """A law that can be written to a file and read back, bit for bit."""
+
+    kind: ClassVar[str]
+    """Word in the header of its files, which no other class has."""
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        """Let files of this kind be read.
+
+        Raises:
+            FFGymError: if another class has files of this kind.
+        """
+        super().__init_subclass__(**options)
+        if "kind" in vars(cls):
+            known = KINDS.setdefault(cls.kind, cls)
+            if (known.__module__, known.__qualname__) != (cls.__module__, cls.__qualname__):
+                raise FFGymError(f"{cls.__qualname__}: {known.__qualname__} has files of kind {cls.kind!r} already.")
+
+    @abstractmethod
+    def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
+        """Settings that JSON can hold, and arrays of numbers."""
+
+    @classmethod
+    @abstractmethod
+    def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
+        """The law of these parts.
+
+        Raises:
+            FFGymError: if they make no law.
+        """
+
+
+def save_law(path: str | os.PathLike[str], law: StoredLaw, meta: Mapping[str, Any] | None = None) -> Path:
+    """Write a law, whole or not at all; `meta` is kept in the header, e.g. how it was learned.
+
+    Raises:
+        FFGymError: if the file cannot be written, or its name does not end in .npz.
+    """
+    target = Path(path)
+    if target.suffix != ".npz":
+        raise FFGymError(f"{path}: the name of a law's file must end in .npz.")
+    check_writable(target)
+    settings, arrays = law.parts()
+    header = {
+        "format": FORMAT,
+        "kind": law.kind,
+        "settings": settings,
+        "meta": dict(meta or {}),
+        "versions": versions(),
+    }
+    write_bytes(target, pack(header, arrays))
+    return target
+
+
+def load_law(path: str | os.PathLike[str]) -> FeedForwardLaw:
+    """Read a law that `save_law` wrote.
+
+    Raises:
+        FFGymError: if the file is missing or damaged, or holds something else.
+    """
+    header, arrays = unpack(path)
+    kind = str(header.get("kind"))
+    if kind not in KINDS:
+        load_families("ffgym.agents")
+    stored = KINDS[check_choice(f"kind of law in {path}", kind, list(KINDS))]
+    try:
+        law: Any = stored.from_parts(header["settings"], arrays)
+        if not isinstance(law.name, str):
+            raise FFGymError(f"name = {law.name!r} must be text.")
+    except (KeyError, TypeError, FFGymError) as error:
+        reason = str(error).rstrip(".")
+        raise FFGymError(f"{path}: holds no complete law of kind {kind!r}: {reason}. Train it again.") from error
+    found: FeedForwardLaw = law
+    return found
+
+
+def pack(header: Mapping[str, Any], arrays: Mapping[str, Array]) -> bytes:
+    """A NPZ file with a JSON header; equal contents give equal bytes."""
+    return encode_arrays({"header": np.array(json.dumps(header, sort_keys=True, allow_nan=False)), **arrays})
+
+
+def unpack(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Header and arrays of a file that `pack` made.
+
+    Raises:
+        FFGymError: if the file is missing, damaged, or of another format.
+    """
+    try:
+        arrays = decode_arrays(Path(path).read_bytes())
+        header = json.loads(str(arrays.pop("header", "")))
+    except OSError as error:
+        raise FFGymError(f"{path}: cannot be read: {error.strerror}.") from error
+    except ValueError as error:  # ours, or a header that is no JSON
+        raise FFGymError(f"{path}: is damaged or no file of ffgym: {error}") from error
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        found = header.get("format") if isinstance(header, dict) else header
+        raise FFGymError(f"{path}: has format {found!r}, this version of ffgym reads {FORMAT}.")
+    return header, arrays
+
+
+def digest(*arrays: Array) -> str:
+    """Short text that is equal for arrays of equal shapes and bits."""
+    total = sha256()
+    for array in arrays:
+        total.update(repr(array.shape).encode())
+        total.update(np.ascontiguousarray(array).tobytes())
+    return total.hexdigest()[:16]

@@ -1,1 +1,0 @@
-"""Learning feed-forward control: the training loop, what it keeps, first weights."""

@@ -1,0 +1,343 @@
+"""Learning feed-forward control: a network adapted after every trial by what the feedback still had to do.
+
+Idea and source: thesis 5.2 and (5.5)-(5.7). The torque that feedback adds along a motion is torque that feed-forward
+lacked. After each trial the network learns it as a function of the reference, and the next trial runs with the result.
+
+    trial 0         the network as given; with zero weights, no compensation
+    trial k         the network after k updates, each `network.adapted(lessons, rate)`; (5.5) for B-spline networks
+
+Run it:
+
+    ffgym train bspline --network extended --out network.npz
+    ffgym train bspline --network extended --speeds-mm-s 10 40 100 --prior --out wide.npz
+
+Logged, per trial k, motion m and joint, over all samples but standstill (5.6):
+
+    error[k, m]         mean square of the motor position error e_p [rad^2]
+    signal[k, m]        mean square of the learning signal z: u_p = u_c - u_I, u_c, or K_p e_p [(N m)^2]
+    relative(x)[k]      mean over the motions of x[k, m] / x[0, m]: the normalised mean square of thesis Figure 5.10
+
+A joint is done when the change from trial to trial (5.7) of the relative mean squares says so: when error and signal
+did not both fall by more than `tolerance`, `patience` trials in a row. Its weights are then locked to those of its
+lowest relative error so far, and the law that comes out has the weights of the lowest on every joint.
+
+Departures from the source: the last update is tried as well, so that n iterations are n + 1 trials and no weights come
+out that were not tried, if not all in one trial: joints whose lowest errors lie in different trials never ran together
+as they come out; `patience`, since one bad trial does not make a trend; several motions can be learned from at
+once, each counting alike however large its errors; z = e_p is multiplied by K_p, so that it is a torque and the rate
+means the same.
+"""
+
+import json
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from ffgym.agents.law_files import FORMAT, StoredLaw, digest, pack, unpack
+from ffgym.agents.trials import SIGNALS, Lesson, Signal, Trial, performed
+from ffgym.control import CausalLaw
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, check_whole
+from ffgym.core.files import check_writable, write_bytes
+from ffgym.core.provenance import versions
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.paths import Reference
+from ffgym.simulation import Run
+
+
+class Network(CausalLaw, StoredLaw):
+    """A law that learns from trials. A network is never changed: learning returns a new one."""
+
+    @property
+    @abstractmethod
+    def weights(self) -> dict[str, Array]:
+        """Learned numbers by name; the first axis of each counts joints, shape (N, ...)."""
+
+    @abstractmethod
+    def with_weights(self, weights: dict[str, Array]) -> Self:
+        """The same network with other weights."""
+
+    @abstractmethod
+    def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
+        """What the network is after one update from the lessons of one trial, at learning rate `rate`."""
+
+    def merged(self, other: Self, joints: BoolArray) -> Self:
+        """This network, with the weights of `other` on `joints` (N,)."""
+        theirs = other.weights
+        return self.with_weights(
+            {name: np.where(_over(joints, own), theirs[name], own) for name, own in self.weights.items()}
+        )
+
+
+def _over(joints: BoolArray, weights: Array) -> BoolArray:
+    return joints.reshape(-1, *[1] * (weights.ndim - 1))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Learning:
+    """Learning after K trials; every trial makes a new one."""
+
+    network: Network
+    """To be tried next."""
+    best: Network
+    """On each joint the weights that had the lowest mean square error."""
+    error: Array
+    """Mean square motor position error of each trial and motion [rad^2], shape (K, M, N), thesis (5.6)."""
+    signal: Array
+    """Mean square of the learning signal of each trial and motion [(N m)^2], shape (K, M, N)."""
+    best_trial: IntArray
+    """Trial whose weights `best` has, shape (N,)."""
+    stale: IntArray
+    """Trials in a row that did not improve, shape (N,)."""
+    locked: BoolArray
+    """Joints that are done and keep their best weights, shape (N,)."""
+
+    @classmethod
+    def begin(cls, network: Network, n_motions: int) -> "Learning":
+        """Before the first trial with M motions."""
+        n = network.n_joints
+        return cls(
+            network=network,
+            best=network,
+            error=np.zeros((0, n_motions, n)),
+            signal=np.zeros((0, n_motions, n)),
+            best_trial=np.zeros(n, dtype=np.intp),
+            stale=np.zeros(n, dtype=np.intp),
+            locked=np.zeros(n, dtype=np.bool_),
+        )
+
+    @property
+    def trials(self) -> int:
+        """Number of trials K."""
+        return len(self.error)
+
+    def after(self, lessons: Sequence[Lesson], *, rate: float, tolerance: float, patience: int) -> "Learning":
+        """After a trial of `network` that gave `lessons`; see `ffgym.agents.lffc` for the rule."""
+        error = np.concatenate([self.error, [[_mean_square(lesson, lesson.error) for lesson in lessons]]])
+        signal = np.concatenate([self.signal, [[_mean_square(lesson, lesson.signal) for lesson in lessons]]])
+        cost = relative(error)
+        is_best = ~self.locked & (cost[-1] <= cost.min(axis=0))
+        best = self.best.merged(self.network, is_best)
+        stale = np.where(_fell(cost, tolerance) & _fell(relative(signal), tolerance), 0, self.stale + 1)
+        locked = self.locked | (stale >= patience)
+        return Learning(
+            network=self.network.adapted(lessons, rate).merged(best, locked),
+            best=best,
+            error=error,
+            signal=signal,
+            best_trial=np.where(is_best, self.trials, self.best_trial),
+            stale=stale,
+            locked=locked,
+        )
+
+
+def relative(mean_square: Array) -> Array:
+    """Mean squares (K, M, N) over those of the first trial, averaged over motions, shape (K, N).
+
+    A joint that had none at first, as one that never moves, has 0.
+    """
+    first = mean_square[:1]
+    return np.asarray(np.divide(mean_square, first, out=np.zeros_like(mean_square), where=first > 0).mean(axis=1))
+
+
+def _mean_square(lesson: Lesson, values: Array) -> Array:
+    """Of values (T, N) of a lesson without standstill, shape (N,)."""
+    return np.asarray(np.mean(values[lesson.moving] ** 2, axis=0))
+
+
+def _fell(history: Array, tolerance: float) -> BoolArray:
+    """Where the last row of `history` (K, N) is lower than the one before by more than a share of it, thesis (5.7)."""
+    if len(history) < 2:
+        return np.ones(history.shape[1], dtype=np.bool_)
+    return np.asarray(history[-1] < (1 - tolerance) * history[-2])
+
+
+KIND = "learning"
+"""Kind of the file, beside those of laws."""
+
+
+_ROWS = ("error", "signal", "best_trial", "stale", "locked")
+
+
+_NETWORKS = ("network", "best")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LearningFile:
+    """Learning on disk, written whole or not at all."""
+
+    path: Path
+    settings: Mapping[str, Any]
+    """What must be the same for learning to go on; JSON can hold it."""
+
+    def __post_init__(self) -> None:
+        check_writable(self.path)
+
+    def write(self, learning: Learning) -> None:
+        """Replace the file.
+
+        Raises:
+            FFGymError: if it cannot be written.
+        """
+        header = {"format": FORMAT, "kind": KIND, "settings": dict(self.settings), "versions": versions()}
+        arrays = {name: getattr(learning, name) for name in _ROWS}
+        for role in _NETWORKS:
+            arrays |= {f"{role}.{name}": weights for name, weights in getattr(learning, role).weights.items()}
+        write_bytes(self.path, pack(header, arrays))
+
+    def read(self, first: Network, n_motions: int) -> Learning:
+        """Learning in the file, or its beginning with the network `first` where there is no file yet.
+
+        Raises:
+            FFGymError: if the file is damaged or incomplete, or of learning with other settings; the message says
+                which.
+        """
+        if not self.path.exists():
+            return Learning.begin(first, n_motions)
+        header, arrays = unpack(self.path)
+        if header.get("kind") != KIND:
+            raise FFGymError(f"{self.path}: is a file of kind {header.get('kind')!r}, not of learning to go on with.")
+        settings = header.get("settings")
+        self._check(settings if isinstance(settings, dict) else {})
+        try:
+            return _learning(first, n_motions, arrays)
+        except (KeyError, FFGymError) as error:
+            reason = str(error).rstrip(".")
+            raise FFGymError(
+                f"{self.path}: holds no complete learning: {reason}. Begin anew with another file."
+            ) from error
+
+    def _check(self, stored: Mapping[str, Any]) -> None:
+        wanted = json.loads(json.dumps(dict(self.settings)))  # as a file gives them back
+        differing = [name for name in sorted(stored.keys() | wanted.keys()) if stored.get(name) != wanted.get(name)]
+        if differing:
+            found = ", ".join(f"{name} {stored.get(name)!r}, now {wanted.get(name)!r}" for name in differing)
+            raise FFGymError(
+                f"{self.path}: learning cannot go on with other settings than it began with: {found}. "
+                f"Go on with the same, or begin anew with another file."
+            )
+
+
+def _learning(first: Network, n_motions: int, arrays: Mapping[str, Array]) -> Learning:
+    n = first.n_joints
+    network, best = (
+        first.with_weights({name: arrays[f"{role}.{name}"] for name in first.weights}) for role in _NETWORKS
+    )
+    error = check_shape("error", arrays["error"], (None, n_motions, n))
+    signal = check_shape("signal", arrays["signal"], error.shape)
+    best_trial, stale, locked = (check_shape(name, arrays[name], (n,)) for name in ("best_trial", "stale", "locked"))
+    return Learning(
+        network=network,
+        best=best,
+        error=error,
+        signal=signal,
+        best_trial=best_trial.astype(np.intp),
+        stale=stale.astype(np.intp),
+        locked=locked.astype(np.bool_),
+    )
+
+
+Watch = Callable[[Learning, int], None]
+"""Called after every trial with what is known by then, and how many trials there will be at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LFFC:
+    """The training procedure; any `Network` learns by it."""
+
+    rate: float = 0.95
+    """Learning rate gamma, thesis 5.3.2; 0.8 on one axis."""
+    iterations: int = 10
+    """Updates at most, thesis 5.3.2; 15 on one axis."""
+    signal: Signal = "u_p"
+    """Learning signal z, thesis 5.2.1."""
+    tolerance: float = 1e-3
+    """Share by which error and signal must fall for a trial to count as better; chosen, the thesis gives no number."""
+    patience: int = 2
+    """Trials in a row without improvement after which a joint is locked; chosen."""
+
+    def __post_init__(self) -> None:
+        check_number("learning rate gamma", self.rate, low=0.0, open_low=True)
+        check_whole("iterations", self.iterations, low=0)
+        check_choice("learning signal", self.signal, SIGNALS)
+        check_number("tolerance", self.tolerance, low=0.0, high=1.0)
+        check_whole("patience", self.patience, low=1)
+
+    def learn(
+        self,
+        network: Network,
+        references: Sequence[Reference],
+        trial: Trial,
+        *,
+        state: Path | None = None,
+        machine: str = "",
+        watch: Watch | None = None,
+    ) -> Learning:
+        """Learn from trials along `references`; the learned law is `best` of what is returned.
+
+        Args:
+            network: to begin with.
+            references: motions of one trial.
+            trial: runs them on the machine.
+            state: file that is written after every trial; where it exists, learning goes on from there.
+            machine: text that tells machines apart, so that a file is not used for another one.
+            watch: called after every trial.
+
+        Raises:
+            FFGymError: if there is no reference, one is for another robot than the network, or the file belongs to
+                other learning or has come further.
+        """
+        if not references:
+            raise FFGymError("There is no motion to learn from; give one or more references.")
+        settings = self._settings(network, references, machine)
+        file = None if state is None else LearningFile(path=state, settings=settings)
+        learning = self._begin(network, len(references), file)
+        while learning.trials <= self.iterations and not learning.locked.all():
+            lessons = self._try(learning, references, trial)
+            learning = learning.after(lessons, rate=self.rate, tolerance=self.tolerance, patience=self.patience)
+            if file is not None:
+                file.write(learning)
+            if watch is not None:
+                watch(learning, self.iterations + 1)
+        return learning
+
+    def _begin(self, network: Network, n_motions: int, file: LearningFile | None) -> Learning:
+        learning = Learning.begin(network, n_motions) if file is None else file.read(network, n_motions)
+        if file is not None and learning.trials > self.iterations + 1:
+            raise FFGymError(
+                f"{file.path}: has {learning.trials - 1} iterations already, more than the {self.iterations} asked "
+                f"for; ask for as many or more, or begin anew with another file."
+            )
+        return learning
+
+    def _try(self, learning: Learning, references: Sequence[Reference], trial: Trial) -> list[Lesson]:
+        recordings = performed(trial, [Run(reference=r, law=learning.network) for r in references], learning.trials)
+        return [Lesson.of(r, recording, self.signal) for r, recording in zip(references, recordings, strict=True)]
+
+    def _settings(self, network: Network, references: Sequence[Reference], machine: str) -> dict[str, Any]:
+        """What must not change while learning; more iterations may be asked for later."""
+        settings, arrays = network.parts()
+        return {
+            "rate": self.rate,
+            "signal": self.signal,
+            "tolerance": self.tolerance,
+            "patience": self.patience,
+            "network": {"kind": network.kind, **settings},
+            "first weights": digest(*arrays.values()),
+            "motions": [reference.name for reference in references],
+            "samples": digest(*[part for r in references for part in (r.q, r.dq, r.ddq)]),
+            "machine": machine,
+        }
+
+
+def thesis_training(n_joints: int) -> LFFC:
+    """Rate and iterations of thesis 5.3.1 for one axis, of 5.3.2 for a robot."""
+    return LFFC(rate=0.8, iterations=15) if n_joints == 1 else LFFC(rate=0.95, iterations=10)
+
+
+def robot_seconds(references: Sequence[Reference], trials: int) -> float:
+    """Time that the machine moved in so many trials [s]."""
+    return trials * sum(reference.duration for reference in references)

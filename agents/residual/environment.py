@@ -1,0 +1,87 @@
+"""The environment that a residual policy is trained in: features in, residuals out, the law below in between."""
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from stable_baselines3.common.vec_env import VecEnvWrapper
+
+from ffgym.agents.residual.bases import base_law
+from ffgym.agents.residual.composition import LIMIT, Composition, Seen, chosen
+from ffgym.agents.residual.plan import ENCODER_BITS, ENVIRONMENT, POSITION, Training
+from ffgym.core.types import Array
+from ffgym.envs import Sensing
+from ffgym.envs.sb3 import SB3VecEnv, make_sb3_env
+from ffgym.simulation.plant import PlantDistribution
+
+
+class ResidualVecEnv(VecEnvWrapper):
+    """Observations are features of a `Composition`, float32 (B, N F); actions its residuals in [-1, 1], (B, N)."""
+
+    def __init__(self, venv: SB3VecEnv, composition: Composition) -> None:
+        size, n = composition.features.size, composition.features.layout.n_joints
+        super().__init__(
+            venv,
+            observation_space=spaces.Box(-LIMIT, LIMIT, shape=(size,), dtype=np.float32),
+            action_space=spaces.Box(-1.0, 1.0, shape=(n,), dtype=np.float32),
+        )
+        self.composition = composition
+        self._seen: Seen | None = None
+        self._residual = np.zeros((venv.num_envs, n))
+
+    def reset(self) -> Array:
+        """See base class."""
+        self._seen = self.composition.begin(self.venv.reset())  # type: ignore[arg-type]
+        return self._seen.features.astype(np.float32)
+
+    def step_async(self, actions: Array) -> None:
+        """See base class."""
+        assert self._seen is not None  # reset comes first
+        self._residual = np.clip(np.asarray(actions, dtype=np.float64), -1.0, 1.0)
+        self.venv.step_async(self.composition.action(self._seen, self._residual))
+
+    def step_wait(self) -> tuple[Array, Array, Array, list[dict[str, Any]]]:
+        """See base class; last observations of episodes are features too."""
+        observation, reward, done, infos = self.venv.step_wait()
+        assert isinstance(observation, np.ndarray)
+        assert self._seen is not None
+        last = observation
+        if done.any():
+            last = observation.copy()
+            for i in np.flatnonzero(done):
+                last[i] = infos[i]["terminal_observation"]
+        seen = self.composition.follow(self._seen.memory, last, self._residual)
+        if done.any():
+            for i in np.flatnonzero(done):
+                infos[i]["terminal_observation"] = seen.features[i].astype(np.float32)
+            seen = chosen(done, self.composition.begin(observation), seen)
+        self._seen = seen
+        return seen.features.astype(np.float32), reward, done, infos
+
+
+def environment_of(training: Training, n_envs: int | None = None, **changes: Any) -> ResidualVecEnv:
+    """The environment of a training.
+
+    Args:
+        training: what is trained.
+        n_envs: robots side by side; None is the training's.
+        changes: keyword arguments of the environment in place of the training's.
+    """
+    robot = training.known()
+    own: dict[str, Any] = {
+        "robot": training.robot,
+        "positions": [POSITION],
+        "order": "one",
+        "reward": training.reward,
+        "action_scale": training.action_scale,
+        "preview": training.preview,
+        "sensing": Sensing(encoder_bits=ENCODER_BITS),
+        "n_threads": 1,
+    }
+    if training.randomization:
+        own["randomization"] = PlantDistribution()
+    env = make_sb3_env(ENVIRONMENT, n_envs=n_envs or training.integer("n_envs"), **own | changes)
+    law = base_law(training.base, training.machine, robot)
+    layout = env.get_attr("observation_layout")[0]
+    composition = Composition.over(law, robot, layout, memory=training.memory, bound=training.bound)
+    return ResidualVecEnv(env, composition)

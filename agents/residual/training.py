@@ -1,0 +1,399 @@
+"""Training of a residual policy in segments, so that an interruption leaves no trace in the result.
+
+Each segment begins from its checkpoint alone, in an undisturbed training too: a new algorithm gets the networks,
+optimisers, replay buffer and counters of the checkpoint, and torch, numpy, python and the environment are seeded by
+training seed and number of the segment. Training that was killed is therefore equal, bit for bit, to one that was not.
+"""
+
+import hashlib
+import io
+import json
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sb3_contrib
+import stable_baselines3
+import torch
+from stable_baselines3.common.base_class import BaseAlgorithm
+from stable_baselines3.common.buffers import ReplayBuffer
+from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger, configure
+
+from ffgym.agents.residual.environment import ResidualVecEnv, environment_of
+from ffgym.agents.residual.plan import Training
+from ffgym.agents.residual.policy import ResidualPolicy, encode_policy, load_policy
+from ffgym.agents.residual.sb3 import actor_of, algorithm_of
+from ffgym.core.claims import claimed
+from ffgym.core.errors import FFGymError
+from ffgym.core.files import (
+    decode_arrays,
+    encode_arrays,
+    made_folder,
+    new_folder,
+    read_bytes,
+    read_text,
+    write_bytes,
+    write_json,
+)
+from ffgym.core.provenance import installed, versions
+
+Points = tuple[tuple[int, float], ...]
+"""Steps, mean reward per step since the point before."""
+
+
+POINTS = 4
+"""Points of the curve in a segment, if it has as many steps."""
+
+
+class Curve(BaseCallback):
+    """Mean reward per step, with exploration, in even parts of every segment.
+
+    Args:
+        training: what is trained.
+        points: of the curve so far.
+        watch: is told steps that are done, and all; None is nobody.
+    """
+
+    def __init__(
+        self,
+        training: Training,
+        points: Points,
+        watch: Callable[[int, int], object] | None,
+    ) -> None:
+        super().__init__()
+        self.points = points
+        self._every = -(-training.integer("segment_steps") // POINTS)
+        self._total, self._watch = training.total, watch
+        self._sum, self._count = 0.0, 0
+
+    def _on_training_start(self) -> None:
+        self._sum, self._count = 0.0, 0
+
+    def _on_step(self) -> bool:
+        rewards = self.locals["rewards"]
+        self._sum += float(rewards.sum())
+        self._count += len(rewards)
+        if self._count >= self._every:
+            self._close()
+        if self._watch is not None:
+            self._watch(min(self.num_timesteps, self._total), self._total)
+        return True
+
+    def _on_training_end(self) -> None:
+        if self._count:
+            self._close()
+
+    def _close(self) -> None:
+        mean = self._sum / self._count
+        self.points = (*self.points, (self.num_timesteps, mean))
+        self.logger.record("train/reward_per_step", mean)
+        self.logger.dump(self.num_timesteps)  # now: SAC and TQC else write when episodes end, the last point alone
+        self._sum, self._count = 0.0, 0
+
+
+POLICY, NUMBERS = "policy.npz", "training.json"
+"""What is written when a training is done."""
+CHECKPOINTS, TENSORBOARD = "checkpoints", "tensorboard"
+"""Folders beside them; the first is removed at the end."""
+
+Watch = Callable[[int, int], object]
+"""Is told steps that are done, and all."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trained:
+    """A training that is done."""
+
+    policy: ResidualPolicy = field(repr=False)
+    file: Path
+    sha256: str
+    """Of the file."""
+
+    @property
+    def env_steps(self) -> int:
+        """Control steps of all robots together."""
+        return int(self.policy.meta["env_steps"])
+
+    @property
+    def curve(self) -> list[tuple[int, float]]:
+        """Steps, mean reward per step since the point before, with exploration."""
+        return [(int(steps), float(reward)) for steps, reward in self.policy.meta["learning_curve"]]
+
+
+def train(training: Training, out: Path, *, watch: Watch | None = None) -> Trained:
+    """Train, or go on where a training of the same kind in the same folder stopped; done ones are read.
+
+    Torch is set to one thread, and the generators of torch, numpy and python are seeded.
+
+    Args:
+        training: what to train.
+        out: folder for the policy, numbers, checkpoints and TensorBoard's files.
+        watch: is told how far it is.
+
+    Raises:
+        FFGymError: if the folder holds another training or a damaged one, another process trains in it, or learning
+            diverged.
+    """
+    about = _plain({"training": training.document(), "origin": training.origin(), "versions": library_versions()})
+    with made_folder(out), claimed(out):
+        if not (out / NUMBERS).exists():
+            torch.set_num_threads(1)
+            env = environment_of(training)
+            try:
+                model, points = _learned(training, env, out, about, watch)
+            finally:
+                env.close()
+            _write(training, model, points, out, about)
+        return _finished(out, about)
+
+
+def _learned(
+    training: Training, env: ResidualVecEnv, out: Path, about: Mapping[str, Any], watch: Watch | None
+) -> tuple[BaseAlgorithm, Points]:
+    """The algorithm after all segments, and the learning curve."""
+    place = out / CHECKPOINTS
+    standing = read_newest(place, about)
+    curve = Curve(training, () if standing is None else standing.curve, watch)
+    for segment in range(0 if standing is None else standing.segment, training.n_segments):
+        model = algorithm_of(training, env, seed=segment_seed(training.seed, segment), segment=segment)
+        if standing is not None:
+            standing.restore(model)
+        _learn(model, training, segment, curve, out / TENSORBOARD)
+        with made_folder(place):
+            write_checkpoint(place, model, segment=segment + 1, curve=curve.points, about=about)
+        standing = read_newest(place, about)
+    assert standing is not None  # there is one segment at least
+    model = algorithm_of(training, env, seed=0, segment=training.n_segments - 1)
+    standing.restore(model)
+    return model, standing.curve
+
+
+def _write(training: Training, model: BaseAlgorithm, points: Points, out: Path, about: Mapping[str, Any]) -> None:
+    """Write what a training gave, and remove its checkpoints."""
+    head = {"algorithm": training.algorithm, "seed": training.seed, "robot": training.robot}
+    numbers = {"env_steps": model.num_timesteps, "learning_curve": [list(point) for point in points]}
+    meta = head | dict(about) | numbers
+    policy = ResidualPolicy(
+        base=training.base,
+        machine=training.machine,
+        actor=actor_of(model.policy),
+        memory=training.memory,
+        bound=training.bound,
+        action_scale=training.action_scale,
+        preview=training.preview,
+        meta=meta,
+    )
+    data = encode_policy(policy)
+    write_bytes(out / POLICY, data)
+    write_json(out / NUMBERS, meta | {"sha256": hashlib.sha256(data).hexdigest()})
+    shutil.rmtree(out / CHECKPOINTS, ignore_errors=True)
+
+
+def segment_seed(seed: int, segment: int) -> int:
+    """Seed of everything that is random in a segment."""
+    return int(np.random.SeedSequence([seed, segment]).generate_state(1)[0] >> 1)
+
+
+def library_versions() -> dict[str, str]:
+    """Versions of everything that can change a trained policy."""
+    own = {"torch": torch.__version__, "stable_baselines3": stable_baselines3.__version__}
+    return versions() | own | {"sb3_contrib": sb3_contrib.__version__}
+
+
+def _learn(model: BaseAlgorithm, training: Training, segment: int, curve: Curve, logs: Path) -> None:
+    """Run a segment.
+
+    Raises:
+        FFGymError: if numbers of the networks are no longer finite.
+    """
+    logger = configure(str(logs), ["tensorboard"]) if installed("tensorboard") else Logger(None, [])
+    model.set_logger(logger)
+    steps = min(training.integer("segment_steps"), training.total - segment * training.integer("segment_steps"))
+    try:
+        model.learn(steps, callback=curve, reset_num_timesteps=False)
+    except ValueError as error:  # torch refuses to draw actions about NaN
+        _check_finite(model, training, error)
+        raise
+    finally:
+        logger.close()
+    _check_finite(model, training, None)
+
+
+def _check_finite(model: BaseAlgorithm, training: Training, cause: Exception | None) -> None:
+    if not all(bool(torch.isfinite(values).all()) for values in model.policy.state_dict().values()):
+        raise FFGymError(
+            f"The training diverged after {model.num_timesteps} steps: weights are no longer finite. Lower the "
+            f"learning rate, which is {training.hyperparameters['learning_rate']}."
+        ) from cause
+
+
+def _finished(out: Path, about: Mapping[str, Any]) -> Trained:
+    """The training that is done in a folder.
+
+    Raises:
+        FFGymError: if it is another one, or its files are damaged.
+    """
+    try:
+        numbers = json.loads(read_text(out / NUMBERS))
+        theirs, wanted = {key: numbers[key] for key in about}, numbers["sha256"]
+    except (KeyError, TypeError, json.JSONDecodeError) as error:
+        raise FFGymError(f"{out / NUMBERS}: is damaged. Remove the folder {out} to train again.") from error
+    check_same(theirs, about, out)
+    found = hashlib.sha256(read_bytes(out / POLICY)).hexdigest()
+    if found != wanted:
+        raise FFGymError(f"{out / POLICY}: is not what was written. Remove the folder {out} to train again.")
+    return Trained(policy=load_policy(out / POLICY), file=out / POLICY, sha256=found)
+
+
+def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
+    """As JSON gives it back, so that what is read compares with what is."""
+    plain: dict[str, Any] = json.loads(json.dumps(values, allow_nan=False))
+    return plain
+
+
+HEADER = "checkpoint.json"
+_PREFIX = "segment_"
+_ARRAYS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+"""Of the replay buffer."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standing:
+    """A checkpoint that was read."""
+
+    segment: int
+    """Number of the segment that is next."""
+    curve: tuple[tuple[int, float], ...]
+    """Steps, mean reward per step since the point before."""
+    files: Mapping[str, bytes]
+
+    def restore(self, model: BaseAlgorithm) -> None:
+        """Give a new algorithm everything that it had: networks, optimisers, replay buffer, counters."""
+        state = torch.load(io.BytesIO(self.files["state.pt"]), weights_only=True)
+        model.set_parameters(state["parameters"], exact_match=True, device="cpu")
+        for name, values in state["tensors"].items():
+            getattr(model, name).data.copy_(values)
+        model.num_timesteps, model._n_updates = state["num_timesteps"], state["n_updates"]
+        buffer = getattr(model, "replay_buffer", None)
+        if isinstance(buffer, ReplayBuffer):
+            for name, values in decode_arrays(self.files["replay.npz"]).items():
+                getattr(buffer, name)[: len(values)] = values
+            buffer.pos, buffer.full = state["replay"]
+
+
+def write_checkpoint(
+    folder: Path, model: BaseAlgorithm, *, segment: int, curve: tuple[tuple[int, float], ...], about: Mapping[str, Any]
+) -> None:
+    """Write a checkpoint, then remove those before it.
+
+    Args:
+        folder: of all checkpoints of a training.
+        model: as the last segment left it.
+        segment: number of the next segment.
+        curve: of learning so far.
+        about: what the training is, see `read_newest`.
+
+    Raises:
+        FFGymError: if it cannot be written.
+    """
+    older = _all(folder)
+    files = _files_of(model)
+    with new_folder(folder / f"{_PREFIX}{segment:06d}") as place:
+        for name, data in files.items():
+            write_bytes(place / name, data)
+        sums = {name: hashlib.sha256(data).hexdigest() for name, data in files.items()}
+        write_json(place / HEADER, {"segment": segment, "curve": curve, "about": about, "sha256": sums})
+    for place in older:
+        shutil.rmtree(place, ignore_errors=True)
+
+
+def read_newest(folder: Path, about: Mapping[str, Any]) -> Standing | None:
+    """The newest checkpoint of a training; None if there is none.
+
+    Args:
+        folder: of its checkpoints.
+        about: what the training is, as JSON has it.
+
+    Raises:
+        FFGymError: if it is of another training, or damaged.
+    """
+    places = _all(folder)
+    if not places:
+        return None
+    place = places[-1]
+    try:
+        header = json.loads(read_text(place / HEADER))
+        files = {name: read_bytes(place / name) for name in header["sha256"]}
+        segment, curve, theirs = header["segment"], header["curve"], header["about"]
+        wrong = [name for name, data in files.items() if hashlib.sha256(data).hexdigest() != header["sha256"][name]]
+        if wrong or "state.pt" not in files:
+            raise FFGymError(f"{' and '.join(wrong) or 'state.pt'} is not what was written")
+    except (KeyError, TypeError, AttributeError, ValueError) as error:  # ours are ValueErrors too
+        reason = str(error).rstrip(".")
+        raise FFGymError(
+            f"{place}: the checkpoint is damaged: {reason}. Remove the folder {folder} to begin the training anew."
+        ) from error
+    check_same(theirs, about, folder.parent)
+    return Standing(segment=int(segment), curve=tuple((int(n), float(r)) for n, r in curve), files=files)
+
+
+def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], folder: Path, what: str = "training") -> None:
+    """Check that a folder is of this training, or whatever it holds.
+
+    Raises:
+        FFGymError: if not; the message says what differs.
+    """
+    flat, own = _flat(theirs), _flat(ours)
+    changes = [
+        f"{name} was {_short(flat.get(name))}, now {_short(own.get(name))}"
+        for name in sorted(set(flat) | set(own))
+        if flat.get(name) != own.get(name)
+    ]
+    if changes:
+        raise FFGymError(
+            f"{folder}: holds another {what}: {'; '.join(changes)}. Choose another folder, or remove this one."
+        )
+
+
+def _files_of(model: BaseAlgorithm) -> dict[str, bytes]:
+    _, tensors = model._get_torch_save_params()
+    state: dict[str, Any] = {
+        "parameters": model.get_parameters(),
+        "tensors": {name: getattr(model, name).detach() for name in tensors},
+        "num_timesteps": model.num_timesteps,
+        "n_updates": model._n_updates,
+    }
+    files = {}
+    buffer = getattr(model, "replay_buffer", None)
+    if isinstance(buffer, ReplayBuffer):
+        used = buffer.buffer_size if buffer.full else buffer.pos
+        files["replay.npz"] = encode_arrays({name: getattr(buffer, name)[:used] for name in _ARRAYS})
+        state["replay"] = (buffer.pos, buffer.full)
+    stream = io.BytesIO()
+    torch.save(state, stream)
+    return files | {"state.pt": stream.getvalue()}
+
+
+def _all(folder: Path) -> list[Path]:
+    """Checkpoints from old to new."""
+    return sorted(folder.glob(f"{_PREFIX}*")) if folder.is_dir() else []
+
+
+def _flat(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Entries of tables in tables by one name each."""
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            flat |= {f"{name}.{inner}": each for inner, each in _flat(value).items()}
+        else:
+            flat[name] = value
+    return flat
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

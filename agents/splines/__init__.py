@@ -1,1 +1,0 @@
-"""B-spline bases, and how the catalogue trains networks on them."""

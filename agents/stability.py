@@ -1,0 +1,298 @@
+r"""How fast B-spline networks may learn, from the robot's description alone: stability of thesis (5.5).
+
+Along a given motion, what the feedback has to give is nearly linear in the weights of a joint, and so is one iteration:
+
+.. math::
+    u_p(w) = u_p(0) - G B w, \qquad w_+ = w + \gamma N B^T u_p(w) = (I - \gamma L) w + const, \qquad L = N B^T G B
+
+B holds the splines along the motion, N is diagonal with one over the sum of each spline, and G is what added torque
+takes off the feedback (`ffgym.agents.feedback_loop`). A pattern of weights that is an eigenvector of L
+changes by the factor 1 - gamma lambda in each iteration. Learning is stable while no factor is larger than 1. Thesis
+7.2 leaves this open.
+
+Run it:
+
+    ffgym train stability --network extended --gamma 0.95
+
+Reported per motion and joint: `largest_rate`, the largest gamma with |1 - gamma lambda| <= 1.001 for all lambda;
+`growth`, max |1 - gamma lambda| at the given rate; and the RMS of the learning signal predicted to be left.
+
+Departures from the source: none. Limits: each joint by itself, small deviations from the reference; how far this
+carries, `docs/agents/learning_stability.md` shows against simulation.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil
+from typing import Self
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array, vstack
+
+from ffgym.agents.bspline import BSplineNetwork
+from ffgym.agents.feedback_loop import FeedbackLoop, nominal_bristles
+from ffgym.agents.lffc import LFFC
+from ffgym.agents.trials import Signal, SimulatedTrial
+from ffgym.control import Setpoints
+from ffgym.control.setpoints import torque_at_rows
+from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.types import Array, BoolArray, ComplexArray, IntArray
+from ffgym.paths import Reference
+from ffgym.report.learning.learning_plot import LearningCurves
+from ffgym.robot import RigidArm
+from ffgym.simulation import RECORD_DT
+
+STABLE_GROWTH = 1.001
+"""Growth per iteration that still counts as stable. Chosen: doubling takes 700 iterations, more than any training; and
+what rounding makes of patterns without effect, whose factor is 1, passes."""
+
+
+_STEPS = 4
+"""Least number of model steps in a control step (1 ms). Chosen: four times as many change no largest stable rate on the
+test motions by more than 0.5 %."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LearningMap:
+    """Learning of one joint, from T rows in which K of its splines are met."""
+
+    average: csr_array
+    """N B^T: from the learning signal to the change of weights at rate 1, shape (K, T)."""
+    loss: Array
+    """G B: what the learning signal loses to each weight, shape (T, K)."""
+    signal: Array
+    """Learning signal with the weights that learning starts from, as predicted, motor side [N m], shape (T,)."""
+
+    @cached_property
+    def eigenvalues(self) -> ComplexArray:
+        """Of L = N B^T G B, shape (K,)."""
+        return np.linalg.eigvals(self.average @ self.loss).astype(np.complex128)
+
+    def fastest(self, rate: float) -> complex:
+        """Eigenvalue of the pattern of weights that grows fastest (or shrinks slowest) at a learning rate."""
+        return complex(self.eigenvalues[np.abs(1 - rate * self.eigenvalues).argmax()])
+
+    def growth(self, rate: float) -> float:
+        """Factor by which that pattern changes in each iteration; 1 or less is stable."""
+        return abs(1 - rate * self.fastest(rate))
+
+    @property
+    def largest_rate(self) -> float:
+        r"""Largest gamma with :math:`|1 - \gamma \lambda| \le` STABLE_GROWTH for every eigenvalue."""
+        real, square = self.eigenvalues.real, np.abs(self.eigenvalues) ** 2
+        root = real + np.sqrt(real**2 + square * (STABLE_GROWTH**2 - 1))
+        return float(np.divide(root, square, out=np.full(len(root), np.inf), where=square > 0).min())
+
+    def mean_squares(self, rate: float, iterations: int) -> Array:
+        """Predicted mean square of the learning signal [(N m)^2], at first and after each of I iterations, (I + 1,)."""
+        weights, history = np.zeros(self.loss.shape[1]), np.empty(iterations + 1)
+        for i in range(iterations + 1):
+            rest = self.signal - self.loss @ weights
+            history[i] = np.mean(rest**2)
+            weights = weights + rate * (self.average @ rest)
+        return history
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LearningStability:
+    """What learning along some motions will do at any rate, joint by joint."""
+
+    joints: tuple[str, ...]
+    maps: tuple[LearningMap, ...]
+    """One per joint."""
+    cure: str = ""
+    """What may stop a pattern that grows at every rate; empty if nothing is known."""
+
+    @classmethod
+    def of(
+        cls,
+        network: BSplineNetwork,
+        arm: RigidArm,
+        references: Sequence[Reference],
+        *,
+        signal: Signal = "u_p",
+        record_dt: float = RECORD_DT,
+    ) -> Self:
+        """Predict how `network` will learn.
+
+        Args:
+            network: with the weights that learning starts from.
+            arm: nominal model of the robot.
+            references: the motions of one trial.
+            signal: what is learned from.
+            record_dt: time between the rows that are learned from [s]; it divides the control step.
+
+        Raises:
+            FFGymError: if nothing moves, joints do not fit, or `record_dt` does not divide the control step.
+        """
+        maps = learning_maps(network, arm, references, signal, record_dt)
+        cure = _cure(signal, has_rows_between=record_dt < 0.99 * arm.robot.servo.control_dt)
+        return cls(joints=arm.robot.joints, maps=maps, cure=cure)
+
+    @property
+    def largest_rate(self) -> Array:
+        """Largest stable learning rate of each joint, shape (N,)."""
+        return np.array([each.largest_rate for each in self.maps])
+
+    def growth(self, rate: float) -> Array:
+        """Factor by which the fastest growing pattern of each joint changes in an iteration, shape (N,)."""
+        check_number("learning rate", rate, low=0.0)
+        return np.array([each.growth(rate) for each in self.maps])
+
+    def mean_squares(self, rate: float, iterations: int) -> Array:
+        """Predicted mean square of the learning signal [(N m)^2], at first and after each iteration, (I + 1, N)."""
+        return np.stack([each.mean_squares(rate, iterations) for each in self.maps], axis=1)
+
+    def warning(self, rate: float) -> str | None:
+        """One sentence if `rate` is above the largest stable one of a joint, else None."""
+        limits, growth = self.largest_rate, self.growth(rate)
+        above = [f"{joint} {limit:.2g}" for joint, limit in zip(self.joints, limits, strict=True) if rate > limit]
+        if not above:
+            return None
+        worst = int(growth.argmax())
+        grows_at_every_rate = self.maps[worst].fastest(rate).real <= 0
+        remedy = f"a lower rate only slows it down{self.cure}" if grows_at_every_rate else "lower the rate"
+        return (
+            f"learning rate {rate:g} is above the largest stable one ({', '.join(above)}): on {self.joints[worst]} a "
+            f"pattern of weights grows by {growth[worst] - 1:.1%} in each iteration; {remedy}"
+        )
+
+
+def _cure(signal: Signal, *, has_rows_between: bool) -> str:
+    if signal == "e_p":  # the angle lags behind the torque, whatever the rows
+        return ", learning from u_p may stop it"
+    return ", learning from the samples of the reference alone may stop it" if has_rows_between else ""
+
+
+def learning_maps(
+    network: BSplineNetwork, arm: RigidArm, references: Sequence[Reference], signal: Signal, record_dt: float
+) -> tuple[LearningMap, ...]:
+    """Maps of all joints for trials that run all references; see `LearningStability.of`.
+
+    Raises:
+        FFGymError: if nothing moves, joints do not fit, or `record_dt` does not divide the control step.
+    """
+    for reference in references:
+        network.check_joints(reference)
+    motions = [_Motion.along(reference, record_dt) for reference in references]
+    if not any(motion.learned.size for motion in motions):
+        raise FFGymError(f"Nothing can be learned from {[reference.name for reference in references]}: nothing moves.")
+    splines = [vstack([motion.splines(network, joint) for motion in motions]) for joint in range(network.n_joints)]
+    met = [np.flatnonzero(part.sum(axis=0)) for part in splines]
+    losses = np.concatenate([motion.losses(network, arm, met, signal) for motion in motions])
+    maps = []
+    for joint, (part, columns) in enumerate(zip(splines, met, strict=True)):
+        own = csr_array(part[:, columns])
+        average = csr_array(diags_array(1 / own.sum(axis=0)) @ own.T)
+        loss = losses[:, joint, : len(columns)].copy()
+        maps.append(LearningMap(average=average, loss=loss, signal=losses[:, joint, -1].copy()))
+    return tuple(maps)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Motion:
+    """One reference at the R rows of the model."""
+
+    reference: Reference
+    rows_per_step: int
+    """Rows in a control step."""
+    motor_dq: Array
+    """[rad/s], shape (R, N)."""
+    motor_ddq: Array
+    """[rad/s^2], shape (R, N)."""
+    learned: IntArray
+    """Rows that are learned from, shape (T,): those of a recording, without standstill."""
+
+    @classmethod
+    def along(cls, reference: Reference, record_dt: float) -> Self:
+        """Rows every `record_dt`, and more between them if the model needs them."""
+        servo = reference.robot.servo
+        check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True)
+        recorded = round(servo.control_dt / record_dt)
+        if recorded < 1 or abs(recorded * record_dt - servo.control_dt) > 1e-9:
+            raise FFGymError(f"record_dt = {record_dt} s must divide control_dt = {servo.control_dt} s.")
+        stride = ceil(_STEPS / recorded)
+        setpoints = Setpoints(
+            position=reference.motor_q[None],
+            velocity=reference.motor_dq[None],
+            torque=reference.motor_ddq[None],  # straight lines between samples, as lessons see it
+            dt=servo.control_dt,
+        )
+        _, motor_dq, motor_ddq = setpoints.at_rows(recorded * stride)
+        rows = np.arange(0, motor_dq.shape[1], stride)
+        return cls(
+            reference=reference,
+            rows_per_step=recorded * stride,
+            motor_dq=motor_dq[0],
+            motor_ddq=motor_ddq[0],
+            learned=rows[_moving(reference, np.arange(len(rows), dtype=np.float64) * record_dt)],
+        )
+
+    def splines(self, network: BSplineNetwork, joint: int) -> csr_array:
+        """Splines of a joint at the rows that are learned from, shape (T, S)."""
+        return network.design_matrix(self.motor_dq[self.learned, joint], self.motor_ddq[self.learned, joint])
+
+    def losses(self, network: BSplineNetwork, arm: RigidArm, met: Sequence[IntArray], signal: Signal) -> Array:
+        """What the signal loses to each weight that is met, zeros, and last what it is at first; (T, N, K + 1).
+
+        The signal at first is the loss to friction that the network does not compensate.
+        """
+        reference, friction = self.reference, arm.robot.friction
+        dt = reference.robot.servo.control_dt / self.rows_per_step
+        z = nominal_bristles(friction, self.motor_dq, dt)
+        torque = np.zeros((*reference.q.shape, max(len(columns) for columns in met) + 1))
+        for joint, columns in enumerate(met):
+            splines = network.design_matrix(reference.motor_dq[:, joint], reference.motor_ddq[:, joint])
+            torque[:, joint, : len(columns)] = splines[:, columns].toarray()
+        torque[:, :, -1] = -network.torque(reference)
+        torque[0] = 0.0  # no torque is computed before t = 0
+        between = torque_at_rows(torque.reshape(len(torque), -1), self.rows_per_step).reshape(-1, *torque.shape[1:])
+        between[:, :, -1] += friction.torque(z, self.motor_dq)
+        loop = FeedbackLoop.along(arm, reference.q.mean(axis=0), self.motor_dq, z, dt)
+        return loop.loss(between, signal)[self.learned]
+
+
+def _moving(reference: Reference, t: Array) -> BoolArray:
+    """Times [s] at which lessons say that the reference moves; same shape."""
+    moving = np.zeros(len(t), dtype=np.bool_)
+    for phase in reference.phases:
+        if phase.kind != "standstill":
+            moving |= (t >= phase.start) & (t < phase.end)
+    return moving
+
+
+def learning_curves(
+    network: BSplineNetwork,
+    trial: SimulatedTrial,
+    reference: Reference,
+    rates: Sequence[float],
+    iterations: int,
+    *,
+    signal: Signal = "u_p",
+) -> list[LearningCurves]:
+    """Predicted and simulated mean square of the learning signal, joint by joint, for `learning_figure`.
+
+    Args:
+        network: with the weights that learning starts from.
+        trial: simulates motions; its nominal model predicts.
+        reference: the motion.
+        rates: learning rates; learning at each of them is left alone, whether it grows or falls.
+        iterations: updates after the first trial.
+        signal: what is learned from.
+    """
+    stability = LearningStability.of(network, trial.arm, [reference], signal=signal, record_dt=trial.record_dt)
+    predicted = np.stack([stability.mean_squares(rate, iterations) for rate in rates])
+    procedures = [LFFC(rate=rate, iterations=iterations, signal=signal, patience=iterations + 1) for rate in rates]
+    simulated = np.stack([lffc.learn(network, [reference], trial).signal[:, 0] for lffc in procedures])
+    return [
+        LearningCurves(
+            title=f"{joint}, {reference.name}",
+            rates=np.array(rates),
+            predicted=predicted[:, :, j],
+            simulated=simulated[:, :, j],
+            eigenvalues=each.eigenvalues,
+            largest_rate=each.largest_rate,
+        )
+        for j, (joint, each) in enumerate(zip(stability.joints, stability.maps, strict=True))
+    ]

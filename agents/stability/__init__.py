@@ -1,1 +1,0 @@
-"""How fast a network may learn: a model of the loop, the map of an iteration, and the check in simulation."""
