@@ -16,11 +16,10 @@ from zlib import crc32
 
 import numpy as np
 
-from ffgym.agents.catalogue import Entry, declare
-from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.agents.declaration import Entry, declare
+from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.types import Array
 from ffgym.paths import Reference
-from ffgym.report.laws import LawStyle
 
 
 @final

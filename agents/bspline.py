@@ -31,14 +31,13 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array
 
-from ffgym.agents.catalogue import Entry, declare
 from ffgym.agents.coulomb_prior import CoulombPrior
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.lffc import Network, thesis_training
 from ffgym.agents.trials import Lesson, Trial, friction_motions, thesis_motions
-from ffgym.control import Window
+from ffgym.control import LawStyle, Window
 from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, IntArray
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm
 
 FINE_KNOTS = 41

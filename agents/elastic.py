@@ -34,7 +34,7 @@ from typing import final
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.flexible_joints import (
     Lead,
     error_of,
@@ -46,11 +46,10 @@ from ffgym.agents.flexible_joints import (
     wound_up,
     wound_up_sums,
 )
-from ffgym.control import CausalLaw, DynamicLuGreExact, Window
+from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array
 from ffgym.paths import Reference
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm, RobotDescription, robot_of
 
 

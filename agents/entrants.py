@@ -6,7 +6,8 @@ from pathlib import Path
 from types import MappingProxyType
 
 from ffgym.agents.artefacts import Manifest, manifest_of, path_of
-from ffgym.agents.catalogue import Entry, Setting, declared
+from ffgym.agents.catalogue import declared
+from ffgym.agents.declaration import Entry, Setting
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.agents.shared_trials import learn_together
 from ffgym.agents.submission import LOADERS

@@ -31,14 +31,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, final
 
 import numpy as np
 
-from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.lffc import Network, thesis_training
 from ffgym.agents.trials import Lesson, Trial, every_speed
-from ffgym.control import Window
+from ffgym.control import LawStyle, Window
 from ffgym.control.observation import Scales
 from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm, RobotDescription
 
 if TYPE_CHECKING:

@@ -30,7 +30,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.elastic import elastic_law
 from ffgym.agents.law_files import FORMAT, digest, pack, unpack
 from ffgym.agents.lugre import dynamic_lugre
@@ -46,13 +46,12 @@ from ffgym.agents.torque_response import (
     task_error,
 )
 from ffgym.agents.trials import Trial, performed
-from ffgym.control import FeedForwardLaw, NoCompensation
+from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.files import check_writable, write_bytes
 from ffgym.core.types import Array, IntArray
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm
 from ffgym.simulation import Run
 from ffgym.simulation.run import Progress

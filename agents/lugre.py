@@ -15,10 +15,9 @@ Logged: nothing; the laws learn nothing. Departures from the source: the bristle
 
 from pathlib import Path
 
-from ffgym.agents.catalogue import Entry, declare
-from ffgym.control import DynamicLuGre, DynamicLuGreEuler, DynamicLuGreExact, StaticLuGre
+from ffgym.agents.declaration import Entry, declare
+from ffgym.control import DynamicLuGre, DynamicLuGreEuler, DynamicLuGreExact, LawStyle, StaticLuGre
 from ffgym.core.errors import check_choice
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RobotDescription, robot_of
 from ffgym.robot.friction import LuGreParameters
 

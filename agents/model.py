@@ -35,15 +35,14 @@ from typing import final
 
 import numpy as np
 
-from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.flexible_joints import Lead, bristles_within, error_of, given_torque, in_parts, wound_up
 from ffgym.agents.model_springs import Carried, Past, Springs, Start, unpacked
 from ffgym.agents.model_states import Motors, Place, States
-from ffgym.control import CausalLaw, DynamicLuGreExact, Window
+from ffgym.control import CausalLaw, DynamicLuGreExact, LawStyle, Window
 from ffgym.core.types import Array
 from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm
 from ffgym.robot.drive import Drive
 from ffgym.simulation.plant import Machine, load_machine

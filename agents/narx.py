@@ -28,16 +28,15 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.law_files import StoredLaw
 from ffgym.agents.supervised import MotorRecord, Supervised, learn
 from ffgym.agents.trials import Trial, every_speed
-from ffgym.control import CausalLaw, Window
+from ffgym.control import CausalLaw, LawStyle, Window
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx import ARRAYS, NarxModel, Regressors, Samples, Structure, best_simulating
 from ffgym.paths import Reference
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm
 
 

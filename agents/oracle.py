@@ -16,13 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.law_agent import LawAgent, acting_in, attribute_of
-from ffgym.control import ObservationLayout
+from ffgym.control import LawStyle, ObservationLayout
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm, RobotDescription
 
 if TYPE_CHECKING:

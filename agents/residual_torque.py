@@ -39,15 +39,14 @@ from typing import Any, ClassVar, Self, final
 
 import numpy as np
 
-from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.law_files import StoredLaw
 from ffgym.agents.supervised import MotorRecord, Supervised, learn, least_squares, linear_features
 from ffgym.agents.trials import Trial, every_speed
-from ffgym.control import CausalLaw, Window
+from ffgym.control import CausalLaw, LawStyle, Window
 from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, IntArray
 from ffgym.paths import Reference
-from ffgym.report.laws import LawStyle
 from ffgym.robot import RigidArm
 from ffgym.robot.friction import WIDTHS, advance_slip
 

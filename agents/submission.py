@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ffgym.agents.catalogue import CATALOGUE, Setting, entry_of, law_named
+from ffgym.agents.catalogue import CATALOGUE, entry_of, law_named
+from ffgym.agents.declaration import Setting
 from ffgym.agents.law_agent import LawPolicy, causal
 from ffgym.agents.law_files import load_law, unpack
 from ffgym.agents.residual.policy import KIND, load_policy

@@ -14,7 +14,7 @@ import tyro
 from ffgym.agents.artefacts import ANYWHERE, TRAINED, Artefact, Manifest, described, write_manifest
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import RESIDUALS, ResidualPolicy, load_policy
-from ffgym.cli.train_options import options_of
+from ffgym.cli.train_policy import options_of
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import made_folder, read_bytes, write_bytes
 

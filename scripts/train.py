@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ffgym.agents.residual.plan import Training
 from ffgym.cli.progress import progress_bar
-from ffgym.cli.train import Options, need_training
+from ffgym.cli.train_policy import Options, need_training
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.core.files import made_folder
@@ -22,7 +22,7 @@ class Sweep(Options):
     seeds: tuple[int, ...] = (0, 1, 2, 3, 4)
     """A training each."""
     out: Path | None = None
-    """For a folder seed_<seed> each, as `ffgym train` writes them."""
+    """For a folder seed_<seed> each, as `ffgym train policy` writes them."""
     executor: Executor = field(default_factory=lambda: Executor(jobs=1))
     """Where trainings run; one at a time unless more jobs are asked for."""
 

@@ -10,7 +10,8 @@ from functools import partial
 from pathlib import Path
 
 from ffgym.agents.artefacts import TRAINED, Artefact, Manifest, described, manifest_of, merged, write_manifest
-from ffgym.agents.catalogue import Setting, declared, law_named
+from ffgym.agents.catalogue import declared, law_named
+from ffgym.agents.declaration import Setting
 from ffgym.agents.law_files import StoredLaw, save_law
 from ffgym.agents.shared_trials import learn_together
 from ffgym.agents.trials import CountedTrial, Trial, measured

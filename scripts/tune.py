@@ -21,7 +21,7 @@ import tyro
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.validation import base_errors, validate
 from ffgym.cli.progress import progress_bar
-from ffgym.cli.train_options import options_of
+from ffgym.cli.train_policy import options_of
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import made_folder
@@ -54,7 +54,7 @@ def main(config: Tune) -> dict[str, Any]:
             print(f"trial {number + 1} of {config.trials}: {told}" + (f"  best {best['value']:+.4f}" if best else ""))
     if best is None:
         raise FFGymError(f"{out}: no trial gave a policy. The last failed: {trials[-1].failure}")
-    print(f"ffgym train {best['options']} --out FOLDER")
+    print(f"ffgym train policy {best['options']} --out FOLDER")
     return best
 
 
@@ -134,7 +134,7 @@ def _of_a_file(error: BaseException | None) -> bool:
 
 
 def _best(trials: Sequence[Trial], config: Tune) -> dict[str, Any] | None:
-    """The best trial that gave a policy, with options of `ffgym train` that train it again; None if there is none."""
+    """The best trial that gave a policy, with options of `ffgym train policy` that train it again, or None."""
     good = [trial for trial in trials if trial.failure is None]
     if not good:
         return None

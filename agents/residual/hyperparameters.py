@@ -1,8 +1,7 @@
 """Hyper-parameters of the algorithms that train residual policies: which there are, and within which limits."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -16,96 +15,61 @@ Value = float | int | str | tuple[int, ...]
 """Of a hyper-parameter."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Number:
-    """A number that may be chosen within limits."""
-
-    low: float
-    high: float
-    whole: bool = False
-    open_low: bool = False
-
-    def checked(self, name: str, value: Any) -> Value:
-        """The value.
-
-        Raises:
-            FFGymError: if it is out of range.
-        """
-        if self.whole:
-            return check_whole(name, value, low=round(self.low), high=round(self.high))
-        return check_number(name, value, low=self.low, high=self.high, open_low=self.open_low)
+Check = Callable[[str, Any], Value]
+"""Returns the value of a hyper-parameter, given its name and what was said; raises FFGymError if it is out of range."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Widths:
+def _number(low: float, high: float, *, open_low: bool = False) -> Check:
+    return lambda name, value: check_number(name, value, low=low, high=high, open_low=open_low)
+
+
+def _count(low: int, high: int = 10**9) -> Check:
+    return lambda name, value: check_whole(name, value, low=low, high=high)
+
+
+def _widths(name: str, value: Any) -> Value:
     """Widths of the hidden layers of a network."""
-
-    def checked(self, name: str, value: Any) -> Value:
-        """The value.
-
-        Raises:
-            FFGymError: if it is no list of one to four widths.
-        """
-        if not isinstance(value, list | tuple) or not 1 <= len(value) <= 4:
-            raise FFGymError(f"{name} = {value!r} must be a list of one to four widths, e.g. [32, 32].")
-        return tuple(check_whole(name, width, low=1, high=4096) for width in value)
+    if not isinstance(value, list | tuple) or not 1 <= len(value) <= 4:
+        raise FFGymError(f"{name} = {value!r} must be a list of one to four widths, e.g. [32, 32].")
+    return tuple(check_whole(name, width, low=1, high=4096) for width in value)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Choice:
-    """One of some words."""
-
-    words: tuple[str, ...]
-
-    def checked(self, name: str, value: Any) -> Value:
-        """The value.
-
-        Raises:
-            FFGymError: if it is none of them.
-        """
-        return check_choice(name, str(value), self.words)
-
-
-def _count(low: int, high: int = 10**9) -> Number:
-    return Number(low=low, high=high, whole=True)
-
-
-_POSITIVE = Number(low=0.0, high=1e6, open_low=True)
-_SHARE = Number(low=0.0, high=1.0)
-_ALL: dict[str, Number | Widths | Choice] = {
-    "learning_rate": Number(low=0.0, high=1.0, open_low=True),
-    "final_learning_rate": Number(low=0.0, high=1.0),
+_SHARE = _number(0.0, 1.0)
+_SHARE_ABOVE_0 = _number(0.0, 1.0, open_low=True)
+_ALL: dict[str, Check] = {
+    "learning_rate": _SHARE_ABOVE_0,
+    "final_learning_rate": _SHARE,
     "gamma": _SHARE,
-    "first_std": Number(low=0.0, high=1.0, open_low=True),
-    "hidden": Widths(),
-    "critic_hidden": Widths(),
-    "activation": Choice(words=tuple(ACTIVATIONS)),
+    "first_std": _SHARE_ABOVE_0,
+    "hidden": _widths,
+    "critic_hidden": _widths,
+    "activation": lambda name, value: check_choice(name, str(value), tuple(ACTIVATIONS)),
     "n_envs": _count(1, 100_000),
     "batch_size": _count(2),
     "segment_steps": _count(1),
-    "max_grad_norm": _POSITIVE,
+    "max_grad_norm": _number(0.0, 1e6, open_low=True),
 }
-_ON_POLICY: dict[str, Number | Widths | Choice] = {
+_ON_POLICY: dict[str, Check] = {
     "n_steps": _count(2, 1_000_000),
     "n_epochs": _count(1, 1000),
     "gae_lambda": _SHARE,
-    "clip_range": Number(low=0.0, high=10.0, open_low=True),
-    "ent_coef": Number(low=0.0, high=100.0),
-    "vf_coef": Number(low=0.0, high=100.0),
+    "clip_range": _number(0.0, 10.0, open_low=True),
+    "ent_coef": _number(0.0, 100.0),
+    "vf_coef": _number(0.0, 100.0),
 }
-_OFF_POLICY: dict[str, Number | Widths | Choice] = {
+_OFF_POLICY: dict[str, Check] = {
     "buffer_size": _count(10),
-    "tau": Number(low=0.0, high=1.0, open_low=True),
+    "tau": _SHARE_ABOVE_0,
     "train_freq": _count(1, 100_000),
     "gradient_steps": _count(1, 100_000),
     "learning_starts": _count(0),
-    "prefill_std": Number(low=0.0, high=1.0, open_low=True),
-    "first_ent_coef": Number(low=0.0, high=100.0, open_low=True),
-    "entropy_per_motor": Number(low=-100.0, high=100.0),
+    "prefill_std": _SHARE_ABOVE_0,
+    "first_ent_coef": _number(0.0, 100.0, open_low=True),
+    "entropy_per_motor": _number(-100.0, 100.0),
 }
-_SAC = {name: kind for name, kind in _ALL.items() if name != "max_grad_norm"} | _OFF_POLICY
+_SAC = {name: check for name, check in _ALL.items() if name != "max_grad_norm"} | _OFF_POLICY
 
-ALGORITHMS: Mapping[str, Mapping[str, Number | Widths | Choice]] = MappingProxyType(
+ALGORITHMS: Mapping[str, Mapping[str, Check]] = MappingProxyType(
     {
         "ppo": _ALL | _ON_POLICY,
         "sac": _SAC,
@@ -117,14 +81,27 @@ ALGORITHMS: Mapping[str, Mapping[str, Number | Widths | Choice]] = MappingProxyT
 """Algorithms, and what may be said of each."""
 
 
-def hyperparameters(algorithm: str) -> dict[str, Value]:
-    """Hyper-parameters of an algorithm as its file has them.
+def hyperparameters(algorithm: str, changes: Sequence[str] = ()) -> dict[str, Value]:
+    """Hyper-parameters of an algorithm as its table has them, some changed as in ['gamma=0.95', 'hidden=[64,64]'].
 
     Raises:
-        FFGymError: if there is no such algorithm.
+        FFGymError: if there is no such algorithm, or a change is no name=value, named twice, or not valid.
     """
     check_choice("algorithm", algorithm, list(ALGORITHMS))
-    return checked(algorithm, tomllib.loads(FILE.read_text(encoding="utf-8"))[algorithm])
+    values: dict[str, Any] = tomllib.loads(FILE.read_text(encoding="utf-8"))[algorithm]
+    seen: set[str] = set()
+    for change in changes:
+        name, equals, text = change.partition("=")
+        if not equals or name in seen:
+            what = "stands twice" if name in seen else "is no name=value"
+            raise FFGymError(f"{change!r} {what}. Say what to change once each, e.g. gamma=0.95 hidden=[64,64].")
+        seen.add(name)
+        check_choice(f"hyper-parameter of {algorithm}", name, list(ALGORITHMS[algorithm]))
+        try:
+            values[name] = tomllib.loads(f"value = {text}")["value"]
+        except tomllib.TOMLDecodeError:
+            values[name] = text  # a word
+    return checked(algorithm, values)
 
 
 def checked(algorithm: str, values: Mapping[str, Any]) -> dict[str, Value]:
@@ -139,31 +116,9 @@ def checked(algorithm: str, values: Mapping[str, Any]) -> dict[str, Value]:
     missing = sorted(set(known) - set(values))
     if missing:
         raise FFGymError(f"Hyper-parameters of {algorithm} lack {', '.join(missing)}.")
-    found = {name: kind.checked(name, values[name]) for name, kind in known.items()}
+    found = {name: check(name, values[name]) for name, check in known.items()}
     _check_fit(algorithm, found)
     return found
-
-
-def changed(algorithm: str, changes: Sequence[str]) -> dict[str, Value]:
-    """Hyper-parameters of an algorithm with some changed, as in ['gamma=0.95', 'hidden=[64,64]'].
-
-    Raises:
-        FFGymError: if a change is no name=value, named twice, or not valid.
-    """
-    values: dict[str, Any] = dict(hyperparameters(algorithm))
-    seen: set[str] = set()
-    for change in changes:
-        name, equals, text = change.partition("=")
-        if not equals or name in seen:
-            what = "stands twice" if name in seen else "is no name=value"
-            raise FFGymError(f"{change!r} {what}. Say what to change once each, e.g. gamma=0.95 hidden=[64,64].")
-        seen.add(name)
-        check_choice(f"hyper-parameter of {algorithm}", name, list(ALGORITHMS[algorithm]))
-        try:
-            values[name] = tomllib.loads(f"value = {text}")["value"]
-        except tomllib.TOMLDecodeError:
-            values[name] = text  # a word
-    return checked(algorithm, values)
 
 
 def rollout_steps(values: Mapping[str, Value]) -> int:

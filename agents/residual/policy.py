@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.agents.catalogue import Entry, declare
+from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.law_files import FORMAT, pack, unpack
 from ffgym.agents.residual.actor import Actor, ActorCrew, same_shape
 from ffgym.agents.residual.bases import base_law

@@ -3,7 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from ffgym.agents.catalogue import CATALOGUE, Setting, law_named, name_of_law
+from ffgym.agents.catalogue import CATALOGUE, law_named, name_of_law
+from ffgym.agents.declaration import Setting
 from ffgym.agents.trials import RigTrial
 from ffgym.cli.progress import progress_bar
 from ffgym.control import FeedForwardLaw

@@ -39,10 +39,8 @@ COMMANDS = {
     ),
     "improve": Command("improve:Improve", "what a diagnosed model gains in control", "ffgym improve machine.toml"),
     "train": Command(
-        "train:Train", "a policy on top of a law", "ffgym train --algorithm ppo --base elastic --out mine"
+        "train:Train", "a policy or a network: policy, bspline, stability", "ffgym train bspline --out network.npz"
     ),
-    "lffc": Command("lffc:Lffc", "B-spline learning feed-forward", "ffgym lffc --help"),
-    "stability": Command("stability:Stability", "limits of a learning rate", "ffgym stability --help"),
     "leaderboard": Command(
         "leaderboard:Leaderboard", "all agents, compared", "ffgym leaderboard --agents none elastic"
     ),
@@ -57,6 +55,8 @@ COMMANDS = {
 
 _MOVED = {
     "bench-diagnosis": "python -m scripts.exam, in a clone of the repository",
+    "lffc": "ffgym train bspline",
+    "stability": "ffgym train stability",
     "reproduce": "python -m scripts.thesis, in a clone of the repository",
     "video": "ffgym play",
 }
@@ -112,6 +112,11 @@ def _run(arguments: Sequence[str] | None) -> int:
         print(f"ffgym: error: unknown command {word!r}\n\n{_overview()}", file=sys.stderr)
         raise SystemExit(2)
     options = given[len(name.split()) :]
+    if name == "train" and options and options[0] not in ("policy", "bspline", "stability", "--help", "-h"):
+        raise FFGymError(
+            "ffgym train needs to know what to train: policy (ffgym train policy --algorithm ppo ...), bspline or "
+            "stability."
+        )
     if {"--help", "-h"} & set(options):
         print(f"example: {COMMANDS[name].example}\n")
     return _run_one(_command(name), f"ffgym {name}", options)

@@ -14,3 +14,4 @@ from .policy import Policy as Policy
 from .setpoints import ServoTorque as ServoTorque
 from .setpoints import Setpoints as Setpoints
 from .setpoints import servo_torque as servo_torque
+from .style import LawStyle as LawStyle

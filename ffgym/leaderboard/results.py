@@ -97,7 +97,7 @@ class Row:
     name: str
     title: str
     track: str
-    """What it may know; see `ffgym.agents.catalogue.Track`."""
+    """What it may know; see `ffgym.agents.declaration.Track`."""
     about: str
     """One or two sentences: what it does, and what it learned from."""
     page: str | None

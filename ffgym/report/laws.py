@@ -1,9 +1,10 @@
 """How feed-forward laws are called and drawn: the same words and the same colour in every table and figure."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from itertools import cycle, product
 
+from ffgym.control.style import STYLES
+from ffgym.control.style import LawStyle as LawStyle
 from ffgym.core.plugins import load_families
 
 UNCOMPENSATED = "none"
@@ -12,22 +13,6 @@ ORACLE = "oracle"
 """Name of the law that knows the machine's true parameters; it is shown, and never called the best."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class LawStyle:
-    """Look of one law."""
-
-    label: str
-    """Words for readers."""
-    colour: str
-    marker: str
-    line: str = "-"
-
-
-STYLES: dict[str, LawStyle] = {
-    "lugre_identified": LawStyle(label="dynamic LuGre, identified", colour="#56B4E9", marker="P"),
-}
-"""Looks by name. Agents enter theirs (`ffgym.agents.catalogue`), and are found when a look is first asked for. Blue,
-red, green as in the thesis, in the colour-blind safe shades of Okabe and Ito."""
 _SPARE = tuple(product(("-", "--", ":"), (("#56B4E9", "P"), ("#8C6BB1", "X"), ("#7F4F24", "*"), ("#5C5C5C", "h"))))
 
 

@@ -12,7 +12,8 @@ import numpy as np
 from mujoco import batch
 
 from ffgym.agents import LawAgent
-from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
+from ffgym.agents.catalogue import CATALOGUE, law_named
+from ffgym.agents.declaration import Setting
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import installed

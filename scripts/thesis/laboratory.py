@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
-from ffgym.agents.catalogue import CATALOGUE, Entry, Setting, entry_of, law_named
+from ffgym.agents.catalogue import CATALOGUE, entry_of, law_named
+from ffgym.agents.declaration import Entry, Setting
 from ffgym.agents.lffc import Learning, thesis_training
 from ffgym.agents.trials import CountedTrial, thesis_motions, training_motions
 from ffgym.control import DynamicLuGreExact, FeedForwardLaw, NoCompensation

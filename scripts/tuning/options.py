@@ -6,7 +6,7 @@ from pathlib import Path
 import tyro
 
 from ffgym.agents.residual.plan import Training
-from ffgym.cli.train import Options, need_training
+from ffgym.cli.train_policy import Options, need_training
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.provenance import installed
 from scripts.tuning.space import SPACES, Space

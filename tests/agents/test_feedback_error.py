@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import Setting
+from ffgym.agents.declaration import Setting
 from ffgym.agents.feedback_error import MLP
 from ffgym.agents.lffc import LFFC
 from ffgym.agents.trials import Lesson

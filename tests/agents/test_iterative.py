@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
+from ffgym.agents.catalogue import CATALOGUE, law_named
+from ffgym.agents.declaration import Setting
 from ffgym.agents.iterative import TRIALS, IterativeLearning
 from ffgym.agents.torque_response import rms, task_error
 from ffgym.agents.trials import SimulatedTrial

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import Setting, law_named, name_of_law
+from ffgym.agents.catalogue import law_named, name_of_law
+from ffgym.agents.declaration import Setting
 from ffgym.agents.elastic import ElasticLaw, elastic_law
 from ffgym.agents.model import ModelLaw, left_alone, model_law
 from ffgym.core.errors import FFGymError

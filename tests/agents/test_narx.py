@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import Setting
+from ffgym.agents.declaration import Setting
 from ffgym.agents.law_files import load_law, save_law
 from ffgym.agents.narx import NARX, learn_narx, samples_of
 from ffgym.agents.supervised import MotorRecord

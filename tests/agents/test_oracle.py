@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from ffgym.agents import LawAgent
-from ffgym.agents.catalogue import CATALOGUE, Setting
+from ffgym.agents.catalogue import CATALOGUE
+from ffgym.agents.declaration import Setting
 from ffgym.agents.elastic import elastic_feedforward
 from ffgym.agents.oracle import OracleAgent, oracle_law
 from ffgym.control import Window

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import Setting
+from ffgym.agents.declaration import Setting
 from ffgym.agents.residual_torque import ResidualTorque, fitted, learn_residual_torque
 from ffgym.agents.supervised import MotorRecord
 from ffgym.control import DynamicLuGreExact, NoCompensation, Window

@@ -279,7 +279,7 @@ def test_every_subcommand_is_found_and_only_the_one_that_runs_is_imported():
     assert all(_command(name).__name__ == COMMANDS[name].place.split(":")[1] for name in COMMANDS)
     script = (
         "import sys; from ffgym.cli.main import main; assert main(['diagnose', '--seed', '-1']) == 1; "
-        "print([name for name in sys.modules if name in ('ffgym.cli.lffc', 'ffgym.cli.play')])"
+        "print([name for name in sys.modules if name in ('ffgym.cli.train_bspline', 'ffgym.cli.play')])"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -17,7 +17,7 @@ FILE = ("machine.toml", "machine.toml: it is a machine file, and a description i
         (["export"], *WORKCELL),
         *(
             (command, *given)
-            for command in (["stability", "--robot"], ["log", "check", "log.csv", "--robot"])
+            for command in (["train", "stability", "--robot"], ["log", "check", "log.csv", "--robot"])
             for given in (WORKCELL, FILE)
         ),
     ],

@@ -10,7 +10,8 @@ import pytest
 
 import ffgym  # noqa: F401 - registers the environments
 from ffgym.agents import LawAgent
-from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
+from ffgym.agents.catalogue import CATALOGUE, law_named
+from ffgym.agents.declaration import Setting
 from ffgym.agents.law_files import StoredLaw, load_law, save_law
 from ffgym.control import CausalLaw, Window
 from ffgym.core.errors import FFGymError

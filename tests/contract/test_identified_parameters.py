@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 import ffgym  # noqa: F401 - registers the environments
-from ffgym.agents.catalogue import CATALOGUE, Setting
+from ffgym.agents.catalogue import CATALOGUE
+from ffgym.agents.declaration import Setting
 from ffgym.cli.laws import setting_for
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.diagnosis.identification.parameter_file import fitted_quantity, parameter_text

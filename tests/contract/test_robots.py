@@ -12,7 +12,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import ffgym  # noqa: F401 - registers the environments
-from ffgym.agents.catalogue import CATALOGUE, Setting, law_named
+from ffgym.agents.catalogue import CATALOGUE, law_named
+from ffgym.agents.declaration import Setting
 from ffgym.cli.main import main
 from ffgym.control import NoCompensation
 from ffgym.core.errors import FFGymError
@@ -185,7 +186,7 @@ def test_commands_run_it(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     robot = arm_of(name).robot
     small = ["--speeds-mm-s", "100"] if robot.work_area is not None else ["--frequencies-hz", "3"]
-    assert main(["lffc", "--robot", name, "--iterations", "1", *small]) == 0, capsys.readouterr().err
+    assert main(["train", "bspline", "--robot", name, "--iterations", "1", *small]) == 0, capsys.readouterr().err
     assert main(["robot", "check", name, "--report", "check.html"]) == 0, capsys.readouterr().err
     assert main(["simulate", name, "sine", "--report", "motion.html"]) == 0, capsys.readouterr().err
     assert main(["export", name, "sine", "--out", "elsewhere"]) == 0, capsys.readouterr().err

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import CATALOGUE, Setting
+from ffgym.agents.catalogue import CATALOGUE
+from ffgym.agents.declaration import Setting
 from ffgym.agents.entrants import ENTRANTS, REGISTRY
 from ffgym.agents.law_agent import LawPolicy
 from ffgym.core.errors import FFGymError

@@ -6,10 +6,10 @@ import tyro
 
 from ffgym.agents.artefacts import TRAINED, manifest_of, path_of
 from ffgym.agents.residual.actor import Actor, Layer
-from ffgym.agents.residual.hyperparameters import changed
+from ffgym.agents.residual.hyperparameters import hyperparameters
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import ResidualPolicy, load_policy, save_policy
-from ffgym.cli.train_options import options_of
+from ffgym.cli.train_policy import options_of
 from ffgym.core.errors import FFGymError
 from scripts.publish import Config, command_of, main
 from scripts.train import Sweep
@@ -67,7 +67,7 @@ def test_policies_of_seeds_that_are_no_longer_there_go(tmp_path):
 
 
 OTHERWISE = {"base": "lugre_dynamic", "bound": 0.3, "randomization": False, "factored": False}
-SET = {"hyperparameters": changed("ppo", ["hidden=[64, 64]", "activation=relu", "learning_rate=1e-5"])}
+SET = {"hyperparameters": hyperparameters("ppo", ["hidden=[64, 64]", "activation=relu", "learning_rate=1e-5"])}
 
 
 @pytest.mark.parametrize("changes", [OTHERWISE, {"base": "lugre_dynamic", "reward": "path_error", **SET}])

@@ -10,7 +10,7 @@ import sys
 import pytest
 import tyro
 
-from ffgym.cli.train import Train
+from ffgym.cli.train_policy import Policy
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes
@@ -169,9 +169,9 @@ def test_damaged_numbers_of_a_trial_are_one_clear_error(tmp_path, calls):
 def test_the_best_trial_has_options_that_train_it_again(algorithm, tmp_path, calls, capsys):
     config = Tune(algorithm=algorithm, trials=2, out=tmp_path, base="none", memory=3, set=("n_envs=8",))
     best = main(config)
-    assert capsys.readouterr().out.splitlines()[-1] == f"ffgym train {best['options']} --out FOLDER"
+    assert capsys.readouterr().out.splitlines()[-1] == f"ffgym train policy {best['options']} --out FOLDER"
     assert written(tmp_path)["best"] == best
-    said = tyro.cli(Train, args=shlex.split(best["options"]))
+    said = tyro.cli(Policy, args=shlex.split(best["options"]))
     wanted = min(calls, key=lambda training: (training.number("gamma") - 0.9) ** 2)
     assert said.with_seed(said.seed).document() == wanted.document()
     assert said.with_seed(said.seed).number("final_learning_rate") == 0.1 * best["parameters"]["learning_rate"]

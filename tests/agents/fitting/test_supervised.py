@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from ffgym.agents.catalogue import Setting
+from ffgym.agents.declaration import Setting
 from ffgym.agents.supervised import MotorRecord, learn
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError

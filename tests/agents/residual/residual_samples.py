@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from ffgym.agents.residual.actor import LSTM, Actor, Layer
-from ffgym.agents.residual.hyperparameters import ALGORITHMS, changed
+from ffgym.agents.residual.hyperparameters import ALGORITHMS, hyperparameters
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import ResidualPolicy
 
@@ -19,7 +19,7 @@ def tiny(algorithm="ppo", *changes, **options):
     """A training of three segments."""
     own = {"factored": algorithm != "recurrent_ppo", "steps": 48, "base": "lugre_dynamic"} | options
     values = dict(change.split("=") for change in (*SMALL[algorithm], *changes))
-    chosen = changed(algorithm, [f"{name}={value}" for name, value in values.items()])
+    chosen = hyperparameters(algorithm, [f"{name}={value}" for name, value in values.items()])
     return Training(algorithm=algorithm, hyperparameters=chosen, **own)
 
 

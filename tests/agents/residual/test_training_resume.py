@@ -10,8 +10,8 @@ from math import isclose
 
 import numpy as np
 import pytest
-from ffgym.agents.residual.learning import training as under_test
 
+from ffgym.agents.residual import training as under_test
 from ffgym.agents.residual.environment import environment_of
 from ffgym.agents.residual.policy import load_policy
 from ffgym.agents.residual.training import segment_seed, train

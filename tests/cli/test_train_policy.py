@@ -1,4 +1,4 @@
-"""`ffgym train`: options, what it writes and prints, and what it refuses."""
+"""`ffgym train policy`: options, what it writes and prints, and what it refuses."""
 
 import json
 import subprocess
@@ -7,9 +7,9 @@ import sys
 import pytest
 
 from ffgym.agents.residual.policy import load_policy
-from ffgym.cli import train as under_test
+from ffgym.cli import train_policy as under_test
 from ffgym.cli.main import main
-from ffgym.cli.train import Train
+from ffgym.cli.train_policy import Policy
 
 FEW = ["--set", "n_envs=2", "n_steps=8", "batch_size=8", "segment_steps=16", "n_epochs=2"]
 
@@ -17,38 +17,43 @@ FEW = ["--set", "n_envs=2", "n_steps=8", "batch_size=8", "segment_steps=16", "n_
 def test_a_policy_its_numbers_and_the_way_to_it_are_written(tmp_path, capsys):
     out, numbers = tmp_path / "trained", tmp_path / "numbers.json"
     options = ["--base", "lugre_dynamic", "--steps", "32", "--seed", "7", "--json", str(numbers), *FEW]
-    assert main(["train", "--out", str(out), *options]) == 0
+    assert main(["train", "policy", "--out", str(out), *options]) == 0
     printed = capsys.readouterr().out.splitlines()
     assert printed[0] == "ppo on lugre_dynamic, seed 7: 32 steps"
     assert printed[1].startswith("reward per step, with exploration: -")
     assert printed[2] == f"policy: {out / 'policy.npz'}"
     found = json.loads(numbers.read_text())
-    assert (found["command"], found["seed"], found["env_steps"]) == ("ffgym train", 7, 32)
+    assert (found["command"], found["seed"], found["env_steps"]) == ("ffgym train policy", 7, 32)
     assert found["sha256"] == json.loads((out / "training.json").read_text())["sha256"]
     assert found["physics_fingerprint"]
     assert found["training"]["base"] == "lugre_dynamic"
     policy = load_policy(out / "policy.npz")
     assert (policy.base, policy.meta["seed"], policy.actor.factored) == ("lugre_dynamic", 7, True)
-    assert main(["train", "--out", str(out), *options]) == 0  # it is done
-    assert main(["train", "--out", str(out), *options, "--seed", "8"]) == 1
+    assert main(["train", "policy", "--out", str(out), *options]) == 0  # it is done
+    assert main(["train", "policy", "--out", str(out), *options, "--seed", "8"]) == 1
     assert "training.seed was 7, now 8" in capsys.readouterr().err
 
 
+def test_what_is_trained_must_be_said(capsys):
+    assert main(["train", "--algorithm", "ppo"]) == 1
+    assert "ffgym train policy --algorithm ppo" in capsys.readouterr().err
+
+
 def test_options_make_the_training():
-    training = Train(algorithm="recurrent_ppo", nominal=True, set=("lstm_cells=4",)).with_seed(3)
+    training = Policy(algorithm="recurrent_ppo", nominal=True, set=("lstm_cells=4",)).with_seed(3)
     assert training.seed == 3
     assert not training.factored
     assert not training.randomization
     assert training.hyperparameters["lstm_cells"] == 4
-    assert Train(robot="one_axis").with_seed(0).robot == "one_axis"
-    assert Train().with_seed(0).factored
-    assert not Train(joint=True).with_seed(0).factored
+    assert Policy(robot="one_axis").with_seed(0).robot == "one_axis"
+    assert Policy().with_seed(0).factored
+    assert not Policy(joint=True).with_seed(0).factored
 
 
 def test_a_machine_file_is_kept_with_the_training(tmp_path):
     file = tmp_path / "machine.toml"
     file.write_text('[machine]\ntitle = "mine"\nrobot = "irb4600_60_205"\n')
-    training = Train(base=f"model:{file}").with_seed(0)
+    training = Policy(base=f"model:{file}").with_seed(0)
     assert (training.base, training.machine) == ("model", file.read_text())
 
 
@@ -68,7 +73,7 @@ def test_a_machine_file_is_kept_with_the_training(tmp_path):
 def test_what_cannot_be_trained_is_refused_and_nothing_is_left(options, message, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("")
-    assert main(["train", *options]) == 1
+    assert main(["train", "policy", *options]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
     assert {path.name for path in tmp_path.iterdir()} == {"file"}
@@ -76,7 +81,7 @@ def test_what_cannot_be_trained_is_refused_and_nothing_is_left(options, message,
 
 def test_what_is_missing_is_named_with_the_way_to_get_it(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(under_test, "installed", lambda name: name != "sb3-contrib")
-    assert main(["train", "--out", str(tmp_path / "new")]) == 1
+    assert main(["train", "policy", "--out", str(tmp_path / "new")]) == 1
     assert "needs sb3-contrib; pip install 'ffgym[rl]'" in capsys.readouterr().err
 
 

@@ -1,4 +1,4 @@
-"""`ffgym lffc`: what it prints and writes, and that an interrupted training goes on."""
+"""`ffgym train bspline`: what it prints and writes, and that an interrupted training goes on."""
 
 import json
 
@@ -19,7 +19,7 @@ def trained(tmp_path_factory):
     """Folder with what a short training wrote."""
     folder = tmp_path_factory.mktemp("lffc")
     options = ["--prior", "--out", str(folder / "mine.npz"), "--json", str(folder / "mine.json")]
-    assert main(["lffc", *FEW, *options]) == 0
+    assert main(["train", "bspline", *FEW, *options]) == 0
     return folder
 
 
@@ -33,7 +33,7 @@ def test_the_law_is_named_after_its_file_and_nothing_else_is_left(trained, one_a
 
 def test_the_numbers_say_where_they_come_from(trained, one_axis):
     numbers = json.loads((trained / "mine.json").read_text())
-    assert numbers["command"] == "ffgym lffc"
+    assert numbers["command"] == "ffgym train bspline"
     assert numbers["robot"] == "one_axis"
     assert numbers["seed"] is None
     assert numbers["learning"]["rate"] == 0.8
@@ -48,7 +48,7 @@ def test_the_numbers_say_where_they_come_from(trained, one_axis):
 
 
 def test_a_row_per_trial_is_printed(tmp_path, capsys):
-    assert main(["lffc", *FEW, "--network", "static", "--out", str(tmp_path / "a.npz")]) == 0
+    assert main(["train", "bspline", *FEW, "--network", "static", "--out", str(tmp_path / "a.npz")]) == 0
     text = capsys.readouterr().out
     error = text.split("mean square of the learning signal")[0].splitlines()
     assert error[:3] == ["mean square of the motor error, trial 0 is 1", "trial        j1", "    0   1.0000 "]
@@ -59,13 +59,13 @@ def test_a_row_per_trial_is_printed(tmp_path, capsys):
 
 
 def test_an_interrupted_training_goes_on_with_resume_and_only_with_it(tmp_path, trained, capsys, monkeypatch):
-    options = ["lffc", *FEW, "--prior", "--out", str(tmp_path / "mine.npz")]
+    options = ["train", "bspline", *FEW, "--prior", "--out", str(tmp_path / "mine.npz")]
 
     def stop(*_, **__):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("ffgym.cli.lffc.save_law", stop)
+        patch.setattr("ffgym.cli.train_bspline.save_law", stop)
         assert main(options) == 130
     assert [path.name for path in tmp_path.iterdir()] == ["mine.state.npz"]
     assert main(options) == 1
@@ -91,7 +91,7 @@ def test_an_interrupted_training_goes_on_with_resume_and_only_with_it(tmp_path, 
 )
 def test_a_training_that_cannot_run_is_one_line_and_exit_code_1(arguments, message, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(["lffc", "--out", "law.npz", *arguments]) == 1
+    assert main(["train", "bspline", "--out", "law.npz", *arguments]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
     assert not list(tmp_path.iterdir())
@@ -100,9 +100,12 @@ def test_a_training_that_cannot_run_is_one_line_and_exit_code_1(arguments, messa
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["lffc", *FEW, "--positions", "p9"], "--positions has no effect: robot 'one_axis' runs sines"),
-        (["lffc", "--frequencies-hz", "3"], "--frequencies-hz has no effect: robot 'irb4600_60_205' runs circles"),
-        (["stability", "--robot", "one_axis", "--speeds-mm-s", "7"], "--speeds-mm-s has no effect"),
+        (["train", "bspline", *FEW, "--positions", "p9"], "--positions has no effect: robot 'one_axis' runs sines"),
+        (
+            ["train", "bspline", "--frequencies-hz", "3"],
+            "--frequencies-hz has no effect: robot 'irb4600_60_205' runs circles",
+        ),
+        (["train", "stability", "--robot", "one_axis", "--speeds-mm-s", "7"], "--speeds-mm-s has no effect"),
     ],
 )
 def test_an_option_without_effect_is_refused(arguments, message, capsys, tmp_path, monkeypatch):

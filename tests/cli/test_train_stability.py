@@ -1,4 +1,4 @@
-"""`ffgym stability`: what it prints is what the analysis says, and its figure is made on request only."""
+"""`ffgym train stability`: what it prints is what the analysis says, and its figure is made on request only."""
 
 import re
 
@@ -26,7 +26,7 @@ def numbers_after(words: str, text: str) -> list[float]:
 
 def test_it_prints_the_largest_rate_the_growth_and_what_is_left(study, capsys):
     arguments = ["--robot", "one_axis", "--network", "static", "--frequencies-hz", "1", "--gamma", "1.9"]
-    assert main(["stability", *arguments, "--iterations", "3"]) == 0
+    assert main(["train", "stability", *arguments, "--iterations", "3"]) == 0
     text = capsys.readouterr().out
     left = np.sqrt(study.mean_squares(1.9, 3)[-1] / study.mean_squares(1.9, 3)[0])
     assert text.startswith("sine 1 Hz\n")
@@ -37,7 +37,7 @@ def test_it_prints_the_largest_rate_the_growth_and_what_is_left(study, capsys):
 
 
 def test_several_motions_are_shown_alone_and_together(capsys):
-    assert main(["stability", "--robot", "one_axis"]) == 0
+    assert main(["train", "stability", "--robot", "one_axis"]) == 0
     blocks = capsys.readouterr().out.strip().split("\n\n")
     assert [block.split("\n")[0] for block in blocks] == ["sine 1 Hz", "sine 3 Hz", "sine 1 Hz + sine 3 Hz"]
     assert all("growth per iteration at 0.8 " in block for block in blocks)  # the rate of the thesis
@@ -48,7 +48,7 @@ def test_several_motions_are_shown_alone_and_together(capsys):
 def test_a_figure_of_the_joints_asked_for_is_simulated_and_drawn(tmp_path, capsys):
     target = tmp_path / "learning.svg"
     arguments = ["--speeds-mm-s", "100", "--iterations", "1", "--figure-rates", "0.5", "0.9", "--figure-joints", "j4"]
-    assert main(["stability", *arguments, "--figure", str(target)]) == 0
+    assert main(["train", "stability", *arguments, "--figure", str(target)]) == 0
     assert "<svg" in target.read_text(encoding="utf-8")
     *_, caption, file, _ = capsys.readouterr().out.split("\n")
     assert file == f"figure: {target}"
@@ -71,7 +71,7 @@ def test_a_figure_of_the_joints_asked_for_is_simulated_and_drawn(tmp_path, capsy
 )
 def test_impossible_options_are_one_clear_line(arguments, message, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(["stability", "--robot", "one_axis", *arguments]) == 1
+    assert main(["train", "stability", "--robot", "one_axis", *arguments]) == 1
     output = capsys.readouterr()
     assert message in output.err
     assert output.out == ""
@@ -81,7 +81,7 @@ def test_impossible_options_are_one_clear_line(arguments, message, capsys, tmp_p
 def test_training_warns_of_a_rate_above_the_limit_and_goes_on(study, rate, warned, tmp_path, capsys):
     law = tmp_path / "law.npz"
     arguments = ["--robot", "one_axis", "--network", "static", "--iterations", "1", "--gamma", rate]
-    assert main(["lffc", *arguments, "--out", str(law)]) == 0
+    assert main(["train", "bspline", *arguments, "--out", str(law)]) == 0
     message = f"ffgym: warning: {study.warning(float(rate))}"
     assert (message in capsys.readouterr().err) == warned
     assert law.exists()
@@ -91,6 +91,7 @@ def test_training_learns_from_the_rows_that_are_asked_for(tmp_path):
     arguments = ["--robot", "one_axis", "--frequencies-hz", "3", "--network", "static", "--iterations", "1"]
     for folder, rows in (("every", "1"), ("samples", "4")):
         (tmp_path / folder).mkdir()
-        assert main(["lffc", *arguments, "--record-dt-ms", rows, "--out", str(tmp_path / folder / "law.npz")]) == 0
+        options = ["--record-dt-ms", rows, "--out", str(tmp_path / folder / "law.npz")]
+        assert main(["train", "bspline", *arguments, *options]) == 0
     every, samples = (load_law(tmp_path / folder / "law.npz").coefficients for folder in ("every", "samples"))
     assert np.count_nonzero(every) > np.count_nonzero(samples) > 0  # some splines are met between samples only
