@@ -44,12 +44,12 @@ COMMANDS = {
     "leaderboard": Command(
         "leaderboard:Leaderboard", "all agents, compared", "ffgym leaderboard --agents none elastic"
     ),
-    "submit": Command(
+    "leaderboard submit": Command(
         "submission:Submit",
         "make a submission of an agent",
-        "ffgym submit mine.py --name mine --author me --track causal",
+        "ffgym leaderboard submit mine.py --name mine --author me --track causal",
     ),
-    "verify": Command("submission:Verify", "run a submission again", "ffgym verify mine.zip"),
+    "leaderboard verify": Command("submission:Verify", "run a submission again", "ffgym leaderboard verify mine.zip"),
 }
 """Subcommands by name, in the order of `ffgym --help`."""
 
@@ -58,6 +58,8 @@ _MOVED = {
     "lffc": "ffgym train bspline",
     "stability": "ffgym train stability",
     "reproduce": "python -m scripts.thesis, in a clone of the repository",
+    "submit": "ffgym leaderboard submit",
+    "verify": "ffgym leaderboard verify",
     "video": "ffgym play",
 }
 """Commands of earlier versions, and what does their work now."""

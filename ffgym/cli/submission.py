@@ -1,4 +1,4 @@
-"""`ffgym submit` and `ffgym verify`: an agent as a submission to the leaderboard, packed and checked."""
+"""`ffgym leaderboard submit` and `verify`: an agent as a submission to the leaderboard, packed and checked."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
@@ -60,7 +60,7 @@ class Submit:
         packed = judge.pack(about, AgentSource(kind=source.kind, law=source.law, file=source.file), source.content)
         write_bytes(self.out, packed.data)
         if self.json is not None:
-            info = provenance("ffgym submit", self, ROBOT, None, self.seed)
+            info = provenance("ffgym leaderboard submit", self, ROBOT, None, self.seed)
             measured = {"inference_us_measured": packed.inference_us}
             write_json(self.json, info | measured | {"manifest": packed.manifest.tree()})
         lines = [
@@ -81,7 +81,7 @@ class Verify:
     """
 
     submission: tyro.conf.Positional[Path]
-    """File of ffgym submit."""
+    """File of ffgym leaderboard submit."""
     json: Path | None = None
     """Also write the verdict to this file, accepted or refused."""
     threads: int = 0
@@ -114,7 +114,7 @@ class Verify:
 
     def _write(self, outcome: Mapping[str, Any]) -> None:
         if self.json is not None:
-            write_json(self.json, provenance("ffgym verify", self, ROBOT, None, None) | dict(outcome))
+            write_json(self.json, provenance("ffgym leaderboard verify", self, ROBOT, None, None) | dict(outcome))
 
 
 def claim_lines(claims: Sequence[Claim]) -> list[str]:

@@ -1,4 +1,4 @@
-"""`ffgym submit` packs an agent, `ffgym verify` accepts it, or says in one line why not."""
+"""`ffgym leaderboard submit` packs an agent, `ffgym leaderboard verify` accepts it, or says in one line why not."""
 
 import json
 
@@ -21,13 +21,29 @@ def small(monkeypatch, tmp_path):
 
 
 def test_what_is_submitted_is_accepted_and_what_is_changed_is_refused_in_one_line(small, capsys):
-    assert main(["submit", "mine.py", *WHO, "--out", "agent.zip", "--json", "packed.json", "--env-steps", "7"]) == 0
+    assert (
+        main(
+            [
+                "leaderboard",
+                "submit",
+                "mine.py",
+                *WHO,
+                "--out",
+                "agent.zip",
+                "--json",
+                "packed.json",
+                "--env-steps",
+                "7",
+            ]
+        )
+        == 0
+    )
     assert "file: agent.zip" in capsys.readouterr().out
     packed = json.loads((small / "packed.json").read_text())
     assert packed["manifest"]["env_steps"] == 7
     assert packed["inference_us_measured"] > 0
 
-    assert main(["verify", "agent.zip", "--json", "verdict.json"]) == 0
+    assert main(["leaderboard", "verify", "agent.zip", "--json", "verdict.json"]) == 0
     out = capsys.readouterr().out
     assert "mine by somebody, causal, nominal parameters: accepted" in out
     verdict = json.loads((small / "verdict.json").read_text())
@@ -36,7 +52,7 @@ def test_what_is_submitted_is_accepted_and_what_is_changed_is_refused_in_one_lin
 
     weights = changed((small / "agent.zip").read_bytes(), {"agent.py": b"PREVIEW = 1"})
     (small / "agent.zip").write_bytes(weights)
-    assert main(["verify", "agent.zip", "--json", "verdict.json"]) == 1
+    assert main(["leaderboard", "verify", "agent.zip", "--json", "verdict.json"]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("ffgym: error: agent.zip: refused, files: weights were changed")
     verdict = json.loads((small / "verdict.json").read_text())
@@ -59,7 +75,7 @@ def test_what_is_submitted_is_accepted_and_what_is_changed_is_refused_in_one_lin
     ],
 )
 def test_what_cannot_be_submitted_is_refused_before_anything_runs(small, capsys, arguments, message):
-    assert main(["submit", *arguments]) == 1
+    assert main(["leaderboard", "submit", *arguments]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
     assert [path.name for path in small.iterdir()] == ["mine.py"]
@@ -76,17 +92,17 @@ def test_what_cannot_be_submitted_is_refused_before_anything_runs(small, capsys,
     ],
 )
 def test_what_is_no_submission_is_refused_in_one_line(small, capsys, file, message):
-    assert main(["verify", file]) == 1
+    assert main(["leaderboard", "verify", file]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert message in line
 
 
 def test_a_verdict_that_cannot_be_written_is_told_in_one_line(small, capsys):
-    assert main(["verify", "mine.py", "--json", "x" * 300 + ".json"]) == 1
+    assert main(["leaderboard", "verify", "mine.py", "--json", "x" * 300 + ".json"]) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert "cannot be written" in line
 
 
 def test_the_oracle_has_no_track_for_submissions(small):
     with pytest.raises(SystemExit):
-        main(["submit", "mine.py", "--name", "a", "--author", "b", "--track", "oracle"])
+        main(["leaderboard", "submit", "mine.py", "--name", "a", "--author", "b", "--track", "oracle"])

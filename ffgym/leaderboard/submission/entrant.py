@@ -19,10 +19,10 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 
 
 def entrant_of(path: Path, loaders: Mapping[str, str]) -> Entrant:
-    """Entrant of a submission; what it claims is left to `ffgym verify`.
+    """Entrant of a submission; what it claims is left to `ffgym leaderboard verify`.
 
     Args:
-        path: file of `ffgym submit`.
+        path: file of `ffgym leaderboard submit`.
         loaders: modules that load agents, by kind.
 
     Raises:
