@@ -39,7 +39,7 @@ def question(arm):
 
     def make(number, *effects, row="single", lacks=()):
         case = draw_case("poor_clean" if row == "poor" else "clean", number, seed=SEED, arm=arm)
-        return replace(case, row=row, hidden=effects, lacks=lacks)
+        return replace(case, row=row, hidden=effects, bench=replace(case.bench, lacks=lacks))
 
     return make
 
