@@ -16,6 +16,7 @@ import numpy as np
 from ffgym.agents.trials import Lesson, Trial, performed
 from ffgym.control import CausalLaw, FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError, check_whole
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
@@ -73,7 +74,7 @@ class MotorRecord:
             torque=total - offset,
             moving=moving,
             noise=np.maximum(noise, NOISE_FLOOR),
-            error=np.sqrt(np.mean(lesson.error[lesson.moving] ** 2, axis=0)),
+            error=rms(lesson.error[lesson.moving], 0),
         )
 
 

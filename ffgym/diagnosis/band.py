@@ -9,6 +9,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import welch
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import counting_rows, residual_of, residual_rows
@@ -94,7 +95,7 @@ def _is_noise(run: Replay, above: Array) -> bool:
     for j in range(above.shape[2]):
         rows = counting["torque", j]
         over = (above[..., j] / floor[:, j])[rows]
-        ratio.append(float(np.sqrt(np.mean(over**2))) if over.size else 0.0)
+        ratio.append(rms(over) if over.size else 0.0)
     return max(ratio) < _ABOVE_NOISE
 
 

@@ -12,6 +12,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from ffgym.core.errors import check_number
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.column import Column, column_of_machine, columns_of, machine_columns
 from ffgym.diagnosis.identification.rigid_body.base import base_parameters
@@ -48,7 +49,7 @@ def base_torques(run: Replay) -> dict[str, Parts]:
     robot, log = run.robot, run.log
     motion = rigid_motion(robot, *(x.reshape(-1, robot.n_joints) for x in (log.q, log.dq, log.ddq)))
     base = base_parameters(robot, _TERMS)
-    own, taken, k = set(base.own.tolist()), _rms(run.torque), 0
+    own, taken, k = set(base.own.tolist()), rms(run.torque, (0, 1)), 0
     found: dict[str, Parts] = {}
     for term in _TERMS:
         for part in term.columns(robot, motion):
@@ -62,17 +63,11 @@ def base_torques(run: Replay) -> dict[str, Parts]:
 def _parts(run: Replay, torque: Array, taken: Array) -> Parts:
     """A column at the size of what motors take; nothing if it is none on all of them."""
     moved = taken > 0
-    size = float(np.max(_rms(torque)[moved] / taken[moved], initial=0.0))
+    size = float(np.max(rms(torque, (0, 1))[moved] / taken[moved], initial=0.0))
     if size == 0.0:
         return {}
     rows = run.log.sampling(torque / size)
     return {("torque", j): rows[..., j] for j in range(run.robot.n_joints)}
-
-
-def _rms(torque: Array) -> Array:
-    """Of each motor over all samples, (N,)."""
-    rms: Array = np.sqrt(np.mean(torque**2, axis=(0, 1)))
-    return rms
 
 
 OF_ROW = 0.05

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.computing import FAILED
@@ -187,6 +188,6 @@ def is_same_motion(log: Log, exact: Sequence[Recording]) -> bool:
         angle = recording.joint_array("motor.position")[:n]
         angle = drive.motor_angle(angle) if recording.header.position_side == "link" else angle
         missed = (angle - drive.motor_angle(log.q[:n, i]))[log.recordings[i].valid[:n].any(axis=1)]
-        if np.sqrt(np.mean(missed**2, axis=0)).max() > _SAME_MOTION:
+        if rms(missed, 0).max() > _SAME_MOTION:
             return False
     return True

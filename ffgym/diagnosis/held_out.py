@@ -13,6 +13,7 @@ import numpy as np
 
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.identification.signals import acting_torque
@@ -245,9 +246,9 @@ def held_out_levels(
             quantity=channel,
             component=name,
             unit=UNITS[channel],
-            measured=_rms_of(_about_mean(measured[channel][..., c], rows), rows),
-            before=_rms_of(rest[0][channel][..., c], rows),
-            after=_rms_of(rest[1][channel][..., c], rows),
+            measured=rms(_about_mean(measured[channel][..., c], rows)[rows]),
+            before=rms(rest[0][channel][..., c][rows]),
+            after=rms(rest[1][channel][..., c][rows]),
         )
         for channel in rest[0]
         for c, name in enumerate(components(channel, before.robot))
@@ -258,7 +259,3 @@ def held_out_levels(
 
 def _about_mean(values: Array, rows: BoolArray) -> Array:
     return values - values[rows].mean()
-
-
-def _rms_of(values: Array, rows: BoolArray) -> float:
-    return float(np.sqrt(np.mean(values[rows] ** 2)))

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.colour import Colour, colour_of
 from ffgym.diagnosis.log import Log, log_of
@@ -257,6 +258,6 @@ def torque_noise(run: Replay) -> Array:
     noise, fc, dt = noise_of(run), run.log.sampling.cutoff, run.log.dt
     torque = noise.torque * np.sqrt(2 * fc * dt)
     acceleration = (2 * np.pi) ** 2 * noise.angle * np.sqrt(2 * fc**5 * dt / 5)
-    floor = _LEAST_TORQUE * np.sqrt(np.mean(run.torque**2, axis=0))
+    floor = _LEAST_TORQUE * rms(run.torque, 0)
     known: Array = np.hypot(torque, run.robot.drive.rotor_inertia * acceleration)
     return np.maximum(known, np.maximum(floor, np.finfo(np.float64).tiny))

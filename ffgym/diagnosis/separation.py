@@ -16,6 +16,7 @@ from itertools import combinations
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
 from ffgym.diagnosis.computing import FAILED
@@ -256,7 +257,7 @@ def next_motion(
         for other in found.final.fit.hypotheses:
             if other.place not in {cause.place for cause in causes}:
                 known = other.on(known)
-        noise = {channel: np.sqrt(np.mean(rms**2, axis=0)) for channel, rms in floor.items()}
+        noise = {channel: rms(level, 0) for channel, level in floor.items()}
         arm = RigidArm(nominal.robot)
         planned = separating_motion(arm, known, causes, noise, calibration=calibration)
         if planned is not None:

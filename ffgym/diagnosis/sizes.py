@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import OF_ROW, Calibration, is_row_offset
 from ffgym.diagnosis.computing import trim_heap
@@ -49,7 +50,7 @@ def levels(
 
 def _mean_square(rows: Array, valid: BoolArray) -> float:
     """RMS over rows that count."""
-    return float(np.sqrt(np.mean(np.broadcast_to(rows, valid.shape)[valid] ** 2)))
+    return rms(np.broadcast_to(rows, valid.shape)[valid])
 
 
 FOLDS = 3

@@ -7,6 +7,7 @@ import numpy as np
 
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import contour_errors, motor_error
@@ -137,7 +138,7 @@ def _result(agent: str, reference: Reference, recording: Recording) -> MotionRes
     return MotionResult(
         agent=agent,
         motion=reference.name,
-        motor_rms_rad=np.sqrt(np.mean(error**2, axis=0)).tolist(),
+        motor_rms_rad=rms(error, 0).tolist(),
         motor_max_rad=np.abs(error).max(axis=0).tolist(),
         torque_use=(np.abs(torque).max(axis=0) / robot.drive.peak_torque).tolist(),
         speed_use=(np.abs(reference.dq).max(axis=0) / robot.kinematics.max_speed).tolist(),

@@ -7,6 +7,7 @@ import numpy as np
 
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.paths import Reference, joint_reference, joint_sine
 from ffgym.recordings import Recording
 from ffgym.recordings.metrics import motor_error
@@ -110,14 +111,14 @@ def _results(recordings: dict[tuple[str, float], Recording], baseline: str) -> l
         return motor_error(recording)[recording.t >= SETTLED, 0]
 
     errors = {key: settled(recording) for key, recording in recordings.items()}
-    rms = {key: float(np.sqrt(np.mean(error**2))) for key, error in errors.items()}
+    sizes = {key: rms(error) for key, error in errors.items()}
     return [
         SineResult(
             agent=agent,
             frequency_hz=f,
-            motor_rms_rad=rms[agent, f],
+            motor_rms_rad=sizes[agent, f],
             motor_max_rad=float(np.abs(errors[agent, f]).max()),
-            reduction=1 - rms[agent, f] / rms[baseline, f],
+            reduction=1 - sizes[agent, f] / sizes[baseline, f],
         )
         for agent, f in recordings
     ]

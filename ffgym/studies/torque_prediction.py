@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.signals import LowPass, joint_motion, motor_effort
 from ffgym.published import AsymmetricFriction
@@ -108,8 +109,8 @@ def predict_torque(
 def _error(joint: str, measured: Array, error: Array) -> TorqueError:
     return TorqueError(
         joint=joint,
-        rms_measured=float(np.sqrt(np.mean(measured**2))),
-        rms_error=float(np.sqrt(np.mean(error**2))),
+        rms_measured=rms(measured),
+        rms_error=rms(error),
         max_error=float(np.abs(error).max()),
         mean_error=float(error.mean()),
     )

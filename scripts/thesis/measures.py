@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.agents.bspline import FINE_RANGE, SplineBasis
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.narx import Misfit
 from ffgym.published import published_mm
@@ -175,14 +176,14 @@ def axis_miss(laboratory: Laboratory, of: str, law: str, frequency: float, above
 def feedback(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
     """RMS feedback torque [N m], motor side."""
     recording, rows = _settled(laboratory, of, law, frequency)
-    return _rms(recording.joint_array("feedback.effort")[rows, 0])
+    return rms(recording.joint_array("feedback.effort")[rows, 0])
 
 
 def feedback_at_reversal(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
     """RMS feedback [N m] while the speed goes from negative to positive."""
     recording, rows = _settled(laboratory, of, law, frequency)
     rises = np.gradient(recording.joint_array("reference.velocity")[:, 0]) > 0
-    return _rms(recording.joint_array("feedback.effort")[rows & (_speed_size(recording) < BEND) & rises, 0])
+    return rms(recording.joint_array("feedback.effort")[rows & (_speed_size(recording) < BEND) & rises, 0])
 
 
 def speed_of_largest_error(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
@@ -201,13 +202,13 @@ def off_the_branches(laboratory: Laboratory, of: str, law: str, frequency: float
     """RMS distance of a static law from the mean of both branches of friction below BEND [N m]."""
     recording, _ = _settled(laboratory, of, law, frequency)
     up, down = _branches(recording, "friction.effort")
-    return _rms(np.mean(_branches(recording, "compensation.effort"), axis=0) - (up + down) / 2)
+    return rms(np.mean(_branches(recording, "compensation.effort"), axis=0) - (up + down) / 2)
 
 
 def half_a_loop(laboratory: Laboratory, of: str, law: str, frequency: float) -> float:
     """Half the RMS distance of both branches of friction below BEND [N m]."""
     up, down = _branches(_settled(laboratory, of, law, frequency)[0], "friction.effort")
-    return _rms((up - down) / 2)
+    return rms((up - down) / 2)
 
 
 def _settled(laboratory: Laboratory, of: str, law: str, frequency: float) -> tuple[Recording, BoolArray]:
@@ -296,7 +297,7 @@ def record_share(laboratory: Laboratory, number: int, model: str) -> float:
 def record_friction(laboratory: Laboratory, number: int) -> float:
     """RMS friction of a record [N m]."""
     torque, joint = laboratory.joint_1.records[number], laboratory.joint_1.index
-    return _rms(torque.friction[torque.valid, joint])
+    return rms(torque.friction[torque.valid, joint])
 
 
 def rising_from_falling(laboratory: Laboratory, number: int) -> float:
@@ -316,7 +317,7 @@ def off_the_stribeck_curve(laboratory: Laboratory) -> float | None:
 def friction_at_constant_speeds(laboratory: Laboratory) -> float | None:
     """RMS friction of these points [N m]."""
     fit = laboratory.joint_1.found.joints[laboratory.joint_1.index].stribeck
-    return None if fit is None else _rms(fit.data.levels()[1])
+    return None if fit is None else rms(fit.data.levels()[1])
 
 
 # ---- NARX networks (6.2): one number per random start, shape (S,), or their median
@@ -369,7 +370,3 @@ def static_of(laboratory: Laboratory, record: str) -> Misfit:
 def _of_joints(values: Array, joint: Joint) -> float:
     """Value of one joint, or the mean of several."""
     return float(values.mean() if joint is None else np.mean(values[np.asarray(joint) - 1]))
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import OptimizeResult, least_squares
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.sliding_data import SlidingData
 from ffgym.robot.friction import LuGreParameters
@@ -100,7 +101,7 @@ def fit_bristles(
         inertia_at_bound=bool(abs(found.x[2]) > _NEAR_BOUND * INERTIA_ERROR),
         at_bound=found.active_mask[:2] != 0,
         resampled=_resampled(problem, found.x, static_resampled, rng),
-        rms_error=float(np.sqrt(np.mean(errors**2))),
+        rms_error=rms(errors),
         n_blocks=data.blocks(BLOCK).n_resampled,
         data=data,
     )

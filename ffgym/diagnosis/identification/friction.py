@@ -7,6 +7,7 @@ import numpy as np
 
 from ffgym.control import DynamicLuGreExact
 from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.bristle_fit import NAMES
 from ffgym.diagnosis.identification.friction_data import FrictionTorque
@@ -157,7 +158,7 @@ def validate(
                         segment=torque.signals.segment,
                         joint=joint,
                         rms_friction=float(measured[scored, j].std()),
-                        rms_error=float(np.sqrt(np.mean(error[scored, j] ** 2))),
+                        rms_error=rms(error[scored, j]),
                     )
                 )
     return found

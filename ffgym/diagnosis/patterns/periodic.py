@@ -10,6 +10,7 @@ from scipy.fft import next_fast_len, rfft
 from scipy.optimize import minimize_scalar
 
 from ffgym.core.errors import check_choice
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.patterns.forms import PRIOR_ROWS, Periodic, fit
 from ffgym.diagnosis.patterns.rows import Rows, rows_of
@@ -222,7 +223,7 @@ class PerTurn(Periodic):
                 gain = did.speed[:, j] ** 2
             case _:
                 return np.ones(len(did.t))
-        size = float(np.sqrt(np.mean(gain**2)))
+        size = rms(gain)
         return gain / size if size > 0 else gain
 
 

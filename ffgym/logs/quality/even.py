@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.quality.log import Log
 from ffgym.logs.quality.rows import long_intervals
@@ -165,7 +166,7 @@ def _roughness(s: Array, q: Array) -> Array:
             if k != i:
                 weight *= (middle - s[rows[k]]) / (s[rows[i]] - s[rows[k]])
         guess += weight[:, None] * q[rows[i]]
-    size: Array = np.sqrt(np.mean((q[rows[2]] - guess) ** 2, axis=0))
+    size: Array = rms(q[rows[2]] - guess, 0)
     return np.maximum(size, TINY)
 
 

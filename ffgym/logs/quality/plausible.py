@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ffgym.core.measures import rms
 from ffgym.logs.quality.check import Seen, check
 from ffgym.logs.quality.log import Log, NotJudgedError
 from ffgym.recordings import FAMILIES
@@ -133,7 +134,7 @@ def _phases(log: Log) -> Iterator[Seen]:
         rows = np.flatnonzero((log.t >= phase.start) & (log.t < phase.end))[margin:-margin]
         if len(rows) < 5 or not log.excited.any():
             continue
-        speed = np.sqrt(np.mean(log.dq[rows] ** 2, axis=0))[log.excited] / top[log.excited]
+        speed = rms(log.dq[rows], 0)[log.excited] / top[log.excited]
         rest = phase.kind == "standstill"
         words = {"phase": phase, "does": "move" if rest else "rest", "must": "rest" if rest else "move"}
         yield Seen(float(speed.max()) if rest else float(speed.max() == 0.0), ("timestamp",), words=words)

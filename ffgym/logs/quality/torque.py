@@ -8,6 +8,7 @@ from typing import final
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.check import Seen, check
 from ffgym.logs.quality.log import Log, NotJudgedError
@@ -97,9 +98,9 @@ def _measured(log: Log, robot: RobotDescription) -> Array:
     return robot.drive.motor_torque(torque) if semantics == "link_side" else torque
 
 
-def rms(values: Array) -> float:
+def _size(values: Array) -> float:
     """Root mean square of all `values`, no less than the smallest number, so that shares of it are finite."""
-    return max(float(np.sqrt(np.mean(values**2))), TINY)
+    return max(rms(values), TINY)
 
 
 @check
@@ -107,7 +108,7 @@ def _torque_units(log: Log) -> Iterator[Seen]:
     model = model_of(log)
     for j in model.joints:
         rows = model.counted[:, j]
-        factor = rms(model.measured[rows, j]) / max(rms(model.total[rows, j]), TINY)
+        factor = _size(model.measured[rows, j]) / max(_size(model.total[rows, j]), TINY)
         size = abs(np.log(max(factor, 1e-300)))
         ratio = abs(log.recording.header.gear_ratio[j])
         known = {"N m for mN m": 1e-3, "mN m for N m": 1e3, "the link side for the motor side": ratio}
@@ -146,7 +147,7 @@ def _left(model: Model, i: int, j: int) -> float:
     """Log of the share of the torque of joint `i` that the description of joint `j` leaves."""
     rows = model.counted[:, i] | model.counted[:, j]
     u, p = model.measured[rows, i], model.total[rows, j]
-    return float(np.log(max(rms(u - p) / max(rms(u), 1e-300), 1e-3)))
+    return float(np.log(max(_size(u - p) / max(_size(u), 1e-300), 1e-3)))
 
 
 @check
@@ -154,7 +155,7 @@ def _torque_model(log: Log) -> Iterator[Seen]:
     model, shares = model_of(log), {}
     for j in model.joints:
         rows = model.counted[:, j]
-        shares[j] = rms(model.measured[rows, j] - model.total[rows, j]) / max(rms(model.measured[rows, j]), 1e-300)
+        shares[j] = _size(model.measured[rows, j] - model.total[rows, j]) / max(_size(model.measured[rows, j]), 1e-300)
     if not shares:
         raise NotJudgedError("no joint moves long enough")
     yield Seen(float(np.median([*shares.values()])), tuple(f"motor.effort.{log.joints[j]}" for j in shares))
@@ -178,11 +179,11 @@ def _saturation(log: Log) -> Iterator[Seen]:
 @check
 def _gravity_direction(log: Log) -> Iterator[Seen]:
     model = model_of(log)
-    heavy = [j for j in model.joints if rms(model.gravity[:, j]) > 0.3 * rms(model.measured[:, j])]
+    heavy = [j for j in model.joints if _size(model.gravity[:, j]) > 0.3 * _size(model.measured[:, j])]
     if not heavy or not np.any(model.robot.gravity):
         raise NotJudgedError("gravity is no large part of any torque")
     few = slice(0, None, max(1, len(log.t) // _GRAVITY_ROWS))
-    weight = 1 / np.array([rms(model.measured[:, j]) for j in heavy])
+    weight = 1 / np.array([_size(model.measured[:, j]) for j in heavy])
     q, rest = model.q[few], (model.measured - model.motion - model.friction)[few]
     rest = rest - model.robot.drive.motor_torque(log.arm.spring_torque(q))
     size = float(np.linalg.norm(model.robot.gravity))

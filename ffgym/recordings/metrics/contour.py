@@ -7,6 +7,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.recordings import Phase, Recording
 from ffgym.recordings.metrics.path_error import standstill_offset
@@ -176,8 +177,8 @@ def _figures(contour: Contour, phase: Phase, within: BoolArray) -> ContourError:
         label=phase.label,
         start=phase.start,
         end=phase.end,
-        rms=float(np.sqrt(np.mean(distance**2))),
+        rms=rms(distance),
         max=float(distance.max()),
-        lag_rms=float(np.sqrt(np.mean(lag**2))),
+        lag_rms=rms(lag),
         lag_max=float(lag.max()),
     )

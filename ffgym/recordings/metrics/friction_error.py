@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
 from ffgym.recordings import Recording
 
@@ -24,6 +25,6 @@ def friction_miss(recording: Recording, rows: BoolArray | None = None) -> Array:
 
 def relative_rms(difference: Array, whole: Array) -> Array:
     """RMS of `difference` over RMS of `whole`, both shape (T, N), per column, shape (N,); 0 where `whole` is zero."""
-    size = np.sqrt(np.mean(whole**2, axis=0))
-    error = np.sqrt(np.mean(difference**2, axis=0))
+    size = rms(whole, 0)
+    error = rms(difference, 0)
     return np.asarray(np.divide(error, size, out=np.zeros_like(size), where=size > 0))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.recordings import Recording
 
@@ -30,4 +31,4 @@ def motor_error_rms(recording: Recording) -> Array:
         raise FFGymError(
             f"Recording {recording.header.segment!r} is all standstill, so it has no motor error to score."
         )
-    return np.asarray(np.sqrt(np.mean(motor_error(recording)[moving] ** 2, axis=0)))
+    return rms(motor_error(recording)[moving], 0)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.recordings import Phase, Recording
 from ffgym.recordings.metrics.circle import Circle, fit_circle
@@ -110,8 +111,8 @@ def _on_circle(recording: Recording, phase: Phase, tcp: Array) -> PathError:
         label=phase.label,
         radius=circle.radius,
         speed=2 * np.pi * circle.radius / (phase.end - phase.start),
-        rms=float(np.sqrt(np.mean(outward**2))),
+        rms=rms(outward),
         max=float(np.abs(outward).max()),
-        rms_3d=float(np.sqrt(np.mean(distance**2))),
+        rms_3d=rms(distance),
         max_3d=float(distance.max()),
     )

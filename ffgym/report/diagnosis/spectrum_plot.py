@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.patterns import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
@@ -95,4 +96,4 @@ def _deviation(rows: LogRows, component: int) -> float:
     known = np.isfinite(values)
     count = np.bincount(motion[known], minlength=motion.max() + 1)
     mean = np.bincount(motion[known], weights=values[known], minlength=len(count)) / np.maximum(count, 1)
-    return float(np.sqrt(np.mean((values[known] - mean[motion[known]]) ** 2)))
+    return rms(values[known] - mean[motion[known]])

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ffgym.core.errors import FFGymError, check_choice, check_whole
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx.model import NarxModel, Regressors, joint_models
 from ffgym.diagnosis.identification.narx.problems import Prediction, Samples, Simulation, check_alike, split
@@ -102,7 +103,7 @@ def _random(records: Sequence[Samples], rng: np.random.Generator, structure: Str
     """Weights before a fit: slopes of about the size of the regressors, as those are of size 1."""
     n = records[0].torque.shape[1]
     speed = np.max([np.abs(record.motor_dq).max(axis=0) for record in records], axis=0)
-    torque = np.max([np.sqrt(np.mean(record.torque**2, axis=0)) for record in records], axis=0)
+    torque = np.max([rms(record.torque, 0) for record in records], axis=0)
     shape = (n, structure.n_neurons, structure.regressors.count)
     return NarxModel(
         input_weights=2.0 * rng.normal(size=shape),

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg.lapack import dtbtrs
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.narx.model import NarxModel, sigmoid
 
@@ -57,8 +58,8 @@ class Misfit:
     @classmethod
     def of(cls, estimate: Array, torque: Array) -> "Misfit":
         """Compare two torques [N m], (T, N) each."""
-        rms = _rms(estimate - torque)
-        return cls(rms=rms, share=_over(rms, _rms(torque)), fit=100 * (1 - _over(rms, torque.std(axis=0))))
+        error = rms(estimate - torque, 0)
+        return cls(rms=error, share=_over(error, rms(torque, 0)), fit=100 * (1 - _over(error, torque.std(axis=0))))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -119,10 +120,6 @@ def _checked_marks(scored: Any, n: int) -> BoolArray:
 
 def _over(error: Array, size: Array) -> Array:
     return np.divide(error, size, out=np.full_like(error, np.nan), where=size > 0)
-
-
-def _rms(values: Array) -> Array:
-    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
 
 
 STEEPEST = 1e100

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.rigid_body.observation import Filtering
 from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS, Motion, Term, rigid_motion, terms_named
@@ -140,7 +141,7 @@ def excitation_condition(reference: Reference, terms: Sequence[str] = DEFAULT_TE
     motion = rigid_motion(robot, reference.q, reference.dq, reference.ddq)
     columns = np.concatenate([part for term in parts for part in term.columns(robot, motion)], axis=1)
     described = np.concatenate([term.described(robot) for term in parts])
-    size = np.sqrt(np.mean(np.einsum("tkn,k->tn", columns, described) ** 2, axis=0))
+    size = rms(np.einsum("tkn,k->tn", columns, described), 0)
     moving = np.abs(motion.motor_dq / robot.drive.gear_ratio) > Filtering().moving
     return condition_number(columns / np.where(size > 0, size, 1.0), moving, base_parameters(robot, parts))
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.rigid_body.observation import Filtering, equations_of
 from ffgym.diagnosis.identification.rigid_body.terms import BODIES, DEFAULT_TERMS, ROTOR_INERTIA, terms_named
@@ -100,7 +101,7 @@ def _density(robot: RobotDescription, recordings: Sequence[Recording], filtering
     described = np.concatenate([term.described(robot) for term in equations.terms])
     masses = np.einsum("rkn,k->rn", equations.columns[:, is_mass], described[is_mass])
     columns = np.concatenate([masses[:, None], equations.columns[:, ~is_mass]], axis=1).swapaxes(1, 2)
-    size = np.sqrt(np.mean(equations.torque**2, axis=0))
+    size = rms(equations.torque, 0)
     size = np.where(size > 0, size, 1.0)
     rows = (columns / size[:, None])[equations.counts]
     density = float(np.linalg.lstsq(rows, (equations.torque / size)[equations.counts], rcond=None)[0][0])

@@ -1,0 +1,17 @@
+"""Measures of numbers that every room takes alike."""
+
+from typing import overload
+
+import numpy as np
+
+from ffgym.core.types import Array
+
+
+@overload
+def rms(values: Array, axis: None = None) -> float: ...
+@overload
+def rms(values: Array, axis: int | tuple[int, ...]) -> Array: ...
+def rms(values: Array, axis: int | tuple[int, ...] | None = None) -> float | Array:
+    """Root mean square of `values`, of all or along some axes."""
+    size = np.sqrt(np.mean(values**2, axis=axis))
+    return float(size) if axis is None else np.asarray(size)
