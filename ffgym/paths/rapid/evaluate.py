@@ -15,15 +15,12 @@ from ffgym.paths.rapid.syntax import (
     Chain,
     Declaration,
     Expression,
-    Instruction,
-    Number,
+    Literal,
     Option,
     Place,
     Procedure,
     Reference,
     Signed,
-    Text,
-    Truth,
 )
 from ffgym.paths.rapid.targets import turn
 
@@ -199,10 +196,8 @@ def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
         found, value = scope.get(expression)
     elif isinstance(expression, Call):
         found, value = _call(scope, expression)
-    elif isinstance(expression, Text):
-        found, value = STRING, expression.value
-    elif isinstance(expression, Truth):
-        found, value = BOOL, expression.value
+    elif isinstance(expression, Literal) and not isinstance(expression.value, float):
+        found, value = BOOL if isinstance(expression.value, bool) else STRING, expression.value
     else:
         found, value = NUM, _number(scope, expression)
     if found != wanted:
@@ -210,9 +205,7 @@ def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
     return value
 
 
-def arguments_of(
-    scope: Scope, call: Call | Instruction, parameters: Sequence[Parameter]
-) -> tuple[list[Value], Options]:
+def arguments_of(scope: Scope, call: Call, parameters: Sequence[Parameter]) -> tuple[list[Value], Options]:
     """Values of the required arguments of a call, and of the optional ones by name; a switch that is on is True.
 
     Raises:
@@ -287,10 +280,10 @@ def _call(scope: Scope, call: Call) -> tuple[Type, Value]:
     return function.result, value
 
 
-def _number(scope: Scope, expression: Number | Signed | Chain) -> float:
+def _number(scope: Scope, expression: Literal | Signed | Chain) -> float:
     """Value of a literal, a signed operand, or a chain of operations."""
-    if isinstance(expression, Number):
-        value = expression.value
+    if isinstance(expression, Literal):
+        value = float(expression.value)
     elif isinstance(expression, Signed):
         value = evaluate(scope, expression.operand, NUM) * (-1 if expression.negative else 1)
     else:

@@ -25,7 +25,6 @@ from ffgym.paths.rapid.syntax import (
     Call,
     Declaration,
     Expression,
-    Instruction,
     Module,
     Place,
     Procedure,
@@ -95,7 +94,7 @@ class MoveBuilder:
     _tool: tuple[Value, Place] | None = None
     """The tool that all moves share, and where it was first seen."""
 
-    def move(self, scope: Scope, instruction: Instruction) -> None:
+    def move(self, scope: Scope, instruction: Call) -> None:
         """Add the move of an instruction of MOVES.
 
         Raises:
@@ -269,7 +268,7 @@ class Interpreter:
         else:
             self._call(statement)
 
-    def _switch(self, instruction: Instruction) -> None:
+    def _switch(self, instruction: Call) -> None:
         """ConfJ decides whether MoveJ follows robconf; the others say what holds anyway."""
         name, allowed = instruction.name, SWITCHES[instruction.name.lower()]
         options = [option for argument in instruction.arguments for option in argument.options]
@@ -281,7 +280,7 @@ class Interpreter:
         if name.lower() == "confj":
             self.builder.configured = switch == "on"
 
-    def _wait(self, instruction: Instruction) -> None:
+    def _wait(self, instruction: Call) -> None:
         r"""WaitTime, maybe with \InPos, which a robot that stands still fulfils."""
         arguments = instruction.arguments
         if len(arguments) == 2 and arguments[0].value is None and arguments[0].names() == ["inpos"]:
@@ -289,14 +288,14 @@ class Interpreter:
         (time,), _ = arguments_of(self.scope, instruction, _WAIT_TIME)
         self.builder.wait(instruction.place, time)
 
-    def _acc_set(self, instruction: Instruction) -> None:
+    def _acc_set(self, instruction: Call) -> None:
         """AccSet with the values that hold anyway."""
         if arguments_of(self.scope, instruction, _ACC_SET)[0] != [100.0, 100.0]:
             raise instruction.place.error(
                 "AccSet is supported as AccSet 100, 100 only; acceleration is limited for the whole motion."
             )
 
-    def _call(self, instruction: Instruction) -> None:
+    def _call(self, instruction: Call) -> None:
         place = instruction.place
         procedure = self.procedures.get(instruction.name.lower())
         if procedure is None:

@@ -15,16 +15,13 @@ from ffgym.paths.rapid.syntax import (
     Call,
     Chain,
     Declaration,
-    Instruction,
+    Literal,
     Module,
-    Number,
     Option,
     Place,
     Procedure,
     Reference,
     Signed,
-    Text,
-    Truth,
 )
 
 
@@ -206,20 +203,16 @@ class _Builder(Transformer[Token, Module]):
         name, declarations, statements = children[-4:-1]
         return Procedure(str(name), declarations, statements, self._place(name))
 
-    def declarations(self, *children: Declaration) -> tuple[Declaration, ...]:
-        return children
-
-    def statements(self, *children: Any) -> tuple[Any, ...]:
-        return children
-
     def assignment(self, target: Reference, value: Any) -> Assignment:
         return Assignment(target, value)
 
-    def instruction(self, name: Token, arguments: tuple[Argument, ...] | None) -> Instruction:
-        return Instruction(str(name), arguments or (), self._place(name))
+    def instruction(self, name: Token, arguments: tuple[Argument, ...] | None) -> Call:
+        return Call(str(name), arguments or (), self._place(name))
 
-    def arguments(self, *children: Argument) -> tuple[Argument, ...]:
+    def arguments(self, *children: Any) -> tuple[Any, ...]:
         return children
+
+    declarations = statements = arguments
 
     def argument(self, value: Any, *options: Option) -> Argument:
         return value if isinstance(value, Argument) else Argument(value, options)
@@ -236,14 +229,14 @@ class _Builder(Transformer[Token, Module]):
     def signed(self, sign: Token, operand: Any) -> Signed:
         return Signed(sign.type == "MINUS", operand, self._place(sign))
 
-    def number(self, token: Token) -> Number:
-        return Number(float(token), self._place(token))
+    def number(self, token: Token) -> Literal:
+        return Literal(float(token), self._place(token))
 
-    def text(self, token: Token) -> Text:
-        return Text(token[1:-1].replace('""', '"'), self._place(token))
+    def text(self, token: Token) -> Literal:
+        return Literal(token[1:-1].replace('""', '"'), self._place(token))
 
-    def truth(self, token: Token) -> Truth:
-        return Truth(token.type == "TRUE", self._place(token))
+    def truth(self, token: Token) -> Literal:
+        return Literal(token.type == "TRUE", self._place(token))
 
     def reference(self, *names: Token) -> Reference:
         return Reference(tuple(str(name) for name in names), self._place(names[0]))

@@ -36,26 +36,10 @@ def unified(text: str) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
-    """Number as written, >= 0."""
+class Literal:
+    """Number >= 0, text or truth value, as written."""
 
-    value: float
-    place: Place
-
-
-@dataclass(frozen=True, slots=True)
-class Text:
-    """Text between quotes."""
-
-    value: str
-    place: Place
-
-
-@dataclass(frozen=True, slots=True)
-class Truth:
-    """TRUE or FALSE."""
-
-    value: bool
+    value: float | str | bool
     place: Place
 
 
@@ -126,14 +110,14 @@ class Argument:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """Function with its arguments."""
+    """Function, instruction or procedure with its arguments."""
 
     name: str
     arguments: tuple[Argument, ...]
     place: Place
 
 
-Expression: TypeAlias = Number | Text | Truth | Reference | Aggregate | Chain | Signed | Call
+Expression: TypeAlias = Literal | Reference | Aggregate | Chain | Signed | Call
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,16 +144,7 @@ class Assignment:
         return self.target.place
 
 
-@dataclass(frozen=True, slots=True)
-class Instruction:
-    """Instruction, or the call of a procedure, with its arguments."""
-
-    name: str
-    arguments: tuple[Argument, ...]
-    place: Place
-
-
-Statement: TypeAlias = Assignment | Instruction
+Statement: TypeAlias = Assignment | Call
 
 
 @dataclass(frozen=True, slots=True)

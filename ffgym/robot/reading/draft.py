@@ -221,7 +221,7 @@ class RobotDraft:
 
 def stand_ins(values: Mapping[str, Array], n_joints: int, size: float = 1.0) -> dict[str, Array]:
     """Valid numbers of about `size` for all required entries, with those of `values` that they must fit."""
-    ins = {path: np.full(_shape(path, n_joints), size) for path in REQUIRED}
+    ins = {path: np.full(RULES[path].shape_for(n_joints), size) for path in REQUIRED}
     ins["kinematics.axis"] = np.tile([0.0, 0.0, 1.0], (n_joints, 1))
     home = np.broadcast_to(values.get("work_area.home", 0.0), n_joints)
     ins["kinematics.range"] = np.column_stack([np.minimum(-size, home), np.maximum(size, home)])
@@ -231,7 +231,3 @@ def stand_ins(values: Mapping[str, Array], n_joints: int, size: float = 1.0) -> 
     for first, second in (("friction.coulomb", "friction.static"), ("servo.control_dt", "simulation.physics_dt")):
         ins[first], ins[second] = values.get(second, ins[first]), values.get(first, ins[second])
     return ins
-
-
-def _shape(path: str, n_joints: int) -> tuple[int, ...]:
-    return tuple(n_joints if s == "N" else int(s) for s in RULES[path].shape)

@@ -58,6 +58,10 @@ class Rule:
     sliding: str = ""
     """The same for a sliding joint, where its unit is another."""
 
+    def shape_for(self, n_joints: int) -> tuple[int, ...]:
+        """Wanted shape for a number of joints."""
+        return tuple(n_joints if s == "N" else int(s) for s in self.shape)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointFrame:
@@ -179,7 +183,7 @@ def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Qua
         raise FFGymError(
             f"{path} lacks {missing} and has unknown keys {unknown}; it needs value, unit, origin, source."
         )
-    side = table.get("side")
+    side, shape = table.get("side"), rule.shape_for(joints.n_joints)
     factors = gear_factors(path, rule, side, joints) * unit_factors(path, table["unit"], rule, side, joints)
     origin = _origins(path, table["origin"], joints.n_joints)
     fitted = "fitted" in origin
@@ -188,37 +192,37 @@ def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Qua
     if "interval" in table and not fitted:
         raise FFGymError(f"{path}: interval belongs to origin 'fitted', and to no other, got {origin}.")
     return Quantity(
-        value=_checked_value(path, table["value"], rule, joints.n_joints, factors),
+        value=_checked_value(path, table["value"], rule, shape, factors),
         unit=", ".join(si_units(rule, rule.side, joints)),
         side=rule.side,
         origin=origin,
         source=_text(path, "source", table["source"]),
-        prior=_checked_value(path + ".prior", table["prior"], rule, joints.n_joints, factors) if fitted else None,
+        prior=_checked_value(path + ".prior", table["prior"], rule, shape, factors) if fitted else None,
         prior_source=_text(path, "prior_source", table["prior_source"]) if fitted else None,
-        interval=_interval(path, table["interval"], rule, joints.n_joints, factors) if "interval" in table else None,
+        interval=_interval(path, table["interval"], shape, factors) if "interval" in table else None,
     )
 
 
-def _interval(path: str, value: Any, rule: Rule, n_joints: int, factors: Array | float) -> Array:
-    """Intervals in SI units, read-only, shape (..., 2)."""
-    shape = (*(n_joints if s == "N" else int(s) for s in rule.shape), 2)
+def _numbers(path: str, value: Any, shape: tuple[int, ...], *, infinite: bool) -> Array:
+    """Array of nested lists of numbers, finite unless `infinite`."""
     if not _only_numbers(value):
-        raise FFGymError(f"{path}.interval must be numbers, got {value!r}.")
-    check_shape(f"{path}.interval", _without_infinity(value), shape)
-    ends = np.array(value, dtype=np.float64) * np.asarray(factors)[..., None]
+        raise FFGymError(f"{path} must be numbers, got {value!r}.")
+    check_shape(path, _without_infinity(value) if infinite else value, shape)
+    return np.array(value, dtype=np.float64)
+
+
+def _interval(path: str, value: Any, shape: tuple[int, ...], factors: Array) -> Array:
+    """Intervals in SI units, read-only, shape (..., 2)."""
+    ends = _numbers(f"{path}.interval", value, (*shape, 2), infinite=True) * factors[..., None]
     if np.any(ends[..., 0] > ends[..., 1]):
         raise FFGymError(f"{path}.interval = {value} must have its lower ends first.")
     ends.flags.writeable = False
     return ends
 
 
-def _checked_value(path: str, value: Any, rule: Rule, n_joints: int, factors: Array | float) -> Array:
+def _checked_value(path: str, value: Any, rule: Rule, shape: tuple[int, ...], factors: Array) -> Array:
     """Numbers in SI units, read-only."""
-    shape = tuple(n_joints if s == "N" else int(s) for s in rule.shape)
-    if not _only_numbers(value):
-        raise FFGymError(f"{path} must be numbers, got {value!r}.")
-    check_shape(path, _without_infinity(value) if rule.infinite else value, shape)
-    array = np.array(value, dtype=np.float64)
+    array = _numbers(path, value, shape, infinite=rule.infinite)
     if np.any(array < rule.low) or (rule.open_low and np.any(array == rule.low)):
         raise FFGymError(f"{path} = {array.tolist()} must be {'>' if rule.open_low else '>='} {rule.low} {rule.unit}.")
     if rule.nonzero and np.any(array == 0):

@@ -44,7 +44,7 @@ def filled_entry(proposal: Proposal, rule: Rule, types: tuple[str, ...]) -> list
 
 def empty_entry(path: str, rule: Rule, types: tuple[str, ...]) -> list[str]:
     """Lines of an entry that waits for numbers."""
-    value = np.full(tuple(len(types) if s == "N" else int(s) for s in rule.shape), np.nan)
+    value = np.full(rule.shape_for(len(types)), np.nan)
     lines = filled_entry(Proposal(path=path, value=value, source="?", origin="sourced", side=rule.side), rule, types)
     if rule.side == LINK and rule.gear_power is None:  # angles of joints are read in degrees
         lines[2] = lines[2].replace('"rad', '"deg')

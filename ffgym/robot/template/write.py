@@ -113,7 +113,7 @@ def _block(path: str, rule: Rule, hint: Proposal | None, types: tuple[str, ...])
 
 def _help(path: str, rule: Rule, types: tuple[str, ...]) -> list[str]:
     """What an entry is, how large it usually is, where it is found, and what it is for."""
-    size = " x ".join(str(len(types) if s == "N" else s) for s in rule.shape)
+    size = " x ".join(map(str, rule.shape_for(len(types))))
     sides = f"; as it counts on the {rule.side} side, or on the other, said by side" if rule.gear_power else ""
     numbers = f"{size} numbers" if size else "One number"
     return [
