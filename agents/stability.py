@@ -39,7 +39,7 @@ from ffgym.control.setpoints import torque_at_rows
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array, BoolArray, ComplexArray, IntArray
 from ffgym.paths import Reference
-from ffgym.report.learning.learning_plot import LearningCurves
+from ffgym.report.learning_plots import LearningCurves
 from ffgym.robot import RigidArm
 from ffgym.simulation import RECORD_DT
 

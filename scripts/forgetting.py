@@ -27,7 +27,7 @@ from ffgym.control import StaticLuGre
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.report import save_figure
-from ffgym.report.learning.forgetting_plot import forgetting_figure
+from ffgym.report.learning_plots import forgetting_figure
 from ffgym.robot import RobotDescription, load_robot
 
 TOP_SPEED = 10.0

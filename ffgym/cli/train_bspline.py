@@ -235,7 +235,7 @@ class Stability(Procedure):
     def _draw(self, network: BSplineNetwork, arm: RigidArm, motion: Reference, iterations: int, path: Path) -> None:
         from ffgym.agents.stability import learning_curves
         from ffgym.report import save_figure
-        from ffgym.report.learning.learning_plot import learning_caption, learning_figure
+        from ffgym.report.learning_plots import learning_caption, learning_figure
 
         trial = SimulatedTrial(arm=arm, record_dt=self.record_dt, n_threads=self.threads)
         curves = learning_curves(network, trial, motion, self.figure_rates, iterations, signal=self.signal)

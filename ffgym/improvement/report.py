@@ -11,7 +11,7 @@ from ffgym.report import Column, Note, Page, ReportFigure, Section, Table, fille
 from ffgym.report.circles.comparison import percent
 from ffgym.report.circles.paths_plot import paths_caption, paths_figure
 from ffgym.report.diagnosis.words import size_text, title_of
-from ffgym.report.learning.agents_plot import agents_figure
+from ffgym.report.learning_plots import agents_figure
 from ffgym.report.table import pair
 
 

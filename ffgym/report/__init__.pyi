@@ -17,8 +17,8 @@ from .figure import check_figure as check_figure
 from .figure import panels as panels
 from .figure import save_figure as save_figure
 from .laws import law_styles as law_styles
-from .learning.trials_plot import TrialCurves as TrialCurves
-from .learning.trials_plot import trials_figure as trials_figure
+from .learning_plots import TrialCurves as TrialCurves
+from .learning_plots import trials_figure as trials_figure
 from .motion.page import format_motion as format_motion
 from .motion.page import render_motion_page as render_motion_page
 from .page import Details as Details

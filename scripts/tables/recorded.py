@@ -23,9 +23,9 @@ from ffgym.diagnosis.residual import Residual
 from ffgym.logs import read_log
 from ffgym.published import EMPS_ASYMMETRIC, EMPS_SYMMETRIC, KR300_FRICTION, EmpsModel
 from ffgym.recordings import Recording
-from ffgym.report.diagnosis.map_plot import map_figure
-from ffgym.report.diagnosis.models import by_model
-from ffgym.report.diagnosis.profiles_plot import profiles_figure
+from ffgym.report.diagnosis.evidence import profiles_figure
+from ffgym.report.diagnosis.maps import map_figure
+from ffgym.report.diagnosis.words import by_model
 from ffgym.report.robot.torque_plot import torque_figure
 from ffgym.robot import RobotDescription, compile_model, load_robot, physics_fingerprint
 from ffgym.studies.torque_prediction import CUTOFF, MOVING, TorquePrediction, predict_torque

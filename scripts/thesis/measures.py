@@ -18,7 +18,7 @@ from ffgym.recordings import Recording
 from ffgym.recordings.metrics import friction_miss, motor_error, motor_error_rms
 from ffgym.report import circle_tables
 from ffgym.report.circles.comparison import reduction
-from ffgym.report.circles.friction_loops import unlike
+from ffgym.report.circles.friction_plot import unlike
 from ffgym.studies import CircleStudy
 from ffgym.studies.one_axis import SETTLED
 from scripts.thesis.claims import BEND

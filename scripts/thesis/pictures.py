@@ -11,28 +11,33 @@ from ffgym.agents.trials import SimulatedTrial, thesis_motions
 from ffgym.paths import SPEEDS
 from ffgym.published import FRICTION_RECORDS
 from ffgym.report import ReportFigure, law_styles
-from ffgym.report.circles.bars import motor_error_caption, motor_error_figure
-from ffgym.report.circles.friction_loops import (
+from ffgym.report.circles.errors_plot import motor_error_caption, motor_error_figure
+from ffgym.report.circles.friction_plot import (
     joint_loops_caption,
     joint_loops_figure,
+    one_axis_caption,
+    one_axis_figure,
     one_axis_loops_caption,
     one_axis_loops_figure,
 )
-from ffgym.report.circles.one_axis_plot import one_axis_caption, one_axis_figure
 from ffgym.report.circles.paths_plot import paths_caption, paths_figure
 from ffgym.report.identification import friction_loops_figure, friction_over_time_figure
 from ffgym.report.identification.friction_plots import stribeck_figure
-from ffgym.report.learning.agents_plot import agents_figure
-from ffgym.report.learning.basis_plot import basis_figure
-from ffgym.report.learning.feedback_plot import feedback_over_speed_figure, feedback_parts_figure
-from ffgym.report.learning.learning_plot import learning_caption, learning_figure
-from ffgym.report.learning.training_plot import Training, training_caption, training_figure
+from ffgym.report.learning_plots import agents_figure, learning_caption, learning_figure
 from ffgym.robot import RigidArm
 from ffgym.studies import CircleStudy
 from scripts.thesis.laboratory import Laboratory
 from scripts.thesis.measures import record_share, top_speeds
 from scripts.thesis.narx import ESTIMATION, VALIDATION, record_name
 from scripts.thesis.narx_plot import fits_figure, narx_figure
+from scripts.thesis.network_plots import (
+    Training,
+    basis_figure,
+    feedback_over_speed_figure,
+    feedback_parts_figure,
+    training_caption,
+    training_figure,
+)
 from scripts.thesis.tables import VALIDATING, fit_of_static, mean_rms, spread
 
 if TYPE_CHECKING:

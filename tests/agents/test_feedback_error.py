@@ -13,7 +13,7 @@ from ffgym.agents.lffc import LFFC
 from ffgym.agents.trials import Lesson
 from ffgym.control import StaticLuGre
 from ffgym.core.errors import FFGymError
-from ffgym.report.learning.forgetting_plot import forgetting_figure
+from ffgym.report.learning_plots import forgetting_figure
 from ffgym.simulation import Run
 from ffgym.studies import sine_references
 from scripts.forgetting import compare

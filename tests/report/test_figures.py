@@ -9,11 +9,9 @@ from matplotlib.colors import to_hex
 from ffgym.core.errors import FFGymError
 from ffgym.recordings.metrics import motor_error, motor_error_rms, relative_rms
 from ffgym.report import circle_figures, one_axis_figures, save_figure
-from ffgym.report.circles.bars import motor_error_figure
-from ffgym.report.circles.friction_loops import joint_loops_caption, joint_loops_figure
-from ffgym.report.circles.one_axis_plot import one_axis_figure
+from ffgym.report.circles.errors_plot import motor_error_figure, ratios_figure
+from ffgym.report.circles.friction_plot import joint_loops_caption, joint_loops_figure, one_axis_figure
 from ffgym.report.circles.paths_plot import flat_circles, magnification_of, paths_figure
-from ffgym.report.circles.ratios_plot import ratios_figure
 from ffgym.report.figure import encode_figure
 from ffgym.report.laws import law_styles
 
@@ -168,7 +166,7 @@ def test_drawing_does_not_load_pyplot():
     code = """
 import sys
 from ffgym.report.figure import encode_figure
-from ffgym.report.circles.one_axis_plot import one_axis_figure
+from ffgym.report.circles.friction_plot import one_axis_figure
 from ffgym.robot import load_robot
 from ffgym.studies import one_axis_study
 picture = encode_figure(one_axis_figure(one_axis_study(load_robot("one_axis"), frequencies=[3.0]), 3.0), "png")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.report.learning.learning_plot import LearningCurves, learning_caption, learning_figure
+from ffgym.report.learning_plots import LearningCurves, learning_caption, learning_figure
 
 
 @pytest.fixture

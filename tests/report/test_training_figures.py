@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.report.learning.basis_plot import basis_figure
-from ffgym.report.learning.feedback_plot import feedback_over_speed_figure, feedback_parts_figure
-from ffgym.report.learning.training_plot import Training, training_caption, training_figure
+from scripts.thesis.network_plots import (
+    Training,
+    basis_figure,
+    feedback_over_speed_figure,
+    feedback_parts_figure,
+    training_caption,
+    training_figure,
+)
 
 JOINTS = ("j1", "j2")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.report.learning.trials_plot import TrialCurves, trials_figure
+from ffgym.report.learning_plots import TrialCurves, trials_figure
 
 ERRORS = np.array([[9.0, 4.0, 6.0], [2.0, 1.0, 4.0]])
 

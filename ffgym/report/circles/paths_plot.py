@@ -11,7 +11,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.paths.circles import Plane, plane_of
 from ffgym.recordings import Phase, Recording
 from ffgym.recordings.metrics import Circle, circle_deviation, fit_circle, magnification, magnified, standstill_offset
-from ffgym.report.figure import house_style, legend_above, new_figure
+from ffgym.report.figure import panels
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.report.tool_path import scale_words
 from ffgym.studies import CircleStudy
@@ -89,9 +89,7 @@ def paths_figure(
     columns = list(positions) if positions is not None else all_positions
     rows = list(speeds) if speeds is not None else all_speeds
     styles = law_styles(laws)
-    with house_style():
-        figure = new_figure(max(3.0 * len(columns), 5.0), 3.05 * len(rows) + 0.6)
-        grid = figure.subplots(len(rows), len(columns), squeeze=False)
+    with panels(len(rows), len(columns), size=(max(3.0 * len(columns), 5.0), 3.05 * len(rows) + 0.6)) as (figure, grid):
         for i, speed in enumerate(rows):
             factor = magnification_of(study, speed)
             for j, position in enumerate(columns):
@@ -101,7 +99,6 @@ def paths_figure(
                 grid[i][j].set_ylabel("y [mm]" if j == 0 else "")
                 grid[-1][j].set_xlabel("x [mm]")
             _share_limits(grid[i])
-        legend_above(figure, *grid[0][0].get_legend_handles_labels())
     return figure
 
 

@@ -7,17 +7,20 @@ import numpy as np
 
 from ffgym.diagnosis.regimes import log_rows, motion_map, regime_map
 from ffgym.diagnosis.residual import Channel
-from ffgym.report.diagnosis.candidates_plot import candidates_figure
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place, worst_motions
-from ffgym.report.diagnosis.joint_units import in_joint_units, scale_of
-from ffgym.report.diagnosis.levels_plot import levels_figure
-from ffgym.report.diagnosis.loops_plot import loops_caption, loops_figure
-from ffgym.report.diagnosis.map_plot import map_caption, map_figure
-from ffgym.report.diagnosis.models import by_model
-from ffgym.report.diagnosis.profiles_plot import profiles_caption, profiles_figure
-from ffgym.report.diagnosis.spectrum_plot import spectrum_caption, spectrum_figure
-from ffgym.report.diagnosis.time_plot import time_figure
-from ffgym.report.diagnosis.tool_plot import tool_caption, tool_figure
+from ffgym.report.diagnosis.evidence import (
+    loops_caption,
+    loops_figure,
+    profiles_caption,
+    profiles_figure,
+    spectrum_caption,
+    spectrum_figure,
+    time_figure,
+    tool_caption,
+    tool_figure,
+)
+from ffgym.report.diagnosis.maps import candidates_figure, levels_figure, map_caption, map_figure
+from ffgym.report.diagnosis.words import by_model, in_joint_units, scale_of
 from ffgym.report.figure import ReportFigure
 
 if TYPE_CHECKING:

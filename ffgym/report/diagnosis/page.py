@@ -6,9 +6,17 @@ from ffgym.diagnosis.regimes import REGIMES
 from ffgym.diagnosis.result import Cause, Diagnosis, Rival, SeparatingMotion, Unjudged
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.figures import candidate_figures, level_figures, map_figures, place_figures, tool_figures
-from ffgym.report.diagnosis.joint_units import in_joint_units
 from ffgym.report.diagnosis.text import compared_table, levels_table
-from ffgym.report.diagnosis.words import VERDICTS, place_of, rivals_of, signature_of, size_text, title_of, together
+from ffgym.report.diagnosis.words import (
+    VERDICTS,
+    in_joint_units,
+    place_of,
+    rivals_of,
+    signature_of,
+    size_text,
+    title_of,
+    together,
+)
 from ffgym.report.page import Code, Items, Note, Page, Part, Section
 from ffgym.report.table import Cell, Column, Table
 

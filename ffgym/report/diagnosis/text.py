@@ -4,9 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.result import Diagnosis, Level
-from ffgym.report.diagnosis.joint_units import in_joint_units
-from ffgym.report.diagnosis.models import FINE
-from ffgym.report.diagnosis.words import place_of, size_text, title_of, together
+from ffgym.report.diagnosis.words import FINE, in_joint_units, place_of, size_text, title_of, together
 from ffgym.report.table import Column, Table, filled
 from ffgym.robot import RobotDescription
 

@@ -10,7 +10,7 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.result import Diagnosis, Size
-from ffgym.report.diagnosis import DiagnosisReport, format_diagnosis, render_diagnosis_page
+from ffgym.report.diagnosis import DiagnosisReport, evidence, format_diagnosis, render_diagnosis_page
 from ffgym.report.diagnosis.words import VERDICTS, rivals_of
 from ffgym.robot import load_robot
 from tests.diagnosis.residual_samples import made_up
@@ -182,3 +182,8 @@ def test_what_calibration_allows_for_is_not_called_small_nor_unexplained():
     text = format_diagnosis(replace(diagnosis, verdict="none", levels=(level, large)))
     assert "allowed for" in text
     assert "NOT SMALL" not in text
+
+
+def test_a_joint_of_which_too_few_rows_count_has_no_picture_of_what_its_residual_depends_on(monkeypatch):
+    monkeypatch.setattr(evidence, "profiles", lambda *arguments: {})
+    assert evidence.profiles_figure({"the log": None}, "torque", 0, 0) is None

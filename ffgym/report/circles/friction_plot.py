@@ -1,4 +1,4 @@
-"""Friction over speed, true and as a law predicts it: thesis Figures 4.2, 4.4 and 5.11."""
+"""Friction over speed, and speed, error and feedback of one axis over time: thesis Figures 4.2 to 4.5 and 5.11."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -7,9 +7,9 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.recordings import Recording
-from ffgym.recordings.metrics import friction_miss, relative_rms
-from ffgym.report.figure import house_style, legend_above, new_figure
-from ffgym.report.laws import LawStyle, compensated, law_styles
+from ffgym.recordings.metrics import friction_miss, motor_error, relative_rms
+from ffgym.report.figure import panels
+from ffgym.report.laws import LawStyle, baseline_of, compensated, law_styles
 from ffgym.studies import CircleStudy, OneAxisStudy
 from ffgym.studies.one_axis import SETTLED
 
@@ -25,9 +25,13 @@ def one_axis_loops_figure(study: OneAxisStudy) -> "Figure":
     laws, frequencies = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
     styles = law_styles(laws)
     columns = compensated(laws)
-    with house_style():
-        figure = new_figure(max(4.4 * len(columns), 5.0), 2.9 * len(frequencies) + 0.4)
-        grid = figure.subplots(len(frequencies), len(columns), squeeze=False, sharex="row", sharey="row")
+    with panels(
+        len(frequencies),
+        len(columns),
+        size=(max(4.4 * len(columns), 5.0), 2.9 * len(frequencies) + 0.4),
+        sharex="row",
+        sharey="row",
+    ) as (figure, grid):
         for i, frequency in enumerate(frequencies):
             for j, law in enumerate(columns):
                 recording = study.recordings[law, frequency]
@@ -37,7 +41,6 @@ def one_axis_loops_figure(study: OneAxisStudy) -> "Figure":
                 grid[i][j].set_title(f"{styles[law].label}, {frequency:g} Hz")
                 grid[i][j].set_xlabel("motor speed of the reference [rad/s]")
             grid[i][0].set_ylabel("friction torque [N m]")
-        _legend(figure, grid[0])
     return figure
 
 
@@ -62,9 +65,13 @@ def joint_loops_figure(
     where = (position or positions[0], speed or speeds[0])
     columns = [law for law in compensated(agents) if law != beside] if laws is None else list(laws)
     styles, joints = law_styles(agents), study.robot.joints
-    with house_style():
-        figure = new_figure(max(4.2 * len(columns), 5.0), 1.75 * len(joints) + 0.7)
-        grid = figure.subplots(len(joints), len(columns), squeeze=False, sharex="row", sharey="row")
+    with panels(
+        len(joints),
+        len(columns),
+        size=(max(4.2 * len(columns), 5.0), 1.75 * len(joints) + 0.7),
+        sharex="row",
+        sharey="row",
+    ) as (figure, grid):
         for j, law in enumerate(columns):
             recording = study.recordings[(law, *where)]
             moving = ~recording.mask(kind="standstill")
@@ -77,7 +84,6 @@ def joint_loops_figure(
                 grid[i][j].set_title(f"{joint}, {styles[law].label}", fontsize=9)
                 grid[i][0].set_ylabel("torque [N m]")
             grid[-1][j].set_xlabel("motor speed of the reference [rad/s]")
-        _legend(figure, grid[0])
     return figure
 
 
@@ -154,7 +160,54 @@ def _column(recording: Recording, family: str, joint: int, rows: BoolArray) -> A
     return values[rows | np.roll(rows, 1)]
 
 
-def _legend(figure: "Figure", row: "Sequence[Axes]") -> None:
-    found = [axes.get_legend_handles_labels() for axes in row]
-    entries = {label: handle for handles, labels in found for handle, label in zip(handles, labels, strict=True)}
-    legend_above(figure, list(entries.values()), list(entries))
+SHOWN = 2.0
+"""Length of the stretch that is drawn [s], after the start has settled."""
+
+
+def one_axis_figure(study: OneAxisStudy, frequency: float) -> "Figure":
+    """Three rows (speed, error, feedback torque), one column per law that compensates, at `frequency` [Hz]."""
+    laws = [law for law, f in study.recordings if f == frequency]
+    styles, columns = law_styles(laws), compensated(laws)
+    before = baseline_of(laws)
+    with panels(3, len(columns), size=(max(4.6 * len(columns), 5.0), 6.2), sharex=True, sharey="row") as (figure, grid):
+        for j, law in enumerate(columns):
+            for name in dict.fromkeys((before, law)):
+                _draw_signals([grid[i][j] for i in range(3)], study.recordings[name, frequency], styles[name])
+            grid[0][j].set_title(f"{styles[law].label}, {frequency:g} Hz")
+            grid[2][j].set_xlabel("time [s]")
+        for row, label in zip(grid, ("motor speed [rad/s]", "motor error [mrad]", "feedback $u_c$ [N m]"), strict=True):
+            row[0].set_ylabel(label)
+        figure.align_ylabels()
+    return figure
+
+
+def one_axis_caption(study: OneAxisStudy, frequency: float) -> str:
+    """What the figure shows, with error and what of it is gone."""
+    results = [result for result in study.results if result.frequency_hz == frequency]
+    styles = law_styles(result.agent for result in results)
+    before = baseline_of([result.agent for result in results])
+    values = "; ".join(
+        f"{styles[result.agent].label} {result.motor_rms_rad * 1e3:.2f} mrad"
+        + ("" if result.agent == before else f" ({abs(result.reduction):.1%} {_way(result.reduction)})")
+        for result in results
+    )
+    return (
+        f"One axis following a sine of {frequency:g} Hz, {SHOWN:g} s after the start has settled: speed, motor "
+        f"position error and feedback torque, before ({styles[before].label}) and after. RMS motor error: {values}."
+    )
+
+
+def _way(reduction: float) -> str:
+    return "less" if reduction >= 0 else "more"
+
+
+def _draw_signals(column: "list[Axes]", recording: Recording, style: LawStyle) -> None:
+    rows = (recording.t >= SETTLED) & (recording.t <= SETTLED + SHOWN)
+    signals: tuple[Array, ...] = (
+        recording.joint_array("motor.velocity")[:, 0],
+        motor_error(recording)[:, 0] * 1e3,
+        recording.joint_array("feedback.effort")[:, 0],
+    )
+    for axes, signal in zip(column, signals, strict=True):
+        axes.plot(recording.t[rows], signal[rows], color=style.colour, linestyle=style.line, label=style.label)
+        axes.set_xlim(SETTLED, SETTLED + SHOWN)

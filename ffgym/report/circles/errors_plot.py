@@ -1,16 +1,84 @@
-"""Simulated over published path error, circle by circle: how near the simulation is to the real robot."""
+"""Motor errors per joint and law, and simulated over published path error: thesis Figures 4.6b to 4.12b."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ffgym.core.errors import FFGymError
+from ffgym.core.types import Array
+from ffgym.recordings.metrics import motor_error_rms
 from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, nearness
-from ffgym.report.figure import house_style, legend_above, new_figure
+from ffgym.report.figure import panels
 from ffgym.report.laws import LawStyle, law_styles
 from ffgym.studies import CircleStudy
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+def shown_positions(study: CircleStudy) -> list[str]:
+    """First and third position of a study, as in the thesis, or what there is of them."""
+    return list(dict.fromkeys(position for _, position, _ in study.recordings))[::2][:2]
+
+
+def motor_error_figure(study: CircleStudy, *, positions: Sequence[str] | None = None) -> "Figure":
+    """Bars per joint and law [mrad], motor side, standstill excluded: one column per speed, one row per position."""
+    laws, _, speeds = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
+    rows = shown_positions(study) if positions is None else list(positions)
+    styles = law_styles(laws)
+    with panels(len(rows), len(speeds), size=(max(4.0 * len(speeds), 5.0), 2.5 * len(rows) + 0.5), sharey="col") as (
+        figure,
+        grid,
+    ):
+        for i, position in enumerate(rows):
+            for j, speed in enumerate(speeds):
+                _draw_bars(grid[i][j], _errors(study, laws, position, speed), study.robot.joints, styles)
+                grid[i][j].set_title(f"{position}, {speed * 1e3:g} mm/s")
+            grid[i][0].set_ylabel("RMS motor error [mrad]")
+    return figure
+
+
+def motor_error_caption(study: CircleStudy) -> str:
+    """What the figure shows, and the joint that strays most at every speed of its first position."""
+    laws, _, speeds = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
+    styles = law_styles(laws)
+    position = shown_positions(study)[0]
+    peaks = []
+    for speed in speeds:
+        errors = _errors(study, laws, position, speed)
+        joint = int(np.argmax(errors[laws[0]]))
+        values = ", ".join(f"{errors[law][joint]:.2f} mrad with {styles[law].label}" for law in laws)
+        peaks.append(f"at {speed * 1e3:g} mm/s joint {study.robot.joints[joint]}: {values}")
+    return (
+        "RMS of the motor position error (reference minus motor), motor side, over the whole motion without "
+        "standstill. Scales differ between speeds; numbers stand over bars too low to see. "
+        f"Joint that strays most with {styles[laws[0]].label} at {position}: {'; '.join(peaks)}."
+    )
+
+
+def _errors(study: CircleStudy, laws: Sequence[str], position: str, speed: float) -> dict[str, Array]:
+    """RMS motor error by law [mrad], shape (N,) each."""
+    return {law: motor_error_rms(study.recordings[law, position, speed]) * 1e3 for law in laws}
+
+
+def _draw_bars(axes: "Axes", errors: dict[str, Array], joints: Sequence[str], styles: dict[str, LawStyle]) -> None:
+    width = 0.8 / len(errors)
+    places = np.arange(len(joints))
+    for k, (law, values) in enumerate(errors.items()):
+        x = places + (k - (len(errors) - 1) / 2) * width
+        axes.bar(x, values, width * 0.92, color=styles[law].colour, label=styles[law].label)
+        for left, value in zip(x, values, strict=True):
+            axes.annotate(_low(value, errors), (left, value), (0, 2), textcoords="offset points", ha="center", size=6.5)
+    axes.set_xticks(places, joints)
+    axes.grid(axis="x", visible=False)
+
+
+def _low(value: float, errors: dict[str, Array]) -> str:
+    """Number over a bar that is too low to see."""
+    return f"{value:.2g}" if value < 0.03 * max(float(values.max()) for values in errors.values()) else ""
+
 
 _TICKS = tuple(digit * 10.0**power for power in range(-4, 4) for digit in (1, 2, 5))
 
@@ -27,14 +95,15 @@ def ratios_figure(study: CircleStudy) -> "Figure":
             "No published path error for any circle of this study; Tables 4.1 and 4.2 have 10 and 40 mm/s."
         )
     styles = law_styles(tables[0].agents)
-    with house_style():
-        figure = new_figure(max(0.42 * len(tables[0].rows), 2.5) * len(tables) + 1.0, 3.9)
-        row = figure.subplots(1, len(tables), squeeze=False, sharey=True)[0]
+    with panels(1, len(tables), size=(max(0.42 * len(tables[0].rows), 2.5) * len(tables) + 1.0, 3.9), sharey=True) as (
+        figure,
+        grid,
+    ):
+        row = grid[0]
         for axes, table in zip(row, tables, strict=True):
-            _draw(axes, table, styles)
+            _draw_ratios(axes, table, styles)
         _set_scale(row[0], [ratio for table in tables for agent in styles for ratio in table.ratios(agent).values()])
         row[0].set_ylabel("RMS path error, simulated / published")
-        legend_above(figure, *row[0].get_legend_handles_labels())
     return figure
 
 
@@ -54,7 +123,7 @@ def ratios_caption(study: CircleStudy) -> str:
     )
 
 
-def _draw(axes: "Axes", table: SpeedTable, styles: dict[str, LawStyle]) -> None:
+def _draw_ratios(axes: "Axes", table: SpeedTable, styles: dict[str, LawStyle]) -> None:
     places = {(radius, position): x for x, (position, radius) in enumerate(_order(table))}
     axes.axhspan(1 / FACTOR, FACTOR, color="#e8e8e8", zorder=0, label=f"within a factor of {FACTOR:g}")
     axes.axhline(1, color="#444444", linewidth=0.8, zorder=1)

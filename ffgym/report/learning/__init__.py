@@ -1,1 +1,0 @@
-"""How laws learn: bases, training, trials, stability, forgetting, and comparison of agents."""
