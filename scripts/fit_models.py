@@ -13,7 +13,7 @@ from ffgym.agents.model import FITTED
 from ffgym.cli.improve import Improve
 from ffgym.core.provenance import versions
 from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named
-from ffgym.recordings.folder import read_folder
+from ffgym.recordings.io import read_folder
 
 COMMAND = "python -m scripts.fit_models"
 

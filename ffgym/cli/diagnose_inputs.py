@@ -17,8 +17,7 @@ from ffgym.logs import load_columns, read_logs
 from ffgym.logs.quality import conditioned_alike
 from ffgym.logs.read import corrected
 from ffgym.recordings import Recording, read_recording
-from ffgym.recordings.folder import read_folder, recording_files
-from ffgym.recordings.stored import SUFFIX, Stored
+from ffgym.recordings.io import SUFFIX, Stored, read_folder, recording_files
 from ffgym.robot import RobotDescription, RobotDraft, load_draft
 from ffgym.robot.template import completed_text
 from ffgym.simulation.plant import Machine, load_machine

@@ -9,7 +9,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.logs import read_logs as read_motions
 from ffgym.logs.quality import check_quality, conditioned_alike
 from ffgym.recordings import Recording
-from ffgym.recordings.folder import read_folder
+from ffgym.recordings.io import read_folder
 from ffgym.robot import RobotDescription
 
 _NEEDS = ("position", "torque")

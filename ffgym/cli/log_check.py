@@ -15,7 +15,7 @@ from ffgym.logs import read_logs
 from ffgym.logs.quality import QualityReport, check_quality
 from ffgym.logs.quality.check import Overall
 from ffgym.logs.quality.wiring import Mistake, find_wiring
-from ffgym.recordings.folder import recording_files
+from ffgym.recordings.io import recording_files
 from ffgym.robot import RobotDescription, load_draft
 from ffgym.simulation.plant.machine_file import is_machine_file
 

@@ -15,7 +15,7 @@ from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.files import write_json
 from ffgym.envs.machines import rig_of
-from ffgym.recordings.folder import INDEX
+from ffgym.recordings.io import INDEX
 from ffgym.robot import RobotDescription
 from ffgym.simulation import RECORD_DT, Rig, Sensor, SimulatedRig, TorqueSensor
 from ffgym.simulation.protocols import (

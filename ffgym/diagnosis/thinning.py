@@ -23,7 +23,7 @@ from ffgym.diagnosis.cells import CELL, Cells, Coarse, MotionRegressor, cells_of
 from ffgym.diagnosis.computing import on_one_thread
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.recordings import Recording
-from ffgym.recordings.stored import Stored
+from ffgym.recordings.io import Stored
 from ffgym.recordings.stretch import Span, started, stretches_of
 
 LENGTH = 10

@@ -9,7 +9,7 @@ from ffgym.agents.model import model_law
 from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.diagnosis.identification import friction_torques, identify_friction
 from ffgym.improvement.rounds import Plan, Round
-from ffgym.recordings.folder import read_folder
+from ffgym.recordings.io import read_folder
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import Rig
 from ffgym.simulation.run import Progress

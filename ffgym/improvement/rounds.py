@@ -19,7 +19,7 @@ from ffgym.diagnosis.search.search import MOST
 from ffgym.diagnosis.tuning import tuned
 from ffgym.effects import Origin
 from ffgym.recordings import Recording
-from ffgym.recordings.folder import read_folder
+from ffgym.recordings.io import read_folder
 from ffgym.robot import ModelOptions
 from ffgym.simulation import Rig
 from ffgym.simulation.plant import Machine, load_machine, save_machine

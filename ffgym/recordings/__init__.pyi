@@ -1,6 +1,10 @@
-from .folder import read_folder as read_folder
+from .header import PHASE_KINDS as PHASE_KINDS
 from .header import SCHEMA_VERSION as SCHEMA_VERSION
 from .header import Header as Header
+from .header import Phase as Phase
+from .header import PhaseKind as PhaseKind
+from .header import clipped as clipped
+from .io import read_folder as read_folder
 from .io import read_recording as read_recording
 from .io import write_recording as write_recording
 from .metrics import Circle as Circle
@@ -18,10 +22,6 @@ from .metrics import path_errors as path_errors
 from .metrics import relative_rms as relative_rms
 from .metrics import standstill_offset as standstill_offset
 from .metrics import start_offset as start_offset
-from .phase import PHASE_KINDS as PHASE_KINDS
-from .phase import Phase as Phase
-from .phase import PhaseKind as PhaseKind
-from .phase import clipped as clipped
 from .recording import Recording as Recording
 from .rewiring import Rewire as Rewire
 from .rewiring import Rewiring as Rewiring

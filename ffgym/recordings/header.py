@@ -1,24 +1,16 @@
 """What the numbers of a recording mean: robot, sides, torque semantics, phases, provenance."""
 
 import json
-from dataclasses import MISSING, asdict, dataclass, field, fields
+import re
+from collections.abc import Iterable
+from dataclasses import MISSING, asdict, dataclass, field, fields, replace
+from itertools import pairwise
 from typing import Any, Literal, Self, get_args
 
-from ffgym.core.errors import FFGymError, check_choice
-from ffgym.recordings.header_fields import (
-    as_bits,
-    as_coupling,
-    as_joint_types,
-    as_joints,
-    as_json,
-    as_payload,
-    as_phases,
-    as_ratios,
-    as_text,
-    as_texts,
-    as_units,
-)
-from ffgym.recordings.phase import Phase
+import numpy as np
+
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
+from ffgym.recordings.schema import USER_PREFIX
 
 SCHEMA_VERSION = 1
 """Version of the format; a reader refuses any other."""
@@ -28,6 +20,59 @@ TorqueSemantics = Literal["motor_side", "link_side", "current", "command", "unsp
 Hold = Literal["linear", "zoh", "sampled", "unspecified"]
 
 _CHOICES = {"position_side": PositionSide, "torque_semantics": TorqueSemantics, "hold": Hold}
+
+JOINT_NAME = re.compile(r"[A-Za-z0-9_/-]+")
+"""What a joint may be called, so that its name can end the names of columns."""
+
+PhaseKind = Literal["standstill", "lead_in", "circle", "lead_out", "motion"]
+PHASE_KINDS: tuple[PhaseKind, ...] = get_args(PhaseKind)
+"""Every kind of phase."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Phase:
+    """The rows with start <= t < end.
+
+    The interval is half open, so that touching phases share no row and cutting a recording moves no row to another
+    phase. To include the last row, end the phase one sample period after it.
+    """
+
+    label: str
+    """Name, for example `circle_2`; need not be unique."""
+    kind: PhaseKind
+    """What the robot does."""
+    start: float
+    """First instant [s], on the clock of `timestamp`."""
+    end: float
+    """First instant after the phase [s], > start."""
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.label, str) or not self.label:
+            raise FFGymError(f"Phase label must be non-empty text, got {self.label!r}.")
+        check_choice(f"kind of phase {self.label!r}:", self.kind, PHASE_KINDS)
+        for name in ("start", "end"):
+            value = check_number(f"Phase {self.label!r} {name}", getattr(self, name), unit="s")
+            object.__setattr__(self, name, value)
+        if self.end <= self.start:
+            raise FFGymError(f"Phase {self.label!r} ends at {self.end} s, must be after its start at {self.start} s.")
+
+    @classmethod
+    def from_dict(cls, values: Any) -> Self:
+        """Return the phase with the fields `values`.
+
+        Raises:
+            FFGymError: if `values` is not a dict with exactly the fields of a phase, all valid.
+        """
+        names = {"label", "kind", "start", "end"}
+        if not isinstance(values, dict) or set(values) != names:
+            raise FFGymError(f"A phase must be an object with {', '.join(sorted(names))}, got {values!r}.")
+        return cls(**values)
+
+
+def clipped(phases: Iterable[Phase], first: float, last: float) -> tuple[Phase, ...]:
+    """Phases cut to [first, last] s, without those that vanish."""
+    cut = ((phase, max(phase.start, first), min(phase.end, last)) for phase in phases)
+    return tuple(replace(phase, start=start, end=end) for phase, start, end in cut if start < end)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,3 +194,118 @@ class Header:
         known = [f.name for f in fields(cls)]
         for name in values:
             check_choice("header field", name, known)
+
+
+def as_text(name: str, value: Any, *, empty: bool = False) -> str:
+    """Text, not empty unless `empty` allows it."""
+    if not isinstance(value, str) or not (value or empty):
+        raise FFGymError(f"header {name} must be {'text' if empty else 'non-empty text'}, got {value!r}.")
+    return value
+
+
+def as_texts(name: str, value: Any) -> tuple[str, ...]:
+    """Tuple of text."""
+    if not isinstance(value, tuple | list) or not all(isinstance(item, str) for item in value):
+        raise FFGymError(f"header {name} must be a tuple of text, got {value!r}.")
+    return tuple(str(item) for item in value)
+
+
+def as_joints(value: Any) -> tuple[str, ...]:
+    """Joint names: distinct, safe in column names and files."""
+    joints = as_texts("joints", value)
+    if not joints or len(set(joints)) < len(joints):
+        raise FFGymError(f"header joints = {joints} must be at least one name, each once.")
+    for joint in joints:
+        if not JOINT_NAME.fullmatch(joint):
+            raise FFGymError(f"header joints: {joint!r} must be letters, digits or any of _ / -")
+    return joints
+
+
+def as_ratios(value: Any, n_joints: int) -> tuple[float, ...]:
+    """Gear ratios, one per joint, not zero."""
+    ratios = check_shape("header gear_ratio", value, (n_joints,))
+    if np.any(ratios == 0):
+        raise FFGymError(f"header gear_ratio = {tuple(ratios.tolist())} must not be zero; write 1 for a direct drive.")
+    return tuple(ratios.tolist())
+
+
+def as_coupling(value: Any, n_joints: int) -> tuple[tuple[float, ...], ...] | None:
+    """Matrix of couplings between axes, zero on its diagonal; None if there are none."""
+    if value is None:
+        return None
+    coupling = check_shape("header coupling", value, (n_joints, n_joints))
+    if np.any(np.diag(coupling)):
+        raise FFGymError(f"header coupling has {np.diag(coupling)} on its diagonal, must be 0; see gear_ratio.")
+    return tuple(tuple(row) for row in coupling.tolist())
+
+
+def as_joint_types(value: Any, n_joints: int) -> tuple[str, ...]:
+    """'hinge' or 'slide' for each joint; nothing is all hinges."""
+    types = as_texts("joint_types", value) or ("hinge",) * n_joints
+    for kind in types:
+        check_choice("header joint_types entry", kind, ("hinge", "slide"))
+    if len(types) != n_joints:
+        raise FFGymError(f"header joint_types = {types} must be one for each of {n_joints} joints.")
+    return types
+
+
+def as_bits(value: Any) -> int | None:
+    """Encoder resolution [bit], or None."""
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 64):
+        raise FFGymError(f"header encoder_bits = {value!r} must be an integer in [1, 64], or None.")
+    return value
+
+
+def as_phases(value: Any) -> tuple[Phase, ...]:
+    """Phases in order, without overlap."""
+    if not isinstance(value, tuple | list) or not all(isinstance(phase, Phase) for phase in value):
+        raise FFGymError(f"header phases must be a tuple of Phase, got {value!r}.")
+    for before, after in pairwise(value):
+        if after.start < before.end:
+            raise FFGymError(
+                f"Phase {after.label!r} starts at {after.start} s, before {before.label!r} ends at {before.end} s. "
+                "Phases must be in order and must not overlap."
+            )
+    return tuple(value)
+
+
+def as_payload(value: Any) -> dict[str, Any]:
+    """Payload with its mass [kg] and, where known, `com` [m] and `inertia` [kg m^2]."""
+    known = ("mass", "com", "inertia")
+    payload = as_json("payload", value)
+    for name in payload:
+        check_choice("header payload entry", name, known)
+    if "mass" not in payload:
+        raise FFGymError("header payload has no mass [kg]. Give 0 for none, or payload=None if unknown.")
+    payload["mass"] = check_number("header payload mass", payload["mass"], unit="kg", low=0.0)
+    for name, shape in (("com", (3,)), ("inertia", (3, 3))):
+        if name in payload:
+            payload[name] = check_shape(f"header payload {name}", payload[name], shape).tolist()
+    return payload
+
+
+def as_units(value: Any) -> dict[str, str]:
+    """Units of user columns."""
+    units = as_json("units", value)
+    for name, unit in units.items():
+        if not name.startswith(USER_PREFIX) or not isinstance(unit, str) or not unit:
+            raise FFGymError(f"header units: {name!r} = {unit!r} must be a user.<name> column with its unit as text.")
+    return units
+
+
+def as_json(name: str, value: Any) -> dict[str, Any]:
+    """Return `value` as it will be after a round trip through JSON; NumPy numbers and arrays become lists."""
+    if not isinstance(value, dict):
+        raise FFGymError(f"header {name} must be a dict, got {value!r}.")
+    try:
+        text = json.dumps(value, allow_nan=False, default=_plain)
+    except (TypeError, ValueError, RecursionError) as error:
+        raise FFGymError(f"header {name} must be JSON (no NaN, no objects): {error}.") from error
+    copy: dict[str, Any] = json.loads(text)
+    return copy
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    raise TypeError(f"{value!r} is not JSON")

@@ -1,16 +1,29 @@
 """Recording files: the suffix chooses the format, a file is replaced whole or not at all."""
 
+import json
 import os
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self, final
+
+import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import read_bytes, write_bytes
+from ffgym.core.files import read_bytes, read_text, write_bytes
+from ffgym.core.types import Array
 from ffgym.recordings import csv, npz
 from ffgym.recordings.header import Header
+from ffgym.recordings.npz import HEADER_KEY
 from ffgym.recordings.recording import Recording
+
+SUFFIX = ".npz"
+"""Suffix of files whose columns can be read one at a time."""
+
+INDEX = "protocol.json"
+"""Name of the index that `ffgym record` writes beside its recordings."""
 
 
 class Format(NamedTuple):
@@ -60,3 +73,144 @@ def _format_of(path: str | os.PathLike[str]) -> Format:
     if suffix not in FORMATS:
         raise FFGymError(f"{os.fspath(path)}: suffix {suffix!r} is unknown, must be one of {', '.join(FORMATS)}.")
     return FORMATS[suffix]
+
+
+@final
+class Stored:
+    """A recording in a file. Only columns that are asked for are read, each time anew."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        """Open a file and read its header and the names of its columns.
+
+        Raises:
+            FFGymError: if it is no NPZ file with a header.
+        """
+        self._path, self._segment = Path(path), ""
+        arrays = self._read((HEADER_KEY,))
+        try:
+            self._header = Header.from_json(str(arrays[HEADER_KEY]))
+        except FFGymError as error:
+            raise FFGymError(f"{self._path}: {error}") from error
+
+    @property
+    def header(self) -> Header:
+        """What the columns mean."""
+        return replace(self._header, segment=self._segment) if self._segment else self._header
+
+    @cached_property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        with self._path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
+            return tuple(name for name in file.files if name != HEADER_KEY)
+
+    @cached_property
+    def t(self) -> Array:
+        """Controller clock [s], shape (T,)."""
+        return self["timestamp"]
+
+    def __getitem__(self, column: str) -> Array:
+        """Samples of one column, shape (T,).
+
+        Raises:
+            FFGymError: if the file has no such column, it is no column of numbers, or it is damaged.
+        """
+        values = self._read((column,))[column]
+        if values.ndim != 1 or values.dtype.kind not in "biuf":
+            raise FFGymError(f"{self._path}: {column!r} must be real numbers, one for each row.")
+        return np.asarray(values, dtype=np.float64)
+
+    def renamed(self, segment: str) -> Self:
+        """The same of a segment with another name."""
+        other = type(self)(self._path)
+        other._segment = segment
+        return other
+
+    def whole(self) -> Recording:
+        """The recording with all its columns.
+
+        Raises:
+            FFGymError: if the file cannot be read, or is no valid recording.
+        """
+        recording = read_recording(self._path)
+        return recording.renamed(self._segment) if self._segment else recording
+
+    def _read(self, names: tuple[str, ...]) -> dict[str, Any]:
+        try:
+            with self._path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
+                return {name: file[name] for name in names}
+        except Exception as error:  # zipfile, zlib and numpy raise a dozen types for damaged bytes
+            kind = type(error).__name__
+            raise FFGymError(
+                f"{self._path}: damaged, cut short, or without {', '.join(names)} ({kind}). Copy or make it again."
+            ) from error
+
+
+def read_folder(folder: str | os.PathLike[str]) -> list[Recording]:
+    """Recordings in a folder, see `recording_files`.
+
+    Raises:
+        FFGymError: as `recording_files`, or if one cannot be read.
+    """
+    return [read_recording(file) for file in recording_files(folder)]
+
+
+def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
+    """Files of recordings in a folder: those that its index lists, in that order; without an index all, by name.
+
+    Raises:
+        FFGymError: if there is no such folder or nothing in it, or a recording of the index is missing.
+    """
+    place = Path(folder)
+    if not place.is_dir():
+        raise FFGymError(f"{place}: no such folder. Check the path; it is relative to {Path.cwd()}.")
+    index = read_index(place)
+    if index is None:
+        files = sorted(file for file in place.iterdir() if file.suffix.lower() in FORMATS)
+    else:
+        files = [place / name for name in listed_files(index, place)]
+        missing = [file.name for file in files if not file.exists()]
+        if missing:
+            raise FFGymError(
+                f"{place}: {len(missing)} of {len(files)} recordings are missing, first {missing[0]}. Run the same "
+                f"ffgym record again, which makes those that are missing, or take them out of {INDEX}."
+            )
+    if not files:
+        raise FFGymError(f"{place}: holds no recordings ({', '.join(FORMATS)}).")
+    return files
+
+
+def read_index(folder: Path) -> dict[str, Any] | None:
+    """What the index of a folder says; None if it has none.
+
+    Raises:
+        FFGymError: if the index cannot be read, or is none.
+    """
+    path = folder / INDEX
+    if not path.exists():
+        return None
+    text = read_text(path)
+    try:
+        index = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise FFGymError(f"{path} is not valid JSON: {error}. Remove it to read all recordings beside it.") from error
+    if not isinstance(index, dict):
+        raise FFGymError(f"{path} must be a JSON object. Remove it to read all recordings beside it.")
+    return index
+
+
+def listed_files(index: dict[str, Any], folder: Path) -> list[str]:
+    """Names of the files that an index lists, in order.
+
+    Raises:
+        FFGymError: if it lists none, or something else.
+    """
+    motions = index.get("motions")
+    entries = motions if isinstance(motions, list) else []
+    names = [entry.get("file") if isinstance(entry, dict) else None for entry in entries]
+    files = [name for name in names if isinstance(name, str) and Path(name).name == name]
+    if not files or len(files) < len(names):
+        raise FFGymError(
+            f"{folder / INDEX} must list motions, each with the name of a file beside it. Remove it to read all "
+            f"recordings that are there."
+        )
+    return files

@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
-from ffgym.recordings.phase import Phase, clipped
+from ffgym.recordings.header import Phase, clipped
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import FAMILIES
 

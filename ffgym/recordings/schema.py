@@ -135,6 +135,11 @@ def family_named(name: str) -> Family:
     return FAMILIES[name]
 
 
+def family_of(column: str) -> Family | None:
+    """Family that a column belongs to; None for a column of the user's own."""
+    return FAMILIES.get(column) or FAMILIES.get(column.rpartition(".")[0])
+
+
 def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[str, str]) -> None:
     """Check that `names` are columns of the schema and that no family is left half filled.
 

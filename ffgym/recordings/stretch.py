@@ -7,8 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.recordings.header import Header
-from ffgym.recordings.phase import clipped
+from ffgym.recordings.header import Header, clipped
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import VALID
 

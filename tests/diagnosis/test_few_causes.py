@@ -7,7 +7,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.diagnosis import examine
 from ffgym.effects import EFFECTS
 from ffgym.envs.machines import rig_of
-from ffgym.recordings.folder import read_folder
+from ffgym.recordings.io import read_folder
 from ffgym.simulation.plant import Machine, save_machine
 from ffgym.simulation.protocols import load_protocols, plan_session, record_into
 

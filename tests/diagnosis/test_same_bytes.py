@@ -94,7 +94,7 @@ def test_linear_algebra_of_a_diagnosis_is_on_one_thread():
 PROCESS = """
 import json, sys
 from ffgym.diagnosis import diagnose
-from ffgym.recordings.folder import read_folder
+from ffgym.recordings.io import read_folder
 from ffgym.robot import load_robot
 from tests.diagnosis.test_same_bytes import as_text
 print(as_text(diagnose(load_robot("two_link"), read_folder(sys.argv[1]))))

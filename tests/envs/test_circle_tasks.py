@@ -7,7 +7,7 @@ import pytest
 from ffgym.envs import tasks as tasks_module
 from ffgym.envs.circle_path import CircleTasks
 from ffgym.paths import RADII, SPEEDS
-from ffgym.recordings.metrics.circle import fit_circle
+from ffgym.recordings.metrics.path_error import fit_circle
 from tests.envs.env_samples import CIRCLE
 
 FAST = {"speeds": [0.1], "radii": [0.001, 0.002]}

@@ -5,7 +5,7 @@ import pytest
 from recording_samples import recording, refused
 
 from ffgym.recordings import Phase, write_recording
-from ffgym.recordings.stored import Stored
+from ffgym.recordings.io import Stored
 from ffgym.recordings.stretch import SETTLING, Span, is_stretch, started, stretches_of
 
 

@@ -10,8 +10,8 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.quality.log import Log
 from ffgym.logs.quality.rows import long_intervals
 from ffgym.logs.quality.signals import TINY, grid_step, has_two_rates, is_even, longest_interval
-from ffgym.recordings import FAMILIES, Header, Recording, clipped
-from ffgym.recordings.schema import VALID
+from ffgym.recordings import Header, Recording, clipped
+from ffgym.recordings.schema import VALID, family_of
 
 KEY = "conditioning"
 """Key of `meta` in the header: a list of sentences."""
@@ -42,7 +42,7 @@ _BATCHES = 1.5
 
 def is_smooth(name: str) -> bool:
     """Whether a column is of a quantity that cannot jump: positions, speeds, set-points; not torques."""
-    family = FAMILIES.get(name) or FAMILIES.get(name.rpartition(".")[0])
+    family = family_of(name)
     return family is not None and family.name.endswith(("position", "velocity", "acceleration"))
 
 
@@ -261,7 +261,7 @@ def _bridged_at(s: Array, values: Array, t: Array, rows: IntArray, *, smooth: bo
 
 
 def _is_torque(name: str) -> bool:
-    family = FAMILIES.get(name.rpartition(".")[0])
+    family = family_of(name)
     return family is not None and family.decided_by == "torque_semantics"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import IntArray
-from ffgym.recordings.header_fields import JOINT_NAME
+from ffgym.recordings.header import JOINT_NAME
 
 BASE, ELSEWHERE = -1, -2
 """Owners of bodies that no joint of the chain moves: part of the fixed base, or not of the arm at all."""

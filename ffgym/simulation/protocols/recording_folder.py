@@ -13,8 +13,7 @@ from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import check_writable, write_json
 from ffgym.core.provenance import versions
 from ffgym.recordings import Recording, read_recording, write_recording
-from ffgym.recordings.folder import INDEX, read_index
-from ffgym.recordings.io import FORMATS
+from ffgym.recordings.io import FORMATS, INDEX, read_index
 from ffgym.simulation import RECORD_DT, Rig
 from ffgym.simulation.protocols.sessions import SessionMotion, record
 from ffgym.simulation.run import Progress

@@ -11,7 +11,7 @@ from ffgym.diagnosis.thinning import affordable, note_of, thin
 from ffgym.effects import EFFECTS
 from ffgym.paths import joint_reference, multisine
 from ffgym.recordings import Recording, write_recording
-from ffgym.recordings.stored import Stored
+from ffgym.recordings.io import Stored
 from ffgym.recordings.stretch import started
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
