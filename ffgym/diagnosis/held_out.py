@@ -120,11 +120,7 @@ def _halves(progress: Progress | None) -> tuple[Progress | None, Progress | None
 
 
 def check_comparable(nominal: Machine, recordings: Sequence[Recording]) -> None:
-    """Check before long work that recordings can be run again, and compared.
-
-    Raises:
-        FFGymError: as `closed_loop_gain`.
-    """
+    """Check before long work that recordings can be run again, and compared."""
     for recording in recordings:
         _run_again(nominal, recording)
         for quantity in LOOP_UNITS:

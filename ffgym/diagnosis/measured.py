@@ -67,11 +67,7 @@ def measured_rows(log: Log) -> dict[Channel, Array]:
 
 
 def check_length(log: Log) -> None:
-    """Check that there is something to fit to, and something else to judge by.
-
-    Raises:
-        FFGymError: if all motions together are too short.
-    """
+    """Check that there is something to fit to, and something else to judge by."""
     lasts = float(np.count_nonzero(valid_rows(log))) * log.sampling.row_dt
     if lasts < LEAST:
         raise FFGymError(

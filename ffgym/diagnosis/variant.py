@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.effects import Effect
 from ffgym.effects.parameters import Parameter
@@ -164,14 +163,3 @@ def _complete(known: Mapping[str, Parameter], values: Mapping[str, Any], robot: 
         elif p.role == "size":
             full[p.name] = np.full(p.shape(robot.n_joints), p.neutral)
     return full
-
-
-def check_none_lost(effects: Sequence[Effect]) -> None:
-    """Check that every effect has a size.
-
-    Raises:
-        FFGymError: if one has none, so that no step would change anything.
-    """
-    for effect in effects:
-        if not any(p.role == "size" for p in type(effect).parameters().values()):
-            raise FFGymError(f"Effect {effect.name} has no parameter with a null value, so that it cannot be searched.")

@@ -128,11 +128,7 @@ def _left(evidence: Evidence, priors: Priors) -> float:
 
 
 def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | None = None) -> Fit:
-    """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do.
-
-    Raises:
-        FFGymError: if no machine can have them.
-    """
+    """Hypotheses with the values that they have: replay, residual, tangents, and what calibration can still do."""
     tried = trial_of(setting, hypotheses)
     if tried is None:
         raise FFGymError(f"No machine can have {', '.join(h.label for h in hypotheses)} with these values.")
@@ -140,11 +136,7 @@ def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | No
 
 
 def with_tangents(setting: Setting, tried: Trial, like: Fit | None) -> Fit:
-    """What was replayed, with columns for all numbers; but for the newest hypothesis those that `like` has serve.
-
-    Raises:
-        FFGymError: if a number can be neither higher nor lower, or slopes cannot be computed.
-    """
+    """What was replayed, with columns for all numbers; but for the newest hypothesis those that `like` has serve."""
     known = {i: of for i, h in enumerate(tried.hypotheses[:-1]) if like is not None and (of := like.tangents_of(h))}
     columns = tangents(tried.run, setting.nominal, tried.hypotheses, known) if tried.hypotheses else []
     if not all(np.isfinite(rows).all() for column in columns for rows in column.values()):

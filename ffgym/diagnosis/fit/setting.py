@@ -224,11 +224,7 @@ def tangents(
 
 
 def _beside(machine: Machine, place: int, hypothesis: Hypothesis, k: int) -> tuple[Machine, float]:
-    """The machine with number `k` of the hypothesis at `place` a bit higher, or lower if need be; and by how much.
-
-    Raises:
-        FFGymError: if it can be neither.
-    """
+    """The machine with number `k` of the hypothesis at `place` a bit higher, or lower if need be; and by how much."""
     free = hypothesis.free()
     for change in (free[k].nudge, -free[k].nudge):
         changes = [0.0] * len(free)

@@ -146,9 +146,6 @@ def friction_torque(arm: RigidArm, recording: Recording, low_pass: LowPass | Non
         arm: model of the robot; its friction is not used.
         recording: see `signals_of`.
         low_pass: filter of angles and torque; None is FRICTION_LOW_PASS.
-
-    Raises:
-        FFGymError: as `signals_of`.
     """
     signals = signals_of(arm.robot, recording, low_pass or FRICTION_LOW_PASS)
     load = load_torque(arm, signals)

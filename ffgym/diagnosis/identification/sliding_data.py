@@ -75,9 +75,6 @@ def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: floa
         torques: friction along recordings; sample periods may differ by whole factors.
         joint: which joint, 0 is the first.
         presliding: how far bristles bend, f_s / sigma_0 [rad], motor side.
-
-    Raises:
-        FFGymError: if there is no record, or sample periods or filters differ.
     """
     if not torques:
         raise FFGymError(f"There is no record in which joint {joint + 1} reverses; its bristles cannot be identified.")

@@ -258,9 +258,6 @@ class Springs:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).
 
         The push is evaluated where the arm is expected after the step, so that it does not lag behind.
-
-        Raises:
-            FlownAwayError: if it pushes the arm away from its springs.
         """
         e, dt, shape, n = self.elastic, self.dt, torque.shape, len(self.elastic)
         found = Deflection(angle=np.zeros(shape), rate=np.zeros(shape), acceleration=np.zeros(shape))

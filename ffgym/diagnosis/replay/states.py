@@ -173,9 +173,6 @@ def deflected(
         torque: on the links, link side [N m].
         start: about how the joints bend at the first sample, (M, N).
         dt: sample time [s].
-
-    Raises:
-        FlownAwayError: if an effect pushes the arm away from its springs.
     """
     led = summed([effect for effect in effects if effect.follows_motor], state, dt)
     load = torque if (push := plus(led.spring, led.link)) is None else torque + push

@@ -79,11 +79,7 @@ def best_simulating(
     focus: Focus = "prediction",
     n_evaluations: int = N_EVALUATIONS,
 ) -> NarxModel:
-    """Of `n_starts` fits the one that simulates best on `records`, motor by motor: the best in prediction may drift.
-
-    Raises:
-        FFGymError: as `fitted`.
-    """
+    """Of `n_starts` fits the one that simulates best on `records`, motor by motor: the best in prediction may drift."""
     check_whole("n_starts", n_starts, low=1)
     fits = [fitted(records, structure, rng, focus=focus, n_evaluations=n_evaluations) for _ in range(n_starts)]
     costs = np.array([_simulation_cost(model, records) for model in fits])

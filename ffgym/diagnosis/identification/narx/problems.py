@@ -91,11 +91,7 @@ class Errors:
 
 
 def check_alike(records: Sequence[Samples]) -> None:
-    """Refuse records that cannot be fitted together.
-
-    Raises:
-        FFGymError: if there is none, or sample times or numbers of motors differ.
-    """
+    """Refuse records that cannot be fitted together."""
     if not records:
         raise FFGymError("There is no motion to fit a NARX network to.")
     for name, values in {

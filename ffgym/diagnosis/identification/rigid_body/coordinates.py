@@ -174,9 +174,6 @@ class ConsistentLeastSquares:
         Args:
             normal: A, symmetric positive definite, shape (K, K).
             right: b, shape (K,).
-
-        Raises:
-            FFGymError: if the solver is missing or fails, or A is singular in floating point.
         """
         try:
             y: Array = cho_solve(cho_factor(normal), right)

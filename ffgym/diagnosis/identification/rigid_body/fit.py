@@ -132,19 +132,11 @@ class RigidBodyFit:
         return {path: fitted_quantity(self.robot, path, entry_of(found, path), source) for path in paths}
 
     def validate(self, recordings: Sequence[Recording]) -> TorqueErrors:
-        """Errors on recordings that were not fitted.
-
-        Raises:
-            FFGymError: if one does not fit the robot or the filters.
-        """
+        """Errors on recordings that were not fitted."""
         return torque_errors(self.equations(recordings), self.estimate, self.in_file)
 
     def equations(self, recordings: Sequence[Recording]) -> Equations:
-        """Equations of recordings, filtered as those that were fitted; joints bend under the bodies that were found.
-
-        Raises:
-            FFGymError: if one does not fit the robot or the filters.
-        """
+        """Equations of recordings, filtered as those that were fitted; joints bend under the bodies that were found."""
         bodies = next((values for term, values in self._by_term(self.estimate) if term is BODIES), None)
         return equations_of(self.robot, recordings, self.terms, self.filtering, bodies)
 

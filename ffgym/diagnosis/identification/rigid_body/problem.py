@@ -92,11 +92,7 @@ class Problem:
 
 
 def problem_of(equations: Equations) -> Problem:
-    """Weight the equations of each motor by the inverse of what they leave.
-
-    Raises:
-        FFGymError: if no motor moves, or one that does has no torque.
-    """
+    """Weight the equations of each motor by the inverse of what they leave."""
     if not equations.counts.any():
         raise FFGymError(
             "No motor moves fast enough for long enough to tell anything: record a motion, or lower `moving`."
@@ -190,9 +186,6 @@ def choose_spread(problem: Problem, folds: IntArray, spreads: tuple[float, ...] 
         problem: weighted equations.
         folds: fold of each block, shape (n_blocks,).
         spreads: what to try.
-
-    Raises:
-        FFGymError: if there is only one fold.
 
     Reference:
         Hastie, Tibshirani, Friedman (2009), The Elements of Statistical Learning, 7.10 (one-standard-error rule).
