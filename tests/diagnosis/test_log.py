@@ -1,10 +1,14 @@
-"""Rows that a recording's mask leaves out do not count, as far as the low-pass of the comparison reaches."""
+"""Rows that a mask leaves out, and parts of a motion."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ffgym.diagnosis import diagnose
 from ffgym.diagnosis.log import log_of
 from ffgym.diagnosis.measured import counting_rows, valid_rows
+from ffgym.recordings import Recording
 from tests.logs.quality.quality_logs import clean_log, described
 
 SHOULDER, ELBOW = 0, 1
@@ -58,3 +62,27 @@ def test_without_a_mask_all_rows_count(whole):
     )
     for key, rows in counting_rows(whole).items():
         assert np.array_equal(rows, counting_rows(log)[key])
+
+
+ROBOT, MOTION = "one_axis", "multisine"
+
+
+def on_a_later_clock(recording, seconds):
+    phases = tuple(replace(p, start=p.start + seconds, end=p.end + seconds) for p in recording.header.phases)
+    columns = dict(recording.columns) | {"timestamp": recording.t + seconds}
+    return Recording(columns, replace(recording.header, phases=phases))
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        lambda whole: on_a_later_clock(whole, 1000.0),
+        lambda whole: whole.slice(end=6.7263),
+        lambda whole: whole.slice(start=2.0),
+    ],
+    ids=["later clock", "cut short", "begun late"],
+)
+def test_nothing_is_found_in_any_part_of_a_clean_log(part):
+    recording = part(clean_log(ROBOT, MOTION))
+    assert recording.header.phases
+    assert diagnose(described(ROBOT, MOTION), [recording]).verdict == "none"
