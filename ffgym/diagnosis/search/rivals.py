@@ -173,7 +173,7 @@ def _is_tied(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np
     allowed = ALIKE * (before.total - best.total)
     if _numbers(other) == _numbers(best):
         allowed = min(allowed, _inexactness(setting, best))
-    return _numbers(other) <= _numbers(best) and other.total - best.total <= allowed
+    return bool(_numbers(other) <= _numbers(best) and other.total - best.total <= allowed)
 
 
 def _inexactness(setting: Setting, best: Tried) -> float:
