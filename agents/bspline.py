@@ -28,8 +28,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Self, final
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.sparse import csr_array
+import scipy
 
 from ffgym.agents.coulomb_prior import CoulombPrior
 from ffgym.agents.declaration import Entry, declare
@@ -100,7 +99,7 @@ class SplineBasis:
         inside = np.clip(motor_dq, self.knots[0], self.knots[-1])
         # rows of a design matrix hold the `order` splines of their interval; 30 us for six speeds, 70 us for 64 x 6,
         # against 20 and 25 us for one BSpline object per joint, which could not be trained from
-        matrix = BSpline.design_matrix(inside.ravel(), self.clamped, self.order - 1)
+        matrix = scipy.interpolate.BSpline.design_matrix(inside.ravel(), self.clamped, self.order - 1)
         shape = (*inside.shape, self.order)
         return matrix.data.reshape(shape), matrix.indices.reshape(shape).astype(np.int64)
 
@@ -168,12 +167,12 @@ class BSplineNetwork(Network):
         values, splines = self.basis.active(motor_dq)
         return values, splines + self.basis.n_splines * self.in_charge(motor_ddq)[..., None]
 
-    def design_matrix(self, motor_dq: Array, motor_ddq: Array) -> csr_array:
+    def design_matrix(self, motor_dq: Array, motor_ddq: Array) -> "scipy.sparse.csr_array":
         """Splines along a motion of one joint, shape (T, H S): torque = matrix @ weights of the joint in one row."""
         values, places = self.active(motor_dq, motor_ddq)
         ends = np.arange(len(motor_dq) + 1) * self.basis.order
         shape = (len(motor_dq), self.n_networks * self.basis.n_splines)
-        return csr_array((values.ravel(), places.ravel(), ends), shape=shape)
+        return scipy.sparse.csr_array((values.ravel(), places.ravel(), ends), shape=shape)
 
     def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
         r"""Offline update, thesis (5.5), with the sums over all lessons.

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy
 
 from ffgym.agents.trials import Lesson, Trial, performed
 from ffgym.core.errors import FFGymError, check_number, check_shape
@@ -77,7 +77,9 @@ class CoulombPrior:
         fits = np.zeros((n_joints, 2))
         for joint in range(n_joints):
             columns = np.concatenate([part[:, joint] for part in curves])
-            fits[joint, : columns.shape[1]], _ = nnls(columns, np.concatenate([part[:, joint] for part in targets]))
+            fits[joint, : columns.shape[1]], _ = scipy.optimize.nnls(
+                columns, np.concatenate([part[:, joint] for part in targets])
+            )
         return cls(coulomb=fits[:, 0], viscous=fits[:, 1])
 
 

@@ -28,7 +28,7 @@ from math import ceil
 from typing import Self
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, vstack
+import scipy
 
 from ffgym.agents.bspline import BSplineNetwork
 from ffgym.agents.feedback_loop import FeedbackLoop, nominal_bristles
@@ -57,7 +57,7 @@ test motions by more than 0.5 %."""
 class LearningMap:
     """Learning of one joint, from T rows in which K of its splines are met."""
 
-    average: csr_array
+    average: "scipy.sparse.csr_array"
     """N B^T: from the learning signal to the change of weights at rate 1, shape (K, T)."""
     loss: Array
     """G B: what the learning signal loses to each weight, shape (T, K)."""
@@ -178,13 +178,15 @@ def learning_maps(
     motions = [_Motion.along(reference, record_dt) for reference in references]
     if not any(motion.learned.size for motion in motions):
         raise FFGymError(f"Nothing can be learned from {[reference.name for reference in references]}: nothing moves.")
-    splines = [vstack([motion.splines(network, joint) for motion in motions]) for joint in range(network.n_joints)]
+    splines = [
+        scipy.sparse.vstack([motion.splines(network, joint) for motion in motions]) for joint in range(network.n_joints)
+    ]
     met = [np.flatnonzero(part.sum(axis=0)) for part in splines]
     losses = np.concatenate([motion.losses(network, arm, met, signal) for motion in motions])
     maps = []
     for joint, (part, columns) in enumerate(zip(splines, met, strict=True)):
-        own = csr_array(part[:, columns])
-        average = csr_array(diags_array(1 / own.sum(axis=0)) @ own.T)
+        own = scipy.sparse.csr_array(part[:, columns])
+        average = scipy.sparse.csr_array(scipy.sparse.diags_array(1 / own.sum(axis=0)) @ own.T)
         loss = losses[:, joint, : len(columns)].copy()
         maps.append(LearningMap(average=average, loss=loss, signal=losses[:, joint, -1].copy()))
     return tuple(maps)
@@ -229,7 +231,7 @@ class _Motion:
             learned=rows[_moving(reference, np.arange(len(rows), dtype=np.float64) * record_dt)],
         )
 
-    def splines(self, network: BSplineNetwork, joint: int) -> csr_array:
+    def splines(self, network: BSplineNetwork, joint: int) -> "scipy.sparse.csr_array":
         """Splines of a joint at the rows that are learned from, shape (T, S)."""
         return network.design_matrix(self.motor_dq[self.learned, joint], self.motor_ddq[self.learned, joint])
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.linalg import LinAlgError, block_diag, expm, solve_discrete_are
+import scipy
 
 from ffgym.core.errors import FFGymError, check_choice, check_number
 from ffgym.core.types import Array
@@ -63,7 +63,7 @@ class TorqueResponse:
         ramp = np.zeros((states + 2 * motors, states + 2 * motors))  # state, torque, and its slope per step
         ramp[:states, :states], ramp[:states, states : states + motors] = system * dt, push * dt
         ramp[states : states + motors, states + motors :] = np.eye(motors)
-        step = expm(ramp)[:states]
+        step = scipy.linalg.expm(ramp)[:states]
         transition, held, ramped = np.split(step, [states, states + motors], axis=1)
         observed = _observed(arm, q, target, states)
         return cls(
@@ -125,7 +125,7 @@ def _links(robot: RobotDescription) -> Array:
 def _blocks(robot: RobotDescription, motors: Array, deflections: Array) -> Array:
     """Matrix on positions, of coefficients of the motors, motor side (N,), and of the deflections, link side."""
     gear = robot.drive.matrix
-    return block_diag(gear.T @ (motors[:, None] * gear), np.diag(deflections))
+    return scipy.linalg.block_diag(gear.T @ (motors[:, None] * gear), np.diag(deflections))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,8 +165,8 @@ class NormOptimalStep:
         c_weighted, d_weighted = c.T / tolerance**2, d.T / tolerance**2
         own = np.diag(1 / torque_scale**2) + d_weighted @ d
         try:
-            cost = solve_discrete_are(a, b, c_weighted @ c, own, s=c_weighted @ d)
-        except LinAlgError as error:
+            cost = scipy.linalg.solve_discrete_are(a, b, c_weighted @ c, own, s=c_weighted @ d)
+        except scipy.linalg.LinAlgError as error:
             raise FFGymError(
                 f"No torque correction can be computed: {error} The servo must hold every motor (position_gain > 0), "
                 f"and the tolerance of {tolerance} must be neither far too small nor far too large."

@@ -9,7 +9,7 @@ that is its bias.
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification import LowPass
@@ -114,7 +114,10 @@ def _along(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
     shape = (len(t), *q.shape[1:])
     angle, speed, change = np.empty(shape), np.zeros(shape), np.zeros(shape)
     for i, n in enumerate(log.lengths):
-        curve, within = CubicSpline(log.t[:n], q[:n, i]), int(np.searchsorted(t, log.t[n - 1], side="right"))
+        curve, within = (
+            scipy.interpolate.CubicSpline(log.t[:n], q[:n, i]),
+            int(np.searchsorted(t, log.t[n - 1], side="right")),
+        )
         angle[:within, i] = curve(t[:within])
         angle[within:, i] = q[n - 1, i]
         speed[:within, i], change[:within, i] = curve(t[:within], 1), curve(t[:within], 2)

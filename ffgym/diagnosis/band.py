@@ -6,8 +6,7 @@ its modes, and is compared up to the usual band.
 """
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
-from scipy.signal import welch
+import scipy
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
@@ -70,7 +69,7 @@ def motion_bandwidth(log: Log) -> float:
         if n < width // 4:
             continue
         padded = np.concatenate([q, np.repeat(q[-1:], max(0, width - n), axis=0)])
-        frequency, power = welch(padded, fs=1 / log.dt, nperseg=width, axis=0, detrend="constant")
+        frequency, power = scipy.signal.welch(padded, fs=1 / log.dt, nperseg=width, axis=0, detrend="constant")
         white = 2 * log.dt * white_noise(q, log.sampling.motion_filter, log.dt) ** 2
         total = total + n * np.maximum(power - white, 0.0)
     speed = np.asarray(total) * frequency[:, None] ** 2
@@ -85,7 +84,7 @@ def _above(run: Replay, narrow: float) -> Array:
     """What the model leaves of the torque above a lower cut-off, rows (R, M, N)."""
     rest = residual_rows(run.log, predicted(run))["torque"]
     width = _TO_HALF / (narrow * run.log.sampling.row_dt)
-    return np.asarray(rest - gaussian_filter1d(rest, width, axis=0, mode="nearest"))
+    return np.asarray(rest - scipy.ndimage.gaussian_filter1d(rest, width, axis=0, mode="nearest"))
 
 
 def _is_noise(run: Replay, above: Array) -> bool:

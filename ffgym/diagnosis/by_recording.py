@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from datetime import date
 
 import numpy as np
-from scipy.stats import t as student
+import scipy
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.column import columns_of
@@ -172,7 +172,7 @@ def _line(values: Array, errors: Array, day: Array) -> tuple[float, float, float
         excess = float(np.sum((values / sigma - x @ line) ** 2)) - (n - 2)
         scatter = float(np.sqrt(max(scatter**2 + excess / np.sum(sigma**-2.0), 0.0)))
     rate, error = float(line[1]), float(np.sqrt(inverse[1, 1]))
-    return rate, error, float(2 * student.sf(abs(rate) / error, n - 2))
+    return rate, error, float(2 * scipy.stats.t.sf(abs(rate) / error, n - 2))
 
 
 def _holds(values: Array, errors: Array, day: Array) -> bool:

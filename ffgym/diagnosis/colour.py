@@ -15,10 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
-from scipy.signal import lfilter
-from scipy.signal.windows import hann
-from scipy.stats import chi2
+import scipy
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification import LowPass
@@ -101,7 +98,7 @@ class Colour:
             return np.zeros(n)
         stays, new = float(self.stays[j]), self.fresh[j] * rng.normal(size=n)
         new[0] /= np.sqrt(1 - stays**2)
-        samples: Array = lfilter([1.0], [1.0, -stays], new)
+        samples: Array = scipy.signal.lfilter([1.0], [1.0, -stays], new)
         return samples
 
 
@@ -189,7 +186,7 @@ def _falling(frequency: Array, energy: Array, dt: float) -> tuple[float, float]:
     """Standard deviations of what falls, fresh in each sample, and of the white part beside it; 0 if nothing falls."""
     shapes = np.stack([np.full_like(frequency, 2 * dt), _shape(1.0, frequency, dt)], axis=1)
     largest = shapes.max(axis=0)
-    sizes = nnls(shapes / largest / energy[:, None], np.ones(len(frequency)))[0] / largest
+    sizes = scipy.optimize.nnls(shapes / largest / energy[:, None], np.ones(len(frequency)))[0] / largest
     if sizes[1] * shapes[0, 1] < _FALLS * sizes[0] * shapes[0, 0]:
         return 0.0, 0.0
     return float(np.sqrt(sizes[1])), float(np.sqrt(sizes[0]))
@@ -246,13 +243,13 @@ def _parts(rows: Array, width: int) -> list[Array]:
 
 def _spectrum(part: Array, dt: float) -> Array:
     """One-sided energy per Hz (F, N) of a part (W, N)."""
-    window = hann(len(part), sym=False)[:, None]
+    window = scipy.signal.windows.hann(len(part), sym=False)[:, None]
     energy: Array = 2 * dt / float(np.sum(window**2)) * np.abs(np.fft.rfft(part * window, axis=0)) ** 2
     return energy
 
 
 def _quiet(energy: Array) -> Array:
     """Energy of noise (N, F) at each frequency, by that of the quiet parts (B, F, N); chance makes some quiet."""
-    by_chance = float(chi2.ppf(_QUIET, _FREEDOM)) / _FREEDOM
+    by_chance = float(scipy.stats.chi2.ppf(_QUIET, _FREEDOM)) / _FREEDOM
     found: Array = np.maximum(np.quantile(energy, _QUIET, axis=0) / by_chance, np.finfo(np.float64).tiny)
     return found.T

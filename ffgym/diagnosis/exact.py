@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
@@ -145,7 +145,7 @@ def _at(recording: Recording, name: str, t: Array) -> Array:
     values = recording[name]
     seen = ~np.isnan(values)
     if name.startswith(_SMOOTH):
-        smooth: Array = CubicSpline(recording.t[seen], values[seen])(t)
+        smooth: Array = scipy.interpolate.CubicSpline(recording.t[seen], values[seen])(t)
         return smooth
     straight: Array = np.interp(t, recording.t[seen], values[seen])
     return straight

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
@@ -107,7 +107,7 @@ def reference_of(robot: RobotDescription, recording: Recording) -> Reference:
     q = _set_points(robot, recording)
     since = recording.t - recording.t[0]
     t = dt * np.arange(int(np.floor(since[-1] / dt + 1e-6)) + 1, dtype=np.float64)
-    curve = CubicSpline(since, q)
+    curve = scipy.interpolate.CubicSpline(since, q)
     return Reference(
         name=recording.header.segment, robot=robot, t=t, q=curve(t), dq=curve(t, 1), ddq=curve(t, 2), phases=()
     )
@@ -159,7 +159,7 @@ def _reach(robot: RobotDescription, recordings: Sequence[Recording]) -> tuple[Ar
             known = np.isfinite(q).all(axis=1)
             if np.count_nonzero(known) < _FEWEST:
                 continue
-            q, curve = q[known], CubicSpline(recording.t[known], q[known])
+            q, curve = q[known], scipy.interpolate.CubicSpline(recording.t[known], q[known])
             low, high = np.minimum(low, q.min(axis=0)), np.maximum(high, q.max(axis=0))
             fast = np.maximum(fast, np.abs(curve(curve.x, 1)).max(axis=0))
     return low, high, fast

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
@@ -38,7 +38,7 @@ def judged_rows(log: Log) -> BoolArray:
     """
     sampling, robot = log.sampling, log.robot
     slow = np.abs(_speed(log)) < SLOW * robot.kinematics.max_speed
-    near = maximum_filter1d(slow.astype(np.int8), 2 * sampling.half_length + 1, axis=0)[sampling.at] > 0
+    near = scipy.ndimage.maximum_filter1d(slow.astype(np.int8), 2 * sampling.half_length + 1, axis=0)[sampling.at] > 0
     judged: BoolArray = knows_low_speed(robot) | ~near
     return judged
 

@@ -5,10 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.fft import dct, dst
-from scipy.signal import firwin
-from scipy.sparse import csr_array, diags_array
-from scipy.stats import chi2
+import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification import LowPass
@@ -27,12 +24,12 @@ def derivatives(angle: Array, dt: float) -> tuple[Array, Array]:
     k = np.arange(n + 1).reshape(-1, *(1,) * (angle.ndim - 1))
     inner = (angle - angle[0] - chord * k)[1:-1]
     frequency = np.pi * k[1:-1] / (n * dt)
-    series = dst(inner, type=1, axis=0) / n
+    series = scipy.fft.dst(inner, type=1, axis=0) / n
     rate = np.zeros_like(angle)
     rate[1:-1] = frequency * series
     change = np.zeros_like(angle)
-    change[1:-1] = dst(-(frequency**2) * series, type=1, axis=0) / 2
-    first: Array = dct(rate, type=1, axis=0) / 2 + chord / dt
+    change[1:-1] = scipy.fft.dst(-(frequency**2) * series, type=1, axis=0) / 2
+    first: Array = scipy.fft.dct(rate, type=1, axis=0) / 2 + chord / dt
     return first, change
 
 
@@ -114,7 +111,7 @@ def _quiet(energy: Array, known: float) -> float:
     """
     if len(energy) < _FEW:
         return float(np.mean(energy))
-    by_chance = float(chi2.ppf(_QUIET, known)) / known
+    by_chance = float(scipy.stats.chi2.ppf(_QUIET, known)) / known
     return float(np.quantile(energy, _QUIET)) / by_chance
 
 
@@ -220,16 +217,16 @@ class Sampling:
         return np.arange(0, self.n_samples, self.stride)
 
     @cached_property
-    def operator(self) -> csr_array:
+    def operator(self) -> "scipy.sparse.csr_array":
         """The low-pass with its rows, shape (R, T); the end rows of a record are not `valid`."""
         half = self.half_length
-        taps = firwin(2 * half + 1, self.cutoff, fs=1 / self.dt)
-        bands = diags_array(
+        taps = scipy.signal.firwin(2 * half + 1, self.cutoff, fs=1 / self.dt)
+        bands = scipy.sparse.diags_array(
             np.repeat(taps[:, None], self.n_samples, axis=1),
             offsets=range(-half, half + 1),
             shape=(self.n_samples, self.n_samples),
         )
-        return csr_array(csr_array(bands)[self.at])
+        return scipy.sparse.csr_array(scipy.sparse.csr_array(bands)[self.at])
 
     def __call__(self, values: Array) -> Array:
         """Rows (R, ...) of samples (T, ...)."""

@@ -16,8 +16,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
-from scipy.optimize import lsq_linear
+import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.evidence import Evidence, Fold
@@ -62,7 +61,9 @@ def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Arra
     for _ in range(_ROUNDS * (len(moment) + 1)):
         held = ~free
         target = moment[free] - (full[np.ix_(free, held)] @ x[held] if held.any() else 0.0)
-        x[free] = cho_solve(cho_factor(full[np.ix_(free, free)]), target) if free.any() else x[free]
+        x[free] = (
+            scipy.linalg.cho_solve(scipy.linalg.cho_factor(full[np.ix_(free, free)]), target) if free.any() else x[free]
+        )
         slope = moment - full @ x
         out = free & ((x < low) | (x > high))
         back = held & (low < high) & (((x <= low) & (slope > 0)) | ((x >= high) & (slope < 0)))
@@ -78,9 +79,9 @@ def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Arra
 
 def _one_by_one(full: Array, moment: Array, low: Array, high: Array) -> Array:
     """The same minimum, by a method that always ends."""
-    root = cholesky(full)
-    target = solve_triangular(root, moment, trans="T")
-    x: Array = lsq_linear(root, target, (low, high), method="bvls", max_iter=_ONE_BY_ONE * len(moment)).x
+    root = scipy.linalg.cholesky(full)
+    target = scipy.linalg.solve_triangular(root, moment, trans="T")
+    x: Array = scipy.optimize.lsq_linear(root, target, (low, high), method="bvls", max_iter=_ONE_BY_ONE * len(moment)).x
     return x
 
 
@@ -255,9 +256,9 @@ class _Fitted:
 
 
 def _fit(train: _Sums, test: _Sums, columns: IntArray, precision: Array) -> _Fitted:
-    factor = cho_factor(train.calibration[:, columns] + np.diag(precision))
-    x = cho_solve(factor, train.moment[columns])
-    v = cho_solve(factor, train.calibration)
+    factor = scipy.linalg.cho_factor(train.calibration[:, columns] + np.diag(precision))
+    x = scipy.linalg.cho_solve(factor, train.moment[columns])
+    v = scipy.linalg.cho_solve(factor, train.calibration)
     rest = test.moment - test.calibration.T @ x
     return _Fitted(
         v=v,

@@ -22,7 +22,7 @@ take away counts as noise.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+import scipy
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.evidence import Values
@@ -102,7 +102,7 @@ def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
     found = dict(weights)
     for (channel, c), rows in weights.items():
         if channel in unknown and unknown[channel][:, :, c].any():
-            about = maximum_filter1d(np.abs(unknown[channel][:, :, c]), 2 * _NEAR + 1, axis=0)
+            about = scipy.ndimage.maximum_filter1d(np.abs(unknown[channel][:, :, c]), 2 * _NEAR + 1, axis=0)
             found[channel, c] = rows / np.hypot(1.0, rows * about)
     return found
 

@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Literal, Self
 
 import mujoco
 import numpy as np
+import scipy
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray
@@ -235,18 +236,14 @@ class ClockEffect(Effect):
 
     def late(self, values: Array, dt: float) -> Array:
         """What is written of `values` (T, ...), sampled every `dt` [s]; before the first, nothing had changed."""
-        from scipy.interpolate import CubicSpline
-
         t = np.arange(len(values)) * dt
-        late: Array = CubicSpline(t, values)(np.clip(t - self.latency, 0.0, t[-1]))
+        late: Array = scipy.interpolate.CubicSpline(t, values)(np.clip(t - self.latency, 0.0, t[-1]))
         return late
 
     def in_step(self, values: Array, dt: float) -> Array:
         """Undo `late`: values (T, ...) at the instants at which they were sampled, `dt` [s] apart; the last is held."""
-        from scipy.interpolate import CubicSpline
-
         t = np.arange(len(values)) * dt
-        sampled: Array = CubicSpline(t, values)(np.clip(t + self.latency, 0.0, t[-1]))
+        sampled: Array = scipy.interpolate.CubicSpline(t, values)(np.clip(t + self.latency, 0.0, t[-1]))
         return sampled
 
     def measured(self, recording: Recording, robot: RobotDescription) -> Recording:

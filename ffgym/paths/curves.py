@@ -11,8 +11,7 @@ from functools import cached_property
 from typing import Any, final
 
 import numpy as np
-from scipy.interpolate import BPoly, CubicSpline, PPoly
-from scipy.optimize import minimize_scalar
+import scipy
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.types import Array
@@ -216,11 +215,11 @@ CUSP = 0.01
 class PolynomialCurve(Curve):
     """Piecewise polynomial curve, twice continuously differentiable, whose speed by its parameter is nowhere zero."""
 
-    polynomial: PPoly
+    polynomial: "scipy.interpolate.PPoly"
     """Position as a function of any parameter u, shape (D,)."""
 
     @cached_property
-    def _slopes(self) -> tuple[PPoly, PPoly, PPoly]:
+    def _slopes(self) -> "tuple[scipy.interpolate.PPoly, scipy.interpolate.PPoly, scipy.interpolate.PPoly]":
         return self.polynomial.derivative(1), self.polynomial.derivative(2), self.polynomial.derivative(3)
 
     @cached_property
@@ -291,8 +290,10 @@ def blend(before: Curve, after: Curve) -> PolynomialCurve:
     p0, t0, n0, _ = (part[0] for part in before.at(np.array([before.length])))
     p1, t1, n1, _ = (part[0] for part in after.at(np.array([0.0])))
     chord = float(np.linalg.norm(p1 - p0))
-    quintic = BPoly.from_derivatives([0.0, 1.0], [[p0, chord * t0, chord**2 * n0], [p1, chord * t1, chord**2 * n1]])
-    return PolynomialCurve(polynomial=PPoly.from_bernstein_basis(quintic))
+    quintic = scipy.interpolate.BPoly.from_derivatives(
+        [0.0, 1.0], [[p0, chord * t0, chord**2 * n0], [p1, chord * t1, chord**2 * n1]]
+    )
+    return PolynomialCurve(polynomial=scipy.interpolate.PPoly.from_bernstein_basis(quintic))
 
 
 def spline_through(points: Array, *, closed: bool = False) -> PolynomialCurve:
@@ -314,18 +315,18 @@ def spline_through(points: Array, *, closed: bool = False) -> PolynomialCurve:
     u = np.concatenate([[0.0], np.cumsum(chords)])
     if closed:
         points = np.vstack([points[:-1], points[:1]])
-    spline = CubicSpline(u, points, bc_type="periodic" if closed else "natural")
+    spline = scipy.interpolate.CubicSpline(u, points, bc_type="periodic" if closed else "natural")
     _check_cusp(spline)
     return PolynomialCurve(polynomial=spline)
 
 
-def _check_cusp(spline: CubicSpline[Any]) -> None:
+def _check_cusp(spline: "scipy.interpolate.CubicSpline[Any]") -> None:
     """Check that the spline nowhere turns on the spot, where it would have no direction."""
     slope = spline.derivative()
     u = np.concatenate([np.linspace(a, b, _PIECES, endpoint=False) for a, b in itertools.pairwise(spline.x)])
     slowest = int(np.argmin(np.linalg.norm(slope(u), axis=1)))
     around = u[max(slowest - 1, 0)], u[min(slowest + 1, len(u) - 1)]
-    found = minimize_scalar(lambda x: float(np.linalg.norm(slope(x))), bounds=around, method="bounded")
+    found = scipy.optimize.minimize_scalar(lambda x: float(np.linalg.norm(slope(x))), bounds=around, method="bounded")
     if found.fun < CUSP:
         point = int(np.argmin(np.abs(spline.x - found.x))) + 1
         raise FFGymError(

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
-from scipy.spatial.transform import Rotation, RotationSpline
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
@@ -39,7 +39,7 @@ class EvenTurn(Turning):
 
     def at(self, s: Array) -> Turned:
         """Orientation and rates at arc lengths `s`."""
-        rotation = Rotation.from_rotvec(s[:, None] * self.rate).as_matrix() @ self.start
+        rotation = scipy.spatial.transform.Rotation.from_rotvec(s[:, None] * self.rate).as_matrix() @ self.start
         still = np.zeros((len(s), 3))
         return rotation, still + self.rate, still
 
@@ -72,7 +72,10 @@ class BlendedTurn(Turning):
         f, df, ddf = _fade_in(1 - x, self.cut, self.length)
         g, dg, ddg = _fade_in(x, self.cut, self.length)
         f, ddf = -f, -ddf  # the first leg runs backwards: its rate keeps its sign
-        outer, inner = Rotation.from_rotvec(f[:, None] * self.before), Rotation.from_rotvec(g[:, None] * self.after)
+        outer, inner = (
+            scipy.spatial.transform.Rotation.from_rotvec(f[:, None] * self.before),
+            scipy.spatial.transform.Rotation.from_rotvec(g[:, None] * self.after),
+        )
         second = outer.apply(self.after)
         first_rate, second_rate = df[:, None] * self.before, dg[:, None] * second
         change = ddf[:, None] * self.before + ddg[:, None] * second + np.cross(first_rate, second_rate)
@@ -90,8 +93,10 @@ class SplineTurn(Turning):
     """Orientations there, shape (K, 3, 3)."""
 
     @cached_property
-    def _spline(self) -> RotationSpline:
-        return RotationSpline(self.knots, Rotation.from_matrix(self.rotations))
+    def _spline(self) -> "scipy.spatial.transform.RotationSpline":
+        return scipy.spatial.transform.RotationSpline(
+            self.knots, scipy.spatial.transform.Rotation.from_matrix(self.rotations)
+        )
 
     def at(self, s: Array) -> Turned:
         """Orientation and rates at arc lengths `s`; scipy gives the rates in the axes of the tool."""
@@ -101,7 +106,7 @@ class SplineTurn(Turning):
 
 def even_turn(start: Array, end: Array, length: float) -> EvenTurn:
     """Shortest turn from one orientation to another, shape (3, 3) each, over an arc length."""
-    vector = Rotation.from_matrix(end @ start.T).as_rotvec()
+    vector = scipy.spatial.transform.Rotation.from_matrix(end @ start.T).as_rotvec()
     return EvenTurn(start=start, rate=vector / length)
 
 

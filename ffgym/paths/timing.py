@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from ffgym.core.errors import check_number
 from ffgym.core.types import Array
@@ -77,7 +77,7 @@ class TimeLaw:
         def short(t: float) -> float:
             return float(self.at(np.array([t]))[0][0]) - length
 
-        return first if short(first) >= 0 else brentq(short, first, last, xtol=1e-13)
+        return first if short(first) >= 0 else scipy.optimize.brentq(short, first, last, xtol=1e-13)
 
 
 def time_law(stretches: Sequence[Stretch]) -> TimeLaw:
@@ -121,7 +121,7 @@ def _distance(stretch: Stretch, slow: float, change: float) -> float:
 
 def _root(excess: Callable[[float], float], high: float) -> float:
     """Where a rising function is zero between 0, where it is negative, and `high`; small roots to all their digits."""
-    return float(brentq(excess, 0.0, high, xtol=np.finfo(np.float64).tiny, maxiter=1000))
+    return float(scipy.optimize.brentq(excess, 0.0, high, xtol=np.finfo(np.float64).tiny, maxiter=1000))
 
 
 def _profile(stretch: Stretch, before: float, after: float) -> tuple[float, Array]:

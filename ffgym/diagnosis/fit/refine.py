@@ -8,7 +8,7 @@ would be read as a part of the effect.
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
@@ -97,7 +97,7 @@ def polished(setting: Setting, found: Fit) -> Fit:
     def left(log_factor: float) -> float:
         return left_by(setting, [*others, last.scaled(float(np.exp(log_factor)))])
 
-    best = minimize_scalar(left, bounds=_SOUGHT, method="bounded", options={"xatol": _FINE})
+    best = scipy.optimize.minimize_scalar(left, bounds=_SOUGHT, method="bounded", options={"xatol": _FINE})
     if not best.fun < found.left:
         return found
     try:

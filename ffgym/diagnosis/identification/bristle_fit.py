@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
+import scipy
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
@@ -161,10 +161,10 @@ class _Problem:
         best = np.argsort(np.sum(errors**2, axis=1))[:_REFINED]
         return list(x[best])
 
-    def refined(self, start: Array) -> OptimizeResult:
+    def refined(self, start: Array) -> "scipy.optimize.OptimizeResult":
         """Least squares from one start."""
         start = np.clip(start, self.low, self.high)
-        return least_squares(
+        return scipy.optimize.least_squares(
             self.residual, start, self.jacobian, bounds=(self.low, self.high), x_scale=[1.0, 1.0, 0.01, 0.01], xtol=1e-5
         )
 

@@ -3,8 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
-from scipy.signal import butter, filtfilt
+import scipy
 
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.types import Array, BoolArray
@@ -52,7 +51,9 @@ class LowPass:
                 f"The low-pass at {self.cutoff:g} Hz must lie below {0.5 / dt:g} Hz, half the sample rate, and takes "
                 f"more than {self.padding} rows; there are {len(values)}, {dt:g} s apart."
             )
-        filtered: Array = filtfilt(*butter(self.order, self.cutoff, fs=1 / dt), values, axis=0)
+        filtered: Array = scipy.signal.filtfilt(
+            *scipy.signal.butter(self.order, self.cutoff, fs=1 / dt), values, axis=0
+        )
         return filtered
 
 
@@ -139,7 +140,7 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
 
 def far_from_masked(valid: BoolArray, reach: int) -> BoolArray:
     """Rows (T, N) with none that does not count within `reach` rows about them."""
-    return np.asarray(minimum_filter1d(valid.astype(np.int8), reach, axis=0, mode="nearest") > 0)
+    return np.asarray(scipy.ndimage.minimum_filter1d(valid.astype(np.int8), reach, axis=0, mode="nearest") > 0)
 
 
 def joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+import scipy
 
 from ffgym.control import DynamicLuGreExact
 from ffgym.core.errors import FFGymError
@@ -111,7 +111,7 @@ def _known(speed: Array, dt: float, way: float) -> BoolArray:
     At rest the noise of the speed alone makes the bristles of a model creep, so that they are not known there, nor
     until they have slipped.
     """
-    around = maximum_filter1d(np.abs(speed), max(1, round(_REST / dt)))
+    around = scipy.ndimage.maximum_filter1d(np.abs(speed), max(1, round(_REST / dt)))
     known = np.zeros(len(speed), dtype=np.bool_)
     for start, stop in runs(around > AT_REST):
         known[start:stop] = np.cumsum(np.abs(speed[start:stop])) * dt > way

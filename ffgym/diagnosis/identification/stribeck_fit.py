@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar, nnls
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
@@ -128,7 +128,7 @@ class _RunFit:
         root = np.sqrt(weight / weight.sum())
 
         def at(velocity: float) -> tuple[Array, float]:
-            return nnls(root[:, None] * self._regressors(speed, velocity), root * friction)
+            return scipy.optimize.nnls(root[:, None] * self._regressors(speed, velocity), root * friction)
 
         best = self._given if self._given is not None else self._refined(lambda velocity: at(velocity)[1])
         solution, error = at(best)
@@ -149,7 +149,7 @@ class _RunFit:
         errors = [error(velocity) for velocity in self._grid]
         best = int(np.argmin(errors))
         low, high = self._grid[max(best - 1, 0)], self._grid[min(best + 1, _GRID - 1)]
-        found = minimize_scalar(
+        found = scipy.optimize.minimize_scalar(
             lambda x: error(float(np.exp(x))),
             bounds=(np.log(low), np.log(high)),
             method="bounded",

@@ -6,8 +6,7 @@ from itertools import pairwise
 from typing import Literal, final
 
 import numpy as np
-from scipy.fft import next_fast_len, rfft
-from scipy.optimize import minimize_scalar
+import scipy
 
 from ffgym.core.errors import check_choice
 from ffgym.core.measures import rms
@@ -48,7 +47,7 @@ def refined(frequency: float, within: float, columns: Callable[[float], Array], 
         return float(rest @ rest)
 
     bounds = (frequency - within, frequency + within)
-    best = minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": _FINE * within})
+    best = scipy.optimize.minimize_scalar(left, bounds=bounds, method="bounded", options={"xatol": _FINE * within})
     return float(best.x)
 
 
@@ -101,13 +100,13 @@ def _octave(turning: Turning, values: Array, low: float, high: float) -> tuple[A
     gain = np.where(passed(turning.speed, high, turning.highest), turning.gain, 0.0)
     cell = 1.0 / (CELLS * high)
     number = np.rint((turning.angle - turning.angle.min()) / (2 * np.pi * cell)).astype(np.intp)
-    size = next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)
+    size = scipy.fft.next_fast_len(max(PADDING * (int(number.max()) + 1), round(4 / (cell * low))), real=True)
     frequency = np.arange(size // 2 + 1) / (size * cell)
     chosen = np.flatnonzero((frequency >= low) & (frequency < high))
 
     def sums(weights: Array, times: int = 1) -> tuple[Array, Array]:
         """Sums of weights (R,) times cosine and sine of so many times the phase, (F,) each."""
-        transform = rfft(np.bincount(number, weights=weights), size)[times * chosen]
+        transform = scipy.fft.rfft(np.bincount(number, weights=weights), size)[times * chosen]
         return transform.real, -transform.imag
 
     double, mixed = sums(gain**2, times=2)
@@ -129,13 +128,13 @@ def time_spectrum(rows: Rows, values: Array, train: BoolArray, *, low: float, hi
     """Periodogram of values (R,) in the rows of `train`, from `low` to `high` [Hz]."""
     edges = [*rows.motion_starts, len(values)]
     longest = max(np.ptp(rows.did.t[a:b]) for a, b in pairwise(edges))
-    size = next_fast_len(max(4, round(PADDING * longest / rows.dt)), real=True)
+    size = scipy.fft.next_fast_len(max(4, round(PADDING * longest / rows.dt)), real=True)
     total = np.zeros(size // 2 + 1)
     for a, b in pairwise(edges):
         used = train[a:b]
         if used.any():
             at = np.rint((rows.did.t[a:b][used] - rows.did.t[a]) / rows.dt).astype(np.intp)
-            total += 2 * np.abs(rfft(np.bincount(at, weights=values[a:b][used]), size)) ** 2 / used.sum()
+            total += 2 * np.abs(scipy.fft.rfft(np.bincount(at, weights=values[a:b][used]), size)) ** 2 / used.sum()
     frequency = np.arange(len(total)) / (size * rows.dt)
     chosen = (frequency >= low) & (frequency <= high)
     energy = float(values[train] @ values[train])

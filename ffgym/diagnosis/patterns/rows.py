@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
+import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.residual import Channel, MotionResidual, Residual, components
@@ -173,7 +173,7 @@ def without_slow(rows: Rows, values: Array) -> Array:
     smooth = np.empty_like(values)
     for motion in range(len(rows.motion_starts)):
         own = rows.motion == motion
-        smooth[own] = gaussian_filter1d(values[own], width, axis=0, mode="nearest")
+        smooth[own] = scipy.ndimage.gaussian_filter1d(values[own], width, axis=0, mode="nearest")
     return rows.centred(values - smooth)
 
 

@@ -4,8 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import gumbel_r
-from scipy.stats import t as student
+import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.patterns.forms import Fixed, Periodic, Variable, fit
@@ -82,7 +81,7 @@ def symmetric_test(agreement: Array) -> Array:
     ratio = np.divide(np.sum(agreement, axis=0), np.sqrt(squares), out=np.zeros_like(squares), where=squares > 0)
     freedom = np.maximum(count - 1, 1e-3)
     t = ratio * np.sqrt(freedom / np.maximum(count - ratio**2, 1e-12))
-    p: Array = np.maximum(student.sf(t, freedom), np.exp2(-np.ceil(count)))  # no rarer than all signs alike
+    p: Array = np.maximum(scipy.stats.t.sf(t, freedom), np.exp2(-np.ceil(count)))  # no rarer than all signs alike
     return p
 
 
@@ -152,7 +151,7 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     null = covariance[1:]
     spread = null.std(axis=0)
     score = np.divide(covariance - null.mean(axis=0), spread, out=np.zeros_like(covariance), where=spread > 0)
-    if gumbel_r.sf(score[0].max(), *_gumbel(score[1:].max(axis=(1, 2)))) > level:
+    if scipy.stats.gumbel_r.sf(score[0].max(), *_gumbel(score[1:].max(axis=(1, 2)))) > level:
         return None
     kind, best = np.unravel_index(np.argmax(score[0]), score[0].shape)
     size = float(np.linalg.norm(distances[best]) * np.linalg.norm(kinds[kind]))

@@ -5,8 +5,7 @@ the same order, without.
 """
 
 import numpy as np
-from scipy.linalg.lapack import dtbtrs
-from scipy.sparse import csr_array
+import scipy
 
 from ffgym.core.types import Array, IntArray
 
@@ -80,7 +79,7 @@ def swing(by_load: Array, by_place: Array, by_rate: Array, load: Array, start: A
 
 def _solved(band: Array, right: Array) -> Array:
     """Solution (S, V) of a lower triangular system with a diagonal of ones; row j of `band` has column j below it."""
-    found, _ = dtbtrs(band.T, right, uplo="L", diag="U")
+    found, _ = scipy.linalg.lapack.dtbtrs(band.T, right, uplo="L", diag="U")
     solved: Array = found
     return solved
 
@@ -95,7 +94,7 @@ def places_of(n: int, every: int) -> IntArray:
     return places if len(places) >= _POINTS else np.arange(n)
 
 
-def cubics(places: IntArray) -> csr_array:
+def cubics(places: IntArray) -> "scipy.sparse.csr_array":
     """Weights of values at P `places`, sample numbers, in all T samples up to the last of them, shape (T, P).
 
     Each is on the cubic through the four places around it (Lagrange): as near as a spline of values that vary this
@@ -110,7 +109,7 @@ def cubics(places: IntArray) -> csr_array:
         for b in set(range(_POINTS)) - {a}:
             weights[:, a] *= (samples - x[:, b]) / (x[:, a] - x[:, b])
     ends = np.arange(0, near.size + 1, _POINTS)
-    return csr_array((weights.ravel(), near.ravel(), ends), shape=(len(samples), len(places)))
+    return scipy.sparse.csr_array((weights.ravel(), near.ravel(), ends), shape=(len(samples), len(places)))
 
 
 def along(places: IntArray, values: Array) -> Array:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csr_array, eye_array
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
@@ -240,13 +240,15 @@ class Springs:
         return here[:, 0], here[:, 1], here[:, 2]
 
     @cached_property
-    def _known_poses(self) -> tuple[csr_array, Array]:
+    def _known_poses(self) -> "tuple[scipy.sparse.csr_array, Array]":
         """Weights (T, P) of some samples in all of them, and the same there, (P, M, 3, E, E)."""
         dt, places = self.dt, places_of(len(self.mass), max(1, round(_POSES / self.dt)))
         mass, rate, place = self._terms(places)
         inverse = np.linalg.inv(mass - self._late(places) + dt / 2 * rate + dt**2 / 4 * place)
         known = np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
-        return cubics(places) if len(places) < len(self.mass) else eye_array(len(places), format="csr"), known
+        return cubics(places) if len(places) < len(self.mass) else scipy.sparse.eye_array(
+            len(places), format="csr"
+        ), known
 
     @property
     def _at_rest(self) -> Array:

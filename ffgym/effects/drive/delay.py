@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
@@ -76,7 +76,9 @@ class TorqueDelay(TorqueEffect):
             keep = np.exp(-dt / lag) if lag > 0 else 0.0
             now = 1 - (1 - keep) * lag / dt
             due = _earlier(commands[..., j], delay / dt)
-            given[..., j] = lfilter([now, 1 - keep - now], [1, -keep], due, axis=0, zi=(1 - now) * due[:1])[0]
+            given[..., j] = scipy.signal.lfilter(
+                [now, 1 - keep - now], [1, -keep], due, axis=0, zi=(1 - now) * due[:1]
+            )[0]
         return Torques(motor=given - commands)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TrackerEffect
@@ -40,4 +40,4 @@ class TrackerClock(TrackerEffect):
         """See base class."""
         t = recording.t
         wanted = np.clip(t - self.latency - self.drift * t, t[0], t[-1])
-        return with_tool_at(recording, lambda position: CubicSpline(t, position)(wanted))
+        return with_tool_at(recording, lambda position: scipy.interpolate.CubicSpline(t, position)(wanted))

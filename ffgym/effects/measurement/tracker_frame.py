@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TrackerEffect
@@ -40,5 +40,5 @@ class TrackerFrame(TrackerEffect):
 
     def measured(self, recording: Recording, robot: RobotDescription) -> Recording:
         """See base class."""
-        turn = Rotation.from_rotvec(self.turn.copy()).as_matrix()
+        turn = scipy.spatial.transform.Rotation.from_rotvec(self.turn.copy()).as_matrix()
         return with_tool_at(recording, lambda position: (1 + self.scale) * position @ turn.T + self.shift)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import ClassVar, final
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from ffgym.core.types import Array
 from ffgym.effects.effect import Side, TorqueEffect
@@ -88,7 +88,7 @@ class FlexibleLoad(TorqueEffect):
         torque = np.zeros_like(acceleration)
         for j in np.flatnonzero(self.inertia).tolist():
             numerator, denominator = self._filter(j, dt)
-            torque[..., j] = lfilter(numerator, denominator, acceleration[..., j], axis=0)
+            torque[..., j] = scipy.signal.lfilter(numerator, denominator, acceleration[..., j], axis=0)
         return Torques(link=torque)
 
     def _filter(self, j: int, dt: float) -> tuple[Array, Array]:

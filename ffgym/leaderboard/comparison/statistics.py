@@ -20,7 +20,7 @@ from typing import cast
 from zlib import crc32
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, IntArray
@@ -149,8 +149,8 @@ def interval(samples: Array, levels: int) -> Interval | None:
     """
     if levels < 2:
         return None
-    reach = np.sqrt(levels / (levels - 1)) * stats.t.ppf((1 - CONFIDENCE) / 2, levels - 1)
-    tail = float(stats.norm.cdf(reach))
+    reach = np.sqrt(levels / (levels - 1)) * scipy.stats.t.ppf((1 - CONFIDENCE) / 2, levels - 1)
+    tail = float(scipy.stats.norm.cdf(reach))
     low = np.quantile(samples, tail, method="lower")
     high = np.quantile(samples, 1 - tail, method="higher")
     return Interval(float(low), float(high))

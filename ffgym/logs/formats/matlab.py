@@ -12,8 +12,8 @@ from math import prod
 from typing import Any, NamedTuple, cast
 
 import numpy as np
+import scipy
 from scipy.io import loadmat
-from scipy.sparse import issparse
 
 from ffgym.core.errors import FFGymError
 from ffgym.logs.contents import NUMBERS, TEXT, Contents
@@ -76,7 +76,7 @@ class Matlab(LogFormat):
 
 def _flatten(name: str, value: Any, arrays: dict[str, Any], skipped: dict[str, str]) -> None:
     """Put arrays under their paths: fields of structures, entries of cells and of arrays of structures."""
-    if issparse(value):
+    if scipy.sparse.issparse(value):
         skipped[name] = f"a sparse matrix; in MATLAB, save full({name})"
         return
     array = np.asarray(value)

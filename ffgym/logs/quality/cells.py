@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import final
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d
+import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.quality.check import ROWS, Seen, check
@@ -62,7 +62,7 @@ def usual_steps(x: Array, resolution: float) -> Array:
 
 def _largest(values: Array, rows: int) -> Array:
     """Largest of each `rows` neighbours in `values` (T,), shape (T - rows + 1,)."""
-    return np.asarray(maximum_filter1d(values, rows)[rows // 2 : rows // 2 + len(values) - rows + 1])
+    return np.asarray(scipy.ndimage.maximum_filter1d(values, rows)[rows // 2 : rows // 2 + len(values) - rows + 1])
 
 
 def _floor(x: Array, resolution: float) -> float:

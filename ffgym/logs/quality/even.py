@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
+import scipy
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray, IntArray
@@ -56,11 +56,11 @@ def between(s: Array, values: Array, t: Array, *, smooth: bool) -> Array:
     t = np.clip(t, s[0], s[-1])
     if len(s) < 4:
         return np.asarray(np.interp(t, s, values))
-    monotone = PchipInterpolator(s, values)(t)
+    monotone = scipy.interpolate.PchipInterpolator(s, values)(t)
     if not smooth:
         return np.asarray(monotone)
     after = np.clip(np.searchsorted(s, t), 1, len(s) - 1)
-    return np.where(s[after] - s[after - 1] > LONG, monotone, CubicSpline(s, values)(t))
+    return np.where(s[after] - s[after - 1] > LONG, monotone, scipy.interpolate.CubicSpline(s, values)(t))
 
 
 def bridged(t: Array, values: Array, bad: BoolArray, *, smooth: bool) -> Array:

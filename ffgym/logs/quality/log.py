@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 from typing import final
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
+import scipy
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.signals import TINY, averaged, white_noise
@@ -123,7 +123,7 @@ class Log:
     def _as_position(self, family: str) -> Array:
         values = self.link_side(family)
         for _ in range(("position", "velocity", "acceleration").index(family.rpartition(".")[2])):
-            values = np.asarray(cumulative_trapezoid(values, self.t, axis=0, initial=0))
+            values = np.asarray(scipy.integrate.cumulative_trapezoid(values, self.t, axis=0, initial=0))
         return values - values[0]
 
     @cached_property

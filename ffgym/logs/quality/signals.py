@@ -4,9 +4,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
-from scipy.signal import correlate, correlation_lags
-from scipy.special import comb
+import scipy
 
 from ffgym.core.types import Array, BoolArray
 
@@ -92,7 +90,7 @@ def longest_interval(t: Array) -> float:
 
 def averaged(values: Array, rows: int) -> Array:
     """Moving average along the first axis, without delay."""
-    return uniform_filter1d(values, rows | 1, axis=0, mode="nearest")
+    return scipy.ndimage.uniform_filter1d(values, rows | 1, axis=0, mode="nearest")
 
 
 def white_noise(values: Array) -> Array:
@@ -102,7 +100,7 @@ def white_noise(values: Array) -> Array:
     """
     if len(values) <= 4 * _ORDER:
         return np.zeros(values.shape[1])
-    gain = np.sqrt(sum(comb(_ORDER, k) ** 2 for k in range(_ORDER + 1)))
+    gain = np.sqrt(sum(scipy.special.comb(_ORDER, k) ** 2 for k in range(_ORDER + 1)))
     sizes = np.abs(np.diff(values, _ORDER, axis=0))
     return np.asarray(np.median(sizes, axis=0) / (_NORMAL * gain))
 
@@ -142,8 +140,8 @@ def compare(a: Array, b: Array, lags: int = 0) -> Comparison:
 
 def _peak(a: Array, b: Array, lags: int, size: float) -> tuple[float, float]:
     """Correlation of largest size within `lags` rows, and where it is, between rows by a parabola."""
-    near = np.abs(correlation_lags(len(a), len(b))) <= lags
-    curve = correlate(a, b, method="fft")[near] / size
+    near = np.abs(scipy.signal.correlation_lags(len(a), len(b))) <= lags
+    curve = scipy.signal.correlate(a, b, method="fft")[near] / size
     peak = int(np.argmax(np.abs(curve)))
     lag = float(peak - (len(curve) - 1) // 2)
     if 0 < peak < len(curve) - 1:

@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import final
 
 import numpy as np
-from scipy.signal import correlate, welch
+import scipy
 
 from ffgym.core.types import Array, IntArray
 from ffgym.logs.quality.check import Seen, check, late
@@ -121,7 +121,7 @@ def _lag(a: Array, b: Array, dt: float) -> int:
     """By how many rows path `a` (R, 3) is later than `b`: the peak of the correlation of their speeds, in any frame."""
     fast, planned = (speed - speed.mean() for speed in (_speed(a, dt), _speed(b, dt)))
     reach = min(round(_LAG_SPAN / dt), len(fast) // 4)
-    curve = correlate(fast, planned, method="fft")
+    curve = scipy.signal.correlate(fast, planned, method="fft")
     middle = len(planned) - 1
     return int(np.argmax(curve[middle - reach : middle + reach + 1])) - reach
 
@@ -213,7 +213,7 @@ def bandwidth(log: Log) -> tuple[float, str]:
     if len(log.t) < 64:
         raise NotJudgedError("there are fewer than 64 rows")
     speed = log.dq[:, log.excited]
-    frequency, power = welch(
+    frequency, power = scipy.signal.welch(
         speed / np.maximum(speed.std(axis=0), 1e-300), fs=1 / log.dt, nperseg=min(4096, len(speed)), axis=0
     )
     share = np.cumsum(power, axis=0) / np.maximum(power.sum(axis=0), 1e-300)

@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import final
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
@@ -125,7 +125,7 @@ def _torque_permutation(log: Log) -> Iterator[Seen]:
     if len(joints) < 2:
         raise NotJudgedError("fewer than two joints move")
     cost = np.array([[_left(model, i, j) for j in joints] for i in joints])
-    chosen = linear_sum_assignment(cost)[1].tolist()
+    chosen = scipy.optimize.linear_sum_assignment(cost)[1].tolist()
     own = np.diag(cost)
     gains = np.where(own > np.log(_MISFIT), own - cost[np.arange(len(own)), chosen], 0.0)
     for row, column in enumerate(chosen):

@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 from typing import final
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
+import scipy
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.quality.check import ROWS, Seen, check, late
@@ -187,15 +187,15 @@ def _smallest(cost: Array, least: float) -> int:
 def _leftover(parts: TorqueParts, joints: list[int], reach: int) -> Array:
     """Log of what nothing explains of torques that are moved by -reach to reach rows, against none, (2 reach + 1,)."""
     inner = slice(reach, len(parts.t) - reach)
-    shared, size = orthonormal(parts.common[inner]), next_fast_len(len(parts.t), real=True)
-    shared_waves = rfft(shared, size, axis=0)
+    shared, size = orthonormal(parts.common[inner]), scipy.fft.next_fast_len(len(parts.t), real=True)
+    shared_waves = scipy.fft.rfft(shared, size, axis=0)
     costs = np.zeros((len(joints), 2 * reach + 1))
     for cost, j in zip(costs, joints, strict=True):
         own = parts.friction(j)[inner]
         own = orthonormal(own - shared @ (shared.T @ own))
         torque = parts.torque[:, j] - parts.torque[:, j].mean()
-        columns = np.concatenate([shared_waves, rfft(own, size, axis=0)], axis=1)
-        along = irfft(rfft(torque, size)[:, None] * columns.conj(), size, axis=0)[: 2 * reach + 1]
+        columns = np.concatenate([shared_waves, scipy.fft.rfft(own, size, axis=0)], axis=1)
+        along = scipy.fft.irfft(scipy.fft.rfft(torque, size)[:, None] * columns.conj(), size, axis=0)[: 2 * reach + 1]
         explained, energy = np.sum(along**2, axis=1), np.cumsum(np.append(0.0, torque**2))
         total = energy[len(own) :] - energy[: -len(own)]
         cost[:] = np.log(np.maximum(total - explained, 1e-12 * total.max()))

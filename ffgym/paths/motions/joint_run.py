@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from ffgym.core.errors import errors_at
 from ffgym.core.types import Array
@@ -112,7 +112,7 @@ def _within(arm: RigidArm, curve: Curve, corner: float, longest: float, radius: 
     if not outside.size:
         return longest
     inner, outer = away[outside[0] - 1], away[outside[0]]
-    return float(brentq(lambda length: float(beyond(length)[0]), inner, outer))
+    return float(scipy.optimize.brentq(lambda length: float(beyond(length)[0]), inner, outer))
 
 
 def _bounds(arm: RigidArm, leg: Leg, s: Array, limits: MotionLimits) -> Bounds:

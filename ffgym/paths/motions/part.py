@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape
 from ffgym.core.types import Array
@@ -133,7 +133,9 @@ def rotation_of(rpy_deg: Any, quaternion: Any) -> Array | None:
     if rpy_deg is not None and quaternion is not None:
         raise FFGymError("rpy_deg and quaternion say the same; give one of them.")
     if rpy_deg is not None:
-        return Rotation.from_euler("xyz", check_shape("rpy_deg", rpy_deg, (3,)), degrees=True).as_matrix()
+        return scipy.spatial.transform.Rotation.from_euler(
+            "xyz", check_shape("rpy_deg", rpy_deg, (3,)), degrees=True
+        ).as_matrix()
     if quaternion is None:
         return None
     values = check_shape("quaternion", quaternion, (4,))
@@ -141,7 +143,7 @@ def rotation_of(rpy_deg: Any, quaternion: Any) -> Array | None:
         raise FFGymError(
             f"quaternion = {values.tolist()} (w, x, y, z) must have norm 1, not {np.linalg.norm(values):.6g}."
         )
-    return Rotation.from_quat(values, scalar_first=True).as_matrix()
+    return scipy.spatial.transform.Rotation.from_quat(values, scalar_first=True).as_matrix()
 
 
 def _is_number(text: str) -> bool:

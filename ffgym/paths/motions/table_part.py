@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ffgym.core.errors import FFGymError, check_number, errors_at
 from ffgym.core.files import read_text
@@ -156,7 +155,7 @@ def _rotations(columns: Mapping[str, Array]) -> Array | None:
     if has_quaternion and has_rpy:
         raise FFGymError("Quaternion and roll, pitch, yaw say the same; give one of them.")
     if has_rpy:
-        return Rotation.from_euler("xyz", _together(columns, RPY)).as_matrix()
+        return scipy.spatial.transform.Rotation.from_euler("xyz", _together(columns, RPY)).as_matrix()
     if not has_quaternion:
         return None
     values = _together(columns, QUATERNION)
@@ -164,7 +163,7 @@ def _rotations(columns: Mapping[str, Array]) -> Array | None:
     if np.abs(norm - 1).max() > UNIT_NORM:
         row = int(np.argmax(np.abs(norm - 1)))
         raise FFGymError(f"Row {row + 1}: the quaternion qw, qx, qy, qz must have norm 1, not {norm[row]:.6g}.")
-    return Rotation.from_quat(values, scalar_first=True).as_matrix()
+    return scipy.spatial.transform.Rotation.from_quat(values, scalar_first=True).as_matrix()
 
 
 def _times(t: Array) -> Array:
@@ -228,13 +227,15 @@ def _rests(t: Array, rows: Array) -> tuple[bool, bool]:
     return bool(speed[0] <= AT_REST * speed.max()), bool(speed[-1] <= AT_REST * speed.max())
 
 
-def _spline(t: Array, rows: Array) -> CubicSpline[Any]:
+def _spline(t: Array, rows: Array) -> "scipy.interpolate.CubicSpline[Any]":
     """Cubic spline through rows (T, D), at rest at an end where they are."""
     starts, ends = _rests(t, rows)
-    return CubicSpline(t, rows, bc_type=("clamped" if starts else "not-a-knot", "clamped" if ends else "not-a-knot"))
+    return scipy.interpolate.CubicSpline(
+        t, rows, bc_type=("clamped" if starts else "not-a-knot", "clamped" if ends else "not-a-knot")
+    )
 
 
-def _at(curve: CubicSpline[Any], t: Array, end: float) -> tuple[Array, Array, Array]:
+def _at(curve: "scipy.interpolate.CubicSpline[Any]", t: Array, end: float) -> tuple[Array, Array, Array]:
     """Value and derivatives at times `t`; after the end it stays where it is."""
     inside, still = np.minimum(t, end), (t > end)[:, None]
     return curve(inside), np.where(still, 0.0, curve(inside, 1)), np.where(still, 0.0, curve(inside, 2))
@@ -242,7 +243,7 @@ def _at(curve: CubicSpline[Any], t: Array, end: float) -> tuple[Array, Array, Ar
 
 def _quaternions(rotations: Array) -> Array:
     """Unit quaternions of rotations (T, 3, 3), scalar first, each on the side of the one before, shape (T, 4)."""
-    values = Rotation.from_matrix(rotations).as_quat(scalar_first=True)
+    values = scipy.spatial.transform.Rotation.from_matrix(rotations).as_quat(scalar_first=True)
     flips = np.where((values[1:] * values[:-1]).sum(axis=1) < 0, -1.0, 1.0)
     return values * np.cumprod(np.append(1.0, flips))[:, None]
 
@@ -256,7 +257,7 @@ def _turning(q: Array, dq: Array, ddq: Array) -> dict[str, Array]:
     velocity = 2 * _imaginary(dq, q) / square
     growth = 2 * (q * dq).sum(axis=1)[:, None] / square
     return {
-        "rotation": Rotation.from_quat(q, scalar_first=True).as_matrix(),
+        "rotation": scipy.spatial.transform.Rotation.from_quat(q, scalar_first=True).as_matrix(),
         "angular_velocity": velocity,
         "angular_acceleration": 2 * _imaginary(ddq, q) / square - growth * velocity,
     }

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ffgym.core.errors import FFGymError, errors_at
 from ffgym.paths.rapid.records import BOOL, NUM, PREDEFINED, ROBTARGET, STRING, TYPES, Type, Value
@@ -151,7 +151,9 @@ def _rel_tool(values: Sequence[Value], options: Options) -> Value:
     (position, orient, *rest), *offset = values
     tool = turn(orient, "the target's rot")
     angles = [options.get(name, 0.0) for name in ("rx", "ry", "rz")]
-    turned = Rotation.from_matrix(tool) * Rotation.from_euler("XYZ", angles, degrees=True)
+    turned = scipy.spatial.transform.Rotation.from_matrix(tool) * scipy.spatial.transform.Rotation.from_euler(
+        "XYZ", angles, degrees=True
+    )
     moved = np.array(position) + tool @ np.array(offset)
     q2, q3, q4, q1 = turned.as_quat().tolist()
     return (tuple(moved.tolist()), (q1, q2, q3, q4), *rest)

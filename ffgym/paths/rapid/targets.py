@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.types import Array, BoolArray
@@ -52,7 +52,7 @@ def turn(orient: Value, name: str) -> Array:
     if not abs(norm - 1) <= LARGEST_NORM_ERROR:
         raise FFGymError(f"{name} = {list(orient)} has norm {norm:.6g}, must be a quaternion of norm 1.")
     q1, q2, q3, q4 = orient
-    matrix: Array = Rotation.from_quat([q2, q3, q4, q1]).as_matrix()
+    matrix: Array = scipy.spatial.transform.Rotation.from_quat([q2, q3, q4, q1]).as_matrix()
     return matrix
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.measures import rms
@@ -61,7 +61,7 @@ class Contour:
         rows = np.flatnonzero(~np.isnan(tcp).any(axis=1))
         points = tcp[rows]
         near = _nearest_rows(points, rows, reference, round(window / recording.dt))
-        curve = CubicSpline(recording.t, reference)
+        curve = scipy.interpolate.CubicSpline(recording.t, reference)
         nearest = _refined(points, recording.t[near], curve, recording.t)
         velocity = curve(recording.t[rows], 1)
         speed = np.linalg.norm(velocity, axis=1)
@@ -147,7 +147,7 @@ def _nearest_rows(points: Array, rows: IntArray, reference: Array, reach: int) -
     return near
 
 
-def _refined(points: Array, near: Array, curve: CubicSpline, t: Array) -> Array:
+def _refined(points: Array, near: Array, curve: "scipy.interpolate.CubicSpline", t: Array) -> Array:
     """Nearest points (T, 3) on the curve within a sample of the times `near` (T,)."""
     dt = float(np.median(np.diff(t)))
     steps = dt * np.linspace(-1.0, 1.0, 2 * _PIECES + 1)

@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 
 import mujoco
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
@@ -189,4 +189,4 @@ def _colour(element: ET.Element, named: Mapping[str, ET.Element]) -> list[float]
 
 def quaternion(rpy: Array) -> Array:
     """Unit quaternion, scalar first, of URDF's roll, pitch, yaw [rad] about the fixed axes x, y, z."""
-    return Rotation.from_euler("xyz", rpy).as_quat()[[3, 0, 1, 2]]
+    return scipy.spatial.transform.Rotation.from_euler("xyz", rpy).as_quat()[[3, 0, 1, 2]]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array, BoolArray
@@ -206,7 +206,7 @@ def nearby_poses(stage: Stage, way: Array) -> Array:
     """
     robot = stage.robot
     about = stage.about(stage.rest, way)
-    unit = qmc.Halton(d=robot.n_joints, scramble=False).random(_CANDIDATES)
+    unit = scipy.stats.qmc.Halton(d=robot.n_joints, scramble=False).random(_CANDIDATES)
     low, high = robot.kinematics.range.T
     around = np.clip(about + (2 * unit - 1) * NEARBY * stage.span, low + way, high - way)
     poses = np.vstack([about, around])

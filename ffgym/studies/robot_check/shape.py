@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
@@ -80,7 +80,7 @@ def poses_in_range(robot: RobotDescription, count: int = POSES) -> Array:
     """
     low, high = robot.kinematics.range.T
     turn = np.where(robot.kinematics.is_sliding, np.inf, 2 * np.pi)
-    spread = qmc.Halton(robot.n_joints, scramble=False).random(count)
+    spread = scipy.stats.qmc.Halton(robot.n_joints, scramble=False).random(count)
     return low + spread * np.minimum(high - low, turn)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.measures import rms
@@ -123,7 +123,11 @@ def _minimised(
     h, found = start.biases.shape[1], []
     for joint, problem in enumerate(problems(start, records)):
         first = _packed(start, joint)
-        found.append(least_squares(problem.residual, first, problem.jacobian, method="lm", max_nfev=n_evaluations).x)
+        found.append(
+            scipy.optimize.least_squares(
+                problem.residual, first, problem.jacobian, method="lm", max_nfev=n_evaluations
+            ).x
+        )
     w, b, c, d = (np.array(part) for part in zip(*(split(parameters, h) for parameters in found), strict=True))
     return replace(start, input_weights=w, biases=b, output_weights=c, offset=d)
 

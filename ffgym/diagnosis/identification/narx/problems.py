@@ -10,7 +10,7 @@ from operator import mul
 from typing import Any, final
 
 import numpy as np
-from scipy.linalg.lapack import dtbtrs
+import scipy
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.measures import rms
@@ -252,7 +252,9 @@ class Simulation:
             bands[lag, : len(phi) - lag] = -gain[lag:]
         direct = slopes(parameters, phi, self.n_neurons)
         direct[0] = 0.0  # the first output is none, whatever the weights
-        found, _ = dtbtrs(bands, direct, uplo="L", diag="U")  # without pivots, so that it may overflow but not fail
+        found, _ = scipy.linalg.lapack.dtbtrs(
+            bands, direct, uplo="L", diag="U"
+        )  # without pivots, so that it may overflow but not fail
         return np.nan_to_num(np.clip(found, -STEEPEST, STEEPEST))
 
 

@@ -20,7 +20,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag, cho_factor, cho_solve, solve_triangular
+import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import installed
@@ -114,7 +114,7 @@ def coordinates_of(robot: RobotDescription, terms: tuple[Term, ...], scales: Arr
         start += len(described)
     return Coordinates(
         labels=tuple(label for term in terms for label in term.labels(robot)),
-        to_parameters=block_diag(*maps),
+        to_parameters=scipy.linalg.block_diag(*maps),
         reference=np.concatenate(reference),
         is_held=np.concatenate([np.full(len(term.labels(robot)), term.is_held) for term in terms]),
         least=np.concatenate([np.full(len(term.labels(robot)), term.least) for term in terms]),
@@ -176,7 +176,7 @@ class ConsistentLeastSquares:
             right: b, shape (K,).
         """
         try:
-            y: Array = cho_solve(cho_factor(normal), right)
+            y: Array = scipy.linalg.cho_solve(scipy.linalg.cho_factor(normal), right)
         except np.linalg.LinAlgError as error:
             raise FFGymError(
                 "The equations are singular in floating point: description and recordings differ by too many powers of "
@@ -196,7 +196,7 @@ class ConsistentLeastSquares:
         root = np.linalg.cholesky(normal).T
         size = np.linalg.norm(root @ (self.coordinates.reference - best))
         centre.value = best
-        whitened.value = size * solve_triangular(root, np.eye(len(best)))
+        whitened.value = size * scipy.linalg.solve_triangular(root, np.eye(len(best)))
         problem.solve(solver="CLARABEL", tol_gap_rel=_TOLERANCE, tol_gap_abs=_TOLERANCE, tol_feas=_TOLERANCE)
         if problem.status not in ("optimal", "optimal_inaccurate"):
             raise FFGymError(

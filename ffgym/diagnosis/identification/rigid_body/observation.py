@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
+import scipy
 
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array, BoolArray
@@ -152,7 +152,7 @@ def _counting(robot: RobotDescription, motion: Motion, valid: BoolArray, filteri
     speed = np.abs(motion.motor_dq / robot.drive.gear_ratio)
     reach = 2 * round(1 / (filtering.parallel.cutoff * dt)) + 1  # a period of the cut-off, on either side
     good = (speed > filtering.moving) & valid
-    counts: BoolArray = minimum_filter1d(good.astype(np.int8), reach, axis=0) > 0
+    counts: BoolArray = scipy.ndimage.minimum_filter1d(good.astype(np.int8), reach, axis=0) > 0
     ends = max(low_pass.end_rows(dt) for low_pass in (filtering.motion, filtering.parallel))
     counts[:ends], counts[len(counts) - ends :] = False, False
     return counts

@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import final
 
 import numpy as np
-from scipy.signal import butter, filtfilt
+import scipy
 
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.logs.quality.signals import acceleration_noise, white_noise
@@ -193,7 +193,7 @@ def _resampled(values: Array, t: Array, wanted: Array) -> Array:
 
 
 def _low_pass(values: Array, dt: float, band: float) -> Array:
-    filtered: Array = filtfilt(*butter(2, band, fs=1 / dt), values, axis=0)
+    filtered: Array = scipy.signal.filtfilt(*scipy.signal.butter(2, band, fs=1 / dt), values, axis=0)
     return filtered
 
 
