@@ -146,7 +146,7 @@ class Leaderboard:
         info["fingerprints"] = {plant: plant_named(plant).fingerprint for plant in every}
         if self.page is not None:
             from ffgym.leaderboard.presentation.page import render_page
-            from ffgym.leaderboard.presentation.tool_paths import paths_of
+            from ffgym.leaderboard.presentation.pictures import paths_of
 
             write_text(self.page, render_page(rows, tracks=paths_of(rows), provenance=info))
             print(f"page: {self.page}")

@@ -55,7 +55,7 @@ _LEGEND_HANDLE, _LEGEND_LETTER = 0.55, 0.065
 """Width of an entry's line with its margins and of a letter [inch], at the font size above; measured, rounded up."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ReportFigure:
     """A picture with its words."""
 

@@ -67,12 +67,8 @@ def _section(name: str, report: QualityReport, place: int) -> Section:
             Column("what was seen", [found.message for found in report.problems], kind="prose"),
         ]
     )
-    picture = ReportFigure(
-        name=f"limits-{place}",
-        title="Figures beside their limits",
-        caption=limits_caption(report),
-        figure=limits_figure(report),
-    )
+    words = limits_caption(report)
+    picture = ReportFigure(f"limits-{place}", "Figures beside their limits", words, limits_figure(report))
     parts = [
         *(f"Conditioned: {note}" for note in report.conditioning),
         problems if report.problems else "Nothing is flagged.",

@@ -1,7 +1,6 @@
 """The report's figures under the names of the thesis' figures: what the table of claims calls `figures`."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -40,9 +39,6 @@ from scripts.thesis.network_plots import (
 )
 from scripts.thesis.tables import VALIDATING, fit_of_static, mean_rms, spread
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 RATES = (0.4, 0.8, 1.6, 2.2)
 """Learning rates of the figure of stability: half and all of that of thesis 5.3.1, and two beyond; chosen."""
 ITERATIONS = 15
@@ -53,14 +49,14 @@ def axis_friction(laboratory: Laboratory, name: str, of: str, frequency: float) 
     """Friction of one axis over speed, and what each law adds."""
     study = getattr(laboratory, of).only(frequencies=[frequency])
     title = "Friction and added torque over speed"
-    return [_figure(name, title, one_axis_loops_caption(study), one_axis_loops_figure(study))]
+    return [ReportFigure(name, title, one_axis_loops_caption(study), one_axis_loops_figure(study))]
 
 
 def axis_outputs(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
     """Speed, error and feedback of one axis over time."""
     study = getattr(laboratory, of).only(frequencies=[frequency])
     title = "Speed, motor error and feedback before and after"
-    return [_figure(name, title, one_axis_caption(study, frequency), one_axis_figure(study, frequency))]
+    return [ReportFigure(name, title, one_axis_caption(study, frequency), one_axis_figure(study, frequency))]
 
 
 def paths(laboratory: Laboratory, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
@@ -76,8 +72,8 @@ def network_paths(laboratory: Laboratory, name: str, of: str, position: str, spe
 
 def _paths(name: str, study: CircleStudy) -> list[ReportFigure]:
     return [
-        _figure(f"{name}a", "Path of the tool", paths_caption(study), paths_figure(study)),
-        _figure(
+        ReportFigure(f"{name}a", "Path of the tool", paths_caption(study), paths_figure(study)),
+        ReportFigure(
             f"{name}b", "RMS motor position error per joint", motor_error_caption(study), motor_error_figure(study)
         ),
     ]
@@ -88,7 +84,7 @@ def joint_friction(laboratory: Laboratory, name: str, of: str, speed: float) -> 
     study = getattr(laboratory, of).only(positions=["p1"], speeds=[speed])
     caption = joint_loops_caption(study, beside="lugre_dynamic")
     figure = joint_loops_figure(study, beside="lugre_dynamic")
-    return [_figure(name, "Friction and added torque of each joint over speed", caption, figure)]
+    return [ReportFigure(name, "Friction and added torque of each joint over speed", caption, figure)]
 
 
 def training(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
@@ -99,7 +95,7 @@ def training(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
         for law, each in getattr(laboratory, of).items()
     ]
     title = "Mean squares of error and learning signal over iterations"
-    return [_figure(name, title, training_caption(found, joints), training_figure(found, joints))]
+    return [ReportFigure(name, title, training_caption(found, joints), training_figure(found, joints))]
 
 
 def basis(laboratory: Laboratory, name: str) -> list[ReportFigure]:
@@ -110,7 +106,7 @@ def basis(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     curves = np.zeros((len(speeds), basis.n_splines))
     np.put_along_axis(curves, splines, values, axis=1)
     caption = f"{basis.n_splines} splines of order {basis.order} on {len(basis.knots)} knots; their sum is 1."
-    return [_figure(name, "Basis functions of a network", caption, basis_figure(speeds, curves, FINE_RANGE))]
+    return [ReportFigure(name, "Basis functions of a network", caption, basis_figure(speeds, curves, FINE_RANGE))]
 
 
 def feedback_over_speed(laboratory: Laboratory, name: str) -> list[ReportFigure]:
@@ -118,7 +114,7 @@ def feedback_over_speed(laboratory: Laboratory, name: str) -> list[ReportFigure]
     speeds = ", ".join(f"{speed:.3g}" for speed in top_speeds(laboratory, 0.100))
     caption = f"No compensation, p1, 100 mm/s, without standstill. Largest speeds: {speeds} rad/s."
     figure = feedback_over_speed_figure(laboratory.lugre_circles.recordings["none", "p1", 0.100])
-    return [_figure(name, "Feedback over motor speed", caption, figure)]
+    return [ReportFigure(name, "Feedback over motor speed", caption, figure)]
 
 
 def feedback_parts(laboratory: Laboratory, name: str) -> list[ReportFigure]:
@@ -126,7 +122,7 @@ def feedback_parts(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     title = "Feedback of joint 2 with and without its integral part"
     caption = "No compensation, p1, 10 mm/s. The integral part carries gravity, so that u_p has no offset."
     figure = feedback_parts_figure(laboratory.lugre_circles.recordings["none", "p1", 0.010], joint=1)
-    return [_figure(name, title, caption, figure)]
+    return [ReportFigure(name, title, caption, figure)]
 
 
 def static_friction(laboratory: Laboratory, name: str) -> list[ReportFigure]:
@@ -135,7 +131,7 @@ def static_friction(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     caption = f"{measured.joint} of a workcell; without what both directions do not share. "
     title = "Friction at constant speeds, and the identified static model"
     figure = stribeck_figure(measured.found)
-    return [_figure(name, title, f"{caption}Before: the model of the controller.", figure)]
+    return [ReportFigure(name, title, f"{caption}Before: the model of the controller.", figure)]
 
 
 def records_over_speed(
@@ -145,7 +141,7 @@ def records_over_speed(
     measured = laboratory.joint_1
     shown, curves = [measured.records[number] for number in numbers], {each: measured.model(each) for each in models}
     figure = friction_loops_figure(shown, measured.index, curves, known=measured.known)
-    return [_figure(name, what, _records_caption(laboratory, numbers, models), figure)]
+    return [ReportFigure(name, what, _records_caption(laboratory, numbers, models), figure)]
 
 
 def record_over_both(
@@ -157,7 +153,7 @@ def record_over_both(
     over_time = friction_over_time_figure(measured.records[number], measured.index, curves, known=measured.known)
     caption = _records_caption(laboratory, [number], models)
     return [
-        _figure(f"{name}a", f"{what}, over time", caption, over_time),
+        ReportFigure(f"{name}a", f"{what}, over time", caption, over_time),
         *records_over_speed(laboratory, f"{name}b", f"{what}, over speed", [number], models),
     ]
 
@@ -183,7 +179,7 @@ def network_torque(laboratory: Laboratory, name: str, of: str, network: str) -> 
     starts = found.model.n_joints
     caption = f"Fit, median of {starts} random starts (least to most); {'; '.join(parts)}. Drawn is the free run."
     title = f"NARX network of {found.candidate.label} and the LuGre model"
-    return [_figure(name, title, caption, narx_figure(found, laboratory.narx_records))]
+    return [ReportFigure(name, title, caption, narx_figure(found, laboratory.narx_records))]
 
 
 def reach_of_networks(laboratory: Laboratory) -> list[ReportFigure]:
@@ -200,7 +196,7 @@ def reach_of_networks(laboratory: Laboratory) -> list[ReportFigure]:
         "Table 6.1; A in rad/s, f in Hz."
     )
     floors = np.array([fit_of_static(laboratory, name) for name in names])
-    return [_figure("narx-reach", title, caption, fits_figure(fits, floors, names))]
+    return [ReportFigure("narx-reach", title, caption, fits_figure(fits, floors, names))]
 
 
 def agents(laboratory: Laboratory, name: str) -> list[ReportFigure]:
@@ -209,7 +205,9 @@ def agents(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     errors = {titles[law]: values for law, values in mean_rms(laboratory).items()}
     caption = "Mean RMS path error over 12 circles at each speed, logarithmic."
     return [
-        _figure(name, "Mean path error of every law", caption, agents_figure(errors, [speed * 1e3 for speed in SPEEDS]))
+        ReportFigure(
+            name, "Mean path error of every law", caption, agents_figure(errors, [speed * 1e3 for speed in SPEEDS])
+        )
     ]
 
 
@@ -219,15 +217,11 @@ def stability(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     trial = SimulatedTrial(arm=arm, n_threads=laboratory.n_threads)
     curves = learning_curves(StaticBSN.zero(1), trial, thesis_motions(arm)[0], RATES, ITERATIONS)
     title = "Learning at several rates, predicted and simulated"
-    return [_figure(name, title, learning_caption(curves), learning_figure(curves))]
+    return [ReportFigure(name, title, learning_caption(curves), learning_figure(curves))]
 
 
 def reidentified(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
     """Motor errors with old and with identified parameters."""
     study = getattr(laboratory, of)
     title = "RMS motor position error per joint, with old and with identified parameters"
-    return [_figure(name, title, motor_error_caption(study), motor_error_figure(study))]
-
-
-def _figure(name: str, title: str, caption: str, figure: "Figure") -> ReportFigure:
-    return ReportFigure(name=name, title=title, thesis="", caption=caption, figure=figure)
+    return [ReportFigure(name, title, motor_error_caption(study), motor_error_figure(study))]

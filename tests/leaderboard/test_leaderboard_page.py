@@ -11,9 +11,8 @@ from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.presentation.page import ToolPath, render_page
+from ffgym.leaderboard.presentation.pictures import number, paths_of, tool_pictures
 from ffgym.leaderboard.presentation.published_rows import best_reductions, published_rows
-from ffgym.leaderboard.presentation.svg import number
-from ffgym.leaderboard.presentation.tool_paths import paths_of, tool_pictures
 from ffgym.leaderboard.results import Trail
 from tests.leaderboard.conftest import PROVENANCE
 from tests.leaderboard.synthetic_rows import SORTS, row, tracks
@@ -205,7 +204,7 @@ def test_an_agents_error_is_enlarged_as_much_as_that_of_zero_action():
     own, zero = (ToolPath(reference=circle(d)[0], tool=circle(d)[1]) for d in (0.001, 0.08))
     picture = tool_pictures({10.0: own}, {10.0: zero})[0]
     assert picture.caption == "10 mm/s, error × 10"
-    assert picture.svg.count("<polyline") == 3
+    assert [line.colour for line in picture.lines] == ["reference", "zero", "own"]
 
 
 def test_trails_of_results_become_paths_of_the_first_seed():

@@ -7,8 +7,7 @@ from typing import final
 from ffgym.leaderboard.comparison.standings import Standing, Standings
 from ffgym.leaderboard.plants import DRAW
 from ffgym.leaderboard.presentation.figures import change, count, digits, duration, share
-from ffgym.leaderboard.presentation.svg import learning_curve
-from ffgym.leaderboard.presentation.tool_paths import Picture, ToolPaths, tool_pictures
+from ffgym.leaderboard.presentation.pictures import LearningCurve, Picture, ToolPaths, learning_curve, tool_pictures
 from ffgym.leaderboard.presentation.words import group_title
 from ffgym.leaderboard.results import Row
 from ffgym.report.laws import UNCOMPENSATED
@@ -44,8 +43,8 @@ class Card:
     """Seed, plant, fingerprint of the physics, sha256 of the artefact or words, of plants that were not drawn."""
     n_drawn: int
     """Drawn plants beside those."""
-    curve: str
-    """SVG; empty if it was not trained with steps."""
+    curve: LearningCurve | None
+    """None if it was not trained with steps."""
     pictures: tuple[Picture, ...]
     versions: tuple[str, ...]
     """That its results came from."""

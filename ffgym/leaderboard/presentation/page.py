@@ -4,22 +4,20 @@ import base64
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from importlib import resources
 from typing import Any
 
 from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of, groups_of
 from ffgym.leaderboard.comparison.standings import Standings, standings
 from ffgym.leaderboard.presentation.cards import cards_of
 from ffgym.leaderboard.presentation.columns import explanations
-from ffgym.leaderboard.presentation.overview import PHONE, WIDE, overview
+from ffgym.leaderboard.presentation.pictures import FORMS, ToolPaths, glance
+from ffgym.leaderboard.presentation.pictures import ToolPath as ToolPath
 from ffgym.leaderboard.presentation.table import Table, table_of
-from ffgym.leaderboard.presentation.tool_paths import ToolPath as ToolPath
-from ffgym.leaderboard.presentation.tool_paths import ToolPaths
 from ffgym.leaderboard.presentation.words import SELECTION_TITLES, group_title, headline, residual_sentence
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import UNCOMPENSATED
-from ffgym.report.page import provenance_lines, render
+from ffgym.report.page import provenance_lines, render, resource
 
 
 def render_page(
@@ -43,7 +41,7 @@ def render_page(
     every = all_standings(rows)
     tables = [table_of(each) for each in every]
     first, held_out = every[0], _held_out(every)
-    script = _resource("leaderboard.js")
+    script = resource("leaderboard.js")
     on_workcell = [each for each in every if (each.group, each.selection) == (GROUPS[0], "positions")]
     return render(
         "leaderboard.html.j2",
@@ -51,8 +49,8 @@ def render_page(
         residuals=residual_sentence(first),
         standings=first,
         table=tables[0],
-        overview=overview(first, WIDE),
-        overview_phone=overview(first, PHONE),
+        glance=glance(first),
+        forms=FORMS,
         overview_circles=f"{group_title(first.group)}, {SELECTION_TITLES[first.selection]}",
         explanations=explanations(tables[0].columns),
         cards=cards_of(rows, held_out, tracks or {}),
@@ -61,7 +59,7 @@ def render_page(
         tracks=sorted({line.track for table in tables for line in table.lines}),
         where="; ".join(sorted({path.where for own in (tracks or {}).values() for path in own.values() if path.where})),
         agent_pages=agent_pages,
-        style=_resource("leaderboard.css"),
+        style=resource("leaderboard.css"),
         script=script,
         script_hash=_hash(script),
         data=_json(tables),
@@ -100,7 +98,3 @@ def _json(tables: Sequence[Table]) -> str:
 def _hash(script: str) -> str:
     """Of the only script that the page's policy lets run."""
     return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
-
-
-def _resource(name: str) -> str:
-    return (resources.files("ffgym.report") / "templates" / name).read_text(encoding="utf-8")

@@ -145,64 +145,27 @@ def circle_figures(study: CircleStudy) -> list[ReportFigure]:
     """Ratios (where numbers were published), paths, motor errors and friction of the circle test."""
     figures = []
     if any(table.is_published for table in circle_tables(study)):
-        figures.append(
-            ReportFigure(
-                name="ratios",
-                title="How near the simulated robot is to the published one",
-                thesis="Tables 4.1, 4.2, 5.1 and 5.2",
-                caption=ratios_caption(study),
-                figure=ratios_figure(study),
-            )
-        )
-    figures += [
-        ReportFigure(
-            name="paths",
-            title="Path of the tool",
-            thesis="Figures 4.6a to 4.9a (simulated), 4.10a to 4.12a (real robot)",
-            caption=paths_caption(study),
-            figure=paths_figure(study),
-        ),
-        ReportFigure(
-            name="motor-errors",
-            title="Motor position error per joint",
-            thesis="Figures 4.6b to 4.9b (simulated), 4.10b to 4.12b (real robot)",
-            caption=motor_error_caption(study),
-            figure=motor_error_figure(study),
-        ),
-    ]
+        title, thesis = "How near the simulated robot is to the published one", "Tables 4.1, 4.2, 5.1 and 5.2"
+        figures.append(ReportFigure("ratios", title, ratios_caption(study), ratios_figure(study), thesis))
+    thesis = "Figures 4.6a to 4.9a (simulated), 4.10a to 4.12a (real robot)"
+    figures.append(ReportFigure("paths", "Path of the tool", paths_caption(study), paths_figure(study), thesis))
+    title, thesis = "Motor position error per joint", "Figures 4.6b to 4.9b (simulated), 4.10b to 4.12b (real robot)"
+    figures.append(ReportFigure("motor-errors", title, motor_error_caption(study), motor_error_figure(study), thesis))
     if all(recording.has("friction.effort") for recording in study.recordings.values()):  # it can be seen
+        title, thesis = "Friction of each joint over speed", "in the manner of Figure 5.11"
         figures.append(
-            ReportFigure(
-                name="joint-friction",
-                title="Friction of each joint over speed",
-                thesis="in the manner of Figure 5.11",
-                caption=joint_loops_caption(study),
-                figure=joint_loops_figure(study),
-            )
+            ReportFigure("joint-friction", title, joint_loops_caption(study), joint_loops_figure(study), thesis)
         )
     return figures
 
 
 def one_axis_figures(study: OneAxisStudy) -> list[ReportFigure]:
     """Friction over speed, and one figure over time per frequency."""
-    loops = ReportFigure(
-        name="one-axis-friction",
-        title="Friction of one axis over speed",
-        thesis="Figures 4.2 (1 Hz) and 4.4 (3 Hz)",
-        caption=one_axis_loops_caption(study),
-        figure=one_axis_loops_figure(study),
-    )
-    shown = {1.0: "Figure 4.3", 3.0: "Figure 4.5"}
-    return [
-        loops,
-        *(
-            ReportFigure(
-                name=f"one-axis-{frequency:g}-hz",
-                title=f"One axis on a sine of {frequency:g} Hz",
-                thesis=shown.get(frequency, "not shown at this frequency"),
-                caption=one_axis_caption(study, frequency),
-                figure=one_axis_figure(study, frequency),
-            )
-            for frequency in dict.fromkeys(f for _, f in study.recordings)
-        ),
-    ]
+    title, thesis = "Friction of one axis over speed", "Figures 4.2 (1 Hz) and 4.4 (3 Hz)"
+    caption, shown = one_axis_loops_caption(study), {1.0: "Figure 4.3", 3.0: "Figure 4.5"}
+    figures = [ReportFigure("one-axis-friction", title, caption, one_axis_loops_figure(study), thesis)]
+    for f in dict.fromkeys(f for _, f in study.recordings):
+        title, thesis = f"One axis on a sine of {f:g} Hz", shown.get(f, "not shown at this frequency")
+        caption, figure = one_axis_caption(study, f), one_axis_figure(study, f)
+        figures.append(ReportFigure(f"one-axis-{f:g}-hz", title, caption, figure, thesis))
+    return figures

@@ -105,14 +105,6 @@ def profiles_figure(
     return figure
 
 
-def profiles_caption() -> str:
-    """What is drawn."""
-    return (
-        "Mean of measured minus predicted in bins of equally many rows. Bands: two standard errors, with one second of "
-        "the log as one observation."
-    )
-
-
 def _draw_profile(axes: "Axes", found: Mapping[str, Profile], log: str, factor: float, *, pale: bool) -> None:
     for direction, profile in found.items():
         label = f"{log}, {direction}" if direction != "both" else f"{log}, both directions"
@@ -208,11 +200,6 @@ def _amplitudes(
     return found
 
 
-def spectrum_caption() -> str:
-    """What is drawn."""
-    return "Amplitude (RMS times the root of two) of the sine of the motor angle that is nearest to the residual."
-
-
 def _deviation(rows: LogRows, component: int) -> float:
     """RMS of a residual about its mean over each motion, in the unit of the channel."""
     values, motion = rows.residual[:, component], rows.motion
@@ -239,11 +226,6 @@ def loops_figure(models: Mapping[str, Residual], joint: int, motions: Sequence[i
             axes.set_xlabel("motor speed [rad/s]")
         grid[0, 0].set_ylabel(f"friction {'torque' if unit == 'N m' else 'force'} [{unit}]")
     return figure
-
-
-def loops_caption() -> str:
-    """What is drawn."""
-    return "Motor torque less what the nominal model gives apart from its friction (LuGre without bristle damping)."
 
 
 def _friction(motion: MotionResidual, joint: int) -> Array:

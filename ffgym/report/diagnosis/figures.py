@@ -1,7 +1,6 @@
 """Every picture of a diagnosis, with its caption."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,25 +8,30 @@ from ffgym.diagnosis.regimes import log_rows, motion_map, regime_map
 from ffgym.diagnosis.residual import Channel
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place, worst_motions
 from ffgym.report.diagnosis.evidence import (
-    loops_caption,
     loops_figure,
-    profiles_caption,
     profiles_figure,
-    spectrum_caption,
     spectrum_figure,
     time_figure,
     tool_caption,
     tool_figure,
 )
-from ffgym.report.diagnosis.maps import candidates_figure, levels_figure, map_caption, map_figure
+from ffgym.report.diagnosis.maps import candidates_figure, levels_figure, map_figure
 from ffgym.report.diagnosis.words import by_model, in_joint_units, scale_of
 from ffgym.report.figure import ReportFigure
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 _LOOPS = 3
 """Motions whose friction loops are shown."""
+
+_DEPENDS = (
+    "Mean of measured minus predicted in bins of equally many rows. Bands: two standard errors, with one second of "
+    "the log as one observation."
+)
+_REPEATS = "Amplitude (RMS times the root of two) of the sine of the motor angle that is nearest to the residual."
+_OVER_SPEED = "Motor torque less what the nominal model gives apart from its friction (LuGre without bristle damping)."
+_CELLS = (
+    "RMS of measured minus predicted over the noise floor: 1 is what noise alone leaves. Grey cells: the log has "
+    "too few such rows, or the model claims to know nothing of them."
+)
 
 
 def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
@@ -49,7 +53,7 @@ def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
     rows = {name: log_rows(residual, channel) for name, residual in models.items()}
     name = report.before.motions[worst[0]].motion
     figures = [
-        _figure(
+        ReportFigure(
             f"time-{channel}-{j + 1}",
             f"{place.component}, {channel}: the motion in which it stands out most",
             f"Motion {name}. What is measured and predicted has gone through the same low-pass without delay.",
@@ -59,11 +63,11 @@ def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
     unit, scale = report.before.robot.kinematics.units[j], scale_of(report.before.robot, channel, j)
     if (depends := profiles_figure(rows, channel, j, j, unit, scale)) is not None:
         title = f"{place.component}, {channel}: what the residual depends on"
-        figures.append(_figure(f"depends-{channel}-{j + 1}", title, profiles_caption(), depends))
+        figures.append(ReportFigure(f"depends-{channel}-{j + 1}", title, _DEPENDS, depends))
     figures += _spectrum(report, place)
     if channel == "torque":
         loops = loops_figure(models, j, worst)
-        figures.append(_figure(f"loops-{j + 1}", f"{place.component}: friction over speed", loops_caption(), loops))
+        figures.append(ReportFigure(f"loops-{j + 1}", f"{place.component}: friction over speed", _OVER_SPEED, loops))
     return figures
 
 
@@ -79,7 +83,7 @@ def _spectrum(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
     figure = spectrum_figure(models, place.channel, place.index, place.component, marked)
     title = f"{place.component}, {place.channel}: what repeats with the motor"
     name = f"repeats-{place.channel}-{place.index + 1}"
-    return [] if figure is None else [_figure(name, title, spectrum_caption(), figure)]
+    return [] if figure is None else [ReportFigure(name, title, _REPEATS, figure)]
 
 
 def tool_figures(report: DiagnosisReport) -> list[ReportFigure]:
@@ -91,7 +95,7 @@ def tool_figures(report: DiagnosisReport) -> list[ReportFigure]:
         return []
     worst = int(np.nanargmax(np.nanmax(motions.ratio, axis=0, initial=0.0)))
     models = by_model(report.before, report.after)
-    return [_figure("tool", "Path of the tool", tool_caption(models, worst), tool_figure(models, worst))]
+    return [ReportFigure("tool", "Path of the tool", tool_caption(models, worst), tool_figure(models, worst))]
 
 
 def candidate_figures(report: DiagnosisReport) -> list[ReportFigure]:
@@ -104,7 +108,7 @@ def candidate_figures(report: DiagnosisReport) -> list[ReportFigure]:
         "one of a thousand logs of a perfect model: "
         f"{report.diagnosis.threshold:.2g} times the energy of noise in one component."
     )
-    return [_figure("candidates", "Causes and rivals", caption, candidates_figure(report.diagnosis))]
+    return [ReportFigure("candidates", "Causes and rivals", caption, candidates_figure(report.diagnosis))]
 
 
 def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
@@ -116,7 +120,7 @@ def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
         "RMS of the residual over all rows that are judged, from the nominal to the extended model, each motion by one "
         "that was fitted without it."
     )
-    return [_figure("levels", "Residuals before and after", caption, levels_figure(levels))]
+    return [ReportFigure("levels", "Residuals before and after", caption, levels_figure(levels))]
 
 
 def _regimes(report: DiagnosisReport, channel: Channel) -> ReportFigure:
@@ -126,17 +130,13 @@ def _regimes(report: DiagnosisReport, channel: Channel) -> ReportFigure:
     over = motion_map(report.before, channel)
     known = [(c, ratio) for c, ratio in zip(over.components, over.overall, strict=True) if np.isfinite(ratio)]
     whole = ", ".join(f"{c} {ratio:.1f}" for c, ratio in known)
-    caption = f"{map_caption()} The whole log, nominal model: {whole}."
+    caption = f"{_CELLS} The whole log, nominal model: {whole}."
     title = f"Residual over noise floor by what the joint was doing, {channel}"
-    return _figure(f"regimes-{channel}", title, caption, map_figure(panels))
+    return ReportFigure(f"regimes-{channel}", title, caption, map_figure(panels))
 
 
 def _motions(report: DiagnosisReport, channels: Sequence[Channel]) -> ReportFigure:
     assert report.before is not None
     models = by_model(report.before, report.after)
     panels = [[(f"{c}, {name}", motion_map(one, c)) for name, one in models.items()] for c in channels]
-    return _figure("motions", "Residual over noise floor by motion", map_caption(), map_figure(panels))
-
-
-def _figure(name: str, title: str, caption: str, figure: "Figure") -> ReportFigure:
-    return ReportFigure(name=name, title=title, thesis="", caption=caption, figure=figure)
+    return ReportFigure("motions", "Residual over noise floor by motion", _CELLS, map_figure(panels))

@@ -52,14 +52,6 @@ def map_figure(maps: Sequence[Sequence[Panel]]) -> "Figure":
     return figure
 
 
-def map_caption() -> str:
-    """What the cells are."""
-    return (
-        "RMS of measured minus predicted over the noise floor: 1 is what noise alone leaves. Grey cells: the log has "
-        "too few such rows, or the model claims to know nothing of them."
-    )
-
-
 def _draw_map(axes: "Axes", one: ResidualMap) -> None:
     from matplotlib.colors import LogNorm
 

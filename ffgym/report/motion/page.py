@@ -164,6 +164,6 @@ def motion_figures(study: MotionStudy, motion: str) -> list[ReportFigure]:
             *figures,
         ]
     return [
-        ReportFigure(name=name, title=title, caption=caption(study, motion), figure=figure(study, motion))
+        ReportFigure(name, title, caption(study, motion), figure(study, motion))
         for name, title, caption, figure in figures
     ]

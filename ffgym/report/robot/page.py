@@ -75,11 +75,11 @@ def robot_figures(check: RobotCheck) -> list[ReportFigure]:
     figures = []
     if check.reach is not None:
         title, caption = "Joints, masses, reach", robot_caption(check)
-        figures.append(ReportFigure(name="skeleton", title=title, caption=caption, figure=robot_figure(check)))
+        figures.append(ReportFigure("skeleton", title, caption, robot_figure(check)))
     looks = rendered_robot(check)
     if looks is not None:
         caption = "The description's own shapes; they weigh nothing."
-        figures.append(ReportFigure(name="looks", title="Looks", caption=caption, figure=looks))
+        figures.append(ReportFigure("looks", "Looks", caption, looks))
     return figures
 
 

@@ -1,0 +1,255 @@
+"""Numbers of the pictures of the page, which a template draws: tool paths, learning curves, standings at a glance."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Self, final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ffgym.core.errors import check_shape
+from ffgym.core.types import Array
+from ffgym.leaderboard.comparison.standings import Standings
+from ffgym.leaderboard.plants import THESIS_WORKCELL
+from ffgym.leaderboard.results import Row, Trail
+from ffgym.recordings.metrics import magnification, magnified, nearest_on_polylines
+from ffgym.report.circles.paths_plot import MOST
+from ffgym.report.table import shortened
+from ffgym.report.tool_path import scale_words
+
+_POINTS = 150
+"""Points drawn of one path at most, enough for a line without corners at this size."""
+_REACH = 0.3
+"""Share of half the path's width that its largest enlarged error may take; chosen: the path stays recognisable."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ToolPath:
+    """Path of the tool and of its reference seen along the normal of their plane, on one motion."""
+
+    reference: ArrayLike
+    """Points [mm], shape (R, 2), in the order of the path."""
+    tool: ArrayLike
+    """Points [mm], shape (T, 2); T may differ from R."""
+    where: str = ""
+    """Which motion on which machine, in words."""
+    _reference: Array = field(init=False, repr=False)
+    _error: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        reference = check_shape("reference", self.reference, (None, 2))
+        tool = _thinned(check_shape("tool", self.tool, (None, 2)))
+        near = nearest_on_polylines(tool, np.broadcast_to(reference, (len(tool), *reference.shape)))
+        object.__setattr__(self, "_reference", _thinned(reference))
+        object.__setattr__(self, "_error", np.stack([near, tool - near]))
+
+    @property
+    def points(self) -> Array:
+        """The reference, as it is drawn [mm], shape (R, 2)."""
+        return self._reference
+
+    def enlarged(self, factor: float) -> Array:
+        """Path of the tool with its distance from the nearest point of the reference enlarged [mm], shape (T, 2)."""
+        near, error = self._error
+        return magnified(near, error, factor)
+
+    @property
+    def magnification(self) -> float:
+        """Largest factor that leaves the path recognisable."""
+        largest = float(np.linalg.norm(self._error[1], axis=1).max())
+        room = _REACH * float(np.ptp(self._reference, axis=0).max()) / 2
+        return magnification(room, largest, MOST)
+
+
+ToolPaths = Mapping[str, Mapping[float, ToolPath]]
+"""By name of the row and TCP speed [mm/s]."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """A line of a picture, whose width does not grow with it."""
+
+    points: str
+    """Places as SVG has them, y downwards."""
+    colour: str
+    """Name of a colour in the template."""
+    width: float
+    dash: str = ""
+
+    @classmethod
+    def through(cls, points: ArrayLike, colour: str, width: float, dash: str = "") -> Self:
+        """Line through points, shape (T, 2), y upwards."""
+        places = " ".join(f"{number(x)},{number(-y)}" for x, y in np.asarray(points, dtype=float))
+        return cls(points=places, colour=colour, width=width, dash=dash)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """Path of the tool and what stands below it."""
+
+    lines: tuple[Line, ...]
+    box: str
+    """Corner and size of what is seen, as SVG has them."""
+    caption: str
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class LearningCurve:
+    """Mean reward per step over steps of training."""
+
+    steps: Array
+    rewards: Array
+
+    @property
+    def low(self) -> float:
+        """Lowest reward."""
+        return float(self.rewards.min())
+
+    @property
+    def high(self) -> float:
+        """Upper end of the axis."""
+        return max(float(self.rewards.max()), self.low + 1.0 * (np.ptp(self.rewards) == 0))
+
+    @property
+    def line(self) -> Line:
+        """The curve in its frame of 348 x 154 pixels."""
+        x = 58 + 348 * (self.steps - self.steps[0]) / max(float(np.ptp(self.steps)), 1.0)
+        y = 12 + 154 * (self.high - self.rewards) / (self.high - self.low)
+        return Line.through(np.stack([x, -y], axis=1), "own", 1.8)
+
+
+def learning_curve(points: Sequence[tuple[float, float]]) -> LearningCurve | None:
+    """Curve of steps and rewards; None if there are fewer than two points."""
+    if len(points) < 2:
+        return None
+    steps, rewards = np.asarray(points, dtype=float).T
+    return LearningCurve(steps=steps, rewards=rewards)
+
+
+def number(value: float) -> str:
+    """A number of a picture, with three digits behind the point at most."""
+    digits = f"{value:.3f}".rstrip("0").rstrip(".")
+    return "0" if digits == "-0" else digits
+
+
+def paths_of(rows: Sequence[Row], plant: str = THESIS_WORKCELL) -> dict[str, dict[float, ToolPath]]:
+    """Paths from the trails of results on a plant, those of each row's first seed; rows without any are left out."""
+    found = {row.name: _paths(row, plant) for row in rows}
+    return {name: paths for name, paths in found.items() if paths}
+
+
+def _paths(row: Row, plant: str) -> dict[float, ToolPath]:
+    outcomes = sorted(
+        (each for each in row.outcomes if each.plant == plant and each.trails), key=lambda each: each.seed
+    )
+    return {trail.speed_mm_s: _circle(trail, plant) for outcome in outcomes[:1] for trail in outcome.trails}
+
+
+def _circle(trail: Trail, plant: str) -> ToolPath:
+    deviation = np.asarray(trail.deviation_um) * 1e-3
+    return ToolPath(
+        reference=trail.radius_mm * _unit(np.linspace(0, 2 * np.pi, 721)),
+        tool=(trail.radius_mm + deviation)[:, None] * _unit(np.linspace(0, 2 * np.pi, len(deviation), endpoint=False)),
+        where=f"{trail.position}, r = {trail.radius_mm:g} mm, {plant}",
+    )
+
+
+def _unit(angle: Array) -> Array:
+    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def tool_pictures(paths: Mapping[float, ToolPath], zero: Mapping[float, ToolPath]) -> list[Picture]:
+    """One picture per speed, slowest first; with the path of the zero action where there is one, equally enlarged."""
+    return [_picture(paths[speed], zero.get(speed), speed) for speed in sorted(paths)]
+
+
+def _picture(path: ToolPath, zero: ToolPath | None, speed: float) -> Picture:
+    factor = path.magnification if zero is None else zero.magnification
+    lines = [Line.through(path.points, "reference", 1, "4 3")]
+    drawn = [path.points, path.enlarged(factor)]
+    if zero is not None and zero is not path:
+        drawn.append(zero.enlarged(factor))
+        lines.append(Line.through(drawn[-1], "zero", 1.2))
+    lines.append(Line.through(drawn[1], "own", 1.8))
+    every = np.concatenate(drawn)
+    low, span = every.min(axis=0), float(np.ptp(every, axis=0).max()) * 1.06
+    corner = low - (span - np.ptp(every, axis=0)) / 2
+    box = f"{number(corner[0])} {number(-corner[1] - span)} {number(span)} {number(span)}"
+    return Picture(lines=tuple(lines), box=box, caption=f"{speed:g} mm/s, {scale_words(factor)}")
+
+
+def _thinned(points: Array) -> Array:
+    return points[np.unique(np.linspace(0, len(points) - 1, min(_POINTS, len(points))).round().astype(int))]
+
+
+_SPEEDS = {10.0: "#009E73", 20.0: "#56B4E9", 40.0: "#E69F00", 70.0: "#CC79A7", 100.0: "#D55E00"}
+"""Colours by speed [mm/s]; those of the thesis as in other pages."""
+_TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
+"""Shares of the error that may be marked."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Form:
+    """Layout of the picture of all standings [px]."""
+
+    width: int
+    left: int
+    """Where the axis begins; titles stand before it, or above their line if there is no place."""
+    right: int
+    """Margin behind the axis."""
+    row: int
+    """Height of a line."""
+    legend: int
+    """Between its entries."""
+
+    def at(self, place: float) -> float:
+        """Where a place along the axis, 0 to 1, is."""
+        return self.left + (self.width - self.left - self.right) * place
+
+
+FORMS = {
+    "desk": Form(width=980, left=290, right=30, row=24, legend=110),
+    "phone": Form(width=350, left=12, right=14, row=38, legend=60),
+}
+"""Layouts by the screen that they are for."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Glance:
+    """Share of the zero action's mean error that ranked rows leave at every speed, on a logarithmic axis."""
+
+    colours: dict[float, str]
+    """By speed [mm/s]."""
+    ticks: list[tuple[float, float]]
+    """Shares that are marked, and their places along the axis, 0 to 1."""
+    rows: list[tuple[str, dict[float, float]]]
+    """Rank and title of each row, and its places by speed."""
+
+
+def glance(standings: Standings) -> Glance | None:
+    """All standings at a glance; None if no robot moved."""
+    speeds = standings.grid.speeds_mm_s
+    shares = [[1 - each.reduction for each in line.score.speeds] for line in standings.ranked]
+    finite = [share for row in shares for share in row if np.isfinite(share) and share > 0]
+    if not finite:
+        return None
+    low, high = min(*finite, 0.5) / 1.15, max(*finite, 1.0) * 1.15
+
+    def place(share: float) -> float:
+        return float(np.log(share / low) / np.log(high / low))
+
+    titles = [f"{line.rank}  {shortened(line.row.title, 42)}" for line in standings.ranked]
+    return Glance(
+        colours={speed: _SPEEDS.get(speed, "#1c2430") for speed in speeds},
+        ticks=[(tick, place(tick)) for tick in _TICKS if low <= tick <= high],
+        rows=[
+            (title, {v: place(x) for v, x in zip(speeds, row, strict=True) if np.isfinite(x) and x > 0})
+            for title, row in zip(titles, shares, strict=True)
+        ],
+    )
