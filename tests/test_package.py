@@ -86,7 +86,13 @@ def test_making_a_circle_loads_what_it_uses():
     code = "import ffgym, gymnasium, sys; gymnasium.make('ffgym/CirclePath-v0'); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = done.stdout.split()
-    unused = ("ffgym.effects.catalogue", "ffgym.workcell", "ffgym.robot.arm_file", "ffgym.paths.rapid", "scipy.optimize")
+    unused = (
+        "ffgym.effects.catalogue",
+        "ffgym.workcell",
+        "ffgym.robot.arm_file",
+        "ffgym.paths.rapid",
+        "scipy.optimize",
+    )
     assert not [name for name in loaded if name.startswith(unused)]
     assert len([name for name in loaded if name.startswith("ffgym")]) <= 150
 
