@@ -140,10 +140,6 @@ class BSplineNetwork(Network):
         """See base class."""
         return {"coefficients": self.coefficients}
 
-    def with_weights(self, weights: dict[str, Array]) -> Self:
-        """See base class."""
-        return replace(self, coefficients=weights["coefficients"])
-
     def filled(self, curve: Callable[[Array], Array]) -> Self:
         """The same network with weights that follow `curve`, a torque [N m] (..., N) over motor speed [rad/s] (..., N).
 

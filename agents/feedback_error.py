@@ -23,11 +23,11 @@ sample by sample, which is there for comparison (`scripts.forgetting`). Training
 computes in double precision on one thread, and no joint touches another: Adam treats every weight by itself.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, ClassVar, Self, final
+from typing import TYPE_CHECKING, ClassVar, Self, final
 
 import numpy as np
 
@@ -42,6 +42,7 @@ from ffgym.robot import RigidArm, RobotDescription
 
 if TYPE_CHECKING:
     from torch import Tensor
+    from torch.optim import Optimizer
 
 
 N_STEPS = 200
@@ -130,16 +131,6 @@ class MLP(Network):
         """See base class."""
         return {"hidden": self.hidden, "bias": self.bias, "output": self.output, "offset": self.offset}
 
-    def with_weights(self, weights: dict[str, Array]) -> Self:
-        """See base class."""
-        return replace(
-            self,
-            hidden=weights["hidden"],
-            bias=weights["bias"],
-            output=weights["output"],
-            offset=weights["offset"],
-        )
-
     def step(self, memory: Array, window: Window) -> tuple[Array, Array]:
         """See base class; nothing is remembered."""
         return self.torque_at(window.motor_dq[..., 1, :], window.motor_ddq[..., 1, :]), memory
@@ -186,15 +177,6 @@ class MLP(Network):
         examples = self._examples(motor_dq, motor_ddq, wanted)
         return self.with_weights(_walked(self.weights, examples, rate))
 
-    def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """See base class."""
-        return {"name": self.name}, {**self.weights, "scales": self.scales}
-
-    @classmethod
-    def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
-        """See base class."""
-        return cls(name=settings["name"], **arrays)
-
     def _inputs(self, motor_dq: Array, motor_ddq: Array) -> tuple[Array, Array]:
         return motor_dq / self.scales[0], motor_ddq / self.scales[1]
 
@@ -221,38 +203,35 @@ def _drawn(rng: np.random.Generator, limits: tuple[float, float], shape: tuple[i
 
 
 def _fitted(weights: Mapping[str, Array], examples: Examples) -> dict[str, Array]:
-    """Weights after `N_STEPS` steps towards the least mean square error.
-
-    Raises:
-        FFGymError: if torch is missing.
-    """
-    torch = _require_torch()
-    with _one_thread(torch):
-        x, y = torch.from_numpy(examples.inputs.copy()), torch.from_numpy(examples.targets.copy())
-        tensors = _tensors(torch, weights)
-        adam = torch.optim.Adam(tensors.values(), lr=STEP_SIZE)
-        for _ in range(N_STEPS):
-            adam.zero_grad()
-            _cost(torch, tensors, x, y).backward()
-            adam.step()
-        return {name: tensor.detach().numpy().copy() for name, tensor in tensors.items()}
+    """Weights after `N_STEPS` steps of Adam towards the least mean square error."""
+    return _descended(weights, examples, lambda torch, tensors: torch.optim.Adam(tensors, lr=STEP_SIZE), 1.0, None)
 
 
 def _walked(weights: Mapping[str, Array], examples: Examples, rate: float) -> dict[str, Array]:
-    """Weights after one gradient step of `rate` on each row, in order: thesis (3.15) for all weights of a network.
+    """Weights after one gradient step of `rate` on each row, in order: thesis (3.15) for all weights of a network."""
+    rows = [slice(row, row + 1) for row in range(examples.inputs.shape[1])]
+    return _descended(weights, examples, lambda torch, tensors: torch.optim.SGD(tensors, lr=rate), 0.5, rows)
 
-    Raises:
-        FFGymError: if torch is missing.
-    """
+
+def _descended(
+    weights: Mapping[str, Array],
+    examples: Examples,
+    optimiser: Callable[[ModuleType, Sequence["Tensor"]], "Optimizer"],
+    share: float,
+    rows: Sequence[slice] | None,
+) -> dict[str, Array]:
+    """Weights after steps of an optimiser down `share` of the cost, each on some rows; None is `N_STEPS` on all."""
     torch = _require_torch()
     with _one_thread(torch):
         x, y = torch.from_numpy(examples.inputs.copy()), torch.from_numpy(examples.targets.copy())
-        tensors = _tensors(torch, weights)
-        descent = torch.optim.SGD(tensors.values(), lr=rate)
-        for row in range(x.shape[1]):
-            descent.zero_grad()
-            (0.5 * _cost(torch, tensors, x[:, row : row + 1], y[:, row : row + 1])).backward()
-            descent.step()
+        tensors = {
+            name: torch.tensor(value, dtype=torch.float64, requires_grad=True) for name, value in weights.items()
+        }
+        steps = optimiser(torch, list(tensors.values()))
+        for chosen in [slice(None)] * N_STEPS if rows is None else rows:
+            steps.zero_grad()
+            (share * _cost(torch, tensors, x[:, chosen], y[:, chosen])).backward()
+            steps.step()
         return {name: tensor.detach().numpy().copy() for name, tensor in tensors.items()}
 
 
@@ -262,10 +241,6 @@ def _evenly(moving: BoolArray) -> IntArray:
     if len(rows) <= N_ROWS:
         return rows
     return np.asarray(rows[np.linspace(0, len(rows) - 1, N_ROWS).round().astype(np.int64)])
-
-
-def _tensors(torch: ModuleType, weights: Mapping[str, Array]) -> "dict[str, Tensor]":
-    return {name: torch.tensor(value, dtype=torch.float64, requires_grad=True) for name, value in weights.items()}
 
 
 def _cost(torch: ModuleType, weights: "dict[str, Tensor]", x: "Tensor", y: "Tensor") -> "Tensor":

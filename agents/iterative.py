@@ -27,13 +27,15 @@ from dataclasses import dataclass, field, fields
 from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
 from ffgym.agents.declaration import Entry, declare
 from ffgym.agents.elastic import elastic_law
-from ffgym.agents.law_files import FORMAT, digest, pack, unpack
+from ffgym.agents.law_files import digest
 from ffgym.agents.lugre import dynamic_lugre
+from ffgym.agents.state_file import StateFile
 from ffgym.agents.task_torques import Task, TaskTorques, same_motion
 from ffgym.agents.torque_response import (
     TARGETS,
@@ -48,7 +50,6 @@ from ffgym.agents.torque_response import (
 from ffgym.agents.trials import Trial, performed
 from ffgym.control import FeedForwardLaw, LawStyle, NoCompensation
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.core.files import check_writable, write_bytes
 from ffgym.core.types import Array, IntArray
 from ffgym.paths import Reference
 from ffgym.recordings import Recording
@@ -91,46 +92,6 @@ class Practice:
     def trials(self) -> int:
         """Number of trials J."""
         return len(self.motion_error)
-
-
-_FIELDS = fields(Practice)
-
-
-_KIND = "practice"
-"""Kind of the state file, beside those of laws."""
-
-
-@dataclass(frozen=True)
-class StateFile:
-    """Practices on disk, written whole or not at all."""
-
-    path: Path
-    fingerprint: str
-    """Of the learning it belongs to."""
-
-    def __post_init__(self) -> None:
-        check_writable(self.path)
-
-    def write(self, practices: Sequence[Practice]) -> None:
-        """Replace the file."""
-        arrays = {f"{f.name}_{i}": getattr(practice, f.name) for i, practice in enumerate(practices) for f in _FIELDS}
-        write_bytes(self.path, pack({"format": FORMAT, "kind": _KIND, "fingerprint": self.fingerprint}, arrays))
-
-    def read(self, beginning: Sequence[Practice]) -> list[Practice]:
-        """Practices of the file, or `beginning` where there is no file yet.
-
-        Raises:
-            FFGymError: if the file is damaged, or of other learning.
-        """
-        if not self.path.exists():
-            return list(beginning)
-        header, arrays = unpack(self.path)
-        if header.get("kind") != _KIND or header.get("fingerprint") != self.fingerprint:
-            raise FFGymError(
-                f"{self.path} is the state of other learning: another target, tolerance, first torque, robot model or "
-                f"other motions. Go on with the same, or give another file."
-            )
-        return [Practice(**{f.name: arrays[f"{f.name}_{i}"] for f in _FIELDS}) for i in range(len(beginning))]
 
 
 TRIALS = 10
@@ -220,8 +181,11 @@ class IterativeLearning:
         _check_motions(references, self.arm.robot.n_joints)
         steps = [self._step(reference) for reference in references]
         practices = [Practice.begin(self.base.torque(reference), len(_circles(reference))) for reference in references]
-        file = None if state is None else StateFile(Path(state), _fingerprint(references, steps, practices))
-        practices = practices if file is None else file.read(practices)
+        file = None
+        if state is not None:
+            settings = self._settings(references, steps, practices)
+            file = StateFile(path=Path(state), kind="practice", settings=settings)
+            practices = _unpacked(file.read(), practices)
         for number in range(practices[0].trials, trials):
             runs = [
                 Run(reference=reference, law=self._law([reference], [practice.torque]))
@@ -233,7 +197,7 @@ class IterativeLearning:
                 for practice, run, recording, step in zip(practices, runs, recordings, steps, strict=True)
             ]
             if file is not None:
-                file.write(practices)
+                file.write(_packed(practices))
             if progress is not None:
                 progress(number + 1, trials)
         best = self._law(references, [practice.best for practice in practices])
@@ -245,6 +209,19 @@ class IterativeLearning:
         response = TorqueResponse.of(self.arm, middle, self.target)
         tolerance = TOLERANCES[self.target] if self.tolerance is None else self.tolerance
         return NormOptimalStep.of(response, tolerance, self.arm.robot.friction.coulomb)
+
+    def _settings(
+        self, references: Sequence[Reference], steps: Sequence[NormOptimalStep], practices: Sequence[Practice]
+    ) -> dict[str, Any]:
+        """All that learning depends on but the machine."""
+        return {
+            "target": self.target,
+            "tolerance": TOLERANCES[self.target] if self.tolerance is None else self.tolerance,
+            "motions": [reference.name for reference in references],
+            "samples": digest(*(reference.q for reference in references)),
+            "first torque": digest(*(practice.torque for practice in practices)),
+            "model": digest(*chain.from_iterable((step.gain, step.from_error) for step in steps)),
+        }
 
     def _law(self, references: Sequence[Reference], torques: Sequence[Array]) -> TaskTorques:
         pairs = zip(references, torques, strict=True)
@@ -287,13 +264,18 @@ def _check_motions(references: Sequence[Reference], n_joints: int) -> None:
             raise FFGymError(f"The motion {one.name!r} is among the references twice; give each once.")
 
 
-def _fingerprint(
-    references: Sequence[Reference], steps: Sequence[NormOptimalStep], practices: Sequence[Practice]
-) -> str:
-    """Of all that learning depends on but the machine."""
-    parts = zip(references, steps, practices, strict=True)
-    arrays = ((r.q, practice.torque, step.gain, step.from_error) for r, step, practice in parts)
-    return digest(*chain.from_iterable(arrays))
+def _packed(practices: Sequence[Practice]) -> dict[str, Array]:
+    return {f"{f.name}_{i}": getattr(practice, f.name) for i, practice in enumerate(practices) for f in _FIELDS}
+
+
+def _unpacked(arrays: Mapping[str, Array] | None, beginning: Sequence[Practice]) -> list[Practice]:
+    """Practices that were `_packed`, or `beginning` where nothing was."""
+    if arrays is None:
+        return list(beginning)
+    return [Practice(**{f.name: arrays[f"{f.name}_{i}"] for f in _FIELDS}) for i in range(len(beginning))]
+
+
+_FIELDS = fields(Practice)
 
 
 def _circles(reference: Reference) -> tuple[str, ...]:

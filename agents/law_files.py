@@ -2,8 +2,8 @@
 
 import json
 import os
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import fields
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -24,7 +24,7 @@ KINDS: dict[str, type["StoredLaw"]] = {}
 """Classes of laws by the kind of their files; each class enters itself."""
 
 
-class StoredLaw(ABC):
+class StoredLaw:
     """A law that can be written to a file and read back, bit for bit."""
 
     kind: ClassVar[str]
@@ -42,18 +42,23 @@ class StoredLaw(ABC):
             if (known.__module__, known.__qualname__) != (cls.__module__, cls.__qualname__):
                 raise FFGymError(f"{cls.__qualname__}: {known.__qualname__} has files of kind {cls.kind!r} already.")
 
-    @abstractmethod
     def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """Settings that JSON can hold, and arrays of numbers."""
+        """Settings that JSON can hold, and arrays of numbers; the fields of a dataclass where nothing else is said."""
+        values = {each.name: getattr(self, each.name) for each in fields(self)}  # type: ignore[arg-type]
+        arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+        return {name: value for name, value in values.items() if name not in arrays}, arrays
 
     @classmethod
-    @abstractmethod
     def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
         """The law of these parts.
 
         Raises:
             FFGymError: if they make no law.
         """
+        missing = {each.name for each in fields(cls)} - {*settings, *arrays}  # type: ignore[arg-type]
+        if missing:
+            raise FFGymError(f"the file lacks {', '.join(sorted(missing))}.")
+        return cls(**settings, **arrays)
 
 
 def save_law(path: str | os.PathLike[str], law: StoredLaw, meta: Mapping[str, Any] | None = None) -> Path:

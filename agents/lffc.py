@@ -28,21 +28,19 @@ once, each counting alike however large its errors; z = e_p is multiplied by K_p
 means the same.
 """
 
-import json
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
-from ffgym.agents.law_files import FORMAT, StoredLaw, digest, pack, unpack
+from ffgym.agents.law_files import StoredLaw, digest
+from ffgym.agents.state_file import StateFile
 from ffgym.agents.trials import SIGNALS, Lesson, Signal, Trial, performed
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, check_whole
-from ffgym.core.files import check_writable, write_bytes
-from ffgym.core.provenance import versions
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.paths import Reference
 from ffgym.simulation import Run
@@ -56,9 +54,9 @@ class Network(CausalLaw, StoredLaw):
     def weights(self) -> dict[str, Array]:
         """Learned numbers by name; the first axis of each counts joints, shape (N, ...)."""
 
-    @abstractmethod
-    def with_weights(self, weights: dict[str, Array]) -> Self:
+    def with_weights(self, weights: Mapping[str, Array]) -> Self:
         """The same network with other weights."""
+        return replace(self, **weights)  # type: ignore[type-var]
 
     @abstractmethod
     def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
@@ -155,73 +153,17 @@ def _fell(history: Array, tolerance: float) -> BoolArray:
     return np.asarray(history[-1] < (1 - tolerance) * history[-2])
 
 
-KIND = "learning"
-"""Kind of the file, beside those of laws."""
-
-
 _ROWS = ("error", "signal", "best_trial", "stale", "locked")
-
-
 _NETWORKS = ("network", "best")
 
 
-@dataclass(frozen=True, kw_only=True)
-class LearningFile:
-    """Learning on disk, written whole or not at all."""
-
-    path: Path
-    settings: Mapping[str, Any]
-    """What must be the same for learning to go on; JSON can hold it."""
-
-    def __post_init__(self) -> None:
-        check_writable(self.path)
-
-    def write(self, learning: Learning) -> None:
-        """Replace the file.
-
-        Raises:
-            FFGymError: if it cannot be written.
-        """
-        header = {"format": FORMAT, "kind": KIND, "settings": dict(self.settings), "versions": versions()}
-        arrays = {name: getattr(learning, name) for name in _ROWS}
-        for role in _NETWORKS:
-            arrays |= {f"{role}.{name}": weights for name, weights in getattr(learning, role).weights.items()}
-        write_bytes(self.path, pack(header, arrays))
-
-    def read(self, first: Network, n_motions: int) -> Learning:
-        """Learning in the file, or its beginning with the network `first` where there is no file yet.
-
-        Raises:
-            FFGymError: if the file is damaged or incomplete, or of learning with other settings; the message says
-                which.
-        """
-        if not self.path.exists():
-            return Learning.begin(first, n_motions)
-        header, arrays = unpack(self.path)
-        if header.get("kind") != KIND:
-            raise FFGymError(f"{self.path}: is a file of kind {header.get('kind')!r}, not of learning to go on with.")
-        settings = header.get("settings")
-        self._check(settings if isinstance(settings, dict) else {})
-        try:
-            return _learning(first, n_motions, arrays)
-        except (KeyError, FFGymError) as error:
-            reason = str(error).rstrip(".")
-            raise FFGymError(
-                f"{self.path}: holds no complete learning: {reason}. Begin anew with another file."
-            ) from error
-
-    def _check(self, stored: Mapping[str, Any]) -> None:
-        wanted = json.loads(json.dumps(dict(self.settings)))  # as a file gives them back
-        differing = [name for name in sorted(stored.keys() | wanted.keys()) if stored.get(name) != wanted.get(name)]
-        if differing:
-            found = ", ".join(f"{name} {stored.get(name)!r}, now {wanted.get(name)!r}" for name in differing)
-            raise FFGymError(
-                f"{self.path}: learning cannot go on with other settings than it began with: {found}. "
-                f"Go on with the same, or begin anew with another file."
-            )
+def _packed(learning: Learning) -> dict[str, Array]:
+    """Learning as arrays of a file."""
+    weights = {f"{role}.{name}": array for role in _NETWORKS for name, array in getattr(learning, role).weights.items()}
+    return {name: getattr(learning, name) for name in _ROWS} | weights
 
 
-def _learning(first: Network, n_motions: int, arrays: Mapping[str, Array]) -> Learning:
+def _unpacked(first: Network, n_motions: int, arrays: Mapping[str, Array]) -> Learning:
     n = first.n_joints
     network, best = (
         first.with_weights({name: arrays[f"{role}.{name}"] for name in first.weights}) for role in _NETWORKS
@@ -293,20 +235,29 @@ class LFFC:
         if not references:
             raise FFGymError("There is no motion to learn from; give one or more references.")
         settings = self._settings(network, references, machine)
-        file = None if state is None else LearningFile(path=state, settings=settings)
+        file = None if state is None else StateFile(path=state, kind="learning", settings=settings)
         learning = self._begin(network, len(references), file)
         while learning.trials <= self.iterations and not learning.locked.all():
             lessons = self._try(learning, references, trial)
             learning = learning.after(lessons, rate=self.rate, tolerance=self.tolerance, patience=self.patience)
             if file is not None:
-                file.write(learning)
+                file.write(_packed(learning))
             if watch is not None:
                 watch(learning, self.iterations + 1)
         return learning
 
-    def _begin(self, network: Network, n_motions: int, file: LearningFile | None) -> Learning:
-        learning = Learning.begin(network, n_motions) if file is None else file.read(network, n_motions)
-        if file is not None and learning.trials > self.iterations + 1:
+    def _begin(self, network: Network, n_motions: int, file: StateFile | None) -> Learning:
+        arrays = None if file is None else file.read()
+        if file is None or arrays is None:
+            return Learning.begin(network, n_motions)
+        try:
+            learning = _unpacked(network, n_motions, arrays)
+        except (KeyError, FFGymError) as error:
+            reason = str(error).rstrip(".")
+            raise FFGymError(
+                f"{file.path}: holds no complete learning: {reason}. Begin anew with another file."
+            ) from error
+        if learning.trials > self.iterations + 1:
             raise FFGymError(
                 f"{file.path}: has {learning.trials - 1} iterations already, more than the {self.iterations} asked "
                 f"for; ask for as many or more, or begin anew with another file."

@@ -32,10 +32,10 @@ marginal likelihood (scikit-learn); prediction needs NumPy alone.
 """
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from types import ModuleType
-from typing import Any, ClassVar, Self, final
+from typing import ClassVar, final
 
 import numpy as np
 
@@ -117,16 +117,6 @@ class ResidualTorque(CausalLaw, StoredLaw):
             square += (x[..., d, None] - self.points[..., d]) ** 2
         bells = np.exp(-0.5 * square / self.length[:, None] ** 2)
         return np.asarray(mean + (self.alpha * bells).sum(axis=-1))
-
-    def parts(self) -> tuple[dict[str, Any], dict[str, Array]]:
-        """See base class."""
-        names = ("coefficients", "top_speed", "points", "alpha", "length", "widths")
-        return {"name": self.name}, {name: getattr(self, name) for name in names}
-
-    @classmethod
-    def from_parts(cls, settings: Mapping[str, Any], arrays: Mapping[str, Array]) -> Self:
-        """See base class."""
-        return cls(**{"name": settings["name"], "widths": arrays["widths"], **arrays})  # a file has no default
 
 
 def bell_features(slip: Array, motor_dq: Array, top_speed: Array) -> Array:

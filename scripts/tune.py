@@ -25,9 +25,7 @@ from ffgym.cli.train_policy import options_of
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import made_folder
-from scripts.tuning.options import Tune, checked
-from scripts.tuning.record import FAILED, Trial, read_trials, write_trials
-from scripts.tuning.space import proposal
+from scripts.tuning import FAILED, Trial, Tune, checked, proposal, read_trials, write_trials
 
 NUMBERS = "tuned.json"
 

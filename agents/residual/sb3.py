@@ -12,7 +12,6 @@ import numpy as np
 import torch
 from sb3_contrib import TQC, RecurrentPPO
 from sb3_contrib.common.recurrent.policies import RecurrentActorCriticPolicy
-from sb3_contrib.tqc.policies import Actor as TQCActor
 from sb3_contrib.tqc.policies import TQCPolicy
 from stable_baselines3 import PPO, SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
@@ -21,7 +20,6 @@ from stable_baselines3.common.off_policy_algorithm import OffPolicyAlgorithm
 from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, MlpExtractor, create_mlp
 from stable_baselines3.common.type_aliases import Schedule
-from stable_baselines3.sac.policies import Actor as SACActor
 from stable_baselines3.sac.policies import SACPolicy
 from torch import nn
 
@@ -94,28 +92,25 @@ class ResidualRecurrentActorCritic(RecurrentActorCriticPolicy):
         _zero(self.action_net)
 
 
-class ResidualSACPolicy(SACPolicy):
-    """Of SAC: squashed Gaussian actions about zero at first."""
+class _BeginsAsNothing:
+    """Squashed Gaussian actions about zero at first."""
 
     def __init__(self, *args: Any, factored: bool = False, first_std: float = 0.1, **kwargs: Any) -> None:
         self.factored, self.first_std = factored, first_std
         super().__init__(*args, **kwargs)
 
-    def make_actor(self, features_extractor: BaseFeaturesExtractor | None = None) -> SACActor:
+    def make_actor(self, features_extractor: BaseFeaturesExtractor | None = None) -> Any:
         """See base class."""
-        return _begun(super().make_actor(features_extractor), self.factored, self.first_std)
+        actor = super().make_actor(features_extractor)  # type: ignore[misc]
+        return _begun(actor, self.factored, self.first_std)
 
 
-class ResidualTQCPolicy(TQCPolicy):
-    """Of TQC, as that of SAC."""
+class ResidualSACPolicy(_BeginsAsNothing, SACPolicy):
+    """Of SAC."""
 
-    def __init__(self, *args: Any, factored: bool = False, first_std: float = 0.1, **kwargs: Any) -> None:
-        self.factored, self.first_std = factored, first_std
-        super().__init__(*args, **kwargs)
 
-    def make_actor(self, features_extractor: BaseFeaturesExtractor | None = None) -> TQCActor:
-        """See base class."""
-        return _begun(super().make_actor(features_extractor), self.factored, self.first_std)
+class ResidualTQCPolicy(_BeginsAsNothing, TQCPolicy):
+    """Of TQC."""
 
 
 def _begun(actor: Any, factored: bool, first_std: float) -> Any:

@@ -8,7 +8,6 @@ training seed and number of the segment. Training that was killed is therefore e
 import hashlib
 import io
 import json
-import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,18 +26,10 @@ from ffgym.agents.residual.environment import ResidualVecEnv, environment_of
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.residual.policy import ResidualPolicy, encode_policy, load_policy
 from ffgym.agents.residual.sb3 import actor_of, algorithm_of
+from ffgym.agents.state_file import check_same
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import (
-    decode_arrays,
-    encode_arrays,
-    made_folder,
-    new_folder,
-    read_bytes,
-    read_text,
-    write_bytes,
-    write_json,
-)
+from ffgym.core.files import made_folder, read_bytes, read_text, write_bytes, write_json
 from ffgym.core.provenance import installed, versions
 
 Points = tuple[tuple[int, float], ...]
@@ -97,8 +88,8 @@ class Curve(BaseCallback):
 
 POLICY, NUMBERS = "policy.npz", "training.json"
 """What is written when a training is done."""
-CHECKPOINTS, TENSORBOARD = "checkpoints", "tensorboard"
-"""Folders beside them; the first is removed at the end."""
+CHECKPOINT, TENSORBOARD = "checkpoint.pt", "tensorboard"
+"""File and folder beside them; the first is removed at the end."""
 
 Watch = Callable[[int, int], object]
 """Is told steps that are done, and all."""
@@ -155,17 +146,16 @@ def _learned(
     training: Training, env: ResidualVecEnv, out: Path, about: Mapping[str, Any], watch: Watch | None
 ) -> tuple[BaseAlgorithm, Points]:
     """The algorithm after all segments, and the learning curve."""
-    place = out / CHECKPOINTS
-    standing = read_newest(place, about)
+    place = out / CHECKPOINT
+    standing = read_checkpoint(place, about)
     curve = Curve(training, () if standing is None else standing.curve, watch)
     for segment in range(0 if standing is None else standing.segment, training.n_segments):
         model = algorithm_of(training, env, seed=segment_seed(training.seed, segment), segment=segment)
         if standing is not None:
             standing.restore(model)
         _learn(model, training, segment, curve, out / TENSORBOARD)
-        with made_folder(place):
-            write_checkpoint(place, model, segment=segment + 1, curve=curve.points, about=about)
-        standing = read_newest(place, about)
+        write_checkpoint(place, model, segment=segment + 1, curve=curve.points, about=about)
+        standing = read_checkpoint(place, about)
     assert standing is not None  # there is one segment at least
     model = algorithm_of(training, env, seed=0, segment=training.n_segments - 1)
     standing.restore(model)
@@ -173,7 +163,7 @@ def _learned(
 
 
 def _write(training: Training, model: BaseAlgorithm, points: Points, out: Path, about: Mapping[str, Any]) -> None:
-    """Write what a training gave, and remove its checkpoints."""
+    """Write what a training gave, and remove its checkpoint."""
     head = {"algorithm": training.algorithm, "seed": training.seed, "robot": training.robot}
     numbers = {"env_steps": model.num_timesteps, "learning_curve": [list(point) for point in points]}
     meta = head | dict(about) | numbers
@@ -190,7 +180,7 @@ def _write(training: Training, model: BaseAlgorithm, points: Points, out: Path, 
     data = encode_policy(policy)
     write_bytes(out / POLICY, data)
     write_json(out / NUMBERS, meta | {"sha256": hashlib.sha256(data).hexdigest()})
-    shutil.rmtree(out / CHECKPOINTS, ignore_errors=True)
+    (out / CHECKPOINT).unlink()
 
 
 def segment_seed(seed: int, segment: int) -> int:
@@ -242,7 +232,7 @@ def _finished(out: Path, about: Mapping[str, Any]) -> Trained:
         theirs, wanted = {key: numbers[key] for key in about}, numbers["sha256"]
     except (KeyError, TypeError, json.JSONDecodeError) as error:
         raise FFGymError(f"{out / NUMBERS}: is damaged. Remove the folder {out} to train again.") from error
-    check_same(theirs, about, out)
+    _check_training(theirs, about, out)
     found = hashlib.sha256(read_bytes(out / POLICY)).hexdigest()
     if found != wanted:
         raise FFGymError(f"{out / POLICY}: is not what was written. Remove the folder {out} to train again.")
@@ -255,145 +245,92 @@ def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
     return plain
 
 
-HEADER = "checkpoint.json"
-_PREFIX = "segment_"
-_ARRAYS = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
-"""Of the replay buffer."""
-
-
 @dataclass(frozen=True, kw_only=True)
-class Standing:
-    """A checkpoint that was read."""
+class Checkpoint:
+    """Where a training stands between two segments."""
 
     segment: int
     """Number of the segment that is next."""
-    curve: tuple[tuple[int, float], ...]
-    """Steps, mean reward per step since the point before."""
-    files: Mapping[str, bytes]
+    curve: Points
+    state: Mapping[str, Any] = field(repr=False)
 
     def restore(self, model: BaseAlgorithm) -> None:
         """Give a new algorithm everything that it had: networks, optimisers, replay buffer, counters."""
-        state = torch.load(io.BytesIO(self.files["state.pt"]), weights_only=True)
-        model.set_parameters(state["parameters"], exact_match=True, device="cpu")
-        for name, values in state["tensors"].items():
+        model.set_parameters(self.state["parameters"], exact_match=True, device="cpu")
+        for name, values in self.state["tensors"].items():
             getattr(model, name).data.copy_(values)
-        model.num_timesteps, model._n_updates = state["num_timesteps"], state["n_updates"]
+        model.num_timesteps, model._n_updates = self.state["num_timesteps"], self.state["n_updates"]
         buffer = getattr(model, "replay_buffer", None)
         if isinstance(buffer, ReplayBuffer):
-            for name, values in decode_arrays(self.files["replay.npz"]).items():
-                getattr(buffer, name)[: len(values)] = values
-            buffer.pos, buffer.full = state["replay"]
+            for name, values in self.state["replay"].items():
+                getattr(buffer, name)[: len(values)] = values.numpy()
+            buffer.pos, buffer.full = self.state["replay_at"]
 
 
 def write_checkpoint(
-    folder: Path, model: BaseAlgorithm, *, segment: int, curve: tuple[tuple[int, float], ...], about: Mapping[str, Any]
+    file: Path, model: BaseAlgorithm, *, segment: int, curve: Points, about: Mapping[str, Any]
 ) -> None:
-    """Write a checkpoint, then remove those before it.
+    """Write a checkpoint in place of the one before it: its sha256, then what torch makes of it.
 
     Args:
-        folder: of all checkpoints of a training.
+        file: of all checkpoints of a training.
         model: as the last segment left it.
         segment: number of the next segment.
         curve: of learning so far.
-        about: what the training is, see `read_newest`.
+        about: what the training is, see `read_checkpoint`.
 
     Raises:
         FFGymError: if it cannot be written.
     """
-    older = _all(folder)
-    files = _files_of(model)
-    with new_folder(folder / f"{_PREFIX}{segment:06d}") as place:
-        for name, data in files.items():
-            write_bytes(place / name, data)
-        sums = {name: hashlib.sha256(data).hexdigest() for name, data in files.items()}
-        write_json(place / HEADER, {"segment": segment, "curve": curve, "about": about, "sha256": sums})
-    for place in older:
-        shutil.rmtree(place, ignore_errors=True)
-
-
-def read_newest(folder: Path, about: Mapping[str, Any]) -> Standing | None:
-    """The newest checkpoint of a training; None if there is none.
-
-    Args:
-        folder: of its checkpoints.
-        about: what the training is, as JSON has it.
-
-    Raises:
-        FFGymError: if it is of another training, or damaged.
-    """
-    places = _all(folder)
-    if not places:
-        return None
-    place = places[-1]
-    try:
-        header = json.loads(read_text(place / HEADER))
-        files = {name: read_bytes(place / name) for name in header["sha256"]}
-        segment, curve, theirs = header["segment"], header["curve"], header["about"]
-        wrong = [name for name, data in files.items() if hashlib.sha256(data).hexdigest() != header["sha256"][name]]
-        if wrong or "state.pt" not in files:
-            raise FFGymError(f"{' and '.join(wrong) or 'state.pt'} is not what was written")
-    except (KeyError, TypeError, AttributeError, ValueError) as error:  # ours are ValueErrors too
-        reason = str(error).rstrip(".")
-        raise FFGymError(
-            f"{place}: the checkpoint is damaged: {reason}. Remove the folder {folder} to begin the training anew."
-        ) from error
-    check_same(theirs, about, folder.parent)
-    return Standing(segment=int(segment), curve=tuple((int(n), float(r)) for n, r in curve), files=files)
-
-
-def check_same(theirs: Mapping[str, Any], ours: Mapping[str, Any], folder: Path, what: str = "training") -> None:
-    """Check that a folder is of this training, or whatever it holds.
-
-    Raises:
-        FFGymError: if not; the message says what differs.
-    """
-    flat, own = _flat(theirs), _flat(ours)
-    changes = [
-        f"{name} was {_short(flat.get(name))}, now {_short(own.get(name))}"
-        for name in sorted(set(flat) | set(own))
-        if flat.get(name) != own.get(name)
-    ]
-    if changes:
-        raise FFGymError(
-            f"{folder}: holds another {what}: {'; '.join(changes)}. Choose another folder, or remove this one."
-        )
-
-
-def _files_of(model: BaseAlgorithm) -> dict[str, bytes]:
     _, tensors = model._get_torch_save_params()
     state: dict[str, Any] = {
+        "about": json.dumps(about),
+        "segment": segment,
+        "curve": curve,
         "parameters": model.get_parameters(),
         "tensors": {name: getattr(model, name).detach() for name in tensors},
         "num_timesteps": model.num_timesteps,
         "n_updates": model._n_updates,
     }
-    files = {}
     buffer = getattr(model, "replay_buffer", None)
     if isinstance(buffer, ReplayBuffer):
         used = buffer.buffer_size if buffer.full else buffer.pos
-        files["replay.npz"] = encode_arrays({name: getattr(buffer, name)[:used] for name in _ARRAYS})
-        state["replay"] = (buffer.pos, buffer.full)
+        state["replay"] = {name: torch.tensor(getattr(buffer, name)[:used]) for name in _REPLAYED}
+        state["replay_at"] = (buffer.pos, buffer.full)
     stream = io.BytesIO()
     torch.save(state, stream)
-    return files | {"state.pt": stream.getvalue()}
+    data = stream.getvalue()
+    write_bytes(file, hashlib.sha256(data).digest() + data)
 
 
-def _all(folder: Path) -> list[Path]:
-    """Checkpoints from old to new."""
-    return sorted(folder.glob(f"{_PREFIX}*")) if folder.is_dir() else []
+def read_checkpoint(file: Path, about: Mapping[str, Any]) -> Checkpoint | None:
+    """Read the checkpoint of a training; None if there is none.
+
+    Args:
+        file: of its checkpoints.
+        about: what the training is, as JSON has it.
+
+    Raises:
+        FFGymError: if it is of another training, or damaged.
+    """
+    if not file.exists():
+        return None
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        raise FFGymError(f"{file}: cannot be read: {error.strerror}.") from error
+    if hashlib.sha256(data[32:]).digest() != data[:32]:
+        raise FFGymError(
+            f"{file}: the checkpoint is damaged: it is not what was written. Remove it to begin the training anew."
+        )
+    state = torch.load(io.BytesIO(data[32:]), weights_only=True)
+    _check_training(json.loads(state["about"]), about, file.parent)
+    return Checkpoint(segment=state["segment"], curve=tuple(state["curve"]), state=state)
 
 
-def _flat(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Entries of tables in tables by one name each."""
-    flat: dict[str, Any] = {}
-    for name, value in values.items():
-        if isinstance(value, Mapping):
-            flat |= {f"{name}.{inner}": each for inner, each in _flat(value).items()}
-        else:
-            flat[name] = value
-    return flat
+def _check_training(theirs: Mapping[str, Any], ours: Mapping[str, Any], folder: Path) -> None:
+    check_same(theirs, ours, folder, "another training", "Choose another folder, or remove this one.")
 
 
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
+_REPLAYED = ("observations", "next_observations", "actions", "rewards", "dones", "timeouts")
+"""Arrays of a replay buffer."""

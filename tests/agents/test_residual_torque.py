@@ -150,5 +150,5 @@ def test_one_trial_on_small_circles_takes_most_of_the_motor_error_away_and_elsew
 def test_a_file_without_widths_is_refused_and_does_not_get_those_of_today(model):
     settings, arrays = model.parts()
     del arrays["widths"]
-    with pytest.raises(KeyError, match="widths"):
+    with pytest.raises(FFGymError, match="lacks widths"):
         ResidualTorque.from_parts(settings, arrays)

@@ -71,7 +71,7 @@ def test_an_interrupted_training_goes_on_with_resume_and_only_with_it(tmp_path, 
     assert main(options) == 1
     assert "go on with it by --resume, or delete it" in capsys.readouterr().err
     assert main([*options, "--gamma", "0.5", "--resume"]) == 1
-    assert "rate 0.8, now 0.5" in capsys.readouterr().err
+    assert "rate was 0.8, now 0.5" in capsys.readouterr().err
     assert main([*options, "--resume"]) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["mine.npz"]
     np.testing.assert_array_equal(

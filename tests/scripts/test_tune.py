@@ -14,12 +14,9 @@ from ffgym.cli.train_policy import Policy
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes
-from scripts import tune
+from scripts import tune, tuning
 from scripts.tune import main
-from scripts.tuning import options
-from scripts.tuning.options import Tune
-from scripts.tuning.record import FAILED
-from scripts.tuning.space import SPACES
+from scripts.tuning import FAILED, SPACES, Tune
 from tests.agents.residual.residual_samples import SMALL
 
 TINY = {"base": "none", "steps": 16, "set": SMALL["ppo"], "plants": 1}
@@ -213,7 +210,7 @@ def test_the_bound_is_searched_for_and_no_option(capsys):
 
 
 def test_what_is_missing_is_named_with_the_way_to_get_it(monkeypatch, tmp_path):
-    monkeypatch.setattr(options, "installed", lambda name: name != "optuna")
+    monkeypatch.setattr(tuning, "installed", lambda name: name != "optuna")
     with pytest.raises(FFGymError, match=r"needs optuna; pip install 'ffgym\[tune\]'"):
         main(Tune(out=tmp_path / "new"))
     code = "import scripts.tune, sys; print([name for name in ('torch', 'optuna') if name in sys.modules])"

@@ -9,7 +9,7 @@ import torch
 from ffgym.agents.residual.environment import environment_of
 from ffgym.agents.residual.hyperparameters import ALGORITHMS
 from ffgym.agents.residual.sb3 import algorithm_of
-from ffgym.agents.residual.training import read_newest, write_checkpoint
+from ffgym.agents.residual.training import read_checkpoint, write_checkpoint
 from tests.agents.residual.residual_samples import tiny
 
 
@@ -36,15 +36,15 @@ def state_of(model):
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_an_algorithm_comes_back_with_all_that_it_had(algorithm, tmp_path):
-    training = tiny(algorithm)
+    training, file = tiny(algorithm), tmp_path / "checkpoint.pt"
     env = environment_of(training)
     model = algorithm_of(training, env, seed=1, segment=0)
     first = state_of(model)
     for segment in (1, 2):  # the replay buffer of 20 rows is full, and begins anew, in the second
         model.learn(24, reset_num_timesteps=segment == 1)
-        write_checkpoint(tmp_path, model, segment=segment, curve=((24, -0.5),), about={"a": 1})
-        assert [path.name for path in tmp_path.iterdir()] == [f"segment_{segment:06d}"]
-        standing = read_newest(tmp_path, {"a": 1})
+        write_checkpoint(file, model, segment=segment, curve=((24, -0.5),), about={"a": 1})
+        assert [*tmp_path.iterdir()] == [file]
+        standing = read_checkpoint(file, {"a": 1})
         assert (standing.segment, standing.curve) == (segment, ((24, -0.5),))
         again = algorithm_of(training, env, seed=2, segment=0)
         standing.restore(again)

@@ -1,9 +1,24 @@
-"""What a recording says about each motor."""
+"""What a recording says about each motor.
+
+The motions that learning families are trained on.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ffgym.agents.trials import SIGNALS, Lesson, SimulatedTrial, learning_signal, performed
+from ffgym.agents.trials import (
+    SIGNALS,
+    Lesson,
+    SimulatedTrial,
+    every_speed,
+    friction_motions,
+    learning_signal,
+    performed,
+    thesis_motions,
+    training_motions,
+)
 from ffgym.control import NoCompensation, StaticLuGre
 from ffgym.core.errors import FFGymError
 from ffgym.paths import joint_reference, joint_sine
@@ -71,3 +86,29 @@ def test_a_machine_that_loses_a_recording_is_named(one_axis):
     run = Run(reference=joint_reference(one_axis, joint_sine([1.0], 1.0, 0.2)))
     with pytest.raises(FFGymError, match="Trial 3 returned 1 recordings of 2 runs"):
         performed(lambda runs, number: SimulatedTrial(arm=RigidArm(one_axis))(runs, number)[1:], [run, run], 3)
+
+
+def test_the_thesis_learns_at_p1_at_10_mm_s_and_on_the_sine_of_1_hz(arm, one_axis):
+    assert [motion.name for motion in thesis_motions(arm)] == ["p1, 10 mm/s"]
+    assert [motion.name for motion in thesis_motions(RigidArm(one_axis))] == ["sine 1 Hz"]
+
+
+def test_every_speed_of_the_tests_can_be_shown(arm, one_axis):
+    assert [motion.name for motion in every_speed(arm)] == ["p1, 10 mm/s", "p1, 40 mm/s", "p1, 100 mm/s"]
+    assert [motion.name for motion in every_speed(RigidArm(one_axis))] == ["sine 1 Hz", "sine 3 Hz"]
+
+
+def test_friction_is_learned_where_it_is_most_of_the_feedback(arm, one_axis):
+    assert [motion.name for motion in friction_motions(arm)] == ["p1, 10 mm/s", "p1, 40 mm/s"]
+    assert [motion.name for motion in friction_motions(RigidArm(one_axis))] == ["sine 1 Hz", "sine 3 Hz"]
+
+
+def test_positions_and_speeds_can_be_chosen(arm):
+    names = [motion.name for motion in training_motions(arm, ["p2", "p3"], [0.1])]
+    assert names == ["p2, 100 mm/s", "p3, 100 mm/s"]
+
+
+def test_a_robot_without_test_motion_is_refused(irb4600):
+    arm = RigidArm(replace(irb4600, work_area=None))
+    with pytest.raises(FFGymError, match="no test motion to learn on; give"):
+        thesis_motions(arm)
