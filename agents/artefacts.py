@@ -14,6 +14,7 @@ from typing import Any
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_json
+from ffgym.core.provenance import versions
 
 TRAINED = Path(__file__).with_name("trained")
 """Where they are."""
@@ -114,7 +115,10 @@ def write_manifest(manifest: Manifest, folder: Path = TRAINED) -> None:
     write_json(folder / manifest.name / _MANIFEST, asdict(manifest))
 
 
-def merged(old: Sequence[Artefact], new: Sequence[Artefact]) -> tuple[Artefact, ...]:
-    """Entries of a manifest, the new ones in place of old ones of the same seed and plant, by plant and seed."""
-    every = {(each.plant, each.seed): each for each in (*old, *new)}
-    return tuple(every[key] for key in sorted(every))
+def add_artefacts(name: str, command: str, new: Sequence[Artefact], folder: Path = TRAINED) -> None:
+    """Put entries into the manifest of an agent, in place of old ones of the same seed and plant, by plant and seed."""
+    before = manifest_of(name, folder)
+    every = {(each.plant, each.seed): each for each in (*(() if before is None else before.artefacts), *new)}
+    artefacts = tuple(every[key] for key in sorted(every))
+    write_manifest(Manifest(name=name, command=command, artefacts=artefacts, versions=versions()), folder)
+    manifest_of.cache_clear()

@@ -234,11 +234,7 @@ class ExtendedBSN(BSplineNetwork):
 
 
 def trained_as_in_thesis(kind: type[BSplineNetwork], arm: RigidArm, trial: Trial) -> Network:
-    """From zero weights on the one motion of the thesis: p1 at 10 mm/s, or the sine of 1 Hz.
-
-    Raises:
-        FFGymError: if the robot has neither a work area nor one joint alone.
-    """
+    """From zero weights on the one motion of the thesis: p1 at 10 mm/s, or the sine of 1 Hz."""
     n = arm.robot.n_joints
     return thesis_training(n).learn(kind.zero(n), thesis_motions(arm), trial).best
 
@@ -247,9 +243,6 @@ def trained_with_prior(arm: RigidArm, trial: Trial, name: str) -> Network:
     """An extended network from a Coulomb torque, estimated from one more trial, on motions of two speeds.
 
     The estimate is made on the slow motion of the thesis, where viscous friction and inertia are least.
-
-    Raises:
-        FFGymError: if the robot has neither a work area nor one joint alone.
     """
     n = arm.robot.n_joints
     prior = CoulombPrior.estimated(thesis_motions(arm), trial)

@@ -142,11 +142,7 @@ class MLP(Network):
         return np.asarray(self.scales[2] * (self.offset + (self.output * active).sum(axis=-1)))
 
     def adapted(self, lessons: Sequence[Lesson], rate: float) -> Self:
-        """See base class: fitted to its own torque plus `rate` times the signal, at some samples of each lesson.
-
-        Raises:
-            FFGymError: if torch is missing.
-        """
+        """See base class: fitted to its own torque plus `rate` times the signal, at some samples of each lesson."""
         rows = [_evenly(lesson.moving) for lesson in lessons]
         dq, ddq, signal = (
             np.concatenate([getattr(lesson, name)[chosen] for lesson, chosen in zip(lessons, rows, strict=True)])
@@ -155,11 +151,7 @@ class MLP(Network):
         return self.fitted_to(dq, ddq, self.torque_at(dq, ddq) + rate * signal)
 
     def fitted_to(self, motor_dq: Array, motor_ddq: Array, wanted: Array) -> Self:
-        """After a fit to all samples at once; arguments as for `adapted_in_order`.
-
-        Raises:
-            FFGymError: if torch is missing.
-        """
+        """After a fit to all samples at once; arguments as for `adapted_in_order`."""
         return self.with_weights(_fitted(self.weights, self._examples(motor_dq, motor_ddq, wanted)))
 
     def adapted_in_order(self, motor_dq: Array, motor_ddq: Array, wanted: Array, rate: float) -> Self:
@@ -170,9 +162,6 @@ class MLP(Network):
             motor_ddq: motor acceleration [rad/s^2], shape (T, N).
             wanted: torque that the network should give there [N m], shape (T, N).
             rate: learning rate for errors in units of the torque scale.
-
-        Raises:
-            FFGymError: if torch is missing.
         """
         examples = self._examples(motor_dq, motor_ddq, wanted)
         return self.with_weights(_walked(self.weights, examples, rate))
@@ -186,11 +175,7 @@ class MLP(Network):
 
 
 def trained_mlp(arm: RigidArm, trial: Trial, seed: int = 0) -> Network:
-    """Member of the catalogue: on the motions of every speed, with rate and iterations of the thesis.
-
-    Raises:
-        FFGymError: if torch is missing, or the robot has neither a work area nor one joint alone.
-    """
+    """Member of the catalogue: on the motions of every speed, with rate and iterations of the thesis."""
     first = MLP.untrained(arm.robot, np.random.default_rng(seed))
     return thesis_training(arm.robot.n_joints).learn(first, every_speed(arm), trial).best
 

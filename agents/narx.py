@@ -113,11 +113,7 @@ def learn_narx(
 
 
 def trained_narx(arm: RigidArm, trial: Trial, seed: int = 0) -> NARX:
-    """Member of the catalogue: thesis (6.20), on the motions of every speed.
-
-    Raises:
-        FFGymError: if the robot has neither a work area nor one joint alone.
-    """
+    """Member of the catalogue: thesis (6.20), on the motions of every speed."""
     return learn_narx(trial, every_speed(arm), np.random.default_rng(seed)).law
 
 

@@ -29,11 +29,7 @@ if TYPE_CHECKING:
 
 
 def oracle_law(truth: RobotDescription | None, controller: RigidArm) -> ElasticLaw:
-    """Elastic feed-forward for a machine that is `truth`, whose existing controller was made for `controller`.
-
-    Raises:
-        FFGymError: if nobody may know the truth, as that of a workcell.
-    """
+    """Elastic feed-forward for a machine that is `truth`, whose existing controller was made for `controller`."""
     return elastic_law(RigidArm(known_truth(truth)), controller, name="oracle")
 
 

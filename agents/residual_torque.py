@@ -149,11 +149,7 @@ def learn_residual_torque(
 
 
 def trained_residual_torque(arm: RigidArm, trial: Trial) -> ResidualTorque:
-    """Member of the catalogue: on the motions of every speed.
-
-    Raises:
-        FFGymError: if scikit-learn is missing, or the robot has neither a work area nor one joint alone.
-    """
+    """Member of the catalogue: on the motions of every speed."""
     return learn_residual_torque(trial, every_speed(arm)).law
 
 

@@ -162,11 +162,7 @@ def learning_signal(recording: Recording, servo: Servo, signal: Signal = "u_p") 
 
 
 def thesis_motions(arm: RigidArm) -> list[Reference]:
-    """The one motion that chapter 5 learns on: circles at p1 at 10 mm/s, or the sine of 1 Hz on one axis.
-
-    Raises:
-        FFGymError: if the robot has neither a work area nor one joint alone.
-    """
+    """The one motion that chapter 5 learns on: circles at p1 at 10 mm/s, or the sine of 1 Hz on one axis."""
     return training_motions(arm, speeds=SPEEDS[:1], frequencies=FREQUENCIES[:1])
 
 
@@ -174,9 +170,6 @@ def every_speed(arm: RigidArm) -> list[Reference]:
     """The motions at every speed of the tests: at p1 at 10, 40 and 100 mm/s, or the sines of 1 and 3 Hz on one axis.
 
     A network trained on them has met all speeds it will meet, which thesis 5.5 misses at higher speeds than trained.
-
-    Raises:
-        FFGymError: if the robot has neither a work area nor one joint alone.
     """
     return training_motions(arm, speeds=SPEEDS, frequencies=FREQUENCIES)
 
@@ -186,9 +179,6 @@ def friction_motions(arm: RigidArm) -> list[Reference]:
 
     At 100 mm/s the elastic joints ask for more torque than friction does, and a network over speed would learn that as
     friction: with it in training, the tool strays further at 100 mm/s than without (see docs/agents/bspline.md).
-
-    Raises:
-        FFGymError: if the robot has neither a work area nor one joint alone.
     """
     return training_motions(arm, speeds=SPEEDS[:2], frequencies=FREQUENCIES)
 

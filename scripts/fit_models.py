@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from shutil import copyfile
 
-from ffgym.agents.artefacts import TRAINED, Manifest, described, manifest_of, merged, write_manifest
+from ffgym.agents.artefacts import TRAINED, add_artefacts, described
 from ffgym.agents.model import FITTED
 from ffgym.cli.improve import Improve
-from ffgym.core.provenance import versions
 from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named
 from ffgym.recordings.io import read_folder
 
@@ -68,10 +67,7 @@ def store(seed: int, folder: Path, out: Path) -> None:
         robot_seconds=sum(float(recording.t[-1]) for recording in read_folder(folder / "logs")),
         env_steps=0,
     )
-    before = manifest_of(FITTED, out)
-    known = () if before is None else before.artefacts
-    write_manifest(Manifest(name=FITTED, command=COMMAND, artefacts=merged(known, [entry]), versions=versions()), out)
-    manifest_of.cache_clear()
+    add_artefacts(FITTED, COMMAND, [entry], out)
 
 
 if __name__ == "__main__":

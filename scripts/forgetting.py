@@ -25,6 +25,7 @@ from ffgym.agents.bspline import StaticBSN
 from ffgym.agents.feedback_error import MLP
 from ffgym.control import StaticLuGre
 from ffgym.core.errors import FFGymError
+from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.report import save_figure
 from ffgym.report.learning_plots import forgetting_figure
@@ -65,13 +66,13 @@ class Curves:
     def forgotten(self) -> float:
         """RMS of what moved at all speeds that did not come again, as a share of the RMS friction there."""
         other = self.speed < SEEN_FROM
-        return _rms((self.after - self.before)[other]) / _rms(self.friction[other])
+        return rms((self.after - self.before)[other]) / rms(self.friction[other])
 
     @property
     def missed(self) -> float:
         """RMS error at the speeds that came, as a share of the RMS friction there."""
         seen = self.speed >= SEEN_FROM
-        return _rms((self.after - CHANGE * self.friction)[seen]) / _rms(self.friction[seen])
+        return rms((self.after - CHANGE * self.friction)[seen]) / rms(self.friction[seen])
 
 
 def compare(robot: RobotDescription, rng: np.random.Generator, n_sweeps: int = N_SWEEPS) -> dict[str, Curves]:
@@ -120,10 +121,6 @@ def _in_order(network: StaticBSN | MLP, motor_dq: Array, wanted: Array) -> Stati
     for mu, at, torque in zip(values[:, 0], places[:, 0], wanted[:, 0], strict=True):
         weights[at] += SPLINE_RATE * (torque - (mu * weights[at]).sum()) * mu
     return network.with_weights({"coefficients": weights.reshape(network.coefficients.shape)})
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 @dataclass(frozen=True)

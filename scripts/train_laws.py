@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from ffgym.agents.artefacts import TRAINED, Artefact, Manifest, described, manifest_of, merged, write_manifest
+from ffgym.agents.artefacts import TRAINED, Artefact, add_artefacts, described
 from ffgym.agents.catalogue import declared, law_named
 from ffgym.agents.declaration import Setting
 from ffgym.agents.law_files import StoredLaw, save_law
@@ -17,7 +17,6 @@ from ffgym.agents.shared_trials import learn_together
 from ffgym.agents.trials import CountedTrial, Trial, measured
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
-from ffgym.core.provenance import versions
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, plant_named
 from ffgym.simulation import Rig
 
@@ -80,11 +79,7 @@ def store(name: str, plant: str, fingerprint: str, laws: dict[int, Learned], out
             "env_steps": 0,
         }
         entries.append(described(name, file, out, **what))
-    before = manifest_of(name, out)
-    known = () if before is None else before.artefacts
-    manifest = Manifest(name=name, command=COMMAND, artefacts=merged(known, entries), versions=versions())
-    write_manifest(manifest, out)
-    manifest_of.cache_clear()
+    add_artefacts(name, COMMAND, entries, out)
 
 
 if __name__ == "__main__":

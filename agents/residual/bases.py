@@ -76,11 +76,7 @@ def base_law(name: str, machine: str | None, robot: RobotDescription) -> CausalL
 
 
 def _check_whole(text: str, where: str) -> dict[str, object]:
-    """Tables of a machine file that needs no other file.
-
-    Raises:
-        FFGymError: if it is no TOML, no machine file, or names its robot by a path.
-    """
+    """Tables of a machine file that needs no other file."""
     try:
         tree = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -195,11 +195,7 @@ def library_versions() -> dict[str, str]:
 
 
 def _learn(model: BaseAlgorithm, training: Training, segment: int, curve: Curve, logs: Path) -> None:
-    """Run a segment.
-
-    Raises:
-        FFGymError: if numbers of the networks are no longer finite.
-    """
+    """Run a segment."""
     logger = configure(str(logs), ["tensorboard"]) if installed("tensorboard") else Logger(None, [])
     model.set_logger(logger)
     steps = min(training.integer("segment_steps"), training.total - segment * training.integer("segment_steps"))
@@ -222,11 +218,7 @@ def _check_finite(model: BaseAlgorithm, training: Training, cause: Exception | N
 
 
 def _finished(out: Path, about: Mapping[str, Any]) -> Trained:
-    """The training that is done in a folder.
-
-    Raises:
-        FFGymError: if it is another one, or its files are damaged.
-    """
+    """The training that is done in a folder."""
     try:
         numbers = json.loads(read_text(out / NUMBERS))
         theirs, wanted = {key: numbers[key] for key in about}, numbers["sha256"]

@@ -1,9 +1,10 @@
 import json
 import shutil
+from dataclasses import replace
 
 import pytest
 
-from ffgym.agents.artefacts import TRAINED, manifest_of, merged, path_of
+from ffgym.agents.artefacts import TRAINED, add_artefacts, manifest_of, path_of
 from ffgym.agents.entrants import ENTRANTS
 from ffgym.core.errors import FFGymError
 from ffgym.leaderboard.plants import NOMINAL, plant_named
@@ -69,9 +70,13 @@ def test_a_manifest_with_an_unknown_entry_is_told(copied):
         manifest_of("bsn_static", copied)
 
 
-def test_new_artefacts_take_the_place_of_old_ones():
+def test_new_artefacts_take_the_place_of_old_ones(copied):
     old = manifest_of("bsn_static").artefacts
-    assert merged(old, old[:2]) == tuple(sorted(old, key=lambda each: (each.plant, each.seed)))
+    new = [replace(each, env_steps=1) for each in old[:2]]
+    add_artefacts("bsn_static", "again", new, copied)
+    found = manifest_of("bsn_static", copied)
+    assert found.command == "again"
+    assert found.artefacts == tuple(sorted([*new, *old[2:]], key=lambda each: (each.plant, each.seed)))
 
 
 def test_what_was_never_trained_has_no_manifest():
