@@ -38,8 +38,14 @@ COMMANDS = {
         "diagnose:Diagnose", "what a simulation gets wrong, and why", "ffgym diagnose logs --robot one_axis"
     ),
     "improve": Command("improve:Improve", "what a diagnosed model gains in control", "ffgym improve machine.toml"),
-    "train": Command(
-        "train:Train", "a policy or a network: policy, bspline, stability", "ffgym train bspline --out network.npz"
+    "train policy": Command(
+        "train_policy:Policy", "a residual policy on a law", "ffgym train policy --algorithm ppo --out mine"
+    ),
+    "train bspline": Command(
+        "train_bspline:BSpline", "a B-spline network, trial by trial", "ffgym train bspline --out network.npz"
+    ),
+    "train stability": Command(
+        "train_bspline:Stability", "how fast a network may learn", "ffgym train stability --robot one_axis"
     ),
     "leaderboard": Command(
         "leaderboard:Leaderboard", "all agents, compared", "ffgym leaderboard --agents none elastic"
@@ -60,6 +66,7 @@ _MOVED = {
     "reproduce": "python -m scripts.thesis, in a clone of the repository",
     "submit": "ffgym leaderboard submit",
     "verify": "ffgym leaderboard verify",
+    "train": "ffgym train policy, ffgym train bspline or ffgym train stability",
     "video": "ffgym play",
 }
 """Commands of earlier versions, and what does their work now."""
@@ -109,27 +116,26 @@ def _run(arguments: Sequence[str] | None) -> int:
     name = next((name for name in (" ".join(given[:2]), *given[:1]) if name in COMMANDS), None)
     if name is None:
         word = given[0] if given else ""
+        if given[1:] in (["--help"], ["-h"]) and any(known.startswith(f"{word} ") for known in COMMANDS):
+            print(_overview(f"{word} "))
+            return 0
         if word in _MOVED:
             raise FFGymError(f"ffgym {word} has another name now: {_MOVED[word]}.")
         print(f"ffgym: error: unknown command {word!r}\n\n{_overview()}", file=sys.stderr)
         raise SystemExit(2)
     options = given[len(name.split()) :]
-    if name == "train" and options and options[0] not in ("policy", "bspline", "stability", "--help", "-h"):
-        raise FFGymError(
-            "ffgym train needs to know what to train: policy (ffgym train policy --algorithm ppo ...), bspline or "
-            "stability."
-        )
     if {"--help", "-h"} & set(options):
         print(f"example: {COMMANDS[name].example}\n")
     return _run_one(_command(name), f"ffgym {name}", options)
 
 
-def _overview() -> str:
-    """Commands with a line each."""
-    width = max(map(len, COMMANDS))
-    lines = [f"  {name:<{width}}  {command.summary}" for name, command in COMMANDS.items()]
-    examples = [f"  {COMMANDS[name].example}" for name in ("demo", "simulate", "diagnose")]
-    head = [f"usage: ffgym COMMAND ...    {DESCRIPTION}", "", "examples:", *examples, "", "commands:"]
+def _overview(group: str = "") -> str:
+    """Commands that begin with some words, with a line each."""
+    shown = {name: command for name, command in COMMANDS.items() if name.startswith(group)}
+    width = max(map(len, shown))
+    lines = [f"  {name:<{width}}  {command.summary}" for name, command in shown.items()]
+    examples = [f"  {shown[name].example}" for name in ("demo", "simulate", "diagnose", *shown) if name in shown][:3]
+    head = [f"usage: ffgym {group}COMMAND ...    {DESCRIPTION}", "", "examples:", *examples, "", "commands:"]
     return "\n".join(
         [*head, *lines, "", "ffgym COMMAND --help tells the options of a command, ffgym --version the version."]
     )

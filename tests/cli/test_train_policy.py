@@ -36,7 +36,9 @@ def test_a_policy_its_numbers_and_the_way_to_it_are_written(tmp_path, capsys):
 
 def test_what_is_trained_must_be_said(capsys):
     assert main(["train", "--algorithm", "ppo"]) == 1
-    assert "ffgym train policy --algorithm ppo" in capsys.readouterr().err
+    assert "ffgym train policy, ffgym train bspline" in capsys.readouterr().err
+    assert main(["train", "--help"]) == 0
+    assert capsys.readouterr().out.splitlines()[3] == "  ffgym train policy --algorithm ppo --out mine"
 
 
 def test_options_make_the_training():
@@ -86,6 +88,6 @@ def test_what_is_missing_is_named_with_the_way_to_get_it(monkeypatch, capsys, tm
 
 
 def test_the_command_does_not_load_torch_to_say_what_it_can():
-    code = "import ffgym.cli.train, sys; print([m for m in ('torch', 'stable_baselines3') if m in sys.modules])"
+    code = "import ffgym.cli.train_policy, sys; print([m for m in ('torch', 'stable_baselines3') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
