@@ -2,51 +2,17 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
-from ffgym.recordings.schema import closest
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole, errors_at
+from ffgym.logs.keys import checked_table
 from ffgym.robot.reading.quantity import OTHER_UNITS
 
 Resample = Literal["", "gaps", "linear", "hold"]
-
-COLUMN_KEYS: Mapping[str, str] = MappingProxyType(
-    {
-        "source": "name of the array; or a list of names, one for each joint or axis; or a name with `{joint}` in it, "
-        "or `{number}`, which counts the joints or axes from 1, or `{index}`, which counts them from 0; "
-        "`{number+12}` is 12 more",
-        "otherwise": "list of names in place of `source` where the file has not that one: the first that it has counts",
-        "unit": "unit of scale * source + offset, one or a list with one per joint; needed unless `rate_hz` is given; "
-        "for torques also `A`, `mA` and `%`, which the robot's description makes torques",
-        "axes": 'which axis of the array is what, of "motion", "time" and "part" (joints, x y z); absent is '
-        '["time"] or ["time", "part"], as the array has one or two',
-        "pick": "numbers of the parts to take, from 0, in the order of the joints or axes; absent is all",
-        "twos_complement": "bits of numbers that stand in the file as whole numbers >= 0, the upper half of which is "
-        "negative; taken first",
-        "times": "name of an array with one number per row that multiplies the numbers, e.g. a supply voltage for a "
-        "duty cycle",
-        "scale": "factor: a number, a list with one per part, or the name of an array that holds it; absent is 1",
-        "offset": "added after `scale`, in `unit`: a number, a list, or the name of an array; absent is 0",
-        "sign": "1 or -1, or a list of them, for axes that count the other way; multiplies all of the above",
-        "side": "`motor` or `link`: side of the gearbox of these numbers, if the recording keeps the other; they "
-        "are converted by gear ratio and couplings",
-        "counts_per_turn": "encoder counts per turn, for unit `count`",
-        "clock": "name of the array with the times of these samples, if they are not those of `timestamp`",
-        "clock_unit": "unit of `clock`; absent is the unit of `timestamp`",
-        "resample": "what becomes of samples with times of their own: `gaps` puts each into the nearest row, if that "
-        "is within half a period, and NaN elsewhere; `linear` interpolates, across drop-outs too; `hold` repeats the "
-        "last one",
-        "rate_hz": "for `timestamp` only, in place of `source`: samples per second, or the name of an array with it",
-        "from_first": "true: times count from the first row (for clocks that count from 1970); for `timestamp` and "
-        "`tcp.timestamp`",
-        "parts": "for `user.` columns only: names that end the columns, one per part of the array",
-        "optional": "true: the columns are left out, with a note, where the file has no such source",
-    }
-)
-"""What an entry [columns."..."] may say, and what it means."""
 
 MOST_BITS = 32
 """Of a counter; whole numbers of more bits do not fit a float64 in files of text."""
@@ -57,17 +23,12 @@ AXES = ("motion", "time", "part")
 _TURN = 2 * np.pi
 _MINUTE = 60.0
 
-_TIMES = {"min": _MINUTE, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_ANGLES = OTHER_UNITS["rad"] | {"mrad": 1e-3, "arcmin": np.pi / (180 * 60), "turn": _TURN}
-_SPEEDS = OTHER_UNITS["rad/s"] | {"mrad/s": 1e-3, "turn/s": _TURN, "rpm": _TURN / _MINUTE}
-_ACCELERATIONS = {"deg/s^2": np.pi / 180, "turn/s^2": _TURN, "rpm/s": _TURN / _MINUTE}
-
 UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
-        "s": _TIMES,
-        "rad": _ANGLES,
-        "rad/s": _SPEEDS,
-        "rad/s^2": _ACCELERATIONS,
+        "s": {"min": _MINUTE, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+        "rad": OTHER_UNITS["rad"] | {"mrad": 1e-3, "arcmin": np.pi / (180 * 60), "turn": _TURN},
+        "rad/s": OTHER_UNITS["rad/s"] | {"mrad/s": 1e-3, "turn/s": _TURN, "rpm": _TURN / _MINUTE},
+        "rad/s^2": {"deg/s^2": np.pi / 180, "turn/s^2": _TURN, "rpm/s": _TURN / _MINUTE},
         "m": OTHER_UNITS["m"] | {"um": 1e-6, "cm": 1e-2},
         "m/s": OTHER_UNITS["m/s"],
         "m/s^2": {"mm/s^2": 1e-3},
@@ -85,14 +46,14 @@ COUNTS = MappingProxyType({"count": "rad", "count/s": "rad/s", "count/s^2": "rad
 KELVIN, ZERO_CELSIUS = "K", 273.15
 """0 degC is 273.15 K, by definition."""
 
-_TO_TORQUE = {unit: f"N m/{unit}" for unit in ("A", "mA", "V", "mV", "%")}
-"""Units of what drives a motor, or of its share of a rated torque, and of the factor that makes it a torque."""
+DRIVING = ("A", "mA", "V", "mV", "%")
+"""Units of what drives a motor, or of its share of a rated torque, which a scale makes torques."""
 
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Column:
-    """One family or column of a recording; the fields are those of COLUMN_KEYS.
+    """One family or column of a recording; the fields are the keys [columns] of keys.toml.
 
     Raises:
         FFGymError: if a field has the wrong type, or does not go with another.
@@ -125,8 +86,14 @@ class Column:
             raise FFGymError("unit is missing: it says what the numbers of the file are in, e.g. 'deg' or 'N m'.")
         if self.otherwise and not isinstance(self.source, str):
             raise FFGymError("otherwise goes with a source that is one name, not a list.")
-        _check_axes(self.axes)
-        if any(abs(sign) != 1 for sign in _several(self.sign)):
+        if self.axes is not None:
+            for axis in self.axes:
+                check_choice("axes entry", axis, AXES)
+            if "time" not in self.axes or len(set(self.axes)) < len(self.axes):
+                raise FFGymError(
+                    f"axes = {list(self.axes)} must hold 'time', and each of {', '.join(AXES)} at most once."
+                )
+        if np.any(np.abs(self.sign) != 1):
             raise FFGymError(f"sign = {self.sign} must be 1 or -1, or a list of them; other factors are a scale.")
         if self.side:
             check_choice("side", self.side, ("motor", "link"))
@@ -144,31 +111,15 @@ class Column:
         return not plain or self.twos_complement is not None or bool(self.times)
 
 
-def parse_column(table: Any) -> Column:
-    """Column of a TOML table.
+def parse_column(table: Any, where: str) -> Column:
+    """Column of a TOML table that messages call `where`.
 
     Raises:
         FFGymError: if a key is unknown, or a value is not what it must be.
     """
-    if not isinstance(table, dict):
-        raise FFGymError(f"must be a table with source and unit, got {table!r}.")
-    for key in table:
-        if key not in COLUMN_KEYS:
-            raise FFGymError(f"Unknown key {key!r}. {closest(key, COLUMN_KEYS)}")
-    return Column(**{key: _READERS[key](key, value) for key, value in table.items()})
-
-
-def _check_axes(axes: tuple[str, ...] | None) -> None:
-    if axes is None:
-        return
-    for axis in axes:
-        check_choice("axes entry", axis, AXES)
-    if "time" not in axes or len(set(axes)) < len(axes):
-        raise FFGymError(f"axes = {list(axes)} must hold 'time', and each of {', '.join(AXES)} at most once.")
-
-
-def _several(value: float | tuple[float, ...]) -> tuple[float, ...]:
-    return value if isinstance(value, tuple) else (value,)
+    entries = checked_table(table, "columns", where)
+    with errors_at(where):
+        return Column(**{key: _READERS[key](key, value) for key, value in entries.items()})
 
 
 def _text(key: str, value: Any) -> str:
@@ -207,37 +158,30 @@ def _indices(key: str, value: Any) -> tuple[int, ...]:
     return tuple(value)
 
 
-def _whole(key: str, value: Any) -> int:
-    return check_whole(key, value, low=2, high=MOST_BITS)
+def check_truth(key: str, value: Any) -> bool:
+    """Return `value` if it is true or false.
 
-
-def _truth(key: str, value: Any) -> bool:
+    Raises:
+        FFGymError: if it is something else.
+    """
     if not isinstance(value, bool):
         raise FFGymError(f"{key} = {value!r} must be true or false.")
     return value
 
 
 _READERS: Mapping[str, Callable[[str, Any], Any]] = {
-    "source": _one_or_texts,
-    "otherwise": _texts,
-    "unit": _one_or_texts,
-    "axes": _texts,
-    "pick": _indices,
-    "twos_complement": _whole,
-    "times": _text,
-    "scale": _numbers_or_name,
-    "offset": _numbers_or_name,
+    **dict.fromkeys(("times", "side", "clock", "clock_unit", "resample"), _text),
+    **dict.fromkeys(("otherwise", "axes", "parts"), _texts),
+    **dict.fromkeys(("source", "unit"), _one_or_texts),
+    **dict.fromkeys(("scale", "offset"), _numbers_or_name),
+    **dict.fromkeys(("from_first", "optional"), check_truth),
     "sign": _numbers,
-    "side": _text,
-    "counts_per_turn": check_number,
-    "clock": _text,
-    "clock_unit": _text,
-    "resample": _text,
+    "pick": _indices,
     "rate_hz": _rate,
-    "from_first": _truth,
-    "parts": _texts,
-    "optional": _truth,
+    "counts_per_turn": check_number,
+    "twos_complement": partial(check_whole, low=2, high=MOST_BITS),
 }
+"""Key -> function that checks its value and makes it that of a field."""
 
 
 class Conversion(NamedTuple):
@@ -265,7 +209,12 @@ def conversion(unit: str, wanted: str, counts_per_turn: float | None = None) -> 
     if unit == wanted:
         return Conversion(1.0)
     if unit not in UNITS.get(wanted, {}):
-        raise FFGymError(f"unit {unit!r} does not fit a quantity in {wanted}, {_way_out(unit, wanted)}")
+        counts = [count for count, angle in COUNTS.items() if angle == wanted]
+        known = [wanted, *UNITS.get(wanted, {}), *counts, *([KELVIN] if wanted == "degC" else [])]
+        way_out = f"must be {', '.join(map(repr, known))}."
+        if unit in DRIVING and wanted in ("N m", "N"):
+            way_out = f"give scale = <{wanted}/{unit}> and unit = {wanted!r}."
+        raise FFGymError(f"unit {unit!r} does not fit a quantity in {wanted}, {way_out}")
     return Conversion(UNITS[wanted][unit])
 
 
@@ -276,11 +225,3 @@ def si_of(unit: str, counts_per_turn: float | None = None) -> str:
     if unit == KELVIN:
         return "degC"
     return next((si for si, others in UNITS.items() if unit in others), unit)
-
-
-def _way_out(unit: str, wanted: str) -> str:
-    if unit in _TO_TORQUE and wanted in ("N m", "N"):
-        return f"give scale = <{_TO_TORQUE[unit].replace('N m', wanted)}> and unit = {wanted!r}."
-    counts = [count for count, angle in COUNTS.items() if angle == wanted]
-    kelvin = [KELVIN] if wanted == "degC" else []
-    return f"must be {', '.join(map(repr, [wanted, *UNITS.get(wanted, {}), *counts, *kelvin]))}."

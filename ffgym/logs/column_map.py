@@ -6,78 +6,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, final
 
-from ffgym.core.errors import FFGymError, check_number
+from ffgym.core.errors import FFGymError, check_number, errors_at
 from ffgym.core.files import read_text, write_text
 from ffgym.core.toml import parse_toml, toml_key, toml_value
-from ffgym.logs.column import Column, parse_column
+from ffgym.logs.column import Column, check_truth, parse_column
+from ffgym.logs.keys import KEYS, checked_table
 from ffgym.logs.text_layout import TextLayout
 from ffgym.recordings.rewiring import Rewire, Rewiring
 from ffgym.recordings.schema import FAMILIES, closest
 
-LOG_KEYS: Mapping[str, str] = MappingProxyType(
-    {
-        "base": "column map that this one begins with, a built-in name or a .toml beside it: keys here are added to "
-        "its tables, or count in place of its keys",
-        "robot": "built-in robot, or a description (.toml) beside the map; with `joints`, just a name; absent if the "
-        "caller says it",
-        "joints": "joint names of a robot without description; then `gear_ratio` is needed, and `coupling` and "
-        "`joint_types` may follow",
-        "gear_ratio": "motor angle over joint angle, one per joint",
-        "coupling": "how far motor i turns with joint j",
-        "joint_types": '"hinge" or "slide", one per joint',
-        "position_side": "side on which the recording keeps motor and reference positions; absent is that of the "
-        "description, or `motor`",
-        "torque_semantics": "what the torque is; absent is the description's, or `unspecified`",
-        "hold": "when the torque of a row acts; absent is `sampled` with a description, otherwise `unspecified`",
-        "encoder_bits": "resolution of the motor encoder",
-        "filters": "list of the filters already applied, in words",
-        "payload": "table with `mass` [kg], `com` [m] and `inertia` [kg m^2]; absent is the "
-        'description\'s tool, "unknown" is null',
-        "segment": "name of the motion; absent is the name of the file",
-        "trim": "true: rows before and after the samples of a column with a clock of its own are dropped",
-    }
-)
-"""What the table [log] may say; except `base`, `robot` and `trim` these are header fields (docs/recordings.md)."""
-
-MOTION_KEYS: Mapping[str, str] = MappingProxyType(
-    {
-        "split": "array with one number or word per row that is the same throughout a motion, e.g. `episode_index`",
-        "names": "array with the name of each motion; absent are numbers from 0",
-    }
-)
-"""What the table [motions] may say of a file with several motions."""
-
-TABLES: Mapping[str, str] = MappingProxyType(
-    {
-        "log": "whose log it is, and what its torque and positions are",
-        "columns": "the columns of the recording, by family",
-        "file": "layout of a text file",
-        "motions": "how a file holds several motions",
-        "rewire": "corrections of columns that were read, by family; a map without other tables is for recordings",
-        "meta": 'what goes into `meta` of the header: values, or `{ source = "name" }` for an array of the file, '
-        "which may be `optional = true`; with `since_first = true`, times of day ('20:29', or seconds) become seconds "
-        "since the earliest motion of the file, as `session_start` needs them",
-    }
-)
-"""Tables of a column map."""
-
 TO_FILL_IN = "?"
 """What stands in a draft where only the owner of a log knows."""
-
-REWIRE_KEYS: Mapping[str, str] = MappingProxyType(
-    {
-        "source": "which of the columns of the family, from 0, holds the numbers of each joint or axis, one each",
-        "factor": "by which they are multiplied, one each",
-        "offset": "added after `factor`, in the unit that the recording keeps, one each",
-        "delay": "by which they come late [s of the clock as it is in the file], one each; rows without a sample are "
-        "dropped",
-    }
-)
-"""What a table [rewire."..."] of a family may say; absent keys change nothing. `clock` in [rewire] multiplies all
-times."""
 
 _NEUTRAL = {"factor": 1.0, "offset": 0.0, "delay": 0.0}
 
@@ -134,16 +75,12 @@ def load_columns(columns: ColumnMap | str | Path) -> ColumnMap:
         raise FFGymError(f"columns = {columns!r} must be a ColumnMap, a name or a path.")
     name = str(columns)
     if name.endswith(".toml"):
-        return parse_columns(map_text(name), where=name, folder=Path(columns).parent)
-    return parse_columns(map_text(name), where=f"{name}.toml")
+        return parse_columns(_map_text(name), where=name, folder=Path(columns).parent)
+    return parse_columns(_map_text(name), where=f"{name}.toml")
 
 
-def map_text(columns: str | Path) -> str:
-    """TOML text of a built-in map, or of a file that ends in .toml.
-
-    Raises:
-        FFGymError: if there is none.
-    """
+def _map_text(columns: str | Path) -> str:
+    """TOML text of a built-in map, or of a file that ends in .toml."""
     name = str(columns)
     if name.endswith(".toml"):
         return read_text(columns)
@@ -152,10 +89,6 @@ def map_text(columns: str | Path) -> str:
             f"Unknown column map {name!r}. Built in: {', '.join(builtin_columns())}. A file must end in .toml; "
             "`ffgym log columns FILE` writes a draft."
         )
-    return _builtin_text(name)
-
-
-def _builtin_text(name: str) -> str:
     return (resources.files("ffgym.logs") / "data" / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -171,18 +104,47 @@ def parse_columns(text: str, where: str = "column map", folder: str | Path = "."
         FFGymError: if the text is not TOML, or an entry is missing, unknown or invalid.
     """
     tree = parse_toml(text, where)
-    try:
+    with errors_at(where):
         return column_map_of(tree, where, Path(folder))
-    except FFGymError as error:
-        raise FFGymError(f"{where}: {error}") from error
+
+
+def column_map_of(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMap:
+    """Column map of a TOML tree; arguments as for `parse_columns`.
+
+    Raises:
+        FFGymError: if an entry is missing, unknown or invalid.
+    """
+    tree = _with_base(tree, folder)
+    _check_filled_in(tree)
+    for key in tree:
+        if key not in KEYS["tables"]:
+            raise FFGymError(f"Unknown table [{key}]. {closest(key, KEYS['tables'])}")
+    rewiring = _parse_rewiring(tree.get("rewire", {}))
+    if set(tree) == {"rewire"}:
+        return ColumnMap(where=where, folder=folder, columns={}, rewiring=rewiring)
+    log, motions = (checked_table(tree.get(name, {}), name) for name in ("log", "motions"))
+    for name, value in [("robot", log.get("robot", "")), *motions.items()]:
+        if not isinstance(value, str):
+            raise FFGymError(f"{name} = {value!r} must be text.")
+    meta = tree.get("meta", {})
+    if not isinstance(meta, dict):
+        raise FFGymError(f"[meta] must be a table, got {meta!r}.")
+    return ColumnMap(
+        where=where,
+        folder=folder,
+        robot=log.pop("robot", ""),
+        trim=check_truth("trim", log.pop("trim", False)),
+        header=log,
+        columns=_parse_families(tree.get("columns")),
+        layout=TextLayout.of(tree.get("file", {})),
+        meta=meta,
+        rewiring=rewiring,
+        **motions,
+    )
 
 
 def _with_base(tree: Mapping[str, Any], folder: Path, seen: tuple[str, ...] = ()) -> dict[str, Any]:
-    """The tree on top of those of the maps that it begins with.
-
-    Raises:
-        FFGymError: if there is no such map, or maps begin with one another.
-    """
+    """The tree on top of those of the maps that it begins with."""
     log = tree.get("log", {})
     base = log.get("base") if isinstance(log, dict) else None
     if base is None:
@@ -190,13 +152,13 @@ def _with_base(tree: Mapping[str, Any], folder: Path, seen: tuple[str, ...] = ()
     if not isinstance(base, str) or base in seen:
         raise FFGymError(f"base = {base!r} must be the name of another column map, or its path.")
     if base.endswith(".toml"):
-        below = _with_base(parse_toml(read_text(folder / base), base), (folder / base).parent, (*seen, base))
+        text, folder = read_text(folder / base), (folder / base).parent
     elif base in builtin_columns():
-        below = _with_base(parse_toml(_builtin_text(base), f"{base}.toml"), folder, (*seen, base))
+        text = _map_text(base)
     else:
         raise FFGymError(f"base = {base!r} is unknown. Built in: {', '.join(builtin_columns())}; a file ends in .toml.")
-    own = {**tree, "log": {key: value for key, value in log.items() if key != "base"}}
-    return _merged(below, own)
+    below = _with_base(parse_toml(text, base if base.endswith(".toml") else f"{base}.toml"), folder, (*seen, base))
+    return _merged(below, {**tree, "log": {key: value for key, value in log.items() if key != "base"}})
 
 
 def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
@@ -218,80 +180,26 @@ def _check_filled_in(tree: Mapping[str, Any], path: str = "") -> None:
             raise FFGymError(f"{here} = '?' is still to be filled in, or to be taken away.")
 
 
-def column_map_of(tree: Mapping[str, Any], where: str, folder: Path) -> ColumnMap:
-    """Column map of a TOML tree; arguments as for `parse_columns`.
-
-    Raises:
-        FFGymError: if an entry is missing, unknown or invalid.
-    """
-    tree = _with_base(tree, folder)
-    _check_filled_in(tree)
-    for key in tree:
-        if key not in TABLES:
-            raise FFGymError(f"Unknown table [{key}]. {closest(key, TABLES)}")
-    if set(tree) == {"rewire"}:
-        return ColumnMap(where=where, folder=folder, columns={}, rewiring=parse_rewiring(tree["rewire"]))
-    log = _table(tree, "log", LOG_KEYS)
-    motions = _table(tree, "motions", MOTION_KEYS)
-    for name, value in [("robot", log.get("robot", "")), *motions.items()]:
-        if not isinstance(value, str):
-            raise FFGymError(f"{name} = {value!r} must be text.")
-    trim = log.pop("trim", False)
-    if not isinstance(trim, bool):
-        raise FFGymError(f"trim = {trim!r} must be true or false.")
-    return ColumnMap(
-        where=where,
-        folder=folder,
-        robot=log.pop("robot", ""),
-        header=log,
-        columns=_columns(tree.get("columns")),
-        layout=TextLayout.of(tree.get("file", {})),
-        meta=_table(tree, "meta"),
-        trim=trim,
-        rewiring=parse_rewiring(tree.get("rewire", {})),
-        **motions,
-    )
-
-
-def _columns(tables: Any) -> dict[str, Column]:
-    """Columns by family; TOML makes of [columns.motor.position] what it makes of quoted names."""
+def _parse_families(tables: Any) -> dict[str, Column]:
+    """Columns by family."""
     if not isinstance(tables, dict) or not tables:
         raise FFGymError('[columns] is missing: it holds a table like [columns."motor.position"] for each family.')
-    columns: dict[str, Column] = {}
-    for name, table in tables.items():
-        for family, entries in _spelt_out(name, table):
-            try:
-                columns[family] = parse_column(entries)
-            except FFGymError as error:
-                raise FFGymError(f"[columns.{family!r}]: {error}") from error
+    spelt_out = (entry for name, table in tables.items() for entry in _spelt_out(name, table))
+    columns = {family: parse_column(entries, f"[columns.{family!r}]") for family, entries in spelt_out}
     if "timestamp" not in columns:
         raise FFGymError("[columns.timestamp] is missing: give a source with its unit, or rate_hz.")
     return columns
 
 
 def _spelt_out(name: str, table: Any) -> list[tuple[str, Any]]:
-    """Tables of columns by their full names, for those whose names were not quoted."""
+    """Tables by the full names of families: TOML makes of [columns.motor.position] a table in a table."""
     if isinstance(table, dict) and table and all(isinstance(entry, dict) for entry in table.values()):
         return [found for key, entry in table.items() for found in _spelt_out(f"{name}.{key}", entry)]
     return [(name, table)]
 
 
-def _table(tree: Mapping[str, Any], name: str, known: Mapping[str, str] | None = None) -> dict[str, Any]:
-    table = tree.get(name, {})
-    if not isinstance(table, dict):
-        raise FFGymError(f"[{name}] must be a table, got {table!r}.")
-    for key in table:
-        if known is not None and key not in known:
-            raise FFGymError(f"Unknown key {key!r} in [{name}]. {closest(key, known)}")
-    return dict(table)
-
-
-def parse_rewiring(table: Any) -> Rewiring:
-    """Corrections of the table [rewire].
-
-    Raises:
-        FFGymError: if an entry is unknown or invalid.
-    """
+def _parse_rewiring(table: Any) -> Rewiring:
+    """Corrections of the table [rewire]."""
     if not isinstance(table, dict):
         raise FFGymError(f"[rewire] must be a table, got {table!r}.")
     clock, families = 1.0, {}
@@ -301,28 +209,15 @@ def parse_rewiring(table: Any) -> Rewiring:
         elif name not in FAMILIES or FAMILIES[name].parts == "one":
             raise FFGymError(f"[rewire.{name!r}] is no family of columns. {closest(name, FAMILIES)}")
         else:
-            families[name] = _rewire(f"[rewire.{name!r}]", entry)
+            families[name] = _parse_rewire(f"[rewire.{name!r}]", entry)
     return Rewiring(families=families, clock=clock)
 
 
-def rewiring_table(rewiring: Rewiring) -> dict[str, Any]:
-    """The table [rewire] of corrections; what changes nothing stays away."""
-    table: dict[str, Any] = {} if rewiring.clock == 1.0 else {"clock": rewiring.clock}
-    for name, rewire in rewiring.families.items():
-        if rewire.is_none:
-            continue
-        given, none = rewire, Rewire.none(len(rewire.source))
-        keys = [key for key in REWIRE_KEYS if getattr(given, key) != getattr(none, key)]
-        table[name] = {key: list(getattr(given, key)) for key in keys}
-    return table
-
-
-def _rewire(where: str, table: Any) -> Rewire:
+def _parse_rewire(where: str, table: Any) -> Rewire:
+    """Correction of one family."""
     if not isinstance(table, dict) or not table:
-        raise FFGymError(f"{where} must be a table with {', '.join(REWIRE_KEYS)}.")
-    for key, entry in table.items():
-        if key not in REWIRE_KEYS:
-            raise FFGymError(f"Unknown key {key!r} in {where}. {closest(key, REWIRE_KEYS)}")
+        raise FFGymError(f"{where} must be a table with {', '.join(KEYS['rewire'])}.")
+    for key, entry in checked_table(table, "rewire", where).items():
         if not isinstance(entry, list) or not entry:
             raise FFGymError(f"{where} {key} = {entry!r} must be a list with a number for each joint or axis.")
     (n, *others) = {len(entry) for entry in table.values()}
@@ -357,28 +252,29 @@ def write_corrected(
     tree: dict[str, Any] = {}
     if columns is not None:
         known = load_columns(columns)
-        tree = tomllib.loads(map_text(columns))
+        tree = tomllib.loads(_map_text(columns))
         robot = tree.get("log", {}).get("robot", "")
         if robot.endswith(".toml"):
             tree["log"]["robot"] = os.path.relpath(known.folder / robot, Path(path).parent)
         rewiring = known.rewiring.then(rewiring)
-    tree["rewire"] = rewiring_table(rewiring)
+    # what changes nothing stays away
+    tree["rewire"] = {} if rewiring.clock == 1.0 else {"clock": rewiring.clock}
+    for name, rewire in rewiring.families.items():
+        if not rewire.is_none:
+            none = Rewire.none(len(rewire.source))
+            changed = [key for key in KEYS["rewire"] if getattr(rewire, key) != getattr(none, key)]
+            tree["rewire"][name] = {key: list(getattr(rewire, key)) for key in changed}
     head = ["# Column map with corrections that a fit of the wiring of the logs found:", *(f"# - {n}" for n in notes)]
-    write_text(path, "\n".join([*head, "", *_tables("", tree)]) + "\n")
+    write_text(path, "\n".join([*head, "", *_table_lines("", tree)]) + "\n")
 
 
-def _tables(prefix: str, tree: Mapping[str, Any]) -> list[str]:
-    """Lines of a table and of the tables in it."""
-    plain = {key: value for key, value in tree.items() if not _is_table(prefix, value)}
+def _table_lines(prefix: str, tree: Mapping[str, Any]) -> list[str]:
+    """Lines of a table, and after them those of the tables in it; tables in [meta] and [log] stand in their line."""
+    inline = prefix.split(".")[0] in ("meta", "log")
+    tables = {key: value for key, value in tree.items() if isinstance(value, dict) and not inline}
+    plain = [f"{toml_key(key)} = {toml_value(value)}" for key, value in tree.items() if key not in tables]
     lines = [f"[{prefix}]"] if prefix and plain else []
-    lines += [f"{toml_key(key)} = {toml_value(value)}" for key, value in plain.items()]
-    lines += [""] if plain else []
-    for key, value in tree.items():
-        if _is_table(prefix, value):
-            lines += _tables(f"{prefix}.{toml_key(key)}" if prefix else toml_key(key), value)
+    lines += [*plain, ""] if plain else []
+    for key, value in tables.items():
+        lines += _table_lines(f"{prefix}.{toml_key(key)}" if prefix else toml_key(key), value)
     return lines
-
-
-def _is_table(prefix: str, value: Any) -> bool:
-    """Whether a value stands in a table of its own; those of [meta] and [log] are written in their line."""
-    return isinstance(value, dict) and prefix.split(".")[0] not in ("meta", "log")

@@ -2,25 +2,25 @@
 
 from bisect import bisect_left
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, errors_at
 from ffgym.core.types import Array, BoolArray
 from ffgym.logs.column import Column, Resample, conversion
 from ffgym.logs.column_map import ColumnMap
 from ffgym.logs.contents import Contents
-from ffgym.logs.entries import TIMESTAMP, Entries, Entry, entries_of, in_entry
+from ffgym.logs.entries import TIMESTAMP, Entries, Entry, entries_of, place_of
 from ffgym.logs.motions import Motion, motions_of
-from ffgym.logs.si import to_kept_side, to_si, user_units
+from ffgym.logs.si import to_kept_side, to_si
 from ffgym.recordings import Header, Recording
 
 _BACK = 0.01
 """Share of the rows that may go back in time; a clock that does so more often, or starts again, is none."""
 
-DONE = {
+_DONE = {
     "gaps": "samples of another clock, each put into the nearest row",
     "linear": "samples of another clock, interpolated linearly",
     "hold": "samples of another clock, held until the next",
@@ -54,15 +54,6 @@ class Rows:
         return clock.astype(np.float64) * factor - float(self.zero) * conversion(self.unit, "s").factor
 
 
-class Resampled(NamedTuple):
-    """Samples at the rows."""
-
-    samples: Array
-    """Shape (T, P), NaN where there is none."""
-    reached: BoolArray
-    """Rows between the first sample and the last, shape (T,)."""
-
-
 def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> list[Recording]:
     """Recordings of all motions in a file.
 
@@ -76,59 +67,58 @@ def recordings_of(contents: Contents, columns: ColumnMap, header: Header) -> lis
             entry.
     """
     entries = entries_of(contents, columns, header)
-    header = _completed(header, entries)
-    motions = motions_of(contents, columns, header.segment, entries.arrays)
-    return [_recording(contents, columns, entries, header, motion) for motion in motions]
-
-
-def _completed(header: Header, entries: Entries) -> Header:
-    """Header with the units of the user's columns, and what was done or left out on the way."""
+    # the units of the user's columns, and what was done or left out on the way
     units: dict[str, str] = {}
     filters = list(header.filters)
     for key, entry in entries.others.items():
         if entry.target.family is None:
-            with in_entry(key):
-                units |= user_units(entry.target, entry.column)
+            with errors_at(place_of(key)):
+                units |= zip(entry.target.columns, entry.target.units(header, entry.column), strict=True)
         if entry.column.resample:
-            filters.append(f"{key}: {DONE[entry.column.resample]}")
+            filters.append(f"{key}: {_DONE[entry.column.resample]}")
     left_out = {"left_out": entries.left_out} if entries.left_out else {}
-    return replace(header, units=units, filters=tuple(filters), provenance={**header.provenance, **left_out})
+    header = replace(header, units=units, filters=tuple(filters), provenance={**header.provenance, **left_out})
+    motions = motions_of(contents, columns, header.segment, entries.arrays)
+    return [_recording(contents, columns, entries, header, motion) for motion in motions]
 
 
 def _recording(contents: Contents, columns: ColumnMap, entries: Entries, header: Header, motion: Motion) -> Recording:
-    with in_entry(TIMESTAMP):
-        every = _rows(contents, entries, motion)
-    ordered = increasing(every.t)
+    """Recording of one motion."""
+    with errors_at(place_of(TIMESTAMP)):
+        if entries.times is not None:
+            every = _rows_of(contents, entries.timestamp, motion.of(entries.times))
+        else:
+            first = next(entry for entry in entries.others.values() if entry.clock is None)
+            every = _rows_at_rate(contents, entries.timestamp.rate_hz or "", len(motion.of(first.values)))
+    ordered = _increasing(every.t)
     rows = every if ordered.all() else replace(every, t=every.t[ordered])
     table = {TIMESTAMP: rows.t}
     reached: BoolArray = np.ones(len(rows.t), dtype=np.bool_)
     for key, entry in entries.others.items():
-        with in_entry(key):
+        with errors_at(place_of(key)):
             samples, within = _at_rows(contents, entry, header, motion, rows, ordered)
-            _check_reach(entry, within, trim=columns.trim)
+            if not (columns.trim or entry.target.may_miss or within.all()):
+                raise FFGymError(
+                    f"has no sample for {np.sum(~within)} of {len(within)} rows, the first of them "
+                    f"{int(np.argmin(within))}. trim = true in [log] drops rows before and after the samples."
+                )
             kept = to_kept_side(samples, entry.target, entry.column, header)
         reached &= within
         table |= dict(zip(entry.target.columns, kept.T, strict=True))
-    notes = {} if ordered.all() else {"conditioning": [order_note(every.t, ordered)]}
+    notes = {} if ordered.all() else {"conditioning": [_order_note(every.t, ordered)]}
     header = replace(header, segment=motion.segment, meta={**header.meta, **motion.meta, **notes})
     if columns.trim:
         table = {name: values[reached] for name, values in table.items()}
     return Recording(table, header)
 
 
-def _rows(contents: Contents, entries: Entries, motion: Motion) -> Rows:
-    """Times of the rows of a motion."""
-    if entries.times is not None:
-        return rows_of(contents, entries.timestamp, motion.of(entries.times))
-    rate = entries.timestamp.rate_hz
-    first = next(entry for entry in entries.others.values() if entry.clock is None)
-    return rows_at_rate(contents, rate or "", len(motion.of(first.values)))
-
-
 def _at_rows(
     contents: Contents, entry: Entry, header: Header, motion: Motion, rows: Rows, ordered: BoolArray
-) -> Resampled:
-    """SI numbers of an entry on the side of the file, one sample per row of those in the file that are `ordered`."""
+) -> tuple[Array, BoolArray]:
+    """SI numbers of an entry on the side of the file, (T, P), for those rows of the file that are `ordered`.
+
+    Beside them are the rows that lie between the first sample and the last, (T,).
+    """
     column = entry.column
     values = motion.of(entry.values) if entry.clock is None else motion.uncut(entry.values)
     if column.from_first:
@@ -143,21 +133,10 @@ def _at_rows(
             f"has {len(samples)} rows, but timestamp has {len(ordered)}. Samples of another clock need clock and "
             "resample."
         )
-    return Resampled(samples[ordered], np.ones(len(rows.t), dtype=np.bool_))
+    return samples[ordered], np.ones(len(rows.t), dtype=np.bool_)
 
 
-def _check_reach(entry: Entry, reached: BoolArray, *, trim: bool) -> None:
-    """Rows without a sample are dropped if the map says so, NaN where that may be, and an error elsewhere."""
-    if trim or entry.target.may_miss or reached.all():
-        return
-    row = int(np.argmin(reached))
-    raise FFGymError(
-        f"has no sample for {np.sum(~reached)} of {len(reached)} rows, the first of them {row}. trim = true in [log] "
-        "drops rows before and after the samples."
-    )
-
-
-def increasing(t: Array) -> BoolArray:
+def _increasing(t: Array) -> BoolArray:
     """Rows to keep so that times (T,) increase: most of them, the first of equal ones; all where too many go back."""
     everything = np.ones(len(t), dtype=np.bool_)
     if not np.isfinite(t).all() or bool(np.all(np.diff(t) > 0)):
@@ -166,7 +145,7 @@ def increasing(t: Array) -> BoolArray:
     return everything if _back(t, kept) > max(1.0, _BACK * len(t)) else kept
 
 
-def order_note(t: Array, kept: BoolArray) -> str:
+def _order_note(t: Array, kept: BoolArray) -> str:
     """What was left out, in a sentence."""
     back = _back(t, kept)
     twice = int((~kept).sum()) - back
@@ -202,23 +181,15 @@ def _longest_increasing(t: Array) -> BoolArray:
     return kept
 
 
-def rows_of(contents: Contents, timestamp: Column, clock: NDArray[Any]) -> Rows:
-    """Rows whose clock reads `clock`, shape (T, 1).
-
-    Raises:
-        FFGymError: if its unit is no time.
-    """
+def _rows_of(contents: Contents, timestamp: Column, clock: NDArray[Any]) -> Rows:
+    """Rows whose clock reads `clock`, shape (T, 1)."""
     zero = clock[0, 0] if timestamp.from_first and len(clock) else None
     readings = clock if zero is None else since(clock, zero)
     return Rows(t=to_si(readings, timestamp, ("s",), contents)[:, 0], unit=str(timestamp.unit), zero=zero)
 
 
-def rows_at_rate(contents: Contents, rate_hz: float | str, n_rows: int) -> Rows:
-    """Rows at a constant rate, which begin at 0.
-
-    Raises:
-        FFGymError: if the rate is not one number > 0.
-    """
+def _rows_at_rate(contents: Contents, rate_hz: float | str, n_rows: int) -> Rows:
+    """Rows at a constant rate, which begin at 0."""
     numbers = contents.numbers(rate_hz).reshape(-1) if isinstance(rate_hz, str) else np.array([rate_hz])
     if numbers.size != 1 or not 0 < numbers[0] < np.inf:
         raise FFGymError(f"rate_hz = {numbers.tolist()[:3]} must be one number > 0.")
@@ -232,8 +203,11 @@ def since(clock: NDArray[Any], zero: Any) -> NDArray[Any]:
     return clock.astype(np.int64) - np.int64(zero)
 
 
-def resample(samples: Array, clock: Array, t: Array, how: Resample) -> Resampled:
-    """Samples (C, P) taken at the times `clock` (C,) [s], at the rows `t` (T,) [s]; `how` as COLUMN_KEYS says.
+def resample(samples: Array, clock: Array, t: Array, how: Resample) -> tuple[Array, BoolArray]:
+    """Samples (C, P) taken at the times `clock` (C,) [s], at the rows `t` (T,) [s]; `how` as keys.toml says.
+
+    Returns:
+        Samples (T, P), NaN where there is none, and the rows between the first sample and the last (T,).
 
     Raises:
         FFGymError: if there is not one time per sample, or the times do not increase.
@@ -246,11 +220,18 @@ def resample(samples: Array, clock: Array, t: Array, how: Resample) -> Resampled
     if stalled.size:
         row = int(stalled[0]) + 1
         raise FFGymError(f"its clock must increase, but sample {row} is at {clock[row]} s after {clock[row - 1]} s.")
-    methods = {"gaps": _nearest, "linear": _linear, "hold": _held}
-    return methods[how](samples, clock, t)
+    if how == "gaps":
+        return _in_nearest_rows(samples, clock, t), np.ones(len(t), dtype=np.bool_)
+    if how == "linear":
+        columns = [np.interp(t, clock, column, left=np.nan, right=np.nan) for column in samples.T]
+        return np.stack(columns, axis=1), (t >= clock[0]) & (t <= clock[-1])
+    # the last sample is held no longer than the longest of the others: after that the source has fallen silent
+    last = np.searchsorted(clock, t, side="right") - 1
+    reached = (last >= 0) & (t <= clock[-1] + np.max(np.diff(clock)))
+    return np.where(reached[:, None], samples[last], np.nan), reached
 
 
-def _nearest(samples: Array, clock: Array, t: Array) -> Resampled:
+def _in_nearest_rows(samples: Array, clock: Array, t: Array) -> Array:
     """Each sample goes into the row nearest to it, if that is within half a period; of several the nearest stays."""
     after = np.clip(np.searchsorted(t, clock), 1, len(t) - 1)
     row = np.where(clock - t[after - 1] <= t[after] - clock, after - 1, after)
@@ -259,16 +240,4 @@ def _nearest(samples: Array, clock: Array, t: Array) -> Resampled:
     placed = farthest_first[distance[farthest_first] <= float(np.median(np.diff(t))) / 2]
     at_rows = np.full((len(t), samples.shape[1]), np.nan)
     at_rows[row[placed]] = samples[placed]  # the last of several, which is the nearest
-    return Resampled(at_rows, np.ones(len(t), dtype=np.bool_))
-
-
-def _linear(samples: Array, clock: Array, t: Array) -> Resampled:
-    columns = [np.interp(t, clock, column, left=np.nan, right=np.nan) for column in samples.T]
-    return Resampled(np.stack(columns, axis=1), (t >= clock[0]) & (t <= clock[-1]))
-
-
-def _held(samples: Array, clock: Array, t: Array) -> Resampled:
-    """The last one is held no longer than the longest of the others: after that the source has fallen silent."""
-    last = np.searchsorted(clock, t, side="right") - 1
-    reached = (last >= 0) & (t <= clock[-1] + np.max(np.diff(clock)))
-    return Resampled(np.where(reached[:, None], samples[last], np.nan), reached)
+    return at_rows

@@ -1,22 +1,41 @@
-"""Entries of a column map beside the arrays of a file that they name."""
+"""Entries of a column map beside the arrays of a file that they name, each as one array (motions, rows, parts)."""
 
 import re
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import final
+from functools import partial
+from typing import Any, final
 
-from ffgym.core.errors import FFGymError
-from ffgym.logs.column import Column
+import numpy as np
+from numpy.typing import NDArray
+
+from ffgym.core.errors import FFGymError, errors_at
+from ffgym.logs.column import AXES, Column
 from ffgym.logs.column_map import ColumnMap, builtin_columns, load_columns
 from ffgym.logs.contents import Contents
-from ffgym.logs.gather import PLACE, Gathered, Target, gather, source_names, target_of
+from ffgym.logs.si import Target, target_of
 from ffgym.recordings import Header
 
 TIMESTAMP = "timestamp"
 
+_PLACE = re.compile(r"\{(joint|number|index)((?<!joint)[+-]\d+)?\}")
+"""Where the name of an array differs from joint to joint."""
+
 _ANY = {"joint": ".+", "number": r"\d+", "index": r"\d+"}
 """What may stand in a place of a name, as long as it is not known whose log it is."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Gathered:
+    """Numbers as they are in the file, in one shape."""
+
+    values: NDArray[Any]
+    """Shape (M, T, P): motions, rows, parts; the file's own number type, so that no digit of a clock is lost."""
+    stacked: bool
+    """Whether the array had an axis of motions."""
+    stream: str | None
+    """Stream of the file that they belong to, None if it has no streams."""
 
 
 @final
@@ -52,17 +71,9 @@ class Entries:
         return [array for array in held if array is not None]
 
 
-@contextmanager
-def in_entry(key: str) -> Iterator[None]:
-    """Begin what goes wrong with the name of the entry.
-
-    Raises:
-        FFGymError: in place of one within.
-    """
-    try:
-        yield
-    except FFGymError as error:
-        raise FFGymError(f"[columns.{key!r}]: {error}") from error
+def place_of(key: str) -> str:
+    """Name of an entry at the beginning of a message."""
+    return f"[columns.{key!r}]"
 
 
 def entries_of(contents: Contents, columns: ColumnMap, header: Header) -> Entries:
@@ -71,18 +82,24 @@ def entries_of(contents: Contents, columns: ColumnMap, header: Header) -> Entrie
     Raises:
         FFGymError: if one is missing or has another shape than it must; the message names the entry.
     """
-    timestamp = _clock_there_is(contents, columns.columns[TIMESTAMP])
-    with in_entry(TIMESTAMP):
+    # the clock of the rows, by the first of its names that the file has
+    timestamp = columns.columns[TIMESTAMP]
+    here = (name for name in (timestamp.source, *timestamp.otherwise) if name in contents.arrays)
+    timestamp = replace(timestamp, source=next(here, timestamp.source), otherwise=())
+    with errors_at(place_of(TIMESTAMP)):
         times = _times(contents, timestamp)
     others: dict[str, Entry] = {}
     left_out: list[str] = []
     for key, column in columns.columns.items():
         if key == TIMESTAMP:
             continue
-        with in_entry(key):
+        with errors_at(place_of(key)):
             target = target_of(key, column, header.joints)
-            names = _names(contents, column, target, header.joints)
-            if column.optional and not _present(contents, names):
+            # of the sources that the entry names, the first that the file has
+            tried = [column, *(replace(column, source=name, otherwise=()) for name in column.otherwise)]
+            found = [_source_names(each, target, header.joints) for each in tried]
+            names = next((names for names in found if _is_there(names, contents)), found[0])
+            if column.optional and not _is_there(names, contents):
                 left_out.append(key)
                 continue
             others[key] = _entry(contents, column, target, names, timestamp)
@@ -92,6 +109,7 @@ def entries_of(contents: Contents, columns: ColumnMap, header: Header) -> Entrie
 
 
 def _times(contents: Contents, timestamp: Column) -> Gathered | None:
+    """Times of the rows; None for a constant rate."""
     if timestamp.resample or timestamp.optional or timestamp.side or timestamp.parts:
         raise FFGymError("the clock of the rows has no resample, optional, side or parts.")
     if timestamp.rate_hz is not None:
@@ -100,25 +118,34 @@ def _times(contents: Contents, timestamp: Column) -> Gathered | None:
         return None
     if not isinstance(timestamp.source, str) or not isinstance(timestamp.unit, str):
         raise FFGymError("the clock of the rows is one array in one unit.")
-    return gather(contents, timestamp, timestamp.source, 1)
+    return _gather(contents, timestamp, timestamp.source, 1)
 
 
-def _clock_there_is(contents: Contents, timestamp: Column) -> Column:
-    """The clock of the rows by the first of its names that the file has."""
-    here = (name for name in (timestamp.source, *timestamp.otherwise) if name in contents.arrays)
-    return replace(timestamp, source=next(here, timestamp.source), otherwise=())
+def _source_names(column: Column, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:
+    """One name, or one for each part where the entry lists them or has a place for the joint."""
+    source = column.source
+    if isinstance(source, tuple) or not _PLACE.search(source):
+        return source
+    if "{joint}" in source and target.joints is None:
+        raise FFGymError(f"source = {source!r} has a place for a joint, but {target.key} has none; list the names.")
+
+    def filled(number: int, place: re.Match[str]) -> str:
+        kind, step = place.groups()
+        return joints[number] if kind == "joint" else str(number + (kind == "number") + int(step or 0))
+
+    numbers = range(len(target.columns)) if target.joints is None else target.joints
+    return tuple(_PLACE.sub(partial(filled, number), source) for number in numbers)
 
 
-def _names(contents: Contents, column: Column, target: Target, joints: Sequence[str]) -> tuple[str, ...] | str:
-    """Names of the arrays of an entry: those of its source, or the first of the others that the file has."""
-    tried = [column, *(replace(column, source=name, otherwise=()) for name in column.otherwise)]
-    found = [source_names(each, target, joints) for each in tried]
-    return next((names for names in found if _present(contents, names)), found[0])
+def _is_there(names: tuple[str, ...] | str, contents: Contents) -> bool:
+    """Whether the file has the arrays of an entry."""
+    return ({names} if isinstance(names, str) else set(names)) <= set(contents.arrays)
 
 
 def _entry(
     contents: Contents, column: Column, target: Target, names: tuple[str, ...] | str, timestamp: Column
 ) -> Entry:
+    """An entry with the arrays `names`, and the clock that it has of its own."""
     if column.rate_hz is not None:
         raise FFGymError("rate_hz belongs to timestamp.")
     if column.from_first and target.key != "tcp.timestamp":
@@ -127,21 +154,16 @@ def _entry(
         raise FFGymError("from_first takes the clock in its unit, without scale, offset or sign.")
     if column.resample and timestamp.is_scaled:
         raise FFGymError("resample compares clocks in their units; timestamp then has no scale, offset or sign.")
-    values = gather(contents, column, names, len(target.columns))
+    values = _gather(contents, column, names, len(target.columns))
     if column.times:
-        values = _times_row(contents, column, values)
+        factors = _one_per_row(contents, column.times)
+        if factors.values.shape[:2] != values.values.shape[:2]:
+            raise FFGymError(
+                f"times = {column.times!r} has {factors.values.shape[1]} rows, must be {values.values.shape[1]}, as "
+                "source."
+            )
+        values = replace(values, values=values.values * factors.values)
     return Entry(column=column, target=target, values=values, clock=_clock(contents, column, target, values, timestamp))
-
-
-def _times_row(contents: Contents, column: Column, values: Gathered) -> Gathered:
-    """Numbers times those of the array `times`, row by row."""
-    axes = ("motion", "time") if contents.numbers(column.times).ndim == 2 else ("time",)
-    factors = gather(contents, Column(source=column.times, unit="1", axes=axes), column.times, 1)
-    if factors.values.shape[:2] != values.values.shape[:2]:
-        raise FFGymError(
-            f"times = {column.times!r} has {factors.values.shape[1]} rows, must be {values.values.shape[1]}, as source."
-        )
-    return replace(values, values=values.values * factors.values)
 
 
 def _clock(contents: Contents, column: Column, target: Target, values: Gathered, timestamp: Column) -> Gathered | None:
@@ -158,45 +180,99 @@ def _clock(contents: Contents, column: Column, target: Target, values: Gathered,
         raise FFGymError(f"resample = 'gaps' leaves NaN, which {target.key} may not hold; take 'linear' or 'hold'.")
     if column.resample == "linear" and target.family is not None and target.family.parts == "quaternion":
         raise FFGymError("resample = 'linear' between orientations gives none; take 'gaps' or 'hold'.")
-    name = column.clock or _clock_of_stream(contents, values.stream, source)
-    axes = ("motion", "time") if contents.numbers(name).ndim == 2 else ("time",)
-    return gather(contents, Column(source=name, unit="s", axes=axes), name, 1)
-
-
-def _clock_of_stream(contents: Contents, stream: str | None, timestamp: str) -> str:
-    """The clock of a stream that is of the same kind as that of the rows."""
-    kinds = [kind for clocks in contents.clocks.values() for kind, name in clocks.items() if name == timestamp]
-    clocks = contents.clocks.get(stream, {}) if stream is not None else {}
-    if not kinds or kinds[0] not in clocks:
+    name = column.clock
+    if not name:  # the clock of the stream that is of the same kind as that of the rows
+        kinds = [kind for clocks in contents.clocks.values() for kind, clock in clocks.items() if clock == source]
+        name = contents.clocks.get(values.stream or "", {}).get(kinds[0], "") if kinds else ""
+    if not name:
         raise FFGymError("resample needs clock: the name of the array with the times of these samples.")
-    return clocks[kinds[0]]
+    return _one_per_row(contents, name)
 
 
-def _present(contents: Contents, names: tuple[str, ...] | str) -> bool:
-    """Whether the file has the arrays of an entry."""
-    wanted = {names} if isinstance(names, str) else set(names)
-    return wanted <= set(contents.arrays)
+def _one_per_row(contents: Contents, name: str) -> Gathered:
+    """Array of one number per row, in one motion or several."""
+    axes = ("motion", "time") if contents.numbers(name).ndim == 2 else ("time",)
+    return _gather(contents, Column(source=name, unit="1", axes=axes), name, 1)
+
+
+def _gather(contents: Contents, column: Column, names: tuple[str, ...] | str, n_parts: int) -> Gathered:
+    """Numbers of the arrays `names` for the `n_parts` columns of an entry.
+
+    Raises:
+        FFGymError: if an array is missing, is not numbers, or does not have the shape that it must.
+    """
+    if isinstance(names, str):
+        first, values = names, _all_parts(contents, column, names, n_parts)
+    else:
+        first, values = names[0], _side_by_side(contents, column, names, n_parts)
+    stacked = column.axes is not None and "motion" in column.axes
+    return Gathered(values=values, stacked=stacked, stream=contents.streams.get(first))
+
+
+def _all_parts(contents: Contents, column: Column, name: str, n_parts: int) -> NDArray[Any]:
+    """One array with all parts, or those that the entry picks."""
+    array, axes = contents.numbers(name), column.axes
+    if axes is None:
+        if array.ndim not in (1, 2):
+            raise FFGymError(
+                f'{name!r} has shape {array.shape}; say which axis is what, e.g. axes = ["motion", "time", "part"].'
+            )
+        axes = ("time", "part")[: array.ndim]
+    values = _in_order(name, array, axes)
+    if column.pick is not None:
+        if max(column.pick) >= values.shape[2]:
+            raise FFGymError(
+                f"pick = {list(column.pick)}, but {name!r} has only {values.shape[2]} parts, counted from 0."
+            )
+        values = values[:, :, list(column.pick)]
+    if values.shape[2] != n_parts:
+        raise FFGymError(
+            f"{name!r} has shape {array.shape} and so {values.shape[2]} parts, must be {n_parts}, one for each joint "
+            'or axis of the column. axes says which axis is what, e.g. ["part", "time"]; pick chooses parts; a map for '
+            "another robot does not fit."
+        )
+    return values
+
+
+def _side_by_side(contents: Contents, column: Column, names: tuple[str, ...], n_parts: int) -> NDArray[Any]:
+    """One array for each part."""
+    if len(names) != n_parts:
+        raise FFGymError(f"source lists {len(names)} arrays, must be {n_parts}, one for each column.")
+    if column.pick is not None or (column.axes is not None and "part" in column.axes):
+        raise FFGymError("source lists one array for each part; pick and the axis 'part' belong to a single array.")
+    arrays = [_in_order(name, contents.numbers(name), column.axes or ("time",)) for name in names]
+    for name, array in zip(names, arrays, strict=True):
+        if array.shape != arrays[0].shape:
+            raise FFGymError(f"{name!r} has {array.shape[1]} rows, but {names[0]!r} has {arrays[0].shape[1]}.")
+        if contents.streams.get(name) != contents.streams.get(names[0]):
+            raise FFGymError(f"{name!r} and {names[0]!r} have different clocks; map them as columns of their own.")
+    return np.concatenate(arrays, axis=2)
+
+
+def _in_order(name: str, array: NDArray[Any], axes: tuple[str, ...]) -> NDArray[Any]:
+    """The array with its axes in the order motion, time, part; axes that it lacks have length 1."""
+    if array.ndim != len(axes):
+        raise FFGymError(f"{name!r} has shape {array.shape}, but axes = {list(axes)} needs {len(axes)} of them.")
+    present = [axis for axis in AXES if axis in axes]
+    ordered = array.transpose([axes.index(axis) for axis in present])
+    return ordered.reshape([ordered.shape[present.index(axis)] if axis in present else 1 for axis in AXES])
 
 
 def fitting_maps(contents: Contents) -> list[str]:
     """Names of built-in column maps all of whose entries that are not optional the file has arrays for."""
-    return [name for name in builtin_columns() if _fits(load_columns(name), contents)]
+    maps = {name: load_columns(name).columns.values() for name in builtin_columns()}
+    return [name for name, columns in maps.items() if all(c.optional or _may_be_there(c, contents) for c in columns)]
 
 
-def _fits(columns: ColumnMap, contents: Contents) -> bool:
-    return all(column.optional or _held(column, contents) for column in columns.columns.values())
-
-
-def _held(column: Column, contents: Contents) -> bool:
+def _may_be_there(column: Column, contents: Contents) -> bool:
     """Whether the file has arrays for an entry, of one joint at least."""
     if isinstance(column.rate_hz, str):
         return column.rate_hz in contents.arrays
     if isinstance(column.source, tuple):
         return set(column.source) <= set(contents.arrays)
-    return not column.source or any(_has(name, contents) for name in (column.source, *column.otherwise))
-
-
-def _has(name: str, contents: Contents) -> bool:
-    parts = [_ANY[part] if k % 3 == 1 else re.escape(part) for k, part in enumerate(PLACE.split(name)) if k % 3 != 2]
-    pattern = re.compile("".join(parts))
-    return any(pattern.fullmatch(array) for array in contents.arrays)
+    for name in (column.source, *column.otherwise):
+        parts = _PLACE.split(name)  # text, kind of a place, step, text, ...
+        pattern = "".join(_ANY[part] if k % 3 == 1 else re.escape(part) for k, part in enumerate(parts) if k % 3 != 2)
+        if any(re.fullmatch(pattern, array) for array in contents.arrays):
+            return True
+    return not column.source

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ffgym.core.errors import FFGymError
 from ffgym.logs.column_map import ColumnMap
 from ffgym.logs.contents import Contents
-from ffgym.logs.gather import Gathered
+from ffgym.logs.entries import Gathered
 
 
 @final

@@ -5,11 +5,11 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, errors_at
 from ffgym.logs.column_map import ColumnMap, load_columns
 from ffgym.logs.convert import recordings_of
+from ffgym.logs.drive_units import with_drive_units
 from ffgym.logs.log_format import bare_name, read_contents
-from ffgym.logs.si import with_drive_units
 from ffgym.recordings import Header, Recording, read_recording
 from ffgym.robot import RobotDescription, load_draft, log_header
 
@@ -63,18 +63,13 @@ def read_logs(
     if columns.is_for_recordings:
         return [corrected(read_recording(path), columns)]
     described = robot_of(columns, robot)
-    made = header_of(columns, described)
-    try:
-        columns, made = with_drive_units(columns, made, described)
-    except FFGymError as error:
-        raise FFGymError(f"{columns.where}: {error}") from error
+    with errors_at(columns.where):
+        columns, made = with_drive_units(columns, header_of(columns, described), described)
     contents = read_contents(path, columns.layout)
-    provenance = {"file": Path(path).name, "sha256": digest(Path(path)), "columns": Path(columns.where).name}
+    provenance = {"file": Path(path).name, "sha256": _digest(Path(path)), "columns": Path(columns.where).name}
     made = replace(made, segment=made.segment or bare_name(path), provenance=provenance)
-    try:
+    with errors_at(f"{os.fspath(path)} with {columns.where}"):
         return [columns.rewiring.applied(recording) for recording in recordings_of(contents, columns, made)]
-    except FFGymError as error:
-        raise FFGymError(f"{os.fspath(path)} with {columns.where}: {error}") from error
 
 
 def corrected(recording: Recording, columns: ColumnMap) -> Recording:
@@ -84,7 +79,7 @@ def corrected(recording: Recording, columns: ColumnMap) -> Recording:
     return Recording(made.columns, replace(made.header, provenance=provenance))
 
 
-def digest(path: Path) -> str:
+def _digest(path: Path) -> str:
     """SHA-256 of a file, or of all files in a folder in the order of their names."""
     files = sorted(file for file in path.rglob("*") if file.is_file()) if path.is_dir() else [path]
     total = hashlib.sha256()
@@ -149,11 +144,9 @@ def header_of(columns: ColumnMap, robot: RobotDescription | None) -> Header:
     fields = dict(columns.header)
     if fields.get("payload") == "unknown":
         fields["payload"] = None
-    try:
+    with errors_at(columns.where):
         if robot is not None:
             return replace(log_header(robot), **fields)
         if "gear_ratio" not in fields:
             raise FFGymError("[log] has joints but no gear_ratio; give one per joint, 1 for a direct drive.")
         return Header(robot=columns.robot, **fields)
-    except FFGymError as error:
-        raise FFGymError(f"{columns.where}: {error}") from error

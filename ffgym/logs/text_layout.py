@@ -1,33 +1,16 @@
 """How a text file is laid out, as far as it cannot be seen."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, Self, final
 
 from ffgym.core.errors import FFGymError, check_whole
-from ffgym.recordings.schema import closest
-
-LAYOUT_KEYS: Mapping[str, str] = MappingProxyType(
-    {
-        "delimiter": 'what separates cells: ",", ";", "\\t", or " " for any blank space; absent takes the first of '
-        "tab, semicolon, comma and blank space that the row of names, or the first row, holds",
-        "decimal": '"." (default) or ","',
-        "comment": 'what comment lines begin with; absent is "#"',
-        "encoding": 'absent is UTF-8; e.g. "latin-1", "utf-16"',
-        "names_row": "line with the names of the columns, from 1, or 0 for none: columns are then called 1, 2, ...; "
-        "absent is the first line that is neither blank nor a comment, unless it is all numbers",
-        "units_row": "line with units, which is skipped; it must follow the names",
-        "first_row": "line of the first sample; absent is the one after names and units",
-    }
-)
-"""What the table [file] may say of a CSV or other text file, and what it means."""
+from ffgym.logs.keys import checked_table
 
 
 @final
 @dataclass(frozen=True, kw_only=True)
 class TextLayout:
-    """Layout of a text file; the fields are those of LAYOUT_KEYS, None where nothing is said."""
+    """Layout of a text file; the fields are the keys [file] of keys.toml, None where nothing is said."""
 
     delimiter: str | None = None
     decimal: str = "."
@@ -63,9 +46,4 @@ class TextLayout:
         Raises:
             FFGymError: if a key is unknown, or a value invalid.
         """
-        if not isinstance(table, dict):
-            raise FFGymError(f"[file] must be a table, got {table!r}.")
-        for key in table:
-            if key not in LAYOUT_KEYS:
-                raise FFGymError(f"Unknown key {key!r} in [file]. {closest(key, LAYOUT_KEYS)}")
-        return cls(**table)
+        return cls(**checked_table(table, "file"))

@@ -10,10 +10,9 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.logs.column import COLUMN_KEYS, COUNTS, KELVIN, UNITS
-from ffgym.logs.column_map import LOG_KEYS, MOTION_KEYS, REWIRE_KEYS, TABLES
+from ffgym.logs.column import COUNTS, KELVIN, UNITS
+from ffgym.logs.keys import KEYS
 from ffgym.logs.quality import NEEDS, STAGES
-from ffgym.logs.text_layout import LAYOUT_KEYS
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.load import HEAD, PARTS, builtin_files
 from ffgym.paths.motions.part import entries, is_required
@@ -88,19 +87,11 @@ def _numbers(value: Array) -> str:
 
 def column_maps() -> Contents:
     """Every key of a column map, and the units that numbers may come in."""
-    keys = {
-        "tables": TABLES,
-        "log": LOG_KEYS,
-        "columns": COLUMN_KEYS,
-        "motions": MOTION_KEYS,
-        "rewire": REWIRE_KEYS,
-        "file": LAYOUT_KEYS,
-    }
     units = []
     for si, others in UNITS.items():
         also = [unit for unit, angle in COUNTS.items() if angle == si] + ([KELVIN] if si == "degC" else [])
         units.append((f"`{si}`", ", ".join(f"`{unit}`" for unit in (si, *others, *also))))
-    parts = {name: _named("key", "meaning", meanings) for name, meanings in keys.items()}
+    parts = {name: _named("key", "meaning", meanings) for name, meanings in KEYS.items()}
     return Contents(parts=parts | {"units": markdown(("kept in", "may come in"), units)})
 
 

@@ -11,19 +11,21 @@ from log_samples import CLOCK, LOG, N_ROWS, POSITION, arrays, column_map, refuse
 
 from ffgym.core.errors import FFGymError
 from ffgym.logs import Contents, builtin_columns, load_columns, parse_columns, read_log
-from ffgym.logs.column import _READERS, COLUMN_KEYS, COUNTS, UNITS, Column, conversion
-from ffgym.logs.column_map import LOG_KEYS, column_map_of
+from ffgym.logs.column import _READERS, COUNTS, UNITS, Column, conversion
+from ffgym.logs.column_map import column_map_of
 from ffgym.logs.convert import recordings_of
+from ffgym.logs.drive_units import with_drive_units
+from ffgym.logs.keys import KEYS
 from ffgym.logs.read import header_of
-from ffgym.logs.si import with_drive_units
-from ffgym.logs.text_layout import LAYOUT_KEYS, TextLayout
-from ffgym.recordings import Header
+from ffgym.logs.text_layout import TextLayout
+from ffgym.recordings import Header, Rewire
 
 
 def test_every_key_is_explained_and_read():
-    assert set(COLUMN_KEYS) == set(_READERS) == {f.name for f in fields(Column)}
-    assert set(LAYOUT_KEYS) == {f.name for f in fields(TextLayout)}
-    assert set(LOG_KEYS) - {"base", "trim"} == {f.name for f in fields(Header)} - {
+    assert set(KEYS["columns"]) == set(_READERS) == {f.name for f in fields(Column)}
+    assert set(KEYS["file"]) == {f.name for f in fields(TextLayout)}
+    assert set(KEYS["rewire"]) == {f.name for f in fields(Rewire)}
+    assert set(KEYS["log"]) - {"base", "trim"} == {f.name for f in fields(Header)} - {
         "schema_version", "phases", "provenance", "units", "meta"
     }  # fmt: skip
 
@@ -35,7 +37,7 @@ def test_every_key_is_explained_and_read():
         ([POSITION], "[columns.timestamp] is missing"),
         ([], "[columns] is missing"),
         ([CLOCK, "[colums]"], "Unknown table [colums]. Closest: columns"),
-        ([CLOCK, POSITION, "sacle = 2"], "Unknown key 'sacle'. Closest: scale"),
+        ([CLOCK, POSITION, "sacle = 2"], "Unknown key 'sacle' in [columns.'motor.position']. Closest: scale"),
         ([CLOCK, POSITION, "scale = true"], "scale must be a number, got True"),
         ([CLOCK, POSITION, "scale = nan"], "scale must be finite"),
         ([CLOCK, POSITION, "sign = [1, 2]"], "sign = (1.0, 2.0) must be 1 or -1"),
@@ -125,7 +127,7 @@ VALUES = {
     "optional": TRUTH,
 }
 FAMILIES = ("timestamp", "motor.position", "motor.effort.a", "tcp.position", "tcp.timestamp", "temperature", "user.x")
-changes = st.sampled_from(sorted(COLUMN_KEYS)).flatmap(lambda key: st.tuples(st.just(key), VALUES[key] | JUNK))
+changes = st.sampled_from(sorted(KEYS["columns"])).flatmap(lambda key: st.tuples(st.just(key), VALUES[key] | JUNK))
 
 
 @given(
@@ -155,7 +157,7 @@ def test_whatever_a_map_says_is_read_or_refused(family, source, unit, changes, l
 
 def test_units_of_ones_own_columns_are_one_for_all_or_one_each(tmp_path):
     entry = '[columns."user.x"]\nsource = "t"\nunit = ["rad", "deg"]\n'
-    with refused("[columns.'user.x']: unit lists 2 units, must be one, or 1"):
+    with refused("[columns.'user.x']: unit: the list has 2 entries, must be one, or 1"):
         read_log(write_npz(tmp_path), column_map(CLOCK, POSITION, entry))
 
 
