@@ -125,7 +125,7 @@ class Leaderboard:
         """Print the standings of every group of plants that was run, on the largest selections of circles that were."""
         from ffgym.leaderboard.comparison.samples import SELECTIONS, group_of
         from ffgym.leaderboard.comparison.standings import standings
-        from ffgym.leaderboard.presentation.text import format_standings
+        from ffgym.leaderboard.presentation.table import format_standings
 
         run = {name: set(own) for name, own in SELECTIONS.items() if set(own) <= set(splits)}
         largest = [name for name, own in run.items() if not any(own < other for other in run.values())]

@@ -13,8 +13,7 @@ from ffgym.leaderboard.comparison.samples import DRAWS, GROUPS
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL, draw_name, plant_named
 from ffgym.leaderboard.presentation.page import all_standings
-from ffgym.leaderboard.presentation.table import table_of
-from ffgym.leaderboard.presentation.text import format_standings
+from ffgym.leaderboard.presentation.table import format_standings, table_of
 
 DOCS = Path(__file__).parents[2] / "docs" / "leaderboard"
 N_DRAWS = 20

@@ -8,7 +8,7 @@ from ffgym.leaderboard.comparison.samples import DRAWS, SELECTIONS
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.presentation.page import all_standings
-from ffgym.leaderboard.presentation.text import format_standings
+from ffgym.leaderboard.presentation.table import format_standings
 from ffgym.leaderboard.presentation.words import circles_note, residual_sentence
 from ffgym.leaderboard.results import Cell, Outcome, Row
 

@@ -3,7 +3,7 @@ import pytest
 from ffgym.leaderboard.comparison.samples import DRAWS
 from ffgym.leaderboard.comparison.standings import standings
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
-from ffgym.leaderboard.presentation.text import format_standings
+from ffgym.leaderboard.presentation.table import format_standings
 from tests.leaderboard.synthetic_rows import rows
 
 

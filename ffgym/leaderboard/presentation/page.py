@@ -4,20 +4,30 @@ import base64
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of, groups_of
-from ffgym.leaderboard.comparison.standings import Standings, standings
-from ffgym.leaderboard.presentation.cards import cards_of
-from ffgym.leaderboard.presentation.columns import explanations
-from ffgym.leaderboard.presentation.pictures import FORMS, ToolPaths, glance
+from ffgym.leaderboard.comparison.standings import Standing, Standings, standings
+from ffgym.leaderboard.presentation.figures import changed, count, digits, duration, share
+from ffgym.leaderboard.presentation.pictures import (
+    FORMS,
+    LearningCurve,
+    Picture,
+    ToolPaths,
+    glance,
+    learning_curve,
+    tool_pictures,
+)
 from ffgym.leaderboard.presentation.pictures import ToolPath as ToolPath
-from ffgym.leaderboard.presentation.table import Table, table_of
+from ffgym.leaderboard.presentation.table import every_column, table_of
 from ffgym.leaderboard.presentation.words import SELECTION_TITLES, group_title, headline, residual_sentence
 from ffgym.leaderboard.results import Row
 from ffgym.leaderboard.tasks import HELD_OUT
 from ffgym.report.laws import UNCOMPENSATED
 from ffgym.report.page import provenance_lines, render, resource
+
+Card: TypeAlias = tuple[Row, list[tuple[str, Standing]], LearningCurve | None, list[Picture]]
+"""A row with its places on held-out circles by group of plants, its learning curve and paths of the tool."""
 
 
 def render_page(
@@ -38,32 +48,35 @@ def render_page(
     Raises:
         FFGymError: if rows cannot be compared, or matplotlib or jinja2 is missing.
     """
-    every = all_standings(rows)
+    every, paths = all_standings(rows), tracks or {}
     tables = [table_of(each) for each in every]
-    first, held_out = every[0], _held_out(every)
-    script = resource("leaderboard.js")
+    first, script = every[0], resource("leaderboard.js")
     on_workcell = [each for each in every if (each.group, each.selection) == (GROUPS[0], "positions")]
+    # Data cannot end the script it stands in, whatever a row is called; the page's policy lets only `script` run.
+    data = json.dumps({table.key: table.plain() for table in tables}, separators=(",", ":"), allow_nan=False)
+    data = data.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+    script_hash = "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     return render(
         "leaderboard.html.j2",
         headline=headline(on_workcell[0] if on_workcell else None),
         residuals=residual_sentence(first),
-        standings=first,
         table=tables[0],
         glance=glance(first),
         forms=FORMS,
         overview_circles=f"{group_title(first.group)}, {SELECTION_TITLES[first.selection]}",
-        explanations=explanations(tables[0].columns),
-        cards=cards_of(rows, held_out, tracks or {}),
+        every_column=every_column(),
+        cards=_cards(rows, every, paths),
         groups=[(group, group_title(group)) for group in dict.fromkeys(each.group for each in every)],
         selections=[(name, SELECTION_TITLES[name]) for name in dict.fromkeys(each.selection for each in every)],
         tracks=sorted({line.track for table in tables for line in table.lines}),
-        where="; ".join(sorted({path.where for own in (tracks or {}).values() for path in own.values() if path.where})),
+        where="; ".join(sorted({path.where for own in paths.values() for path in own.values() if path.where})),
         agent_pages=agent_pages,
         style=resource("leaderboard.css"),
         script=script,
-        script_hash=_hash(script),
-        data=_json(tables),
+        script_hash=script_hash,
+        data=data,
         provenance=provenance_lines(provenance),
+        **{each.__name__: each for each in (changed, count, digits, duration, group_title, share)},
     )
 
 
@@ -80,21 +93,17 @@ def all_standings(rows: Sequence[Row]) -> list[Standings]:
     return found or [standings(rows, GROUPS[0], next(iter(SELECTIONS)))]  # which tells what is missing
 
 
-def _held_out(every: Sequence[Standings]) -> list[Standings]:
-    """Of each group those on the most circles that nobody learned on; selections are in the order of what counts."""
-    first: dict[str, Standings] = {}
+def _cards(rows: Sequence[Row], every: Sequence[Standings], paths: ToolPaths) -> list[Card]:
+    """A card per row; those of the first standings on held-out circles in their order, then the others by name."""
+    held_out: dict[str, Standings] = {}  # of each group on the most circles; selections are in the order of what counts
     for each in every:
         if set(SELECTIONS[each.selection]) <= set(HELD_OUT):
-            first.setdefault(each.group, each)
-    return list(first.values())
-
-
-def _json(tables: Sequence[Table]) -> str:
-    """Data that cannot end the script it stands in, whatever a row is called."""
-    text = json.dumps({table.key: table.plain() for table in tables}, separators=(",", ":"), allow_nan=False)
-    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
-
-
-def _hash(script: str) -> str:
-    """Of the only script that the page's policy lets run."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+            held_out.setdefault(each.group, each)
+    first = [line.row.name for each in list(held_out.values())[:1] for line in each.lines]
+    order = {name: place for place, name in enumerate(first)}
+    cards: list[Card] = []
+    for row in sorted(rows, key=lambda row: (order.get(row.name, len(order)), row.name)):
+        places = [(group, line) for group, each in held_out.items() if (line := each.line(row.name)) is not None]
+        pictures = tool_pictures(paths.get(row.name, {}), paths.get(UNCOMPENSATED, {}))
+        cards.append((row, places, learning_curve(row.learning_curve), pictures))
+    return cards

@@ -11,9 +11,9 @@ from ffgym.core.errors import check_shape
 from ffgym.core.types import Array
 from ffgym.leaderboard.comparison.standings import Standings
 from ffgym.leaderboard.plants import THESIS_WORKCELL
-from ffgym.leaderboard.results import Row, Trail
+from ffgym.leaderboard.results import Row
 from ffgym.recordings.metrics import magnification, magnified, nearest_on_polylines
-from ffgym.report.circles.paths_plot import MOST
+from ffgym.report.circles.paths_plot import MOST, unit_vectors
 from ffgym.report.table import shortened
 from ffgym.report.tool_path import scale_words
 
@@ -34,31 +34,27 @@ class ToolPath:
     """Points [mm], shape (T, 2); T may differ from R."""
     where: str = ""
     """Which motion on which machine, in words."""
-    _reference: Array = field(init=False, repr=False)
+    points: Array = field(init=False, repr=False)
+    """The reference, as it is drawn [mm], shape (R, 2)."""
+    _near: Array = field(init=False, repr=False)
     _error: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         reference = check_shape("reference", self.reference, (None, 2))
         tool = _thinned(check_shape("tool", self.tool, (None, 2)))
         near = nearest_on_polylines(tool, np.broadcast_to(reference, (len(tool), *reference.shape)))
-        object.__setattr__(self, "_reference", _thinned(reference))
-        object.__setattr__(self, "_error", np.stack([near, tool - near]))
-
-    @property
-    def points(self) -> Array:
-        """The reference, as it is drawn [mm], shape (R, 2)."""
-        return self._reference
+        for name, value in (("points", _thinned(reference)), ("_near", near), ("_error", tool - near)):
+            object.__setattr__(self, name, value)
 
     def enlarged(self, factor: float) -> Array:
         """Path of the tool with its distance from the nearest point of the reference enlarged [mm], shape (T, 2)."""
-        near, error = self._error
-        return magnified(near, error, factor)
+        return magnified(self._near, self._error, factor)
 
     @property
     def magnification(self) -> float:
         """Largest factor that leaves the path recognisable."""
-        largest = float(np.linalg.norm(self._error[1], axis=1).max())
-        room = _REACH * float(np.ptp(self._reference, axis=0).max()) / 2
+        largest = float(np.linalg.norm(self._error, axis=1).max())
+        room = _REACH * float(np.ptp(self.points, axis=0).max()) / 2
         return magnification(room, largest, MOST)
 
 
@@ -103,23 +99,12 @@ class LearningCurve:
 
     steps: Array
     rewards: Array
-
-    @property
-    def low(self) -> float:
-        """Lowest reward."""
-        return float(self.rewards.min())
-
-    @property
-    def high(self) -> float:
-        """Upper end of the axis."""
-        return max(float(self.rewards.max()), self.low + 1.0 * (np.ptp(self.rewards) == 0))
-
-    @property
-    def line(self) -> Line:
-        """The curve in its frame of 348 x 154 pixels."""
-        x = 58 + 348 * (self.steps - self.steps[0]) / max(float(np.ptp(self.steps)), 1.0)
-        y = 12 + 154 * (self.high - self.rewards) / (self.high - self.low)
-        return Line.through(np.stack([x, -y], axis=1), "own", 1.8)
+    low: float
+    """Lowest reward."""
+    high: float
+    """Upper end of the axis."""
+    line: Line
+    """The curve in its frame of 348 x 154 pixels."""
 
 
 def learning_curve(points: Sequence[tuple[float, float]]) -> LearningCurve | None:
@@ -127,7 +112,12 @@ def learning_curve(points: Sequence[tuple[float, float]]) -> LearningCurve | Non
     if len(points) < 2:
         return None
     steps, rewards = np.asarray(points, dtype=float).T
-    return LearningCurve(steps=steps, rewards=rewards)
+    low = float(rewards.min())
+    high = max(float(rewards.max()), low + 1.0 * (np.ptp(rewards) == 0))
+    x = 58 + 348 * (steps - steps[0]) / max(float(np.ptp(steps)), 1.0)
+    y = 12 + 154 * (high - rewards) / (high - low)
+    line = Line.through(np.stack([x, -y], axis=1), "own", 1.8)
+    return LearningCurve(steps=steps, rewards=rewards, low=low, high=high, line=line)
 
 
 def number(value: float) -> str:
@@ -138,28 +128,19 @@ def number(value: float) -> str:
 
 def paths_of(rows: Sequence[Row], plant: str = THESIS_WORKCELL) -> dict[str, dict[float, ToolPath]]:
     """Paths from the trails of results on a plant, those of each row's first seed; rows without any are left out."""
-    found = {row.name: _paths(row, plant) for row in rows}
-    return {name: paths for name, paths in found.items() if paths}
-
-
-def _paths(row: Row, plant: str) -> dict[float, ToolPath]:
-    outcomes = sorted(
-        (each for each in row.outcomes if each.plant == plant and each.trails), key=lambda each: each.seed
-    )
-    return {trail.speed_mm_s: _circle(trail, plant) for outcome in outcomes[:1] for trail in outcome.trails}
-
-
-def _circle(trail: Trail, plant: str) -> ToolPath:
-    deviation = np.asarray(trail.deviation_um) * 1e-3
-    return ToolPath(
-        reference=trail.radius_mm * _unit(np.linspace(0, 2 * np.pi, 721)),
-        tool=(trail.radius_mm + deviation)[:, None] * _unit(np.linspace(0, 2 * np.pi, len(deviation), endpoint=False)),
-        where=f"{trail.position}, r = {trail.radius_mm:g} mm, {plant}",
-    )
-
-
-def _unit(angle: Array) -> Array:
-    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    circle = unit_vectors(np.linspace(0, 2 * np.pi, 721))
+    found: dict[str, dict[float, ToolPath]] = {}
+    for row in rows:
+        known = [outcome for outcome in row.outcomes if outcome.plant == plant and outcome.trails]
+        for trail in min(known, key=lambda outcome: outcome.seed).trails if known else ():
+            deviation = np.asarray(trail.deviation_um) * 1e-3
+            outwards = unit_vectors(np.linspace(0, 2 * np.pi, len(deviation), endpoint=False))
+            found.setdefault(row.name, {})[trail.speed_mm_s] = ToolPath(
+                reference=trail.radius_mm * circle,
+                tool=(trail.radius_mm + deviation)[:, None] * outwards,
+                where=f"{trail.position}, r = {trail.radius_mm:g} mm, {plant}",
+            )
+    return found
 
 
 def tool_pictures(paths: Mapping[float, ToolPath], zero: Mapping[float, ToolPath]) -> list[Picture]:

@@ -47,8 +47,8 @@ def published_rows(cells: Sequence[CellKey]) -> list[PublishedRow]:
         PublishedRow(
             method=method,
             title=styles[method].label,
-            speeds=tuple(each for speed in _speeds(cells) if (each := _at_speed(method, cells, speed)) is not None),
-            max_um=_largest(method, cells),
+            speeds=_speeds(method, cells),
+            max_um=max((x * 1e3 for cell in cells if (x := _published(method, "max", cell)) is not None), default=None),
         )
         for method in METHODS
     ]
@@ -66,27 +66,21 @@ def best_reductions() -> dict[float, tuple[str, float]]:
     return best
 
 
-def _speeds(cells: Sequence[CellKey]) -> list[float]:
-    return sorted({speed for *_, speed in cells})
+def _speeds(method: str, cells: Sequence[CellKey]) -> tuple[PublishedSpeed, ...]:
+    """Means of a method at the speeds of some circles, over those that were measured with and without it."""
+    found = []
+    for speed in sorted({speed for *_, speed in cells}):
+        own = [cell for cell in cells if cell[3] == speed]
+        pairs = [(_published(method, "rms", cell), _published(UNCOMPENSATED, "rms", cell)) for cell in own]
+        known = [(value, zero) for value, zero in pairs if value is not None and zero is not None]
+        if known:
+            total, zero = fsum(value for value, _ in known), fsum(zero for _, zero in known)
+            mean, n = total / len(known) * 1e3, len(known)
+            found.append(PublishedSpeed(speed_mm_s=speed, rms_um=mean, reduction=1 - total / zero, circles=n))
+    return tuple(found)
 
 
-def _at_speed(method: str, cells: Sequence[CellKey], speed: float) -> PublishedSpeed | None:
-    own = [cell for cell in cells if cell[3] == speed]
-    pairs = [(_value(method, "rms", cell), _value(UNCOMPENSATED, "rms", cell)) for cell in own]
-    known = [(value, zero) for value, zero in pairs if value is not None and zero is not None]
-    if not known:
-        return None
-    total, zero = fsum(value for value, _ in known), fsum(zero for _, zero in known)
-    return PublishedSpeed(
-        speed_mm_s=speed, rms_um=total / len(known) * 1e3, reduction=1 - total / zero, circles=len(known)
-    )
-
-
-def _largest(method: str, cells: Sequence[CellKey]) -> float | None:
-    values = [_value(method, "max", cell) for cell in cells]
-    return max((value * 1e3 for value in values if value is not None), default=None)
-
-
-def _value(method: str, statistic: str, cell: CellKey) -> float | None:
+def _published(method: str, statistic: str, cell: CellKey) -> float | None:
+    """Published error [mm] on a circle."""
     _, position, radius, speed = cell
     return published_mm(method, statistic, speed / 1e3, radius / 1e3, position)

@@ -1,15 +1,41 @@
-"""The page's table for one group of plants and one selection of circles, as words that need no more code."""
+"""Standings as a table, on the page and in a terminal: its columns, and each row's figure in every one of them."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any, final
 
-from ffgym.leaderboard.comparison.standings import Standing, Standings
-from ffgym.leaderboard.presentation.columns import Column, columns_of
-from ffgym.leaderboard.presentation.figures import Figure
+from ffgym.leaderboard.comparison.standings import AgainstBase, Standing, Standings
+from ffgym.leaderboard.presentation.figures import (
+    NOTHING,
+    Figure,
+    change,
+    changed,
+    count,
+    digits,
+    duration,
+    length,
+    share,
+    sortable,
+)
 from ffgym.leaderboard.presentation.published_rows import PublishedRow, published_rows
-from ffgym.leaderboard.presentation.words import circles_note
-from ffgym.leaderboard.results import Row
+from ffgym.leaderboard.presentation.words import SELECTION_TITLES, circles_note, group_title, residual_sentence
+from ffgym.report import table as report
+from ffgym.report.page import resource
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """One column, see leaderboard_columns.toml."""
+
+    key: str
+    title: str
+    unit: str = ""
+    help: str
+    is_text: bool = False
+    in_terminal: bool = False
 
 
 @final
@@ -42,52 +68,144 @@ class Table:
     def plain(self) -> dict[str, Any]:
         """As JSON holds it: a cell is [text, sort, detail, bar], shortened from the end."""
         heads = [[column.key, column.title, column.unit, int(column.is_text)] for column in self.columns]
-        lines = [
-            [line.kind, line.name, line.track, int(line.learned), [_plain(cell) for cell in line.cells]]
-            for line in self.lines
-        ]
+        lines = []
+        for line in self.lines:
+            cells: list[list[Any]] = [[cell.text, cell.sort, cell.detail, cell.bar] for cell in line.cells]
+            for cell in cells:
+                while len(cell) > 1 and cell[-1] in (None, ""):
+                    cell.pop()
+            lines.append([line.kind, line.name, line.track, int(line.learned), cells])
         return {"columns": heads, "lines": lines, "note": self.note}
+
+
+@cache
+def every_column() -> tuple[Column, ...]:
+    """All columns, those of speeds as one."""
+    return tuple(Column(**entry) for entry in tomllib.loads(resource("leaderboard_columns.toml"))["column"])
+
+
+def columns_of(standings: Standings) -> list[Column]:
+    """All columns; one per speed."""
+    columns = []
+    for column in every_column():
+        if column.key == "speed":
+            titles = {f"speed{speed:g}": f"{speed:g} mm/s" for speed in standings.grid.speeds_mm_s}
+            columns += [replace(column, key=key, title=title) for key, title in titles.items()]
+        else:
+            columns.append(column)
+    return columns
 
 
 def table_of(standings: Standings) -> Table:
     """Table of standings."""
-    columns = columns_of(standings)
-    published = published_rows(standings.grid.cells)
+    columns, published = columns_of(standings), published_rows(standings.grid.cells)
+
+    def cells(figures: Mapping[str, Figure]) -> tuple[Figure, ...]:
+        return tuple(figures.get(column.key, NOTHING) for column in columns)
+
+    lines = [
+        Line(
+            kind="shown" if line.rank is None else "ranked",
+            name=line.row.name,
+            track=line.row.track,
+            learned=any(outcome.robot_seconds > 0 or outcome.env_steps > 0 for outcome in line.row.outcomes),
+            cells=cells(_figures(line)),
+        )
+        for line in standings.lines
+    ]
+    lines += [
+        Line(
+            kind="published",
+            name=f"published_{row.method}",
+            track="published",
+            learned=row.method.startswith("bsn"),
+            cells=cells(_published(row)),
+        )
+        for row in published
+    ]
     return Table(
         key=f"{standings.group}|{standings.selection}",
         columns=tuple(columns),
-        lines=(*(_line(line, columns) for line in standings.lines), *(_published(row, columns) for row in published)),
+        lines=tuple(lines),
         note=circles_note(standings, published),
     )
 
 
-def learns(row: Row) -> bool:
-    """Whether an agent learned from motion of a machine, simulated or real."""
-    return any(outcome.robot_seconds > 0 or outcome.env_steps > 0 for outcome in row.outcomes)
+def _figures(line: Standing) -> dict[str, Figure]:
+    """Figures of a row by the key of their column."""
+    row, score = line.row, line.score
+    time = score.inference_us
+    return {f"speed{each.speed_mm_s:g}": changed(each.rms_um, each.reduction) for each in score.speeds} | {
+        "rank": _rank(line.rank),
+        "agent": Figure(text=row.title, detail=f"on {row.base}" if row.base else "", sort=row.title.lower()),
+        "left": share(score.left, score.left_interval, bar=True),
+        "iqm": length(score.iqm_um, score.iqm_interval_um),
+        "iqm3d": length(score.iqm_3d_um),
+        "largest": length(score.max_um),
+        "motor": length(max(score.motor_mrad, default=float("inf"))),
+        "worse": Figure(
+            text=f"{score.worse:.1%}"[:-1],
+            detail=f"{score.stopped:.1%} stopped" if score.stopped else "",
+            sort=sortable(score.worse),
+        ),
+        "score": NOTHING if score.normalised is None else length(score.normalised),
+        "base": NOTHING if line.against_base is None else _against(line.against_base),
+        "track": Figure(text=row.track, sort=row.track),
+        "within": _rank(line.track_rank),
+        "seeds": Figure(text=str(len(score.seeds)), sort=len(score.seeds)),
+        "robot": Figure(text=duration(score.robot_seconds), sort=sortable(score.robot_seconds)),
+        "steps": Figure(text=count(score.env_steps), sort=sortable(score.env_steps)),
+        "decision": NOTHING if time is None else Figure(text=digits(time), sort=time),
+    }
 
 
-def _line(line: Standing, columns: Sequence[Column]) -> Line:
-    return Line(
-        kind="shown" if line.rank is None else "ranked",
-        name=line.row.name,
-        track=line.row.track,
-        learned=learns(line.row),
-        cells=tuple(column.of(line) for column in columns),
+def _published(row: PublishedRow) -> dict[str, Figure]:
+    """Figures of a method of the thesis by the key of their column."""
+    return {f"speed{each.speed_mm_s:g}": changed(each.rms_um, each.reduction) for each in row.speeds} | {
+        "agent": Figure(text=row.title, detail="published, real robot", sort=row.title.lower()),
+        "largest": NOTHING if row.max_um is None else length(row.max_um),
+        "track": Figure(text="published", sort="published"),
+    }
+
+
+def _rank(rank: int | None) -> Figure:
+    return Figure(text="–" if rank is None else str(rank), sort=rank)
+
+
+def _against(found: AgainstBase) -> Figure:
+    if found.difference is None:
+        return Figure(text=found.sentence)
+    ratio = found.difference.ratio
+    return Figure(text=found.sentence, detail=change(ratio - 1), sort=sortable(ratio))
+
+
+_LEGEND = (
+    "error left: geometric mean of RMS path error / that with zero action over seeds, plants and circles, with its "
+    "95 % interval; rows are ranked by it, ties share a rank. At each speed: mean RMS path error and its change. "
+    "'-' as rank: shown only."
+)
+"""How to read a table in a terminal."""
+
+
+def format_standings(standings: Standings) -> str:
+    """Standings as plain text of at most 120 columns: rank, agent and figures; what does not fit goes below."""
+    title = f"{group_title(standings.group)}; {SELECTION_TITLES[standings.selection]}"
+    lines, figures = standings.lines, [_figures(line) for line in standings.lines]
+    table = report.Table(
+        columns=[
+            report.Column("rank", [line.rank for line in lines]),
+            report.Column("agent", [line.row.name for line in lines], kind="name"),
+            *(
+                report.Column(column.title, [own[column.key] for own in figures], unit=column.unit)
+                for column in columns_of(standings)
+                if column.in_terminal
+            ),
+        ],
+        fixed=2,
     )
-
-
-def _published(row: PublishedRow, columns: Sequence[Column]) -> Line:
-    return Line(
-        kind="published",
-        name=f"published_{row.method}",
-        track="published",
-        learned=row.method.startswith("bsn"),
-        cells=tuple(column.published(row) for column in columns),
-    )
-
-
-def _plain(cell: Figure) -> list[Any]:
-    values: list[Any] = [cell.text, cell.sort, cell.detail, cell.bar]
-    while len(values) > 1 and values[-1] in (None, ""):
-        values.pop()
-    return values
+    told = residual_sentence(standings)
+    words = [_LEGEND, *([] if told is None else [told]), circles_note(standings)]
+    text = "\n".join([report.underlined(title), table.text(), "", *map(report.filled, words)])
+    for sign, plain in (("−", "-"), ("–", "-"), ("“", "'"), ("”", "'"), ("±", "")):  # a terminal may know ASCII only
+        text = text.replace(sign, plain)
+    return text

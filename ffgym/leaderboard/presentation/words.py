@@ -7,7 +7,6 @@ from typing import final
 
 from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.comparison.samples import DRAWS
-from ffgym.leaderboard.comparison.scores import Difference
 from ffgym.leaderboard.comparison.standings import Standing, Standings
 from ffgym.leaderboard.plants import NOMINAL, plant_named
 from ffgym.leaderboard.presentation.published_rows import PublishedRow, best_reductions
@@ -57,19 +56,20 @@ def headline(positions: Standings | None) -> Headline:
         best = before[0]
         ties = [line.row.title for line in before[1:] if line.rank == best.rank]
         shared = f", which shares its rank with {_listed(ties)}," if ties else ""
+        changes = [f"{each} at {speed:g} mm/s" for each, speed in zip(_changes(best), speeds, strict=True)]
         sentences.append(
             f"On the workcell, at positions where nobody trained, {best.row.title}{shared} leaves the least error of "
-            f"all agents that have not practised the very motion: {_said(best)} than without compensation."
+            f"all agents that have not practised the very motion: {_listed(changes)} than without compensation."
         )
         lines.append((best.row.title, "workcell, held-out positions", _changes(best)))
     if after:
         lines.append((after[0].row.title, "workcell, practised on the very motion", _changes(after[0])))
-    published = best_reductions()
+    published = {speed: f"{percent(gone)} ({method})" for speed, (method, gone) in best_reductions().items()}
     lines.append(
         (
             "best method of the thesis at each speed",
             "real robot, another machine, all four positions, published",
-            tuple(_published(published.get(speed)) for speed in speeds),
+            tuple(published.get(speed, "published as figures only") for speed in speeds),
         )
     )
     return Headline(sentences=tuple(sentences), speeds=speeds, lines=tuple(lines))
@@ -80,11 +80,12 @@ def residual_sentence(standings: Standings) -> str | None:
     pairs = [(line, line.against_base) for line in standings.lines if line.against_base is not None]
     if not pairs:
         return None
-    better = [
-        f"{line.row.title} ({_told(against.difference)})"
-        for line, against in pairs
-        if against.difference is not None and against.is_better
-    ]
+    better = []
+    for line, against in pairs:
+        if against.difference is not None and against.is_better:
+            spread = against.difference.interval
+            ends = "" if spread is None else f", between {_change(spread.high)} and {_change(spread.low)}"
+            better.append(f"{line.row.title} ({_change(against.difference.ratio)} error{ends})")
     names = f": {_listed(better)}" if better else ""
     unknown = [line.row.title for line, against in pairs if against.sentence.startswith("unknown")]
     rest = f" Unknown of {_listed(unknown)}." if unknown else ""
@@ -99,13 +100,17 @@ def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -
     """Which circles on which plants, and which rows are missing and why."""
     grid = standings.grid
     plants = f"{len(grid.plants)} drawn robots" if len(grid.plants) > 1 else group_title(standings.group)
+    _, positions, radii, speeds = (sorted(set(part)) for part in zip(*grid.cells, strict=True))
     parts = [
-        f"{len(grid.cells)} circles at {_numbers(speed for *_, speed in grid.cells)} mm/s, radii "
-        f"{_numbers(radius for _, _, radius, _ in grid.cells)} mm, positions "
-        f"{', '.join(sorted({position for _, position, _, _ in grid.cells}))}; {plants}."
+        f"{len(grid.cells)} circles at {_numbers(speeds)} mm/s, radii {_numbers(radii)} mm, positions "
+        f"{', '.join(positions)}; {plants}."
     ]
     if is_workcell(standings.group):
-        parts.append(_noise(standings.group))
+        (tracker,) = (each for each in plant_named(standings.group).sensors if isinstance(each, LaserTracker))
+        parts.append(
+            f"The errors are what a laser tracker with {tracker.noise * 1e6:g} um of noise in each coordinate "
+            "measures: none is below that noise."
+        )
     if grid.left_out:
         parts.append(f"Without {_listed(grid.left_out)}, where zero action lacks some of these circles.")
     unproven = [f"{line.row.name} ({line.unproven})" for line in standings.lines if line.unproven and line.rank]
@@ -124,30 +129,9 @@ def circles_note(standings: Standings, published: Sequence[PublishedRow] = ()) -
     return " ".join(parts)
 
 
-def _noise(workcell: str) -> str:
-    (tracker,) = (each for each in plant_named(workcell).sensors if isinstance(each, LaserTracker))
-    return (
-        f"The errors are what a laser tracker with {tracker.noise * 1e6:g} um of noise in each coordinate measures: "
-        f"none is below that noise."
-    )
-
-
-def _said(line: Standing) -> str:
-    return _listed([f"{_change(1 - each.reduction)} at {each.speed_mm_s:g} mm/s" for each in line.score.speeds])
-
-
 def _changes(line: Standing) -> tuple[str, ...]:
+    """Change of the mean error at each speed against no compensation."""
     return tuple(_change(1 - each.reduction) for each in line.score.speeds)
-
-
-def _published(best: tuple[str, float] | None) -> str:
-    return "published as figures only" if best is None else f"{percent(best[1])} ({best[0]})"
-
-
-def _told(found: Difference) -> str:
-    spread = found.interval
-    ends = "" if spread is None else f", between {_change(spread.high)} and {_change(spread.low)}"
-    return f"{_change(found.ratio)} error{ends}"
 
 
 def _change(ratio: float) -> str:
@@ -159,4 +143,4 @@ def _listed(words: Sequence[str]) -> str:
 
 
 def _numbers(values: Iterable[float]) -> str:
-    return ", ".join(f"{value:g}" for value in sorted(set(values)))
+    return ", ".join(f"{value:g}" for value in values)

@@ -41,12 +41,12 @@ class FlatCircle:
 
     def path(self, magnification: float) -> Array:
         """Path of the tool [mm] with its deviation enlarged, shape (T, 2)."""
-        outwards = _unit(self.angle)
+        outwards = unit_vectors(self.angle)
         return magnified(self.centre + self.radius * outwards, self.outward[:, None] * outwards, magnification)
 
     def reference(self) -> Array:
         """The circle [mm], shape (200, 2)."""
-        return self.centre + self.radius * _unit(np.linspace(0, 2 * np.pi, 200))
+        return self.centre + self.radius * unit_vectors(np.linspace(0, 2 * np.pi, 200))
 
 
 def flat_circles(recording: Recording) -> list[FlatCircle]:
@@ -174,5 +174,6 @@ def _flat(points: Array, circle: Circle, origin: Array, plane: Plane) -> FlatCir
     )
 
 
-def _unit(angle: Array) -> Array:
+def unit_vectors(angle: Array) -> Array:
+    """Unit vectors in the directions of angles (T,) [rad], shape (T, 2)."""
     return np.stack([np.cos(angle), np.sin(angle)], axis=1)
