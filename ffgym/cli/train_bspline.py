@@ -235,14 +235,15 @@ class Stability(Procedure):
     def _draw(self, network: BSplineNetwork, arm: RigidArm, motion: Reference, iterations: int, path: Path) -> None:
         from ffgym.agents.stability import learning_curves
         from ffgym.report import save_figure
-        from ffgym.report.learning_plots import learning_caption, learning_figure
+        from ffgym.report.learning_plots import learning_figure
 
         trial = SimulatedTrial(arm=arm, record_dt=self.record_dt, n_threads=self.threads)
         curves = learning_curves(network, trial, motion, self.figure_rates, iterations, signal=self.signal)
         shown = [joint in (self.figure_joints or arm.robot.joints) for joint in arm.robot.joints]
         curves = [each for each, wanted in zip(curves, shown, strict=True) if wanted]
-        save_figure(learning_figure(curves), path)
-        print(f"{learning_caption(curves)}\nfigure: {path}")
+        shown_curves = learning_figure(curves)
+        save_figure(shown_curves.figure, path)
+        print(f"{shown_curves.caption}\nfigure: {path}")
 
 
 def learning_table(learning: Learning, joints: tuple[str, ...]) -> str:

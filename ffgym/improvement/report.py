@@ -1,6 +1,7 @@
 """An improvement as plain text for a terminal, and as one HTML page that needs nothing else."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from ffgym.improvement.contenders import BASELINE, MODEL
@@ -9,7 +10,7 @@ from ffgym.improvement.loop import Improvement
 from ffgym.improvement.rounds import Round
 from ffgym.report import Column, Note, Page, ReportFigure, Section, Table, filled
 from ffgym.report.circles.comparison import percent
-from ffgym.report.circles.paths_plot import paths_caption, paths_figure
+from ffgym.report.circles.paths_plot import paths_figure
 from ffgym.report.diagnosis.words import size_text, title_of
 from ffgym.report.learning_plots import agents_figure
 from ffgym.report.table import pair
@@ -70,11 +71,10 @@ def improvement_figures(improvement: Improvement) -> list[ReportFigure]:
             "No round recorded one at these places or of these sizes.",
             figure=agents_figure(errors, _speeds(improvement)),
         ),
-        ReportFigure(
-            name="paths",
+        replace(
+            paths_figure(study),
             title="Path of the tool, dynamic LuGre with nominal parameters and the extended model",
-            caption=paths_caption(study),
-            figure=paths_figure(study),
+            thesis="",
         ),
     ]
 

@@ -15,8 +15,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.files import check_writable, write_bytes
+from ffgym.core.types import Array, IntArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,6 +50,9 @@ _STYLE: dict[str, Any] = {
 _DENSE = 100_000
 """Points of a figure's lines from which on they are drawn as pixels: as vectors they take 20 bytes each, and a page of
 several such figures could not be sent."""
+
+POINTS = 2000
+"""Points of a thinned line: twice the pixels of a figure's width."""
 
 _EMBEDDED_DPI = 220
 """Pixels per inch of dense lines in a page, so that they stay sharp on a fine screen."""
@@ -80,10 +86,6 @@ class ReportFigure:
         """The picture itself as an address, so that a page needs no other file; drawn once, as layouts drift."""
         picture = base64.b64encode(encode_figure(self.figure, "svg", _EMBEDDED_DPI)).decode()
         return f"data:image/svg+xml;base64,{picture}"
-
-    def save(self, path: str | os.PathLike[str], dpi: float = 150) -> Path:
-        """Write the picture as `save_figure` does."""
-        return save_figure(self.figure, path, dpi)
 
 
 def require_matplotlib() -> ModuleType:
@@ -151,21 +153,32 @@ def legend_above(figure: "Figure", handles: Sequence[Any], labels: Sequence[str]
     figure.legend(handles, labels, loc="outside upper center", ncols=ceil(len(labels) / rows))
 
 
+def peaks_kept(values: Array, points: int = POINTS) -> IntArray:
+    """Rows of `values` (T,) to draw, ascending: the smallest and the largest of each of points / 2 stretches.
+
+    All rows if there are no more than `points`; NaN stands for a gap and is never chosen where there is a number.
+    """
+    if len(values) <= points:
+        return np.arange(len(values))
+    kept = [np.array([0, len(values) - 1])]
+    for rows in np.array_split(np.arange(len(values)), points // 2):
+        stretch = values[rows]
+        extremes = [0] if np.isnan(stretch).all() else [np.nanargmin(stretch), np.nanargmax(stretch)]
+        kept.append(rows[extremes])
+    return np.unique(np.concatenate(kept))
+
+
 def encode_figure(figure: "Figure", kind: Literal["svg", "png", "pdf"] = "svg", dpi: float = 110) -> bytes:
     """Bytes of a picture file; `dpi` [pixel/inch] counts for png, and for lines of very many points in the others."""
-    _draw_dense_lines_as_pixels(figure)
+    lines = [line for axes in figure.axes for line in axes.lines]
+    dense = sum(len(line.get_path()) for line in lines) > _DENSE
+    for line in lines:
+        line.set_rasterized(dense)
     date = {"svg": "Date", "pdf": "CreationDate"}.get(kind)
     buffer = io.BytesIO()
     with house_style():
         figure.savefig(buffer, format=kind, dpi=dpi, metadata={date: None} if date else None)
     return buffer.getvalue()
-
-
-def _draw_dense_lines_as_pixels(figure: "Figure") -> None:
-    lines = [line for axes in figure.axes for line in axes.lines]
-    dense = sum(len(line.get_path()) for line in lines) > _DENSE
-    for line in lines:
-        line.set_rasterized(dense)
 
 
 def check_figure(path: str | os.PathLike[str]) -> Path:

@@ -6,6 +6,7 @@ from itertools import cycle, product
 from ffgym.control.style import STYLES
 from ffgym.control.style import LawStyle as LawStyle
 from ffgym.core.plugins import load_families
+from ffgym.report.table import Cell, Column
 
 UNCOMPENSATED = "none"
 """Name of the law that adds nothing; others are compared with it."""
@@ -23,12 +24,18 @@ def law_styles(agents: Iterable[str]) -> dict[str, LawStyle]:
     styles: dict[str, LawStyle] = {}
     for agent in agents:
         if agent not in styles:
-            styles[agent] = STYLES[agent] if agent in STYLES else _spare_style(agent, *next(spare))
+            if agent in STYLES:
+                styles[agent] = STYLES[agent]
+            else:
+                line, (colour, marker) = next(spare)
+                styles[agent] = LawStyle(label=agent.replace("_", " "), colour=colour, marker=marker, line=line)
     return styles
 
 
-def _spare_style(agent: str, line: str, look: tuple[str, str]) -> LawStyle:
-    return LawStyle(label=agent.replace("_", " "), colour=look[0], marker=look[1], line=line)
+def law_column(heading: str, agents: Sequence[str]) -> Column:
+    """Laws in their words and colours, one for each row."""
+    styles = law_styles(agents)
+    return Column(heading, [Cell(styles[law].label, colour=styles[law].colour) for law in agents], kind="name")
 
 
 def baseline_of(agents: Sequence[str]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array, ComplexArray
-from ffgym.report.figure import panels
+from ffgym.report.figure import ReportFigure, panels
 from ffgym.report.laws import law_styles
 
 if TYPE_CHECKING:
@@ -50,22 +50,18 @@ def trials_figure(curves: Sequence[TrialCurves], label: str) -> "Figure":
     styles = law_styles(name for panel in curves for name in panel.levels)
     with panels(1, len(curves), size=(max(3.4 * len(curves), 4.0), 3.4), sharey=True) as (figure, grid):
         for axes, panel in zip(grid[0], curves, strict=True):
-            _draw_trials(axes, panel)
+            trials, median = np.arange(1, len(panel.errors) + 1), np.median(panel.errors, axis=1)
+            for k, errors in enumerate(panel.errors.T):
+                axes.plot(trials, errors, color="#9aa5b1", linewidth=0.7, label="each circle" if k == 0 else None)
+            axes.plot(trials, median, "o-", color="black", markersize=3.5, label="median circle")
+            axes.set_yscale("log")
+            axes.set_xticks(trials[:: 1 + len(trials) // 11])
+            axes.set_xlabel("trial")
+            axes.set_title(panel.title)
             for name, level in panel.levels.items():
                 axes.axhline(level, color=styles[name].colour, linestyle="--", label=styles[name].label)
         grid[0, 0].set_ylabel(label)
     return figure
-
-
-def _draw_trials(axes: "Axes", panel: TrialCurves) -> None:
-    trials = np.arange(1, len(panel.errors) + 1)
-    for k, errors in enumerate(panel.errors.T):
-        axes.plot(trials, errors, color="#9aa5b1", linewidth=0.7, label="each circle" if k == 0 else None)
-    axes.plot(trials, np.median(panel.errors, axis=1), "o-", color="black", markersize=3.5, label="median circle")
-    axes.set_yscale("log")
-    axes.set_xticks(trials[:: 1 + len(trials) // 11])
-    axes.set_xlabel("trial")
-    axes.set_title(panel.title)
 
 
 _COLOURS = ("#0072B2", "#009E73", "#E69F00", "#D55E00", "#CC79A7", "#56B4E9")
@@ -96,27 +92,23 @@ class LearningCurves:
             check_shape(name, getattr(self, name), (len(rates), None))
 
 
-def learning_figure(curves: Sequence[LearningCurves]) -> "Figure":
+def learning_figure(curves: Sequence[LearningCurves]) -> ReportFigure:
     """One row per joint: the learning signal over iterations, and the eigenvalues in the complex plane."""
-    with panels(len(curves), 2, size=(10.0, 2.9 * len(curves) + 0.3), legend=False, width_ratios=(1.4, 1.0)) as (
-        figure,
-        grid,
-    ):
+    size, ratios = (10.0, 2.9 * len(curves) + 0.3), (1.4, 1.0)
+    with panels(len(curves), 2, size=size, legend=False, width_ratios=ratios) as (figure, grid):
         for (left, right), each in zip(grid, curves, strict=True):
             _draw_curves(left, each)
             _draw_eigenvalues(right, each)
         figure.align_ylabels(grid[:, 0])
-    return figure
-
-
-def learning_caption(curves: Sequence[LearningCurves]) -> str:
-    """What the figure shows, with the largest stable rates."""
     limits = "; ".join(f"{each.title}: {each.largest_rate:.2f}" for each in curves)
-    return (
-        "Left: mean square of the learning signal over that of the first trial at several learning rates, predicted "
-        "from the robot's description (lines) and simulated (dots). Right: eigenvalues of one iteration at rate 1. A "
-        "rate is stable if all lie within the circle through 0 about 1 / rate, drawn for the largest stable rate and "
-        f"for the largest rate on the left. Largest stable rates: {limits}."
+    return ReportFigure(
+        name="learning",
+        title="Learning at several rates",
+        caption="Left: mean square of the learning signal over that of the first trial at several learning rates, "
+        "predicted from the robot's description (lines) and simulated (dots). Right: eigenvalues of one iteration at "
+        "rate 1. A rate is stable if all lie within the circle through 0 about 1 / rate, drawn for the largest stable "
+        f"rate and for the largest rate on the left. Largest stable rates: {limits}.",
+        figure=figure,
     )
 
 

@@ -1,6 +1,7 @@
 """The report's figures under the names of the thesis' figures: what the table of claims calls `figures`."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,19 +11,12 @@ from ffgym.agents.trials import SimulatedTrial, thesis_motions
 from ffgym.paths import SPEEDS
 from ffgym.published import FRICTION_RECORDS
 from ffgym.report import ReportFigure, law_styles
-from ffgym.report.circles.errors_plot import motor_error_caption, motor_error_figure
-from ffgym.report.circles.friction_plot import (
-    joint_loops_caption,
-    joint_loops_figure,
-    one_axis_caption,
-    one_axis_figure,
-    one_axis_loops_caption,
-    one_axis_loops_figure,
-)
-from ffgym.report.circles.paths_plot import paths_caption, paths_figure
+from ffgym.report.circles.errors_plot import motor_error_figure
+from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figure, one_axis_loops_figure
+from ffgym.report.circles.paths_plot import paths_figure
 from ffgym.report.identification import friction_loops_figure, friction_over_time_figure
 from ffgym.report.identification.friction_plots import stribeck_figure
-from ffgym.report.learning_plots import agents_figure, learning_caption, learning_figure
+from ffgym.report.learning_plots import agents_figure, learning_figure
 from ffgym.robot import RigidArm
 from ffgym.studies import CircleStudy
 from scripts.thesis.laboratory import Laboratory
@@ -45,18 +39,21 @@ ITERATIONS = 15
 """As in thesis 5.3.1."""
 
 
+def _named(figure: ReportFigure, name: str, title: str) -> ReportFigure:
+    """Figure of a report under the name of the thesis' figure."""
+    return replace(figure, name=name, title=title, thesis="")
+
+
 def axis_friction(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
     """Friction of one axis over speed, and what each law adds."""
     study = getattr(laboratory, of).only(frequencies=[frequency])
-    title = "Friction and added torque over speed"
-    return [ReportFigure(name, title, one_axis_loops_caption(study), one_axis_loops_figure(study))]
+    return [_named(one_axis_loops_figure(study), name, "Friction and added torque over speed")]
 
 
 def axis_outputs(laboratory: Laboratory, name: str, of: str, frequency: float) -> list[ReportFigure]:
     """Speed, error and feedback of one axis over time."""
     study = getattr(laboratory, of).only(frequencies=[frequency])
-    title = "Speed, motor error and feedback before and after"
-    return [ReportFigure(name, title, one_axis_caption(study, frequency), one_axis_figure(study, frequency))]
+    return [_named(one_axis_figure(study, frequency), name, "Speed, motor error and feedback before and after")]
 
 
 def paths(laboratory: Laboratory, name: str, of: str, position: str, speed: float) -> list[ReportFigure]:
@@ -72,19 +69,16 @@ def network_paths(laboratory: Laboratory, name: str, of: str, position: str, spe
 
 def _paths(name: str, study: CircleStudy) -> list[ReportFigure]:
     return [
-        ReportFigure(f"{name}a", "Path of the tool", paths_caption(study), paths_figure(study)),
-        ReportFigure(
-            f"{name}b", "RMS motor position error per joint", motor_error_caption(study), motor_error_figure(study)
-        ),
+        _named(paths_figure(study), f"{name}a", "Path of the tool"),
+        _named(motor_error_figure(study), f"{name}b", "RMS motor position error per joint"),
     ]
 
 
 def joint_friction(laboratory: Laboratory, name: str, of: str, speed: float) -> list[ReportFigure]:
     """Friction of each joint over speed at p1, what each law adds, and what dynamic LuGre would add."""
     study = getattr(laboratory, of).only(positions=["p1"], speeds=[speed])
-    caption = joint_loops_caption(study, beside="lugre_dynamic")
     figure = joint_loops_figure(study, beside="lugre_dynamic")
-    return [ReportFigure(name, "Friction and added torque of each joint over speed", caption, figure)]
+    return [_named(figure, name, "Friction and added torque of each joint over speed")]
 
 
 def training(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
@@ -216,12 +210,11 @@ def stability(laboratory: Laboratory, name: str) -> list[ReportFigure]:
     arm = RigidArm(laboratory.axis)
     trial = SimulatedTrial(arm=arm, n_threads=laboratory.n_threads)
     curves = learning_curves(StaticBSN.zero(1), trial, thesis_motions(arm)[0], RATES, ITERATIONS)
-    title = "Learning at several rates, predicted and simulated"
-    return [ReportFigure(name, title, learning_caption(curves), learning_figure(curves))]
+    return [_named(learning_figure(curves), name, "Learning at several rates, predicted and simulated")]
 
 
 def reidentified(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
     """Motor errors with old and with identified parameters."""
     study = getattr(laboratory, of)
     title = "RMS motor position error per joint, with old and with identified parameters"
-    return [ReportFigure(name, title, motor_error_caption(study), motor_error_figure(study))]
+    return [_named(motor_error_figure(study), name, title)]

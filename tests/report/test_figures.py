@@ -10,7 +10,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.recordings.metrics import motor_error, motor_error_rms, relative_rms
 from ffgym.report import circle_figures, one_axis_figures, save_figure
 from ffgym.report.circles.errors_plot import motor_error_figure, ratios_figure
-from ffgym.report.circles.friction_plot import joint_loops_caption, joint_loops_figure, one_axis_figure
+from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figure
 from ffgym.report.circles.paths_plot import flat_circles, magnification_of, paths_figure
 from ffgym.report.figure import encode_figure
 from ffgym.report.laws import law_styles
@@ -53,14 +53,14 @@ def test_no_enlarged_circle_passes_its_own_centre(circle):
 
 
 def test_paths_grid_has_a_row_per_speed_and_says_its_magnification(circle):
-    titles = [axes.get_title() for axes in paths_figure(circle).axes]
+    titles = [axes.get_title() for axes in paths_figure(circle).figure.axes]
     for title, speed in zip(titles, (0.04, 0.1), strict=True):
         factor = magnification_of(circle, speed)
         assert title == f"p1, {speed * 1e3:g} mm/s, " + ("true scale" if factor == 1 else f"error × {factor:g}")
 
 
 def test_bars_are_as_high_as_the_motor_errors(circle):
-    for axes, speed in zip(motor_error_figure(circle).axes, (0.04, 0.1), strict=True):
+    for axes, speed in zip(motor_error_figure(circle).figure.axes, (0.04, 0.1), strict=True):
         for bars, law in zip(axes.containers, law_styles(["none", "lugre_static", "lugre_dynamic"]), strict=True):
             expected = motor_error_rms(circle.recordings[law, "p1", speed]) * 1e3
             np.testing.assert_allclose([bar.get_height() for bar in bars], expected)
@@ -68,7 +68,7 @@ def test_bars_are_as_high_as_the_motor_errors(circle):
 
 
 def test_friction_loops_show_friction_and_added_torque_of_the_same_run(circle):
-    panel = joint_loops_figure(circle, speed=0.1).axes[2]  # second joint, first law
+    panel = joint_loops_figure(circle.only(speeds=[0.1])).figure.axes[2]  # second joint, first law
     recording = circle.recordings["lugre_static", "p1", 0.1]
     moving = ~recording.mask(kind="standstill")
     drawn = {label: line.get_ydata() for label, line in lines_of(panel).items()}
@@ -81,20 +81,20 @@ def test_friction_loops_show_friction_and_added_torque_of_the_same_run(circle):
 
 
 def test_friction_loops_beside_a_law_show_both_laws_and_no_friction(circle):
-    figure = joint_loops_figure(circle, beside="lugre_dynamic")
-    assert len(figure.axes) == 6  # the other law that compensates, six joints
-    for axes in figure.axes:
+    loops = joint_loops_figure(circle, beside="lugre_dynamic")
+    assert len(loops.figure.axes) == 6  # the other law that compensates, six joints
+    for axes in loops.figure.axes:
         assert lines_of(axes).keys() == {"added by dynamic LuGre", "added by static LuGre"}
     where = (circle.cells[0].position, 0.04)
     recordings = [circle.recordings[law, *where] for law in ("lugre_static", "lugre_dynamic")]
     moving = ~recordings[0].mask(kind="standstill")
     added, others = (recording.joint_array("compensation.effort")[moving] for recording in recordings)
     share = relative_rms(added - others, others)[2]
-    assert f"{circle.robot.joints[2]} {share:.1%}" in joint_loops_caption(circle, beside="lugre_dynamic")
+    assert f"{circle.robot.joints[2]} {share:.1%}" in loops.caption
 
 
 def test_sine_figure_shows_before_and_after_in_each_column(sine):
-    axes = one_axis_figure(sine, 3.0).axes
+    axes = one_axis_figure(sine, 3.0).figure.axes
     assert len(axes) == 6
     drawn = lines_of(axes[3])  # error, second column
     assert list(drawn) == ["no compensation", "dynamic LuGre"]
@@ -104,7 +104,7 @@ def test_sine_figure_shows_before_and_after_in_each_column(sine):
 
 
 def test_ratio_dots_are_simulated_over_published(circle):
-    [axes] = ratios_figure(circle).axes
+    [axes] = ratios_figure(circle).figure.axes
     [cell] = circle.select(agent="none", speed_mm_s=40.0)
     assert lines_of(axes)["no compensation"].get_ydata() == pytest.approx([cell.rms_mm / 0.187])
     assert axes.get_yscale() == "log"
@@ -117,7 +117,8 @@ def test_ratio_figure_without_published_numbers_is_refused(circle, made_up):
 
 
 def test_a_legend_is_no_wider_than_its_figure(circle):
-    for figure in (paths_figure(circle.only(speeds=[0.04])), motor_error_figure(circle.only(speeds=[0.04]))):
+    slow = circle.only(speeds=[0.04])
+    for figure in (paths_figure(slow).figure, motor_error_figure(slow).figure):
         figure.draw_without_rendering()
         [legend] = figure.legends
         box = legend.get_window_extent()
@@ -141,7 +142,7 @@ def test_unknown_laws_get_styles_of_their_own():
 
 
 def test_equal_studies_give_equal_pictures(circle):
-    first, second = (encode_figure(motor_error_figure(circle), "svg") for _ in range(2))
+    first, second = (encode_figure(motor_error_figure(circle).figure) for _ in range(2))
     assert first == second
 
 
@@ -149,7 +150,7 @@ def test_figures_leave_the_settings_of_the_user_alone(circle):
     before = dict(rcParams)
     rcParams["font.size"] = 23.0
     try:
-        encode_figure(motor_error_figure(circle))
+        encode_figure(motor_error_figure(circle).figure)
         assert rcParams["font.size"] == 23.0
     finally:
         rcParams["font.size"] = before["font.size"]
@@ -169,7 +170,8 @@ from ffgym.report.figure import encode_figure
 from ffgym.report.circles.friction_plot import one_axis_figure
 from ffgym.robot import load_robot
 from ffgym.studies import one_axis_study
-picture = encode_figure(one_axis_figure(one_axis_study(load_robot("one_axis"), frequencies=[3.0]), 3.0), "png")
+study = one_axis_study(load_robot("one_axis"), frequencies=[3.0])
+picture = encode_figure(one_axis_figure(study, 3.0).figure, "png")
 print(picture[:4] == b"\\x89PNG", "matplotlib.pyplot" in sys.modules)
 """
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -183,7 +185,7 @@ def test_missing_matplotlib_is_explained(circle, monkeypatch):
 
 
 def test_save_figure_writes_by_suffix_and_refuses_others(circle, tmp_path):
-    figure = motor_error_figure(circle)
+    figure = motor_error_figure(circle).figure
     assert save_figure(figure, tmp_path / "a.svg").read_bytes().startswith(b"<?xml")
     with pytest.raises(FFGymError, match="figure format 'bmp'"):
         save_figure(figure, tmp_path / "a.bmp")

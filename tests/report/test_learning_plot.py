@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ffgym.core.errors import FFGymError
-from ffgym.report.learning_plots import LearningCurves, learning_caption, learning_figure
+from ffgym.report.learning_plots import LearningCurves, learning_figure
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def curves() -> LearningCurves:
 
 
 def test_lines_are_predictions_and_dots_are_simulations_over_their_first_value(curves):
-    left = learning_figure([curves]).axes[0]
+    left = learning_figure([curves]).figure.axes[0]
     drawn = left.get_lines()
     for k in range(2):
         line, dots = drawn[2 * k : 2 * k + 2]
@@ -30,7 +30,7 @@ def test_lines_are_predictions_and_dots_are_simulations_over_their_first_value(c
 
 
 def test_the_circle_of_the_largest_rate_passes_through_zero_and_the_fastest_eigenvalue(curves):
-    right = learning_figure([curves]).axes[1]
+    right = learning_figure([curves]).figure.axes[1]
     limit, shown, eigenvalues = right.get_lines()
     for circle, rate in ((limit, curves.largest_rate), (shown, 2.5)):
         x, y = circle.get_xdata(), circle.get_ydata()
@@ -41,8 +41,9 @@ def test_the_circle_of_the_largest_rate_passes_through_zero_and_the_fastest_eige
 
 
 def test_every_joint_has_a_row_and_its_limit_stands_in_the_caption(curves):
-    assert len(learning_figure([curves, curves]).axes) == 4
-    assert "j1, made up: 2.22" in learning_caption([curves])
+    learning = learning_figure([curves, curves])
+    assert len(learning.figure.axes) == 4
+    assert "j1, made up: 2.22" in learning.caption
 
 
 def test_rates_out_of_order_and_missing_curves_are_refused(curves):

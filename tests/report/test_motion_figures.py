@@ -12,8 +12,8 @@ from ffgym.control import DynamicLuGreExact, NoCompensation
 from ffgym.paths import joint_reference, joint_sine
 from ffgym.recordings.metrics import Contour
 from ffgym.report import format_motion, render_motion_page
-from ffgym.report.motion.page import motion_figures
-from ffgym.report.thinning import POINTS, peaks_kept
+from ffgym.report.figure import POINTS, peaks_kept
+from ffgym.report.motion.plot import motion_figures
 from ffgym.report.tool_path import SHARE, ToolPath, scale_of_error, sights_of
 from ffgym.simulation import SimulatedRig
 from ffgym.studies import circle_references, motion_study

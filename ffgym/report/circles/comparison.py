@@ -7,7 +7,7 @@ from statistics import fmean, median
 
 from ffgym.published import published_mm
 from ffgym.report.laws import UNCOMPENSATED
-from ffgym.studies import Cell, CircleStudy
+from ffgym.studies import CircleStudy
 
 FACTOR = 1.5
 """Simulated and published numbers within this factor of one another count as near; chosen."""
@@ -49,28 +49,20 @@ class SpeedTable:
     """By radius, then by position."""
 
     @property
-    def positions(self) -> tuple[str, ...]:
-        """Positions in the order of the study."""
-        return tuple(dict.fromkeys(row.position for row in self.rows))
-
-    @property
-    def radii(self) -> tuple[float, ...]:
-        """Radii [mm], smallest first."""
-        return tuple(dict.fromkeys(row.radius_mm for row in self.rows))
-
-    @property
     def is_published(self) -> bool:
         """Whether the real robot was measured at this speed."""
         return any(entry.published_rms for row in self.rows for entry in row.entries.values())
 
     def mean_rms(self, agent: str) -> float | None:
         """Mean simulated RMS over the circles [mm]; None without the law."""
-        return _mean(row.entries[agent].rms for row in self.rows if agent in row.entries)
+        values = [row.entries[agent].rms for row in self.rows if agent in row.entries]
+        return fmean(values) if values else None
 
     def mean_published_rms(self, agent: str) -> float | None:
         """Mean published RMS over the same circles [mm]; None where a circle lacks a published number."""
         values = [row.entries[agent].published_rms for row in self.rows if agent in row.entries]
-        return None if None in values else _mean(value for value in values if value is not None)
+        known = [value for value in values if value is not None]
+        return fmean(known) if known and len(known) == len(values) else None
 
     def max_error(self, agent: str) -> float | None:
         """Largest simulated deviation of all circles [mm]; None without the law."""
@@ -105,8 +97,21 @@ def nearness(ratios: Iterable[float]) -> Nearness | None:
 def circle_tables(study: CircleStudy) -> list[SpeedTable]:
     """One table per speed, slowest first, rows by radius and position, with every law of the study."""
     agents = tuple(dict.fromkeys(cell.agent for cell in study.cells))
-    speeds = sorted({cell.speed_mm_s for cell in study.cells})
-    return [SpeedTable(speed_mm_s=speed, agents=agents, rows=_rows(study.select(speed_mm_s=speed))) for speed in speeds]
+    tables = []
+    for speed in sorted({cell.speed_mm_s for cell in study.cells}):
+        entries: dict[tuple[float, str], dict[str, Entry]] = {}
+        for cell in study.select(speed_mm_s=speed):
+            where = (speed / 1e3, cell.radius_mm / 1e3, cell.position)
+            entries.setdefault((cell.radius_mm, cell.position), {})[cell.agent] = Entry(
+                rms=cell.rms_mm,
+                max=cell.max_mm,
+                published_rms=published_mm(cell.agent, "rms", *where),
+                published_max=published_mm(cell.agent, "max", *where),
+            )
+        ordered = sorted(entries.items(), key=lambda item: item[0][0])  # stable: positions stay in the study's order
+        rows = tuple(Row(position=position, radius_mm=radius, entries=laws) for (radius, position), laws in ordered)
+        tables.append(SpeedTable(speed_mm_s=speed, agents=agents, rows=rows))
+    return tables
 
 
 def reduction(value: float | None, baseline: float | None) -> float | None:
@@ -118,26 +123,3 @@ def percent(share: float) -> str:
     """A reduction in words: '53% less' for 0.53, '20% more' for -0.2, '99.7% less' for 0.997, never 100 but for all."""
     digits = max(1, floor(-log10(1 - share)) - 1) if 0.98 <= share < 1 else 0
     return f"{abs(share):.{digits}%}" + (" less" if share >= 0 else " more")
-
-
-def _rows(cells: list[Cell]) -> tuple[Row, ...]:
-    entries: dict[tuple[float, str], dict[str, Entry]] = {}
-    for cell in cells:
-        entries.setdefault((cell.radius_mm, cell.position), {})[cell.agent] = _entry(cell)
-    ordered = sorted(entries.items(), key=lambda item: item[0][0])  # stable: positions stay in the study's order
-    return tuple(Row(position=position, radius_mm=radius, entries=laws) for (radius, position), laws in ordered)
-
-
-def _entry(cell: Cell) -> Entry:
-    where = (cell.speed_mm_s / 1e3, cell.radius_mm / 1e3, cell.position)
-    return Entry(
-        rms=cell.rms_mm,
-        max=cell.max_mm,
-        published_rms=published_mm(cell.agent, "rms", *where),
-        published_max=published_mm(cell.agent, "max", *where),
-    )
-
-
-def _mean(values: Iterable[float]) -> float | None:
-    numbers = list(values)
-    return fmean(numbers) if numbers else None

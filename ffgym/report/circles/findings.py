@@ -1,8 +1,9 @@
 """The results in a few sentences, and what of the published experiment the simulation shows too; all of it counted."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TypeAlias
 
 from ffgym.report.circles.comparison import FACTOR, Row, SpeedTable, circle_tables, nearness, percent, reduction
 from ffgym.report.laws import ORACLE, UNCOMPENSATED, baseline_of, law_styles
@@ -10,6 +11,10 @@ from ffgym.studies import CircleStudy, OneAxisStudy
 
 REPRODUCED, PARTLY = 0.75, 0.5
 """Shares of circles that must agree with the real robot for 'reproduced' and for 'partly reproduced'; chosen."""
+
+
+Comparison: TypeAlias = tuple[str, bool, bool]
+"""Where two circles are, and whether the first has the smaller RMS path error: simulated, published."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,36 +28,20 @@ class Finding:
     """The numbers behind the verdict."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Comparison:
-    """RMS path error of two circles, simulated and published [mm]."""
-
-    where: str
-    simulated: tuple[float, float]
-    published: tuple[float, float]
-
-    @property
-    def agrees(self) -> bool:
-        """Whether the first is the smaller one in both, or in neither."""
-        return (self.simulated[0] < self.simulated[1]) == (self.published[0] < self.published[1])
-
-
 def findings(study: CircleStudy) -> list[Finding]:
     """Questions and answers, speed by speed; questions that no published number answers are left out."""
     tables = circle_tables(study)
-    found = [finding for table in tables for finding in _at_speed(table)]
-    found.append(_grows_with_speed(tables))
-    return [finding for finding in found if finding is not None]
-
-
-def _at_speed(table: SpeedTable) -> list[Finding | None]:
-    if not table.is_published:
-        return [_unpublished(table)]
-    others = [agent for agent in table.agents if agent != UNCOMPENSATED]
-    found = [_size(table, agent) for agent in table.agents]
-    found += [_better(table, agent, UNCOMPENSATED) for agent in others]
-    found += [_better(table, after, before) for before, after in pairwise(others)]
-    return [*found, _grows_with_radius(table)]
+    found: list[Finding | None] = []
+    for table in tables:
+        if not table.is_published:
+            found.append(_unpublished(table))
+            continue
+        others = [agent for agent in table.agents if agent != UNCOMPENSATED]
+        found += [_size(table, agent) for agent in table.agents]
+        found += [_better(table, agent, UNCOMPENSATED) for agent in others]
+        found += [_better(table, after, before) for before, after in pairwise(others)]
+        found.append(_grows_with_radius(table))
+    return [finding for finding in [*found, _grows_with_speed(tables)] if finding is not None]
 
 
 def _size(table: SpeedTable, agent: str) -> Finding | None:
@@ -77,7 +66,7 @@ def _better(table: SpeedTable, law: str, than: str) -> Finding | None:
     if finding is None or simulated is None or published is None:
         return finding
     means = f"Mean RMS {percent(simulated)} simulated, {percent(published)} published."
-    return Finding(question=finding.question, verdict=finding.verdict, text=f"{means} {finding.text}")
+    return replace(finding, text=f"{means} {finding.text}")
 
 
 def _grows_with_radius(table: SpeedTable) -> Finding | None:
@@ -115,27 +104,25 @@ def _unpublished(table: SpeedTable) -> Finding:
 
 
 def _compare(first: Row, first_law: str, second: Row, second_law: str) -> Comparison | None:
-    """Two circles; None where one of the numbers is missing."""
+    """Compare two circles; None where one of the numbers is missing, or the published ones are equal."""
     a, b = first.entries.get(first_law), second.entries.get(second_law)
     if a is None or b is None or a.published_rms is None or b.published_rms is None:
         return None
     radii = " and ".join(f"{radius:g}" for radius in sorted({first.radius_mm, second.radius_mm}))
-    where = f"{radii} mm at {first.position}"
-    return Comparison(where=where, simulated=(a.rms, b.rms), published=(a.published_rms, b.published_rms))
+    smaller = (a.rms < b.rms, a.published_rms < b.published_rms)
+    return None if a.published_rms == b.published_rms else (f"{radii} mm at {first.position}", *smaller)
 
 
 def _answer(question: str, things: str, yes: str, pairs: Iterable[Comparison | None]) -> Finding | None:
-    """Count where the first is the smaller one; published ties do not count."""
-    known = [pair for pair in pairs if pair is not None and pair.published[0] != pair.published[1]]
+    """Count where the first is the smaller one."""
+    known = [pair for pair in pairs if pair is not None]
     if not known:
         return None
-    simulated = sum(pair.simulated[0] < pair.simulated[1] for pair in known)
-    published = sum(pair.published[0] < pair.published[1] for pair in known)
-    agree = sum(pair.agrees for pair in known)
-    unlike = ", ".join(pair.where for pair in known if not pair.agrees)
-    text = f"Of {len(known)} {things}, {yes} on {simulated} simulated and {published} published."
-    differ = f" They differ on {unlike}." if unlike else " They agree on all."
-    return Finding(question=question, verdict=_verdict(agree, len(known)), text=text + differ)
+    simulated, published = sum(here for _, here, _ in known), sum(there for _, _, there in known)
+    unlike = [where for where, here, there in known if here != there]
+    differ = f"They differ on {', '.join(unlike)}." if unlike else "They agree on all."
+    text = f"Of {len(known)} {things}, {yes} on {simulated} simulated and {published} published. {differ}"
+    return Finding(question=question, verdict=_verdict(len(known) - len(unlike), len(known)), text=text)
 
 
 def _label(table: SpeedTable, agent: str) -> str:

@@ -8,17 +8,10 @@ from typing import Any
 from ffgym.core.files import check_writable, write_text
 from ffgym.core.provenance import versions
 from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, nearness
-from ffgym.report.circles.errors_plot import motor_error_caption, motor_error_figure, ratios_caption, ratios_figure
+from ffgym.report.circles.errors_plot import motor_error_figure, ratios_figure
 from ffgym.report.circles.findings import PARTLY, REPRODUCED, findings, headline
-from ffgym.report.circles.friction_plot import (
-    joint_loops_caption,
-    joint_loops_figure,
-    one_axis_caption,
-    one_axis_figure,
-    one_axis_loops_caption,
-    one_axis_loops_figure,
-)
-from ffgym.report.circles.paths_plot import paths_caption, paths_figure
+from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figure, one_axis_loops_figure
+from ffgym.report.circles.paths_plot import paths_figure
 from ffgym.report.circles.tables import sine_table, speed_table, summary_table
 from ffgym.report.figure import ReportFigure
 from ffgym.report.laws import law_styles
@@ -143,29 +136,15 @@ def provenance(
 
 def circle_figures(study: CircleStudy) -> list[ReportFigure]:
     """Ratios (where numbers were published), paths, motor errors and friction of the circle test."""
-    figures = []
+    figures = [paths_figure(study), motor_error_figure(study)]
     if any(table.is_published for table in circle_tables(study)):
-        title, thesis = "How near the simulated robot is to the published one", "Tables 4.1, 4.2, 5.1 and 5.2"
-        figures.append(ReportFigure("ratios", title, ratios_caption(study), ratios_figure(study), thesis))
-    thesis = "Figures 4.6a to 4.9a (simulated), 4.10a to 4.12a (real robot)"
-    figures.append(ReportFigure("paths", "Path of the tool", paths_caption(study), paths_figure(study), thesis))
-    title, thesis = "Motor position error per joint", "Figures 4.6b to 4.9b (simulated), 4.10b to 4.12b (real robot)"
-    figures.append(ReportFigure("motor-errors", title, motor_error_caption(study), motor_error_figure(study), thesis))
+        figures.insert(0, ratios_figure(study))
     if all(recording.has("friction.effort") for recording in study.recordings.values()):  # it can be seen
-        title, thesis = "Friction of each joint over speed", "in the manner of Figure 5.11"
-        figures.append(
-            ReportFigure("joint-friction", title, joint_loops_caption(study), joint_loops_figure(study), thesis)
-        )
+        figures.append(joint_loops_figure(study))
     return figures
 
 
 def one_axis_figures(study: OneAxisStudy) -> list[ReportFigure]:
     """Friction over speed, and one figure over time per frequency."""
-    title, thesis = "Friction of one axis over speed", "Figures 4.2 (1 Hz) and 4.4 (3 Hz)"
-    caption, shown = one_axis_loops_caption(study), {1.0: "Figure 4.3", 3.0: "Figure 4.5"}
-    figures = [ReportFigure("one-axis-friction", title, caption, one_axis_loops_figure(study), thesis)]
-    for f in dict.fromkeys(f for _, f in study.recordings):
-        title, thesis = f"One axis on a sine of {f:g} Hz", shown.get(f, "not shown at this frequency")
-        caption, figure = one_axis_caption(study, f), one_axis_figure(study, f)
-        figures.append(ReportFigure(f"one-axis-{f:g}-hz", title, caption, figure, thesis))
-    return figures
+    frequencies = dict.fromkeys(frequency for _, frequency in study.recordings)
+    return [one_axis_loops_figure(study), *(one_axis_figure(study, frequency) for frequency in frequencies)]

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from ffgym.report.circles.comparison import FACTOR, Entry, SpeedTable, circle_tables, nearness, percent, reduction
-from ffgym.report.laws import UNCOMPENSATED, baseline_of, law_styles
+from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, nearness, percent, reduction
+from ffgym.report.laws import UNCOMPENSATED, baseline_of, law_column, law_styles
 from ffgym.report.table import Cell, Column, Table, filled, pair, underlined
 from ffgym.studies import CircleStudy, OneAxisStudy
 
@@ -15,7 +15,20 @@ def format_text(study: CircleStudy) -> str:
         "as RMS (max); offset at standstill removed; lead-in and lead-out do not count. simulated: ffgym. published: "
         "the real robot, by laser tracker, as printed in the thesis (Tables 4.1, 4.2, 5.1, 5.2). '-': not published."
     )
-    return "\n\n".join([legend, *map(_speed_text, circle_tables(study))]) + "\n"
+    parts = [legend]
+    for table in circle_tables(study):
+        speed, near = f"{table.speed_mm_s:g} mm/s", nearness(table.ratios().values())
+        if UNCOMPENSATED not in table.agents:
+            words = f"No run without compensation (law {UNCOMPENSATED!r}), so none to compare with the published robot."
+        elif near is None:
+            words = f"Nothing to compare with: no numbers were published for these circles at {speed}."
+        else:
+            words = filled(
+                f"Ratio simulated / published RMS without compensation: median {near.median:.2f}; {near.near} of "
+                f"{near.total} circles within a factor of {FACTOR:g} ({1 / FACTOR:.2f} to {FACTOR:g})"
+            )
+        parts += [f"{underlined(speed)}\n{speed_table(table).text()}", words]
+    return "\n\n".join(parts) + "\n"
 
 
 def format_one_axis(study: OneAxisStudy) -> str:
@@ -37,11 +50,12 @@ def speed_table(table: SpeedTable, *, with_ratio: bool = True) -> Table:
     ]
     for agent, style in styles.items():
         entries = [row.entries.get(agent) for row in rows]
-        simulated = [*map(_simulated, entries), table.mean_rms(agent)]
-        published = [*map(_published, entries), table.mean_published_rms(agent)]
+        simulated = [entry and pair(entry.rms, entry.max, ".3f") for entry in entries]
+        published = [entry and pair(entry.published_rms, entry.published_max, ".3f", ".2f") for entry in entries]
+        means = table.mean_rms(agent), table.mean_published_rms(agent)
         columns += [
-            Column("simulated", simulated, ".3f", group=style.label, colour=style.colour),
-            Column("published", published, ".3f", group=style.label, style="published"),
+            Column("simulated", [*simulated, means[0]], ".3f", group=style.label, colour=style.colour),
+            Column("published", [*published, means[1]], ".3f", group=style.label, style="published"),
         ]
     near = nearness(table.ratios().values())
     if with_ratio and near is not None:
@@ -57,7 +71,7 @@ def sine_table(study: OneAxisStudy) -> Table:
     return Table(
         columns=[
             Column("f", [result.frequency_hz for result in results], "g", unit="Hz"),
-            law_column([result.agent for result in results]),
+            law_column("law", [result.agent for result in results]),
             Column("RMS", [result.motor_rms_rad * 1e3 for result in results], ".3f", unit="mrad"),
             Column("max", [result.motor_max_rad * 1e3 for result in results], ".3f", unit="mrad"),
             Column("RMS removed", [result.reduction for result in results], ".1%"),
@@ -73,7 +87,7 @@ def summary_table(tables: Sequence[SpeedTable]) -> Table:
     lines = [(table, agent, baseline_of(table.agents)) for table in tables for agent in table.agents]
     columns = [
         Column("speed", [table.speed_mm_s for table, _, _ in lines], "g", unit="mm/s"),
-        law_column([agent for _, agent, _ in lines]),
+        law_column("law", [agent for _, agent, _ in lines]),
     ]
     for group, style, mean in (
         ("simulated", "", SpeedTable.mean_rms),
@@ -86,34 +100,3 @@ def summary_table(tables: Sequence[SpeedTable]) -> Table:
             Column("change", words, group=group, style=style),
         ]
     return Table(columns=columns, name="summary", fixed=2, ruled_by=0)
-
-
-def law_column(agents: Sequence[str]) -> Column:
-    """Laws in their words and colours, one for each row."""
-    styles = law_styles(agents)
-    return Column("law", [Cell(styles[law].label, colour=styles[law].colour) for law in agents], kind="name")
-
-
-def _simulated(entry: Entry | None) -> Cell | None:
-    return None if entry is None else pair(entry.rms, entry.max, ".3f")
-
-
-def _published(entry: Entry | None) -> Cell | None:
-    return None if entry is None else pair(entry.published_rms, entry.published_max, ".3f", ".2f")
-
-
-def _speed_text(table: SpeedTable) -> str:
-    return f"{underlined(f'{table.speed_mm_s:g} mm/s')}\n{speed_table(table).text()}\n\n{_ratio_text(table)}"
-
-
-def _ratio_text(table: SpeedTable) -> str:
-    """How near simulated and published RMS are without compensation."""
-    if UNCOMPENSATED not in table.agents:
-        return f"No run without compensation (law {UNCOMPENSATED!r}), so none to compare with the published robot."
-    summary = nearness(table.ratios().values())
-    if summary is None:
-        return f"Nothing to compare with: no numbers were published for these circles at {table.speed_mm_s:g} mm/s."
-    return filled(
-        f"Ratio simulated / published RMS without compensation: median {summary.median:.2f}; {summary.near} of "
-        f"{summary.total} circles within a factor of {FACTOR:g} ({1 / FACTOR:.2f} to {FACTOR:g})"
-    )

@@ -14,10 +14,9 @@ from ffgym.diagnosis.profiles import VARIABLES, Profile, Variable, profiles
 from ffgym.diagnosis.regimes import LogRows, log_rows
 from ffgym.diagnosis.residual import UNITS, Channel, MotionResidual, Residual, components
 from ffgym.report.diagnosis.words import LOOKS, NOMINAL, counting, fine_scale_of, motor_speed, scale_of
-from ffgym.report.figure import panels
+from ffgym.report.figure import panels, peaks_kept
 from ffgym.report.identification.friction_plots import NEW, OLD
 from ffgym.report.table import shortened
-from ffgym.report.thinning import peaks_kept
 from ffgym.report.tool_path import ToolPath, scale_of_error, tool_path_figure
 
 if TYPE_CHECKING:

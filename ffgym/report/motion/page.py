@@ -3,18 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ffgym.report.figure import ReportFigure
-from ffgym.report.laws import law_styles
-from ffgym.report.motion.plot import (
-    motion_path_caption,
-    motion_path_figure,
-    motor_errors_caption,
-    motor_errors_figure,
-    path_error_caption,
-    path_error_figure,
-    torques_caption,
-    torques_figure,
-)
+from ffgym.report.laws import law_column, law_styles
+from ffgym.report.motion.plot import motion_figures
 from ffgym.report.page import Legend, Note, Page, Part, Section
 from ffgym.report.table import Cell, Column, Table, filled, pair, underlined
 from ffgym.robot import RobotDescription
@@ -37,11 +27,12 @@ def format_motion(study: MotionStudy) -> str:
 
 def _text(study: MotionStudy, name: str) -> str:
     results, reference = study.results_of(name), study.references[name]
+    agents = [result.agent for result in results]
     parts = [underlined(f"{name}: {reference.duration:.2f} s, {study.robot.title}")]
     if results[0].path:
         whole = [result.path[0] for result in results]
         columns = [
-            _laws("path error [mm]", results),
+            law_column("path error [mm]", agents),
             Column("RMS", [stretch.rms_mm for stretch in whole], ".3f"),
             Column("max", [stretch.max_mm for stretch in whole], ".3f"),
             Column("along: RMS", [stretch.lag_rms_mm for stretch in whole], ".3f"),
@@ -53,8 +44,8 @@ def _text(study: MotionStudy, name: str) -> str:
     torques = [Column(joint, [result.torque_use[j] for result in results], ".1%", kind="name") for j, joint in joints]
     speeds = [Column(joint, [results[0].speed_use[j]], ".1%", kind="name") for j, joint in joints]
     parts += [filled(_JOINTS), ""]
-    parts += [Table(columns=[_laws("motor error [mrad]", results), *errors]).text(), ""]
-    parts += [Table(columns=[_laws("torque [%]", results), *torques]).text(), ""]
+    parts += [Table(columns=[law_column("motor error [mrad]", agents), *errors]).text(), ""]
+    parts += [Table(columns=[law_column("torque [%]", agents), *torques]).text(), ""]
     parts += [Table(columns=[Column("speed [%]", ["all laws"], kind="text"), *speeds]).text()]
     return "\n".join(parts) + "\n"
 
@@ -85,12 +76,35 @@ def render_motion_page(study: MotionStudy, notes: Sequence[str], info: Mapping[s
 
 
 def _section(study: MotionStudy, name: str) -> Section:
-    results, reference = study.results_of(name), study.references[name]
-    parts: list[Part] = []
+    """Errors, torques and speeds of one motion in tables and figures."""
+    results, reference, joints = study.results_of(name), study.references[name], range(study.robot.n_joints)
+    stretches = [
+        Column("stretch", [stretch.label for stretch in results[0].path], kind="text"),
+        Column("from", [stretch.start for stretch in results[0].path], ".2f", unit="s"),
+    ]
+    limits = [
+        Column("joint", study.robot.joints, kind="name"),
+        Column("speed", [results[0].speed_use[j] for j in joints], ".1%"),
+    ]
+    styles = law_styles(result.agent for result in results)
+    for result in results:
+        law, colour = styles[result.agent].label, styles[result.agent].colour
+        across = [pair(stretch.rms_mm, stretch.max_mm, ".3f") for stretch in result.path]
+        along = [pair(stretch.lag_rms_mm, stretch.lag_max_mm, ".3f") for stretch in result.path]
+        stretches += [
+            Column("across: RMS (max)", across, group=law, colour=colour),
+            Column("along: RMS (max)", along, group=law),
+        ]
+        errors = [_motor_error(result, j) for j in joints]
+        limits += [
+            Column("error RMS (max)", errors, unit="mrad", group=law, colour=colour),
+            Column("torque", [result.torque_use[j] for j in joints], ".1%", group=law),
+        ]
+    parts: list[Part] = [Section("Joints", [Note(_JOINTS), Table(columns=limits)]), *motion_figures(study, name)]
     if results[0].path:
-        parts.append(Section("Path error [mm]", [Note(f"Across and along: {_PATH}"), _stretches(results)]))
-    parts.append(Section("Joints", [Note(_JOINTS), _joints(results, study.robot)]))
-    return Section(f"{reference.name} ({reference.duration:.2f} s)", [*parts, *motion_figures(study, name)])
+        table = Table(columns=stretches, strong=[0])
+        parts.insert(0, Section("Path error [mm]", [Note(f"Across and along: {_PATH}"), table]))
+    return Section(f"{reference.name} ({reference.duration:.2f} s)", parts)
 
 
 def _robot(robot: RobotDescription) -> Table:
@@ -110,60 +124,5 @@ def _robot(robot: RobotDescription) -> Table:
     return Table(columns=columns, name="robot")
 
 
-def _stretches(results: Sequence[MotionResult]) -> Table:
-    columns = [
-        Column("stretch", [stretch.label for stretch in results[0].path], kind="text"),
-        Column("from", [stretch.start for stretch in results[0].path], ".2f", unit="s"),
-    ]
-    for result, law in zip(results, _laws("", results).values, strict=True):
-        across = [pair(stretch.rms_mm, stretch.max_mm, ".3f") for stretch in result.path]
-        along = [pair(stretch.lag_rms_mm, stretch.lag_max_mm, ".3f") for stretch in result.path]
-        columns += [
-            Column("across: RMS (max)", across, group=law.text, colour=law.colour),
-            Column("along: RMS (max)", along, group=law.text),
-        ]
-    return Table(columns=columns, strong=[0])
-
-
-def _joints(results: Sequence[MotionResult], robot: RobotDescription) -> Table:
-    n = range(robot.n_joints)
-    columns = [
-        Column("joint", robot.joints, kind="name"),
-        Column("speed", [results[0].speed_use[j] for j in n], ".1%"),
-    ]
-    for result, law in zip(results, _laws("", results).values, strict=True):
-        errors = [_motor_error(result, j) for j in n]
-        columns += [
-            Column("error RMS (max)", errors, unit="mrad", group=law.text, colour=law.colour),
-            Column("torque", [result.torque_use[j] for j in n], ".1%", group=law.text),
-        ]
-    return Table(columns=columns)
-
-
-def _laws(heading: str, results: Sequence[MotionResult]) -> Column:
-    """Laws in their words and colours, one for each result."""
-    styles = law_styles(result.agent for result in results)
-    cells = [Cell(styles[result.agent].label, colour=styles[result.agent].colour) for result in results]
-    return Column(heading, cells, kind="name")
-
-
 def _motor_error(result: MotionResult, joint: int) -> Cell | None:
     return pair(result.motor_rms_rad[joint] * 1e3, result.motor_max_rad[joint] * 1e3, ".2f")
-
-
-def motion_figures(study: MotionStudy, motion: str) -> list[ReportFigure]:
-    """Figures of one motion; those of the tool only where it was seen."""
-    figures = [
-        ("motor-errors", "Motor errors", motor_errors_caption, motor_errors_figure),
-        ("torques", "Torque beside its limit", torques_caption, torques_figure),
-    ]
-    if any(result.path for result in study.results_of(motion)):
-        figures = [
-            ("path", "Path of the tool", motion_path_caption, motion_path_figure),
-            ("path-error", "Path error over time", path_error_caption, path_error_figure),
-            *figures,
-        ]
-    return [
-        ReportFigure(name, title, caption(study, motion), figure(study, motion))
-        for name, title, caption, figure in figures
-    ]
