@@ -29,7 +29,6 @@ from .identification.rigid_body import RigidBodyOptions as RigidBodyOptions
 from .identification.rigid_body import TorqueErrors as TorqueErrors
 from .identification.rigid_body import TradeOff as TradeOff
 from .identification.rigid_body import base_parameters as base_parameters
-from .identification.rigid_body import best_excitation as best_excitation
 from .identification.rigid_body import excitation_condition as excitation_condition
 from .identification.rigid_body import identify_rigid_body as identify_rigid_body
 from .identification.rigid_body import starting_robot as starting_robot

@@ -1,6 +1,5 @@
 from .base import BaseParameters as BaseParameters
 from .base import base_parameters as base_parameters
-from .base import best_excitation as best_excitation
 from .base import excitation_condition as excitation_condition
 from .fit import RigidBodyFit as RigidBodyFit
 from .identify import RigidBodyOptions as RigidBodyOptions

@@ -15,11 +15,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.rigid_body.observation import Filtering
-from ffgym.diagnosis.identification.rigid_body.terms import DEFAULT_TERMS, Motion, Term, rigid_motion, terms_named
+from ffgym.diagnosis.identification.rigid_body.terms import (
+    DEFAULT_TERMS,
+    Term,
+    columns_of,
+    described_by,
+    rigid_motion,
+    terms_named,
+)
 from ffgym.paths import Reference
 from ffgym.robot import RobotDescription
 
@@ -69,9 +75,14 @@ def base_parameters(robot: RobotDescription, terms: Sequence[Term], seed: int = 
         terms: what is there to identify.
         seed: of the states; the result does not depend on it.
     """
-    motion = _random_motion(robot, terms, seed)
-    columns = np.concatenate([part for term in terms for part in term.columns(robot, motion)], axis=1)
-    matrix = columns.swapaxes(1, 2).reshape(-1, columns.shape[1])
+    labels = tuple(label for term in terms for label in term.labels(robot))
+    # independent states: positions within limits, speeds up to the limits, and what reaches them in a reversal
+    rng, shape = np.random.default_rng(seed), (_STATES * len(labels), robot.n_joints)
+    low, high = robot.kinematics.range.T
+    speed = robot.kinematics.max_speed
+    dq, ddq = rng.uniform(-speed, speed, shape), rng.uniform(-speed, speed, shape) / _REVERSAL
+    columns = columns_of(robot, terms, rigid_motion(robot, rng.uniform(low, high, shape), dq, ddq))
+    matrix = columns.swapaxes(1, 2).reshape(-1, len(labels))
     size = np.linalg.norm(matrix, axis=0)
     unit = matrix / np.where(size > 0, size, 1.0)
     own = _independent(unit)
@@ -82,9 +93,7 @@ def base_parameters(robot: RobotDescription, terms: Sequence[Term], seed: int = 
         shared = np.linalg.lstsq(unit[:, own], unit[:, others], rcond=None)[0]
         shared[np.abs(shared) < _SHOWN] = 0.0
         combination[:, others] = shared * size[others] / size[own][:, None]
-    return BaseParameters(
-        own=own, combination=combination, labels=tuple(label for term in terms for label in term.labels(robot))
-    )
+    return BaseParameters(own=own, combination=combination, labels=labels)
 
 
 def condition_number(columns: Array, counts: BoolArray, base: BaseParameters) -> float:
@@ -98,24 +107,6 @@ def condition_number(columns: Array, counts: BoolArray, base: BaseParameters) ->
     matrix = columns[:, base.own].swapaxes(1, 2)[counts]
     size = np.linalg.norm(matrix, axis=0)
     return float(np.linalg.cond(matrix / size)) if np.all(size > 0) and len(matrix) >= len(size) else np.inf
-
-
-def _random_motion(robot: RobotDescription, terms: Sequence[Term], seed: int) -> Motion:
-    """Independent random states: positions within limits, speeds up to the limits, and what reaches them in 0.1 s."""
-    rng = np.random.default_rng(seed)
-    count = _STATES * sum(len(term.labels(robot)) for term in terms)
-    low, high = robot.kinematics.range.T
-    speed = robot.kinematics.max_speed
-    shape = (count, robot.n_joints)
-    dq, ddq = rng.uniform(-speed, speed, shape), rng.uniform(-speed, speed, shape) / _REVERSAL
-    drive = robot.drive
-    return Motion(
-        q=rng.uniform(low, high, shape),
-        dq=dq,
-        ddq=ddq,
-        motor_dq=drive.motor_angle(dq),
-        motor_ddq=drive.motor_angle(ddq),
-    )
 
 
 def _independent(unit: Array) -> IntArray:
@@ -139,19 +130,7 @@ def excitation_condition(reference: Reference, terms: Sequence[str] = DEFAULT_TE
     """
     robot, parts = reference.robot, terms_named(terms)
     motion = rigid_motion(robot, reference.q, reference.dq, reference.ddq)
-    columns = np.concatenate([part for term in parts for part in term.columns(robot, motion)], axis=1)
-    described = np.concatenate([term.described(robot) for term in parts])
-    size = rms(np.einsum("tkn,k->tn", columns, described), 0)
+    columns = columns_of(robot, parts, motion)
+    size = rms(np.einsum("tkn,k->tn", columns, described_by(robot, parts)), 0)
     moving = np.abs(motion.motor_dq / robot.drive.gear_ratio) > Filtering().moving
     return condition_number(columns / np.where(size > 0, size, 1.0), moving, base_parameters(robot, parts))
-
-
-def best_excitation(references: Sequence[Reference], terms: Sequence[str] = DEFAULT_TERMS) -> Reference:
-    """The motion with the lowest condition number, e.g. of random ones.
-
-    Raises:
-        FFGymError: if there is none to choose from.
-    """
-    if not references:
-        raise FFGymError("There is no motion to choose from: references is empty.")
-    return min(references, key=lambda reference: excitation_condition(reference, terms))

@@ -26,7 +26,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import installed
 from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.identification.rigid_body.bodies import pseudo_inertia
-from ffgym.diagnosis.identification.rigid_body.terms import BODIES, Term
+from ffgym.diagnosis.identification.rigid_body.terms import BODIES, Term, per_parameter
 from ffgym.robot import RobotDescription
 
 THINNEST = 0.01
@@ -39,12 +39,18 @@ UPPER = np.triu_indices(4)
 WEIGHTS = np.where(UPPER[0] == UPPER[1], 1.0, np.sqrt(2.0))
 """What each of them counts."""
 
+LEAST = 1e-3
+"""Smallest eigenvalue of Z, that is how thin a body may become against its reference: above 0, so that the description
+that is written is one of bodies."""
+
+_TOLERANCE = 1e-7
+"""Of the solver, for the objective and relative to it, and for constraints: far below noise and LEAST."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Coordinates:
     """Affine map between parameters x (K,) in their units and coordinates y (K,) without unit."""
 
-    labels: tuple[str, ...]
     to_parameters: Array
     """x = T y, shape (K, K)."""
     reference: Array
@@ -66,7 +72,6 @@ class Coordinates:
         """Some of the coordinates, `kept` (K,); those of a body stay together."""
         index = np.cumsum(kept) - 1
         return Coordinates(
-            labels=tuple(label for label, keep in zip(self.labels, kept, strict=True) if keep),
             to_parameters=self.to_parameters[np.ix_(kept, kept)],
             reference=self.reference[kept],
             is_held=self.is_held[kept],
@@ -82,94 +87,12 @@ class Coordinates:
         """How far each coordinate may be from the reference, shape (K,), for held ones the given `spread`."""
         return np.where(self.is_held, spread, 1.0)
 
-    def z(self, y: Array) -> list[Array]:
-        """The matrix Z of each body, (4, 4) each."""
-        return [_symmetric(y[body]) for body in self.bodies]
-
     def least_eigenvalue(self, y: Array) -> float:
         """Smallest eigenvalue of Z over all bodies; infinite if there are none."""
-        return min((float(np.linalg.eigvalsh(z)[0]) for z in self.z(y)), default=np.inf)
-
-
-def coordinates_of(robot: RobotDescription, terms: tuple[Term, ...], scales: Array) -> Coordinates:
-    """Coordinates for the parameters of `terms`.
-
-    Args:
-        robot: description, which the reference is of.
-        terms: what is fitted.
-        scales: sizes of the parameters that are not held near the description, shape (K,).
-    """
-    maps, reference, bodies, start = [], [], [], 0
-    for term in terms:
-        described = term.described(robot)
-        own = np.arange(start, start + len(described))
-        if term is BODIES:
-            maps += [_body_map(body) for body in described.reshape(-1, 10)]
-            bodies += list(own.reshape(-1, 10))
-            reference.append(np.tile(_IDENTITY, len(described) // 10))
-        else:
-            sizes = described if term.is_held else scales[own]
-            maps.append(np.diag(sizes))
-            reference.append(described / sizes)
-        start += len(described)
-    return Coordinates(
-        labels=tuple(label for term in terms for label in term.labels(robot)),
-        to_parameters=scipy.linalg.block_diag(*maps),
-        reference=np.concatenate(reference),
-        is_held=np.concatenate([np.full(len(term.labels(robot)), term.is_held) for term in terms]),
-        least=np.concatenate([np.full(len(term.labels(robot)), term.least) for term in terms]),
-        bodies=tuple(bodies),
-    )
-
-
-def _body_map(own: Array) -> Array:
-    """Matrix (10, 10) from the entries of Z to the parameters of a body, with the body `own` (10,) as reference."""
-    basis = np.array([_entries(m) for m in pseudo_inertia(np.eye(10))]).T  # entries of J of each parameter
-    root = np.linalg.cholesky(_thick(pseudo_inertia(own)))
-    spread = np.array([_entries(root @ _symmetric(unit) @ root.T) for unit in np.eye(10)]).T
-    return np.linalg.solve(basis, spread)
-
-
-def _thick(pseudo: Array) -> Array:
-    """Pseudo-inertia (4, 4) of a body that is nowhere thinner than THINNEST."""
-    mass, moment = pseudo[3, 3], pseudo[:3, 3]
-    spread, axes = np.linalg.eigh(pseudo[:3, :3] - np.outer(moment, moment) / mass)
-    thick = pseudo.copy()
-    thick[:3, :3] += (axes * (np.maximum(spread, THINNEST * spread[2]) - spread)) @ axes.T
-    return thick
-
-
-def _entries(symmetric: Array) -> Array:
-    """The ten entries of a symmetric matrix (4, 4), off-diagonal ones times the square root of 2."""
-    return symmetric[UPPER] * WEIGHTS
-
-
-def _symmetric(entries: Array) -> Array:
-    """Symmetric matrix (4, 4) of its ten entries."""
-    matrix = np.zeros((4, 4))
-    matrix[UPPER] = entries / WEIGHTS
-    return matrix + np.triu(matrix, 1).T
-
-
-_IDENTITY = _entries(np.eye(4))
-
-
-LEAST = 1e-3
-"""Smallest eigenvalue of Z, that is how thin a body may become against its reference: above 0, so that the description
-that is written is one of bodies."""
-
-_TOLERANCE = 1e-7
-"""Of the solver, for the objective and relative to it, and for constraints: far below noise and LEAST."""
-
-
-class ConsistentLeastSquares:
-    """Solver for one set of coordinates, which is used again and again with other data."""
-
-    def __init__(self, coordinates: Coordinates) -> None:
-        self.coordinates = coordinates
+        return min((float(np.linalg.eigvalsh(_symmetric(y[body]))[0]) for body in self.bodies), default=np.inf)
 
     def solve(self, normal: Array, right: Array) -> Array:
-        """The best coordinates y (K,).
+        """Solve the least squares y^T A y - 2 b^T y over bodies that exist.
 
         Args:
             normal: A, symmetric positive definite, shape (K, K).
@@ -182,7 +105,7 @@ class ConsistentLeastSquares:
                 "The equations are singular in floating point: description and recordings differ by too many powers of "
                 "ten. Check masses, rotors, gear ratios and the unit of the torque."
             ) from error
-        if np.all(y >= self.coordinates.least) and self.coordinates.least_eigenvalue(y) >= LEAST:
+        if np.all(y >= self.least) and self.least_eigenvalue(y) >= LEAST:
             return y
         return self._constrained(y, normal)
 
@@ -194,9 +117,9 @@ class ConsistentLeastSquares:
         """
         problem, y, centre, whitened = self._problem
         root = np.linalg.cholesky(normal).T
-        size = np.linalg.norm(root @ (self.coordinates.reference - best))
+        size = np.linalg.norm(root @ (self.reference - best))
         centre.value = best
-        whitened.value = size * scipy.linalg.solve_triangular(root, np.eye(len(best)))
+        whitened.value = size * scipy.linalg.solve_triangular(root, np.eye(self.n))
         problem.solve(solver="CLARABEL", tol_gap_rel=_TOLERANCE, tol_gap_abs=_TOLERANCE, tol_feas=_TOLERANCE)
         if problem.status not in ("optimal", "optimal_inaccurate"):
             raise FFGymError(
@@ -216,12 +139,63 @@ class ConsistentLeastSquares:
         from cvxpy.atoms.affine.binary_operators import multiply
         from cvxpy.atoms.sum_squares import sum_squares
 
-        own = self.coordinates
-        unknown, centre, whitened = cp.Variable(own.n), cp.Parameter(own.n), cp.Parameter((own.n, own.n))
+        unknown, centre, whitened = cp.Variable(self.n), cp.Parameter(self.n), cp.Parameter((self.n, self.n))
         y = centre + whitened @ unknown
-        bounded = np.flatnonzero(np.isfinite(own.least))
-        limits = [y[bounded] >= own.least[bounded]] if len(bounded) else []
-        for body in own.bodies:
+        bounded = np.flatnonzero(np.isfinite(self.least))
+        limits = [y[bounded] >= self.least[bounded]] if len(bounded) else []
+        for body in self.bodies:
             z = cp.Variable((4, 4), symmetric=True)
             limits += [multiply(WEIGHTS, z[UPPER]) == y[body], z >> LEAST * np.eye(4)]
         return cp.Problem(cp.Minimize(sum_squares(unknown)), limits), y, centre, whitened
+
+
+def coordinates_of(robot: RobotDescription, terms: tuple[Term, ...], scales: Array) -> Coordinates:
+    """Coordinates for the parameters of `terms`; `scales` (K,) are the sizes of those that are not held."""
+    maps, reference, bodies, start = [], [], [], 0
+    for term in terms:
+        described = term.described(robot)
+        own = np.arange(start, start + len(described))
+        if term is BODIES:
+            maps += [_body_map(body) for body in described.reshape(-1, 10)]
+            bodies += list(own.reshape(-1, 10))
+            reference.append(np.tile(_IDENTITY, len(described) // 10))
+        else:
+            sizes = described if term.is_held else scales[own]
+            maps.append(np.diag(sizes))
+            reference.append(described / sizes)
+        start += len(described)
+    return Coordinates(
+        to_parameters=scipy.linalg.block_diag(*maps),
+        reference=np.concatenate(reference),
+        is_held=per_parameter(robot, terms, lambda term: term.is_held),
+        least=per_parameter(robot, terms, lambda term: term.least),
+        bodies=tuple(bodies),
+    )
+
+
+def _body_map(own: Array) -> Array:
+    """Matrix (10, 10) from the entries of Z to the parameters of a body, with the body `own` (10,) as reference."""
+    basis = np.array([_entries(m) for m in pseudo_inertia(np.eye(10))]).T  # entries of J of each parameter
+    # thicken the reference where it is thinner than THINNEST; mass and centre stay
+    pseudo = pseudo_inertia(own)
+    mass, moment = pseudo[3, 3], pseudo[:3, 3]
+    second, axes = np.linalg.eigh(pseudo[:3, :3] - np.outer(moment, moment) / mass)
+    pseudo[:3, :3] += (axes * (np.maximum(second, THINNEST * second[2]) - second)) @ axes.T
+    root = np.linalg.cholesky(pseudo)
+    spread = np.array([_entries(root @ _symmetric(unit) @ root.T) for unit in np.eye(10)]).T
+    return np.linalg.solve(basis, spread)
+
+
+def _entries(symmetric: Array) -> Array:
+    """The ten entries of a symmetric matrix (4, 4), off-diagonal ones times the square root of 2."""
+    return symmetric[UPPER] * WEIGHTS
+
+
+def _symmetric(entries: Array) -> Array:
+    """Symmetric matrix (4, 4) of its ten entries."""
+    matrix = np.zeros((4, 4))
+    matrix[UPPER] = entries / WEIGHTS
+    return matrix + np.triu(matrix, 1).T
+
+
+_IDENTITY = _entries(np.eye(4))

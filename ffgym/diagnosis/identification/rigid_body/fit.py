@@ -27,22 +27,6 @@ UNEXPLAINED = 0.2
 recorded machines of docs/rigid_body_identification.md, and 32 % to 103 % where the torque has the wrong sign."""
 
 
-def doubts_about(robot: RobotDescription, errors: TorqueErrors, trade_off: TradeOff) -> tuple[str, ...]:
-    """Sentences about motors whose torque is left unexplained, and a description that is farther off than was tried."""
-    left = errors.identified > UNEXPLAINED * errors.measured
-    doubts = [
-        f"{robot.joints[j]}: {errors.identified[j] / errors.measured[j]:.0%} of its torque is left unexplained. Look "
-        "for a wrong sign, unit, side of the gearbox or gear ratio, or for a torque that is no rigid body's."
-        for j in np.flatnonzero(left)
-    ]
-    if len(trade_off.spreads) > 1 and trade_off.chosen == trade_off.spreads.max():
-        doubts.append(
-            f"Held-out parts are predicted best with the largest spread that was tried, {trade_off.chosen:g}: masses "
-            "or rotors of the description, or the unit of the torque, are off by a factor. Begin with better ones."
-        )
-    return tuple(doubts)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RigidBodyFit:
     """Parameters of a rigid arm, K of them, from recordings."""
@@ -95,8 +79,21 @@ class RigidBodyFit:
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What speaks against the fit, in sentences."""
-        return doubts_about(self.robot, self.errors, self.trade_off)
+        """Sentences about motors whose torque is left unexplained, and a description that is too far off."""
+        errors, trade_off = self.errors, self.trade_off
+        doubts = [
+            f"{self.robot.joints[j]}: {errors.identified[j] / errors.measured[j]:.0%} of its torque is left "
+            "unexplained. Look for a wrong sign, unit, side of the gearbox or gear ratio, or for a torque that is no "
+            "rigid body's."
+            for j in np.flatnonzero(errors.identified > UNEXPLAINED * errors.measured)
+        ]
+        if len(trade_off.spreads) > 1 and trade_off.chosen == trade_off.spreads.max():
+            doubts.append(
+                f"Held-out parts are predicted best with the largest spread that was tried, {trade_off.chosen:g}: "
+                "masses or rotors of the description, or the unit of the torque, are off by a factor. Begin with "
+                "better ones."
+            )
+        return tuple(doubts)
 
     @property
     def intervals(self) -> Intervals:

@@ -12,7 +12,13 @@ from ffgym.diagnosis.identification.rigid_body.base import base_parameters, cond
 from ffgym.diagnosis.identification.rigid_body.fit import RigidBodyFit
 from ffgym.diagnosis.identification.rigid_body.observation import Equations, Filtering, equations_of, torque_errors
 from ffgym.diagnosis.identification.rigid_body.problem import LOOSE, Problem, TradeOff, choose_spread, problem_of
-from ffgym.diagnosis.identification.rigid_body.terms import BODIES, DEFAULT_TERMS, terms_named
+from ffgym.diagnosis.identification.rigid_body.terms import (
+    BODIES,
+    DEFAULT_TERMS,
+    described_by,
+    per_parameter,
+    terms_named,
+)
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 
@@ -90,37 +96,50 @@ def identify_rigid_body(
         consistency and the metric; Bardsley et al. (2014), SIAM J. Scientific Computing 36(4), A1895, for the draws.
     """
     options = options or RigidBodyOptions()
+    terms = terms_named(options.terms)
     equations = _bent(robot, recordings, options)
     whole = problem_of(equations)
-    trade_off = _trade_off(whole, equations, options.spread)
-    kept = _excited(whole, trade_off.chosen)
+    if options.spread is None:
+        trade_off = choose_spread(whole, _folds(equations))
+    else:
+        trade_off = TradeOff(spreads=np.array([options.spread]), errors=np.array([np.nan]), chosen=options.spread)
+    spread = trade_off.chosen
+    kept = _excited(whole, spread)
     problem = whole.only(kept)
-    every = np.ones(equations.blocks.n_blocks)
-    described = np.concatenate([term.described(robot) for term in equations.terms])
+    every, described = np.ones(equations.blocks.n_blocks), described_by(robot, terms)
 
-    estimate = _completed(problem.solve(every, trade_off.chosen), problem, kept, described)
-    held = kept & np.concatenate([np.full(len(t.labels(robot)), bool(t.entries(robot))) for t in equations.terms])
+    # the best parameters, and the best of those that a parameter file can hold
+    estimate = _completed(problem.solve(every, spread), problem, kept, described)
+    held = kept & per_parameter(robot, terms, lambda term: bool(term.entries(robot)))
     without = whole.only(held)
-    in_file = _completed(without.solve(every, trade_off.chosen), without, held, described)
-    resampled = _resampled(problem, equations, trade_off.chosen, options, progress)
+    in_file = _completed(without.solve(every, spread), without, held, described)
+
+    # intervals from resampled blocks, each near a description that is drawn within the spread
+    rng, coordinates, found = np.random.default_rng(options.seed), problem.coordinates, []
+    for i in range(options.resamples):
+        reference = coordinates.reference + rng.normal(scale=coordinates.spreads(spread))
+        found.append(problem.solve(equations.blocks.draw(rng), spread, reference))
+        if progress is not None:
+            progress(i + 1.0, float(options.resamples))
+
     shares = np.zeros(len(kept))
-    shares[kept] = problem.shares(trade_off.chosen)
-    base = base_parameters(robot, equations.terms)
+    shares[kept] = problem.shares(spread)
+    base = base_parameters(robot, terms)
     return RigidBodyFit(
         robot=robot,
-        terms=equations.terms,
+        terms=terms,
         filtering=options.filtering,
         segments=tuple(recording.header.segment for recording in recordings),
         described=described,
         estimate=estimate,
         in_file=in_file,
-        resampled=_completed(resampled, problem, kept, described),
+        resampled=_completed(np.array(found), problem, kept, described),
         level=options.level,
         shares=shares,
         fitted=kept,
         trade_off=trade_off,
         base=base,
-        base_shares=whole.shares_of(base.combination, trade_off.chosen),
+        base_shares=whole.shares_of(base.combination, spread),
         condition=condition_number(equations.columns / whole.noise, equations.counts, base),
         errors=torque_errors(equations, estimate, in_file),
     )
@@ -143,13 +162,6 @@ def _bent(robot: RobotDescription, recordings: Sequence[Recording], options: Rig
     y = problem.solve(np.ones(first.blocks.n_blocks), options.spread or LOOSE)
     bodies = problem.coordinates.parameters(y)[: len(terms[0].labels(robot))]
     return equations_of(robot, recordings, terms, options.filtering, bodies)
-
-
-def _trade_off(problem: Problem, equations: Equations, spread: float | None) -> TradeOff:
-    """The spread that is asked for, or the one that predicts best."""
-    if spread is not None:
-        return TradeOff(spreads=np.array([spread]), errors=np.array([np.nan]), chosen=spread)
-    return choose_spread(problem, _folds(equations))
 
 
 def _folds(equations: Equations) -> IntArray:
@@ -178,17 +190,3 @@ def _excited(problem: Problem, spread: float) -> BoolArray:
         if not doubtful.any():
             return kept
         kept[np.flatnonzero(kept)[np.flatnonzero(doubtful)[-1]]] = False
-
-
-def _resampled(
-    problem: Problem, equations: Equations, spread: float, options: RigidBodyOptions, progress: Progress | None
-) -> Array:
-    """Coordinates (resamples, K) from resampled blocks, each near a description that is drawn within the spread."""
-    rng = np.random.default_rng(options.seed)
-    coordinates, found = problem.coordinates, []
-    for i in range(options.resamples):
-        reference = coordinates.reference + rng.normal(scale=coordinates.spreads(spread))
-        found.append(problem.solve(equations.blocks.draw(rng), spread, reference))
-        if progress is not None:
-            progress(i + 1.0, float(options.resamples))
-    return np.array(found)

@@ -1,7 +1,8 @@
 """Recordings as linear equations: filtered columns of all parameters beside filtered motor torque."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import scipy
@@ -9,7 +10,14 @@ import scipy
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.resampling import Blocks
-from ffgym.diagnosis.identification.rigid_body.terms import BODIES, TERMS, Motion, Term, elastic_motion, rigid_motion
+from ffgym.diagnosis.identification.rigid_body.terms import (
+    BODIES,
+    TERMS,
+    Term,
+    described_by,
+    elastic_motion,
+    rigid_motion,
+)
 from ffgym.diagnosis.identification.signals import LowPass, acting_torque, joint_motion
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -36,10 +44,6 @@ class Filtering:
         check_number("moving", self.moving, unit="rad/s", low=0.0)
         check_number("block", self.block, unit="s", low=0.0, open_low=True)
 
-    def stride(self, dt: float) -> int:
-        """Rows of a recording, sampled every `dt` [s], for one that is kept."""
-        return max(1, int(1 / (_ROWS_PER_CUTOFF * self.parallel.cutoff * dt)))
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Equations:
@@ -59,11 +63,6 @@ class Equations:
     """Whether a row counts for a motor: it moves, and the filters know what is around, shape (R, N)."""
     blocks: Blocks
     """What is resampled; each recording is a stratum."""
-
-    @property
-    def labels(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        return tuple(label for term in self.terms for label in term.labels(self.robot))
 
     def residual(self, parameters: Array) -> Array:
         """Measured minus predicted torque [N m], shape (R, N)."""
@@ -100,16 +99,9 @@ def equations_of(
     filtering = filtering or Filtering()
     bodies = BODIES.described(robot) if bodies is None else bodies
     parts = [_part(robot, recording, tuple(terms), filtering, bodies) for recording in recordings]
-    return Equations(
-        robot=robot,
-        terms=tuple(terms),
-        columns=np.concatenate([part.columns for part in parts]),
-        torque=np.concatenate([part.torque for part in parts]),
-        measured=np.concatenate([part.measured for part in parts]),
-        t=np.concatenate([part.t for part in parts]),
-        counts=np.concatenate([part.counts for part in parts]),
-        blocks=Blocks.joined([part.blocks for part in parts]),
-    )
+    rows = ("columns", "torque", "measured", "t", "counts")
+    joined: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in rows}
+    return replace(parts[0], **joined, blocks=Blocks.joined([part.blocks for part in parts]))
 
 
 def _part(
@@ -119,14 +111,20 @@ def _part(
     dt, parallel = recording.dt, filtering.parallel
     rigid = rigid_motion(robot, *joint_motion(robot, recording, filtering.motion))
     motion = elastic_motion(robot, rigid, bodies, dt)
-    kept = slice(None, None, filtering.stride(dt))
+    stride = max(1, int(1 / (_ROWS_PER_CUTOFF * parallel.cutoff * dt)))
+    kept = slice(None, None, stride)
     columns = [_filtered(part, parallel, dt)[kept] for term in terms for part in term.columns(robot, motion)]
     measured = torque = acting_torque(robot, recording)
     for term in TERMS:
         if term not in terms and np.any(term.described(robot)):
             torque = torque - term.torque(robot, motion, term.described(robot))
-    counts = _counting(robot, motion, recording.valid, filtering, dt)[kept]
-    rows = np.ones(len(counts), dtype=np.bool_)
+    # rows count where motors move and are valid as far as the parallel filter reaches, and ends are far
+    reach = 2 * round(1 / (parallel.cutoff * dt)) + 1  # a period of the cut-off, on either side
+    good = (np.abs(motion.motor_dq / robot.drive.gear_ratio) > filtering.moving) & recording.valid
+    counts = scipy.ndimage.minimum_filter1d(good.astype(np.int8), reach, axis=0) > 0
+    ends = max(low_pass.end_rows(dt) for low_pass in (filtering.motion, parallel))
+    counts[:ends], counts[len(counts) - ends :] = False, False
+    counts = counts[kept]
     return Equations(
         robot=robot,
         terms=terms,
@@ -135,7 +133,7 @@ def _part(
         measured=parallel(measured, dt)[kept],
         t=recording.t[kept],
         counts=counts,
-        blocks=Blocks.cut([rows], dt * filtering.stride(dt), filtering.block),
+        blocks=Blocks.cut([np.ones(len(counts), dtype=np.bool_)], dt * stride, filtering.block),
     )
 
 
@@ -145,17 +143,6 @@ def _filtered(columns: Array, low_pass: LowPass, dt: float) -> Array:
     used = np.any(columns, axis=0)
     filtered[:, used] = low_pass(columns[:, used], dt)
     return filtered
-
-
-def _counting(robot: RobotDescription, motion: Motion, valid: BoolArray, filtering: Filtering, dt: float) -> BoolArray:
-    """Rows that count, (T, N): motors move and are `valid` as far as the parallel filter reaches; ends are far."""
-    speed = np.abs(motion.motor_dq / robot.drive.gear_ratio)
-    reach = 2 * round(1 / (filtering.parallel.cutoff * dt)) + 1  # a period of the cut-off, on either side
-    good = (speed > filtering.moving) & valid
-    counts: BoolArray = scipy.ndimage.minimum_filter1d(good.astype(np.int8), reach, axis=0) > 0
-    ends = max(low_pass.end_rows(dt) for low_pass in (filtering.motion, filtering.parallel))
-    counts[:ends], counts[len(counts) - ends :] = False, False
-    return counts
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -173,17 +160,13 @@ class TorqueErrors:
 
 def torque_errors(equations: Equations, estimate: Array, in_file: Array) -> TorqueErrors:
     """Errors of the equations with all that was found, and with what a parameter file holds of it, (K,) each."""
-    counts, robot = equations.counts, equations.robot
-    described = np.concatenate([term.described(robot) for term in equations.terms])
-    return TorqueErrors(
-        measured=_rms(equations.measured, counts),
-        described=_rms(equations.residual(described), counts),
-        identified=_rms(equations.residual(estimate), counts),
-        in_file=_rms(equations.residual(in_file), counts),
-    )
+    described = described_by(equations.robot, equations.terms)
+    left = {"described": described, "identified": estimate, "in_file": in_file}
+    errors = {name: rms_counting(equations.residual(values), equations.counts) for name, values in left.items()}
+    return TorqueErrors(measured=rms_counting(equations.measured, equations.counts), **errors)
 
 
-def _rms(values: Array, counts: BoolArray) -> Array:
+def rms_counting(values: Array, counts: BoolArray) -> Array:
     """Root mean square over the rows that count for each motor, (N,); NaN where none does."""
     with np.errstate(invalid="ignore"):
         return np.sqrt((np.where(counts, values, 0.0) ** 2).sum(axis=0) / counts.sum(axis=0))

@@ -6,8 +6,8 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.identification.rigid_body.coordinates import ConsistentLeastSquares, Coordinates, coordinates_of
-from ffgym.diagnosis.identification.rigid_body.observation import Equations
+from ffgym.diagnosis.identification.rigid_body.coordinates import Coordinates, coordinates_of
+from ffgym.diagnosis.identification.rigid_body.observation import Equations, rms_counting
 
 _WEIGHTINGS = 3
 """Times that the weights are computed anew from what is left; the third changes them by less than a percent."""
@@ -37,8 +37,6 @@ class Problem:
     """c_b, shape (n_blocks,)."""
     rows: int
     """Equations that count, of all motors and blocks."""
-    solver: ConsistentLeastSquares
-    """For the coordinates; one serves many problems, since it takes long to build."""
 
     def solve(self, counts: Array, spread: float, reference: Array | None = None) -> Array:
         """The best coordinates (K,) near a reference.
@@ -51,7 +49,7 @@ class Problem:
         reference = self.coordinates.reference if reference is None else reference
         prior = self.coordinates.spreads(spread) ** -2.0
         normal = np.tensordot(counts, self.normal, axes=1) + np.diag(prior)
-        return self.solver.solve(normal, counts @ self.right + prior * reference)
+        return self.coordinates.solve(normal, counts @ self.right + prior * reference)
 
     def losses(self, y: Array) -> Array:
         """Squared error of the rows of each block, in units of the noise, shape (n_blocks,)."""
@@ -78,13 +76,12 @@ class Problem:
         """The problem for some coordinates, `kept` (K,); the others stay at the reference."""
         if kept.all():
             return self
-        out, coordinates = ~kept, self.coordinates.only(kept)
+        out = ~kept
         fixed = self.coordinates.reference[out]
         given = self.normal[:, :, out] @ fixed
         return replace(
             self,
-            coordinates=coordinates,
-            solver=ConsistentLeastSquares(coordinates),
+            coordinates=self.coordinates.only(kept),
             normal=self.normal[:, kept][:, :, kept],
             right=(self.right - given)[:, kept],
             square=self.square - 2 * self.right[:, out] @ fixed + given[:, out] @ fixed,
@@ -93,36 +90,38 @@ class Problem:
 
 def problem_of(equations: Equations) -> Problem:
     """Weight the equations of each motor by the inverse of what they leave."""
-    if not equations.counts.any():
+    counts = equations.counts
+    if not counts.any():
         raise FFGymError(
             "No motor moves fast enough for long enough to tell anything: record a motion, or lower `moving`."
         )
-    _check_torque(equations)
-    coordinates = coordinates_of(equations.robot, equations.terms, _sizes(equations))
-    solver = ConsistentLeastSquares(coordinates)
-    torque = _rms(equations.torque, equations.counts)
-    noise = np.where(torque > 0, torque, 1.0)
-    for _ in range(_WEIGHTINGS):
-        problem = _summed(equations, solver, noise)
-        y = problem.solve(np.ones(equations.blocks.n_blocks), LOOSE)
-        left = _rms(equations.residual(coordinates.parameters(y)), equations.counts)
-        noise = np.maximum(left, np.where(torque > 0, _LEAST_NOISE * torque, 1.0))
-    return _summed(equations, solver, noise)
-
-
-def _check_torque(equations: Equations) -> None:
-    silent = equations.counts.any(axis=0) & (_rms(equations.measured, equations.counts) == 0.0)
+    silent = rms_counting(equations.measured, counts) == 0.0
     if silent.any():
         names = ", ".join(equations.robot.joints[j] for j in np.flatnonzero(silent))
         raise FFGymError(
             f"motor.effort of {names} is 0 wherever it moves, which tells nothing: map the column with its torque."
         )
+    torque = np.nan_to_num(rms_counting(equations.torque, counts))
+    size = np.where(torque > 0, torque, 1.0)
+    # each parameter in units of what alone would make the torque of the motor on which it acts most, 1 if on none
+    columns = np.where(counts[:, None], equations.columns, 0.0)
+    action = np.sqrt((columns**2).sum(axis=0) / np.maximum(counts.sum(axis=0), 1))
+    strongest = (action / size).max(axis=1)
+    scales = np.where(strongest > 0, 1 / np.where(strongest > 0, strongest, 1.0), 1.0)
+    coordinates = coordinates_of(equations.robot, equations.terms, scales)
+    # weights from what is left, again and again
+    noise = size
+    for _ in range(_WEIGHTINGS):
+        problem = _summed(equations, coordinates, noise)
+        y = problem.solve(np.ones(equations.blocks.n_blocks), LOOSE)
+        left = np.nan_to_num(rms_counting(equations.residual(coordinates.parameters(y)), counts))
+        noise = np.maximum(left, np.where(torque > 0, _LEAST_NOISE * torque, 1.0))
+    return _summed(equations, coordinates, noise)
 
 
-def _summed(equations: Equations, solver: ConsistentLeastSquares, noise: Array) -> Problem:
+def _summed(equations: Equations, coordinates: Coordinates, noise: Array) -> Problem:
     """Sums over the rows of each block with these weights."""
-    blocks, coordinates = equations.blocks, solver.coordinates
-    k = coordinates.n
+    blocks, k = equations.blocks, coordinates.n
     normal, right = np.zeros((blocks.n_blocks, k, k)), np.zeros((blocks.n_blocks, k))
     square = np.zeros(blocks.n_blocks)
     for motor, sigma in enumerate(noise):
@@ -141,23 +140,7 @@ def _summed(equations: Equations, solver: ConsistentLeastSquares, noise: Array) 
         right=right,
         square=square,
         rows=int(equations.counts.sum()),
-        solver=solver,
     )
-
-
-def _sizes(equations: Equations) -> Array:
-    """Size of each parameter with which it alone would make the torque of its motor, (K,); 1 if it acts on none."""
-    torque = _rms(equations.torque, equations.counts)
-    counted = np.where(equations.counts[:, None], equations.columns, 0.0)
-    action = np.sqrt((counted**2).sum(axis=0) / np.maximum(equations.counts.sum(axis=0), 1))
-    share = action / np.where(torque > 0, torque, 1.0)
-    strongest = share.max(axis=1)
-    return np.where(strongest > 0, 1 / np.where(strongest > 0, strongest, 1.0), 1.0)
-
-
-def _rms(values: Array, counts: BoolArray) -> Array:
-    """Root mean square of `values` (R, N) over the rows that count for each motor, (N,); 0 where none does."""
-    return np.sqrt((np.where(counts, values, 0.0) ** 2).sum(axis=0) / np.maximum(counts.sum(axis=0), 1))
 
 
 SPREADS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
@@ -192,19 +175,14 @@ def choose_spread(problem: Problem, folds: IntArray, spreads: tuple[float, ...] 
     """
     if len(np.unique(folds)) < 2:
         raise FFGymError("There is one block of rows only, so nothing can be held out: record for longer.")
-    losses = np.array([_held_out(problem, folds, spread) for spread in spreads])
+    losses = np.zeros((len(spreads), len(folds)))
+    for left, spread in zip(losses, spreads, strict=True):
+        for fold in np.unique(folds):
+            own = folds == fold
+            left[own] = problem.losses(problem.solve((~own).astype(np.float64), spread))[own]
     total = losses.sum(axis=1)
     excess = losses - losses[np.argmin(total)]
     tie = excess.sum(axis=1) <= excess.std(axis=1, ddof=1) * np.sqrt(losses.shape[1])
     return TradeOff(
         spreads=np.array(spreads), errors=np.sqrt(total / problem.rows), chosen=float(spreads[int(np.argmax(tie))])
     )
-
-
-def _held_out(problem: Problem, folds: IntArray, spread: float) -> Array:
-    """Loss of each block, predicted from the other folds, shape (n_blocks,)."""
-    losses = np.zeros(len(folds))
-    for fold in np.unique(folds):
-        own = folds == fold
-        losses[own] = problem.losses(problem.solve((~own).astype(np.float64), spread))[own]
-    return losses

@@ -10,8 +10,10 @@ torque is taken at q, of the parameters that are known so far.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
@@ -44,20 +46,13 @@ class Motion:
 
 
 def rigid_motion(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> Motion:
-    """Motion of an arm with rigid joints; joint positions, speeds and accelerations have shape (T, N)."""
+    """Motion of an arm with rigid joints from joint positions, speeds and accelerations, shape (T, N)."""
     drive = robot.drive
     return Motion(q=q, dq=dq, ddq=ddq, motor_dq=drive.motor_angle(dq), motor_ddq=drive.motor_angle(ddq))
 
 
 def elastic_motion(robot: RobotDescription, motion: Motion, bodies: Array, dt: float) -> Motion:
-    """The same motion of the motors, with what the joints bend.
-
-    Args:
-        robot: its joint stiffness counts, and its springs.
-        motion: of an arm with rigid joints, sampled every `dt`.
-        bodies: inertial parameters of all bodies, shape (10 B,).
-        dt: sample period [s].
-    """
+    """Let the joints of a rigid `motion`, sampled every `dt` [s], bend under `bodies` with parameters (10 B,)."""
     if robot.drive.is_rigid.all():
         return motion
     torque = body_torque(robot, bodies.reshape(-1, 10), motion.q, motion.dq, motion.ddq)
@@ -99,17 +94,26 @@ class Term:
         return total
 
 
+def described_by(robot: RobotDescription, terms: Sequence[Term]) -> Array:
+    """What the description says of the parameters of all `terms`, shape (K,)."""
+    return np.concatenate([term.described(robot) for term in terms])
+
+
+def columns_of(robot: RobotDescription, terms: Sequence[Term], motion: Motion) -> Array:
+    """Motor torque of each parameter of all `terms` at 1, motor side [N m], shape (T, K, N)."""
+    return np.concatenate([part for term in terms for part in term.columns(robot, motion)], axis=1)
+
+
+def per_parameter(robot: RobotDescription, terms: Sequence[Term], value: Callable[[Term], float]) -> NDArray[Any]:
+    """A `value` of each term, once for each of its parameters, shape (K,)."""
+    return np.repeat([value(term) for term in terms], [len(term.labels(robot)) for term in terms])
+
+
 def _with_coulomb(robot: RobotDescription, parameters: Array) -> RobotDescription:
     """The robot with Coulomb torques; its breakaway torques, which cannot be below, keep their ratio to them."""
     friction = robot.friction
     static = np.maximum(friction.static * (parameters / friction.coulomb), parameters)
     return replace(robot, friction=replace(friction, coulomb=parameters, static=static))
-
-
-def _spring_columns(robot: RobotDescription, motion: Motion) -> Iterator[Array]:
-    for spring in robot.springs:
-        arm = RigidArm(replace(robot, springs=(spring,)))
-        yield robot.drive.motor_torque(arm.spring_torque(motion.q))[:, None]
 
 
 def _of_each_motor(name: str, unit: str, per: Callable[[Motion], Array], **more: object) -> Term:
@@ -152,7 +156,10 @@ SPRINGS = Term(
     labels=lambda robot: tuple(f"springs.{spring.name}" for spring in robot.springs),
     units=lambda robot: ("1",) * len(robot.springs),
     described=lambda robot: np.ones(len(robot.springs)),
-    columns=_spring_columns,
+    columns=lambda robot, motion: (
+        robot.drive.motor_torque(RigidArm(replace(robot, springs=(spring,))).spring_torque(motion.q))[:, None]
+        for spring in robot.springs
+    ),
 )
 """Springs between links, e.g. a counterbalance: a factor on the force of each, 1 as described."""
 
@@ -202,13 +209,10 @@ DEFAULT_TERMS = ("bodies", "rotor_inertia", "coulomb", "viscous", "offset")
 
 
 def terms_named(names: Sequence[str]) -> tuple[Term, ...]:
-    """Terms by name, in the order of TERMS.
-
-    Raises:
-        FFGymError: if there are none, or a name is unknown.
-    """
+    """Terms by name, in the order of TERMS; none, or an unknown one, is an error."""
+    known = [term.name for term in TERMS]
     for name in names:
-        check_choice("term", name, [term.name for term in TERMS])
+        check_choice("term", name, known)
     if not names:
-        raise FFGymError(f"There is nothing to fit: no terms. Available: {', '.join(term.name for term in TERMS)}.")
+        raise FFGymError(f"There is nothing to fit: no terms. Available: {', '.join(known)}.")
     return tuple(term for term in TERMS if term.name in names)

@@ -7,12 +7,17 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
-from ffgym.core.types import Array
 from ffgym.diagnosis.identification.rigid_body.observation import Filtering, equations_of
-from ffgym.diagnosis.identification.rigid_body.terms import BODIES, DEFAULT_TERMS, ROTOR_INERTIA, terms_named
+from ffgym.diagnosis.identification.rigid_body.terms import (
+    BODIES,
+    DEFAULT_TERMS,
+    ROTOR_INERTIA,
+    described_by,
+    per_parameter,
+    terms_named,
+)
 from ffgym.recordings import Recording
 from ffgym.robot import RigidArm, RobotDescription, RobotDraft
-from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.parts import Links
 from ffgym.robot.reading.quantity import Quantity
 
@@ -22,7 +27,8 @@ _NO_LENGTH = 0.1
 _NO_FRICTION = 1e-9
 """Coulomb torque [N m] of a robot whose friction is not known; a description needs one above 0."""
 
-_MASSES = ("links.mass", "links.com", "links.inertia")
+_MASSES = {"links.mass": "kg", "links.com": "m", "links.inertia": "kg m^2"}
+"""Entries of bodies, with their units."""
 
 
 def starting_robot(
@@ -43,29 +49,38 @@ def starting_robot(
         FFGymError: if the draft lacks geometry, gears or gravity, or the recordings tell of no mass.
     """
     robot = draft.description_for("identification")
-    known = draft.quantities
+    known, n = draft.quantities, robot.n_joints
     if "drive.joint_stiffness" not in known:
-        robot = replace(robot, drive=replace(robot.drive, joint_stiffness=np.full(robot.n_joints, np.inf)))
-    if "friction.coulomb" not in known:
-        robot = replace(robot, friction=_frictionless(robot.friction))
+        robot = replace(robot, drive=replace(robot.drive, joint_stiffness=np.full(n, np.inf)))
+    if "friction.coulomb" not in known:  # none to speak of, so that none is taken as known
+        little = np.full(n, _NO_FRICTION)
+        robot = replace(robot, friction=replace(robot.friction, coulomb=little, static=little, viscous=np.zeros(n)))
     lacks_bodies = any(path not in known for path in _MASSES)
     if lacks_bodies:
         robot = replace(robot, bodies=_balls(robot))
     if "drive.rotor_inertia" not in known:
-        robot = replace(robot, drive=replace(robot.drive, rotor_inertia=_matched(robot)))
+        # all as heavy as the one that is matched to the most that any turns, half-way through the ranges: too heavy is
+        # better than too light, as a rotor of no weight is only 1 away from any reference, relative to it
+        middle = robot.kinematics.range.mean(axis=1)
+        turned = np.diag(RigidArm(robot).mass_matrix(middle[None])[0])
+        heaviest = np.full(n, np.max(turned / robot.drive.gear_ratio**2))
+        robot = replace(robot, drive=replace(robot.drive, rotor_inertia=heaviest))
     if not lacks_bodies:
         return robot
     density = _density(robot, recordings, filtering)
-    robot = replace(robot, bodies=_scaled(robot.bodies, density))
+    balls = robot.bodies
+    robot = replace(robot, bodies=replace(balls, mass=density * balls.mass, inertia=density * balls.inertia))
     if "drive.rotor_inertia" not in known:
         robot = replace(robot, drive=replace(robot.drive, rotor_inertia=density * robot.drive.rotor_inertia))
-    return replace(robot, quantities=dict(robot.quantities) | _origins(robot, density))
-
-
-def _frictionless(friction: LuGreParameters) -> LuGreParameters:
-    """No friction to speak of, so that none is taken as known."""
-    little = np.full(friction.n_joints, _NO_FRICTION)
-    return replace(friction, coulomb=little, static=little, viscous=np.zeros(friction.n_joints))
+    # where the numbers come from, for files that replace them
+    source = f"rule of thumb: balls of {density:.0f} kg/m^3, half-way to the next joint"
+    origins = {
+        path: Quantity(
+            value=getattr(robot.bodies, path.split(".")[1]), unit=unit, side="link", origin=("chosen",), source=source
+        )
+        for path, unit in _MASSES.items()
+    }
+    return replace(robot, quantities=dict(robot.quantities) | origins)
 
 
 def _balls(robot: RobotDescription) -> Links:
@@ -78,27 +93,11 @@ def _balls(robot: RobotDescription) -> Links:
     return Links(mass=mass, com=ahead / 2, inertia=inertia)
 
 
-def _scaled(bodies: Links, density: float) -> Links:
-    return Links(mass=density * bodies.mass, com=bodies.com, inertia=density * bodies.inertia)
-
-
-def _matched(robot: RobotDescription) -> Array:
-    """Rotors that are all as heavy as the one that is matched to the most that any turns, half-way through the ranges.
-
-    Too heavy is better than too light: a rotor of no weight is only 1 away from any reference, relative to it.
-    """
-    middle = robot.kinematics.range.mean(axis=1)
-    turned = np.diag(RigidArm(robot).mass_matrix(middle[None])[0])
-    return np.full(robot.n_joints, np.max(turned / robot.drive.gear_ratio**2))
-
-
 def _density(robot: RobotDescription, recordings: Sequence[Recording], filtering: Filtering | None) -> float:
     """Density of the balls [kg/m^3], beside friction and offsets, by least squares in units of the motors' torque."""
     equations = equations_of(robot, recordings, terms_named(DEFAULT_TERMS), filtering)
-    is_mass = np.concatenate(
-        [np.full(len(term.labels(robot)), term in (BODIES, ROTOR_INERTIA)) for term in equations.terms]
-    )
-    described = np.concatenate([term.described(robot) for term in equations.terms])
+    is_mass = per_parameter(robot, equations.terms, lambda term: term in (BODIES, ROTOR_INERTIA))
+    described = described_by(robot, equations.terms)
     masses = np.einsum("rkn,k->rn", equations.columns[:, is_mass], described[is_mass])
     columns = np.concatenate([masses[:, None], equations.columns[:, ~is_mass]], axis=1).swapaxes(1, 2)
     size = rms(equations.torque, 0)
@@ -111,14 +110,3 @@ def _density(robot: RobotDescription, recordings: Sequence[Recording], filtering
             f"positions have the wrong sign. Record faster motions that lift the arm, or give links.mass."
         )
     return density
-
-
-def _origins(robot: RobotDescription, density: float) -> dict[str, Quantity]:
-    """Where the numbers come from, for files that replace them."""
-    source = f"rule of thumb: balls of {density:.0f} kg/m^3, half-way to the next joint"
-    values = {"mass": robot.bodies.mass, "com": robot.bodies.com, "inertia": robot.bodies.inertia}
-    units = {"mass": "kg", "com": "m", "inertia": "kg m^2"}
-    return {
-        f"links.{name}": Quantity(value=value, unit=units[name], side="link", origin=("chosen",), source=source)
-        for name, value in values.items()
-    }

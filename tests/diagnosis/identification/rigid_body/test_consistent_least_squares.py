@@ -13,7 +13,6 @@ from ffgym.diagnosis.identification.rigid_body.bodies import pseudo_inertia
 from ffgym.diagnosis.identification.rigid_body.coordinates import (
     LEAST,
     THINNEST,
-    ConsistentLeastSquares,
     coordinates_of,
 )
 from ffgym.diagnosis.identification.rigid_body.terms import terms_named
@@ -92,14 +91,14 @@ def test_where_least_squares_gives_bodies_they_are_the_answer():
     own = coordinates(two_link())
     normal, _, best = data(own, seed=0, size=0.01)
     best = np.maximum(best, own.least)
-    np.testing.assert_allclose(ConsistentLeastSquares(own).solve(normal, normal @ best), best, rtol=1e-9)
+    np.testing.assert_allclose(own.solve(normal, normal @ best), best, rtol=1e-9)
 
 
 @pytest.mark.parametrize("size", [0.5, 3.0])
 def test_where_not_the_answer_is_allowed_and_none_nearby_is_better(size):
     own = coordinates(two_link())
     normal, right, _ = data(own, seed=1, size=size)
-    y = ConsistentLeastSquares(own).solve(normal, right)
+    y = own.solve(normal, right)
     assert own.least_eigenvalue(y) >= LEAST - 1e-6
     assert np.all(y >= own.least - 1e-6)
 
@@ -121,4 +120,4 @@ def test_without_the_solver_there_is_one_error_that_says_what_to_install(monkeyp
     own = coordinates(two_link())
     normal, right, _ = data(own, seed=1, size=3.0)
     with pytest.raises(FFGymError, match=r"ffgym\[identify\]"):
-        ConsistentLeastSquares(own).solve(normal, right)
+        own.solve(normal, right)
