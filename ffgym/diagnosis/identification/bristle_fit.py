@@ -1,14 +1,44 @@
-"""The dynamic LuGre model from records with reversals, thesis (6.14)-(6.18)."""
+"""The dynamic LuGre model: records with reversals, and the bristles that fit them, thesis (6.14)-(6.18)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
+from ffgym.control import DynamicLuGreExact
+from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.identification.sliding_data import SlidingData
+from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
+from ffgym.diagnosis.identification.resampling import Blocks, runs
+from ffgym.diagnosis.identification.signals import LowPass
+from ffgym.diagnosis.identification.stribeck_fit import constant_share
 from ffgym.robot.friction import LuGreParameters
+
+_SLIDES = 3.0
+"""Way between two reversals, in presliding lengths f_s / sigma_0, from which on a joint slides: bristles are then bent
+to 95 %. A joint that other joints only shake goes a fraction of one; the shortest of table 6.1 goes ten."""
+
+_LEAST = 2
+"""Reversals that a record must have: with one, an offset and a change of direction look alike."""
+
+_MOSTLY = 0.2
+"""Share of the time at constant speed from which a record is one of constant speeds: a sine has less than 0.02."""
+
+_SAMPLES_PER_CUTOFF = 6.0
+"""Samples in a period of the filter's cut-off that are kept: what the filter has left has no more in it."""
+
+_REST = 0.1
+"""Time from which a joint that does not move rests [s]; reversals are shorter."""
+
+_SAME_DT = 1e-3
+"""Relative difference of sample periods that does not count: a thousandth of a row for each row."""
+
+FORGOTTEN = 10.0
+"""Way after which bristles have forgotten how they began, in presliding lengths f_s / sigma_0."""
 
 PRESLIDING = (1e-5, 1.0)
 """Bounds of the presliding length f_c / sigma_0 [rad], motor side."""
@@ -43,6 +73,97 @@ NAMES = ("coulomb", "static", "viscous", "stribeck_velocity", "bristle_stiffness
 """Parameters of `LuGreParameters`, in the order of arrays here."""
 
 
+def reverses(torque: FrictionTorque, joint: int, presliding: float) -> bool:
+    """Whether a joint turns back between slides in a record, some times `presliding` [rad] long: it tells bristles."""
+    speed = torque.signals.motor_dq[torque.counts(joint), joint]
+    moving = speed[np.abs(speed) > AT_REST]
+    if not len(moving):
+        return False
+    stroke = np.concatenate([[0], np.cumsum(np.diff(np.sign(moving)) != 0)])
+    slides = np.bincount(stroke, np.abs(moving)) * torque.signals.dt > _SLIDES * presliding
+    n_reversals = np.count_nonzero(slides[1:] & slides[:-1])
+    return bool(n_reversals >= _LEAST) and constant_share(torque, joint) < _MOSTLY
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SlidingData:
+    """Motion and friction of one joint in R records side by side, T rows; short ones go on with their last row."""
+
+    segments: tuple[str, ...]
+    """Names of the records, shape (R,)."""
+    dt: float
+    """Sample period [s]."""
+    speed: Array
+    """Motor speed [rad/s], shape (T, R)."""
+    friction: Array
+    """Friction torque, motor side [N m], shape (T, R)."""
+    inertia: Array
+    """Torque of rotors and links, motor side [N m], shape (T, R)."""
+    scored: BoolArray
+    """Rows that count: the filter knows them, and bristles have forgotten how they began, shape (T, R)."""
+    low_pass: LowPass
+    """What speed and friction went through, and a model's friction goes through too."""
+
+    def model_friction(self, values: Array) -> Array:
+        """Friction of P models, parameters (P, 6) as NAMES, filtered as the measured one, (P, T, R), thesis (6.16)."""
+        n_models, (n_rows, n_records) = len(values), self.speed.shape
+        friction = dict(zip(NAMES, np.repeat(values, n_records, axis=0).T, strict=True))
+        law = DynamicLuGreExact(LuGreParameters(**friction), n_substeps=1)
+        torque = law.along(np.tile(self.speed, (1, n_models)), self.dt)
+        filtered = self.low_pass(torque, self.dt).reshape(n_rows, n_models, n_records)
+        return filtered.transpose(1, 0, 2)
+
+    def blocks(self) -> Blocks:
+        """Blocks of the scored rows of `flat`, drawn within their record."""
+        joined = Blocks.joined([Blocks.cut([rows], self.dt, BLOCK) for rows in self.scored.T if rows.any()])
+        return Blocks(of_row=joined.of_row[joined.of_row >= 0], stratum=joined.stratum)
+
+    def flat(self, values: Array) -> Array:
+        """Scored rows of `values` (..., T, R), one record after the other, shape (..., S)."""
+        return np.concatenate([values[..., rows, r] for r, rows in enumerate(self.scored.T)], axis=-1)
+
+
+def sliding_data(torques: Sequence[FrictionTorque], joint: int, presliding: float) -> SlidingData:
+    """Put records, sampled at periods that differ by whole factors, side by side for one joint.
+
+    Bristles bend by `presliding`, f_s / sigma_0 [rad], motor side.
+    """
+    low_pass, dt = torques[0].signals.low_pass, max(torque.signals.dt for torque in torques)
+    dt *= max(1, int(1 / (_SAMPLES_PER_CUTOFF * low_pass.cutoff * dt)))
+    every = []
+    for torque in torques:
+        step = round(dt / torque.signals.dt)
+        if abs(step * torque.signals.dt - dt) > _SAME_DT * dt or torque.signals.low_pass != low_pass:
+            raise FFGymError(
+                f"Recording {torque.signals.segment!r} is sampled every {torque.signals.dt:g} s, which does not divide "
+                f"the {dt:g} s of others, or is filtered otherwise; records that are used together must fit one "
+                "another."
+            )
+        every.append(step)
+    length = max(-(-len(torque.signals.t) // step) for torque, step in zip(torques, every, strict=True))
+
+    def side_by_side(columns: Sequence[NDArray[Any]], beyond: Literal["edge", "constant"] = "edge") -> NDArray[Any]:
+        thinned = [column[::step] for column, step in zip(columns, every, strict=True)]
+        return np.stack([np.pad(x, (0, length - len(x)), mode=beyond) for x in thinned], axis=1)
+
+    speed = side_by_side([torque.signals.motor_dq[:, joint] for torque in torques])
+    # at rest the noise of the speed makes the bristles of a model creep: they are known once they have slipped
+    known = np.zeros(speed.shape, dtype=np.bool_)
+    for r, own in enumerate(speed.T):
+        around = scipy.ndimage.maximum_filter1d(np.abs(own), max(1, round(_REST / dt)))
+        for start, stop in runs(around > AT_REST):
+            known[start:stop, r] = np.cumsum(np.abs(own[start:stop])) * dt > FORGOTTEN * presliding
+    return SlidingData(
+        segments=tuple(torque.signals.segment for torque in torques),
+        dt=dt,
+        speed=speed,
+        friction=side_by_side([torque.friction[:, joint] for torque in torques]),
+        inertia=side_by_side([torque.inertia[:, joint] for torque in torques]),
+        scored=known & side_by_side([torque.counts(joint) for torque in torques], "constant"),
+        low_pass=low_pass,
+    )
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BristleFit:
     """Dynamic LuGre model of one joint, motor side."""
@@ -67,11 +188,6 @@ class BristleFit:
     """What was fitted to."""
 
 
-def model_of(values: Array) -> LuGreParameters:
-    """Model of one joint from parameters in the order of NAMES, shape (6,)."""
-    return LuGreParameters(**{name: np.array([value]) for name, value in zip(NAMES, values, strict=True)})
-
-
 def fit_bristles(
     data: SlidingData, static: Array, static_resampled: Array, rng: np.random.Generator, start: Array | None = None
 ) -> BristleFit:
@@ -93,16 +209,29 @@ def fit_bristles(
     problem = _Problem(data, static)
     starts = problem.starts(rng) if start is None else [np.array([*np.log(start), 0.0, 0.0])]
     found = min((problem.refined(x) for x in starts), key=lambda fit: fit.cost)
-    errors = problem.residual(found.x)
+    errors, blocks = problem.residual(found.x), data.blocks()
+
+    # one Gauss-Newton step from the estimate for each resample of blocks and static parameters
+    slopes = problem.slopes(found.x, [4, 5, 0, 1, 2, 3])
+    own, by_static = slopes[:, :4], slopes[:, 4:]
+    curvature = blocks.sums(np.einsum("si,sj->sij", own, own))
+    pull = blocks.sums(own * errors[:, None])
+    cross = blocks.sums(np.einsum("si,sj->sij", own, by_static))
+    resampled = np.empty((len(static_resampled), 2))
+    ratio = np.divide(static_resampled, static, out=np.ones_like(static_resampled), where=static > 0)
+    for row, moved in zip(resampled, np.log(np.maximum(ratio, _LEAST_RATIO)), strict=True):
+        counts = blocks.draw(rng)
+        h, g, c = (np.tensordot(counts, part, axes=1) for part in (curvature, pull, cross))
+        row[:] = found.x[:2] - np.linalg.solve(h, g + c @ moved)[:2]
     return BristleFit(
         values=np.exp(found.x[:2]),
         inertia_error=float(found.x[2]),
         offset=float(found.x[3]),
         inertia_at_bound=bool(abs(found.x[2]) > _NEAR_BOUND * INERTIA_ERROR),
         at_bound=found.active_mask[:2] != 0,
-        resampled=_resampled(problem, found.x, static_resampled, rng),
+        resampled=np.exp(resampled),
         rms_error=rms(errors),
-        n_blocks=data.blocks(BLOCK).n_resampled,
+        n_blocks=blocks.n_resampled,
         data=data,
     )
 
@@ -121,7 +250,7 @@ class _Problem:
 
     def _model(self, logs: Array) -> Array:
         """Friction of the models (P, 6) given as logarithms, at the scored rows, shape (P, S)."""
-        return self.data.flat(self.data.model_friction([model_of(np.exp(row)) for row in logs]))
+        return self.data.flat(self.data.model_friction(np.exp(logs)))
 
     def _all(self, x: Array) -> Array:
         return np.concatenate([np.log(self.static), x[:2]])
@@ -137,16 +266,8 @@ class _Problem:
             self._last = (logs, self._model(logs[None])[0])
         return self._last[1]
 
-    def jacobian(self, x: Array) -> Array:
-        """Of `residual`, shape (S, 4)."""
-        return self._slopes(x, [4, 5])
-
-    def with_static(self, x: Array) -> Array:
-        """Of `residual` by x, and by the logarithms of the static parameters, shape (S, 8)."""
-        return self._slopes(x, [4, 5, 0, 1, 2, 3])
-
-    def _slopes(self, x: Array, moved: list[int]) -> Array:
-        """Difference quotients by parameters `moved`, with those of inertia error and offset in between."""
+    def slopes(self, x: Array, moved: Sequence[int] = (4, 5)) -> Array:
+        """Derivative of `residual` by x, and by logarithms of further parameters `moved`, numbered as NAMES."""
         base = self._all(x)
         steps = np.where(np.array(moved) == 0, -_STEP, _STEP)  # f_c goes down: without a Stribeck peak it is f_s
         models = self._model(np.stack([base + step * np.eye(6)[i] for i, step in zip(moved, steps, strict=True)]))
@@ -165,22 +286,5 @@ class _Problem:
         """Least squares from one start."""
         start = np.clip(start, self.low, self.high)
         return scipy.optimize.least_squares(
-            self.residual, start, self.jacobian, bounds=(self.low, self.high), x_scale=[1.0, 1.0, 0.01, 0.01], xtol=1e-5
+            self.residual, start, self.slopes, bounds=(self.low, self.high), x_scale=[1.0, 1.0, 0.01, 0.01], xtol=1e-5
         )
-
-
-def _resampled(problem: _Problem, x: Array, static_resampled: Array, rng: np.random.Generator) -> Array:
-    """sigma_0, sigma_1 of resampled blocks, one Gauss-Newton step from the estimate each."""
-    slopes, errors = problem.with_static(x), problem.residual(x)
-    own, static = slopes[:, :4], slopes[:, 4:]
-    blocks = problem.data.blocks(BLOCK)
-    curvature = blocks.sums(np.einsum("si,sj->sij", own, own))
-    pull = blocks.sums(own * errors[:, None])
-    cross = blocks.sums(np.einsum("si,sj->sij", own, static))
-    found = np.empty((len(static_resampled), 2))
-    ratio = np.divide(static_resampled, problem.static, out=np.ones_like(static_resampled), where=problem.static > 0)
-    for row, moved in zip(found, np.log(np.maximum(ratio, _LEAST_RATIO)), strict=True):
-        counts = blocks.draw(rng)
-        h, g, c = (np.tensordot(counts, part, axes=1) for part in (curvature, pull, cross))
-        row[:] = x[:2] - np.linalg.solve(h, g + c @ moved)[:2]
-    return np.exp(found)

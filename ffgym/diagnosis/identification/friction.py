@@ -8,13 +8,12 @@ import numpy as np
 from ffgym.control import DynamicLuGreExact
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.identification.bristle_fit import NAMES
-from ffgym.diagnosis.identification.friction_data import FrictionTorque
-from ffgym.diagnosis.identification.joint_friction import FitOptions, JointFriction, identify_joint
+from ffgym.core.types import Array
+from ffgym.diagnosis.identification.bristle_fit import FORGOTTEN, NAMES
+from ffgym.diagnosis.identification.friction_data import AT_REST, FrictionTorque
+from ffgym.diagnosis.identification.joint_friction import JointFriction, identify_joint
 from ffgym.diagnosis.identification.parameter_file import fitted_quantity
-from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES, Estimate
-from ffgym.diagnosis.identification.sliding_data import FORGOTTEN
+from ffgym.diagnosis.identification.resampling import LEVEL, RESAMPLES
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.reading.quantity import Quantity
@@ -94,14 +93,12 @@ def identify_friction(
         if progress is not None:
             progress(j, robot.n_joints)
         own = torques if name in wanted else []
-        options = FitOptions(stribeck_velocity=given.get(name), n_resamples=n_resamples, level=level)
-        found.append(identify_joint(own, robot, j, options, rng))
+        velocity = given.get(name)
+        found.append(
+            identify_joint(own, robot, j, rng, stribeck_velocity=velocity, n_resamples=n_resamples, level=level)
+        )
     segments = tuple(torque.signals.segment for torque in torques)
     return FrictionIdentification(prior=robot, joints=tuple(found), segments=segments, level=level)
-
-
-MOVING = 0.05
-"""Motor speed that a joint must reach in a record for it to count [rad/s]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -149,10 +146,12 @@ def validate(
         missing = 0.0 if inertia_error is None else inertia_error * torque.inertia
         measured = torque.friction - missing - (0.0 if offset is None else offset)
         error = measured - predicted_friction(friction, torque)
-        forgotten = _forgotten(friction, torque)
+        # rows from where bristles have forgotten how they began; at rest they never do
+        way = np.cumsum(np.abs(torque.signals.motor_dq), axis=0) * torque.signals.dt
+        forgotten = way > FORGOTTEN * friction.static / friction.bristle_stiffness
         for j, joint in enumerate(torque.signals.robot.joints):
             scored = torque.counts(j) & forgotten[:, j]
-            if scored.any() and np.abs(torque.signals.motor_dq[scored, j]).max() > MOVING:
+            if scored.any() and np.abs(torque.signals.motor_dq[scored, j]).max() > AT_REST:
                 found.append(
                     Validation(
                         segment=torque.signals.segment,
@@ -162,13 +161,6 @@ def validate(
                     )
                 )
     return found
-
-
-def _forgotten(friction: LuGreParameters, torque: FrictionTorque) -> BoolArray:
-    """Rows from where bristles of each joint have forgotten how they began, shape (T, N); at rest they never do."""
-    way = np.cumsum(np.abs(torque.signals.motor_dq), axis=0) * torque.signals.dt
-    forgotten: BoolArray = way > FORGOTTEN * friction.static / friction.bristle_stiffness
-    return forgotten
 
 
 _NAMED = 6
@@ -181,38 +173,25 @@ def friction_quantities(identification: FrictionIdentification) -> Mapping[str, 
     Joints for which the data do not tell an entry keep its number and its origin; an entry that no joint tells is left
     out, and stays what the description says.
     """
-    entries = {}
-    for i, estimate in enumerate(identification.joints[0].estimates):
-        column = [joint.estimates[i] for joint in identification.joints]
-        if any(_is_new(own) for own in column):
-            entries[estimate.name] = _quantity(identification, column)
-    return entries
-
-
-def _is_new(estimate: Estimate) -> bool:
-    """Whether a number replaces that of the description: found, given by the caller, or moved to fit what was found."""
-    return estimate.is_identified or estimate.value != estimate.prior
-
-
-def _quantity(identification: FrictionIdentification, column: list[Estimate]) -> Quantity:
-    """One entry for all joints."""
-    robot, path = identification.prior, column[0].name
-    before = robot.quantities[path].origin if path in robot.quantities else ("chosen",)
-    kept = before * len(column) if len(before) == 1 else before
-    origin = tuple("fitted" if _is_new(own) else old for own, old in zip(column, kept, strict=True))
-    others = [f"{own.joint}: {own.status}, {own.reason}" for own in column if not own.is_identified]
-    source = f"ffgym identify from {_named(identification.segments)}; {identification.level:.0%} intervals"
-    return fitted_quantity(
-        robot,
-        path,
-        np.array([own.value for own in column]),
-        "; ".join([source, *others]),
-        origin,
-        np.array([[own.low, own.high] for own in column]),
-    )
-
-
-def _named(segments: Sequence[str]) -> str:
-    """Logs in a few words."""
+    robot, segments = identification.prior, identification.segments
     more = f" and {len(segments) - _NAMED} more logs" if len(segments) > _NAMED else ""
-    return ", ".join(segments[:_NAMED]) + more
+    source = f"ffgym identify from {', '.join(segments[:_NAMED])}{more}; {identification.level:.0%} intervals"
+    entries = {}
+    for column in zip(*(joint.estimates for joint in identification.joints), strict=True):
+        # new numbers were found, given by the caller, or moved to fit what was found
+        is_new = [own.is_identified or own.value != own.prior for own in column]
+        if not any(is_new):
+            continue
+        path = column[0].name
+        before = robot.quantities[path].origin if path in robot.quantities else ("chosen",)
+        kept = before * len(column) if len(before) == 1 else before
+        others = [f"{own.joint}: {own.status}, {own.reason}" for own in column if not own.is_identified]
+        entries[path] = fitted_quantity(
+            robot,
+            path,
+            np.array([own.value for own in column]),
+            "; ".join([source, *others]),
+            tuple("fitted" if new else old for new, old in zip(is_new, kept, strict=True)),
+            np.array([[own.low, own.high] for own in column]),
+        )
+    return entries

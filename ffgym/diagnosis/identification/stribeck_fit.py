@@ -1,15 +1,32 @@
-"""The static LuGre model from friction at constant speeds, thesis (6.4)-(6.9)."""
+"""The static LuGre model: friction in windows of constant speed, and the curve that fits it, thesis (6.4)-(6.9)."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.types import Array
-from ffgym.diagnosis.identification.resampling import RESAMPLES, bootstrap
-from ffgym.diagnosis.identification.steady import SteadyFriction
+from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.diagnosis.identification.friction_data import FrictionTorque
+from ffgym.diagnosis.identification.resampling import RESAMPLES, Blocks, bootstrap, runs
+
+WINDOW = 0.1
+"""Time over which speeds are averaged to compare them [s]: an encoder of 16 bit then resolves 1e-3 rad/s."""
+
+_DRIFT = 0.05
+"""Largest change of a constant speed, relative to it [1/s]. A sine is slower than that for a few percent of its period
+only, less than the shortest run."""
+
+_SLOWEST_DRIFT = 0.02
+"""Change of speed that counts as none however slow the motion is [rad/s^2]: what an encoder of 16 bit shows in windows
+of 0.1 s, doubled."""
+
+_SLOWEST = 4e-3
+"""Motor speed below which a joint counts as at rest [rad/s]: four times what 16 bit resolve in a window."""
+
+SETTLING_TRAVEL = 6.0
+"""Way that bristles take to settle, in presliding lengths f_s / sigma_0: exp(-6) is 0.2 %."""
 
 SLOW, FAST = 0.8, 2.0
 """Speeds in Stribeck velocities that data must have at or below, and at or above: there the Stribeck part is half of
@@ -26,6 +43,72 @@ VELOCITIES = (0.01, 10.0)
 
 _GRID = 25
 """Stribeck velocities that are tried before the best is refined: two steps are a factor of 1.8."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SteadyFriction:
+    """Friction of one joint in windows of constant speed, R windows from any number of recordings."""
+
+    speed: Array
+    """Mean motor speed [rad/s], signed, shape (R,)."""
+    friction: Array
+    """Mean friction torque, motor side [N m], shape (R,); offsets and errors of gravity are in it."""
+    run: IntArray
+    """Run at one speed that the window is part of, shape (R,)."""
+
+    @property
+    def n_runs(self) -> int:
+        """Number of runs."""
+        return int(self.run[-1]) + 1 if len(self.run) else 0
+
+    def levels(self) -> tuple[Array, Array]:
+        """Mean speed [rad/s] and friction [N m] of each run, shape (n_runs,) each."""
+        count = np.bincount(self.run)
+        return np.bincount(self.run, self.speed) / count, np.bincount(self.run, self.friction) / count
+
+
+def steady_friction(torques: Sequence[FrictionTorque], joint: int, presliding: float) -> SteadyFriction:
+    """Find windows in which one joint moves at constant speed, with acceleration and bristles settled.
+
+    Bristles bend by `presliding`, f_s / sigma_0 [rad], motor side.
+    """
+    tables: list[Array] = []
+    for torque in torques:
+        means = _means(torque, joint)
+        for start, stop in runs(_is_constant(means[:, 0])):
+            # from where bristles have settled; the first and the last window have a ramp in them
+            travel = WINDOW * np.cumsum(np.abs(means[start : stop - 1, 0]))
+            rows = start + 1 + np.flatnonzero(travel[:-1] >= SETTLING_TRAVEL * presliding)
+            if len(rows):
+                tables.append(np.column_stack([means[rows], np.full(len(rows), len(tables))]))
+    speed, friction, run = (np.concatenate(tables) if tables else np.zeros((0, 3))).T
+    return SteadyFriction(speed=speed, friction=friction, run=run.astype(np.intp))
+
+
+def constant_share(torque: FrictionTorque, joint: int) -> float:
+    """Share of a record's time in which one joint moves at constant speed."""
+    return float(np.mean(_is_constant(_means(torque, joint)[:, 0])))
+
+
+def _means(torque: FrictionTorque, joint: int) -> Array:
+    """Mean motor speed and friction in windows, shape (n_windows, 2); NaN at the ends of a record."""
+    length = max(1, round(WINDOW / torque.signals.dt))
+    count = len(torque.signals.t) // length
+    columns = (torque.signals.motor_dq, torque.friction)
+    rows = np.stack([column[: count * length, joint] for column in columns], axis=1)
+    rows[~torque.counts(joint)[: count * length]] = np.nan
+    means: Array = rows.reshape(count, length, 2).mean(axis=1)
+    return means
+
+
+def _is_constant(speed: Array) -> BoolArray:
+    """Whether speed changes neither before nor after a window, shape (n_windows,)."""
+    constant = np.zeros(len(speed), dtype=np.bool_)
+    if len(speed) >= 3:
+        change = np.abs(np.diff(speed)) / WINDOW
+        drift, here = np.maximum(change[1:], change[:-1]), np.abs(speed[1:-1])  # a sine of 2 windows looks the same
+        constant[1:-1] = (here > _SLOWEST) & (drift < np.maximum(_SLOWEST_DRIFT, _DRIFT * here))
+    return constant
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,71 +174,62 @@ def fit_stribeck(
             f"There are {data.n_runs} runs at constant speed, must be {MIN_RUNS} or more with different speeds for a "
             f"static friction curve. Record a speed ladder."
         )
-    fit = _RunFit(data, stribeck_velocity)
-    values, residual = fit.solve(np.ones(data.n_rows))
+    once, velocity = np.ones(len(data.speed)), stribeck_velocity
+    values, residual = _solve(data, once, velocity)
     lacking = _lacking(data, float(values[3]))
-    if stribeck_velocity is None and lacking["stribeck_velocity"]:
-        fit = _RunFit(data, usual_velocity)
-        values, residual = fit.solve(np.ones(data.n_rows))
-        lacking = _lacking(data, usual_velocity) | {"stribeck_velocity": lacking["stribeck_velocity"]}
+    if velocity is None and lacking["stribeck_velocity"]:
+        velocity = usual_velocity
+        values, residual = _solve(data, once, velocity)
+        lacking = _lacking(data, velocity) | {"stribeck_velocity": lacking["stribeck_velocity"]}
+    windows = Blocks(of_row=np.arange(len(data.speed)), stratum=data.run)  # drawn within their runs
     return StribeckFit(
         values=values[:4],
         offset=float(values[4]),
         asymmetry=float(values[5]),
-        resampled=bootstrap(lambda counts: fit.solve(counts)[0], data.blocks, rng, n_resamples),
+        resampled=bootstrap(lambda counts: _solve(data, counts, velocity)[0], windows, rng, n_resamples),
         rms_error=residual,
         lacking=lacking,
-        both_directions=fit.both_directions,
+        both_directions=_has_both_directions(data),
         data=data,
     )
 
 
-class _RunFit:
-    """Fits to the means of runs, however often their windows count."""
+def _has_both_directions(data: SteadyFriction) -> bool:
+    return bool(np.any(data.speed > 0) and np.any(data.speed < 0))
 
-    def __init__(self, data: SteadyFriction, stribeck_velocity: float | None) -> None:
-        self._data, self._given = data, stribeck_velocity
-        self._n_runs = data.n_runs
-        self.both_directions = bool(np.any(data.speed > 0) and np.any(data.speed < 0))
-        self._grid = np.geomspace(*VELOCITIES, _GRID)
 
-    def solve(self, counts: Array) -> tuple[Array, float]:
-        """Parameters f_c, f_s, f_v, v_s, o, a, and the RMS error [N m]."""
-        data = self._data
-        weight = np.bincount(data.run, counts, self._n_runs)
-        speed = np.bincount(data.run, counts * data.speed, self._n_runs) / weight
-        friction = np.bincount(data.run, counts * data.friction, self._n_runs) / weight
-        root = np.sqrt(weight / weight.sum())
+def _solve(data: SteadyFriction, counts: Array, given: float | None) -> tuple[Array, float]:
+    """Parameters f_c, f_s, f_v, v_s, o, a from the means of runs, and the RMS error [N m].
 
-        def at(velocity: float) -> tuple[Array, float]:
-            return scipy.optimize.nnls(root[:, None] * self._regressors(speed, velocity), root * friction)
+    Windows count as often as `counts` says; v_s is `given` [rad/s], or that of the least error.
+    """
+    weight = np.bincount(data.run, counts, data.n_runs)
+    speed = np.bincount(data.run, counts * data.speed, data.n_runs) / weight
+    friction = np.bincount(data.run, counts * data.friction, data.n_runs) / weight
+    root = np.sqrt(weight / weight.sum())
+    sign, size, both = np.sign(speed), np.abs(speed), _has_both_directions(data)
 
-        best = self._given if self._given is not None else self._refined(lambda velocity: at(velocity)[1])
-        solution, error = at(best)
-        coulomb, rise, viscous = solution[:3]
-        even = solution[3::2] - solution[4::2] if self.both_directions else np.zeros(2)
-        return np.array([coulomb, coulomb + rise, viscous, best, *even]), float(error)
+    def at(velocity: float) -> tuple[Array, float]:
+        # regressors of f_c, f_s - f_c, f_v, and of the even part with both signs, since none may be negative
+        regressors = [sign, sign * np.exp(-((speed / velocity) ** 2)), speed]
+        if both:
+            regressors += [np.ones_like(speed), -np.ones_like(speed), size, -size]
+        return scipy.optimize.nnls(root[:, None] * np.stack(regressors, axis=1), root * friction)
 
-    def _regressors(self, speed: Array, velocity: float) -> Array:
-        """Columns of f_c, f_s - f_c, f_v, and of the even part with both signs, since none may be negative."""
-        sign, size = np.sign(speed), np.abs(speed)
-        columns = [sign, sign * np.exp(-((speed / velocity) ** 2)), speed]
-        if self.both_directions:
-            columns += [np.ones_like(speed), -np.ones_like(speed), size, -size]
-        return np.stack(columns, axis=1)
-
-    def _refined(self, error: Callable[[float], float]) -> float:
-        """Stribeck velocity of least error: the best of a grid, then within its neighbours."""
-        errors = [error(velocity) for velocity in self._grid]
-        best = int(np.argmin(errors))
-        low, high = self._grid[max(best - 1, 0)], self._grid[min(best + 1, _GRID - 1)]
+    velocity = given
+    if velocity is None:
+        # the best of a grid, then within its neighbours
+        grid = np.geomspace(*VELOCITIES, _GRID)
+        best = int(np.argmin([at(tried)[1] for tried in grid]))
+        low, high = np.log(grid[max(best - 1, 0)]), np.log(grid[min(best + 1, _GRID - 1)])
         found = scipy.optimize.minimize_scalar(
-            lambda x: error(float(np.exp(x))),
-            bounds=(np.log(low), np.log(high)),
-            method="bounded",
-            options={"xatol": 1e-3},
+            lambda x: at(float(np.exp(x)))[1], bounds=(low, high), method="bounded", options={"xatol": 1e-3}
         )
-        return float(np.exp(found.x))
+        velocity = float(np.exp(found.x))
+    solution, error = at(velocity)
+    coulomb, rise, viscous = solution[:3]
+    even = solution[3::2] - solution[4::2] if both else np.zeros(2)
+    return np.array([coulomb, coulomb + rise, viscous, velocity, *even]), float(error)
 
 
 def _lacking(data: SteadyFriction, velocity: float) -> dict[str, str]:

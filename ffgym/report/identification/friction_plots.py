@@ -53,7 +53,7 @@ def _grid(n: int) -> tuple[int, int]:
 def _draw(axes: "Axes", identification: FrictionIdentification, joint: JointFriction, j: int) -> None:
     assert joint.stribeck is not None
     fit = joint.stribeck
-    speed, friction, _ = fit.data.levels()
+    speed, friction = fit.data.levels()
     odd = np.sign(speed) * (friction - fit.offset - fit.asymmetry * np.abs(speed))
     style: dict[str, Any] = {"linestyle": "none", "markerfacecolor": "none", "color": MEASURED, "markersize": 5}
     for sign, marker, label in ((1, "o", "measured, forwards"), (-1, "s", "measured, back")):

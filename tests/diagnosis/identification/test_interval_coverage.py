@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from ffgym.diagnosis.identification import LowPass
-from ffgym.diagnosis.identification.bristle_fit import fit_bristles, model_of
-from ffgym.diagnosis.identification.sliding_data import SlidingData
-from ffgym.diagnosis.identification.steady import SteadyFriction
-from ffgym.diagnosis.identification.stribeck_fit import fit_stribeck
+from ffgym.diagnosis.identification.bristle_fit import NAMES, SlidingData, fit_bristles
+from ffgym.diagnosis.identification.stribeck_fit import SteadyFriction, fit_stribeck
+from ffgym.robot.friction import LuGreParameters
 
 TRUE = np.array([0.5367, 0.5634, 0.0437, 0.15, 69.9787, 0.6753])
 """f_c, f_s, f_v, v_s, sigma_0, sigma_1 of the thesis, (6.9) and (6.18)."""
@@ -28,8 +27,9 @@ def steady(rng):
     speeds = np.array([0.02, 0.05, 0.09, 0.13, 0.18, 0.25, 0.4, 1.0, 3.0, 7.0, 14.0])
     run = np.repeat(np.arange(2 * len(speeds)), 12)
     speed = np.repeat(np.concatenate([speeds, -speeds]), 12)
-    friction = model_of(TRUE).steady_torque(speed) + 0.003 * rng.normal(size=len(speed))
-    return SteadyFriction(speed=speed, friction=friction, position=np.zeros_like(speed), run=run)
+    true = LuGreParameters(**dict(zip(NAMES, TRUE[:, None], strict=True)))
+    friction = true.steady_torque(speed) + 0.003 * rng.normal(size=len(speed))
+    return SteadyFriction(speed=speed, friction=friction, run=run)
 
 
 def test_those_of_static_parameters():
@@ -56,7 +56,7 @@ def sliding(rng):
         scored=np.broadcast_to((t > 0.1)[:, None], speed.shape),
         low_pass=LowPass(cutoff=100.0),
     )
-    (friction,) = data.model_friction([model_of(TRUE)])
+    (friction,) = data.model_friction(TRUE[None])
     noise = data.low_pass(0.1 * rng.normal(size=friction.shape), dt)
     return replace(data, friction=friction + noise + 0.03 * data.inertia + 0.01)
 
