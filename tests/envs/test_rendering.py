@@ -14,7 +14,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.envs import CirclePathVectorEnv, Hold
 from ffgym.envs.rendering import Rendering
 
-SMALL = Rendering(width=192, height=108)
+SMALL = Rendering(width=320, height=180)
 MOTIONS = {
     "ffgym/CirclePath-v0": {"positions": ["p1"], "speeds": [0.04]},
     "ffgym/OneAxis-v0": {"frequencies": [3.0]},
@@ -51,7 +51,7 @@ def _gl(needs_gl):
 def test_a_picture_has_the_size_that_was_asked_for_and_changes_as_the_robot_moves(name):
     env = make(name)
     first = run(env, 0).render()
-    assert first.shape == (108, 192, 3)
+    assert first.shape == (180, 320, 3)
     assert first.dtype == np.uint8
     later = run(env, 150).render()
     assert np.mean(first != later) > 0.01
@@ -86,7 +86,7 @@ def test_a_vector_environment_gives_one_picture_each_and_each_its_own():
     env.reset(seed=0, options={"each": [{"position": "p1"}, {"position": "p3"}]})
     pictures = env.render()
     assert isinstance(pictures, tuple)
-    assert [p.shape for p in pictures] == [(108, 192, 3)] * 2
+    assert [p.shape for p in pictures] == [(180, 320, 3)] * 2
     assert not np.array_equal(*pictures)
     env.close()
 
@@ -130,11 +130,11 @@ def test_the_drawn_deviation_is_as_long_as_the_path_error(name):
     for _ in range(300):
         *_, info = env.step(np.zeros(6))
         errors.append(info["path_error"])
-    trail = env._batch._renderer._trails.of(0)
+    trail = env._batch._renderer._tracks[0].trail
     assert max(errors) > 5e-5
-    assert np.linalg.norm(trail[:, 3:], axis=1) == pytest.approx(errors, abs=1e-12)
+    assert np.linalg.norm(trail[:, 3:6], axis=1) == pytest.approx(errors, abs=1e-12)
     tcp = env.core.signals.tcp[0] - env.core.tcp_offset[0]
-    assert np.linalg.norm(trail[-1, :3] + trail[-1, 3:] - tcp) < 5e-5  # but for what is across a circle's plane
+    assert np.linalg.norm(trail[-1, :3] + trail[-1, 3:6] - tcp) < 5e-5  # but for what is across a circle's plane
     env.close()
 
 
@@ -142,7 +142,7 @@ def test_the_trail_has_every_control_step_under_a_layer_that_holds_actions():
     plain, held = make(), make(layers=(Hold(10),))
     run(plain, 100)
     run(held, 10)
-    one, other = plain._batch._renderer._trails.of(0), held._batch._renderer._trails.of(0)
+    one, other = plain._batch._renderer._tracks[0].trail, held._batch._renderer._tracks[0].trail
     assert len(one) == len(other) == 101
     assert np.array_equal(one, other)
     plain.close()
@@ -193,7 +193,7 @@ def test_a_picture_that_cannot_be_drawn_is_refused(arguments, message):
 @pytest.mark.parametrize("magnify", [None, 7.0])
 def test_the_magnification_that_is_drawn_is_round_or_what_was_asked_for(magnify):
     env = run(make(rendering=Rendering(magnify=magnify, width=64, height=64)), 0)
-    assert env._batch._renderer._view.magnify(0) == (5.0 if magnify is None else magnify)
+    assert env._batch._renderer._tracks[0].magnify == (5.0 if magnify is None else magnify)
     env.close()
 
 

@@ -9,11 +9,10 @@ import pytest
 import ffgym  # noqa: F401  (registers the environments)
 from ffgym.effects import EFFECTS
 from ffgym.envs.rendering import Rendering
-from ffgym.envs.rendering.gauge import Dial, Ruler
 from ffgym.robot import builtin_robots, load_robot
 from ffgym.simulation.plant import Machine
 
-SMALL = Rendering(width=192, height=108)
+SMALL = Rendering(width=320, height=180)
 
 
 def without_tool(robot):
@@ -37,7 +36,7 @@ def test_every_robot_can_be_drawn_with_and_without_looks(name, needs_gl):
         env = run(robot, steps=30)
         picture = env.render()
         pictures.append(picture)
-        half = picture[20:90, 20:76].reshape(-1, 3)  # of the left half, without captions
+        half = picture[40:140, 40:120].reshape(-1, 3)  # of the left half, without captions
         assert len(np.unique(half, axis=0)) > 50  # more than sky and floor
         env.close()
     assert not np.array_equal(*pictures)
@@ -54,52 +53,43 @@ def test_a_machine_is_drawn_with_the_joints_that_its_effects_add(irb4600, needs_
     ).unwrapped
     env.reset(seed=0)
     data = env._batch._renderer._data
-    assert env.render().shape == (108, 192, 3)
+    assert env.render().shape == (180, 320, 3)
     np.testing.assert_array_equal(data.qpos, env.core.plant.batch.qpos[0])
     np.testing.assert_allclose(data.site("tcp").xpos, env.core.plant.batch.bind("site_xpos")[0, -1], atol=1e-12)
     env.close()
 
 
-def test_the_gauge_shows_the_joint_that_moves_most_of_its_range_and_its_error_behind_the_gearbox(irb4600, needs_gl):
+def test_the_plot_shows_the_joint_that_moves_most_of_its_range_and_its_error_behind_the_gearbox(irb4600, needs_gl):
     robot = without_tool(irb4600)
     ratio = robot.drive.gear_ratio * np.array([1, 1, -1, 1, 1, 1])
     robot = replace(robot, drive=replace(robot.drive, gear_ratio=ratio))
     env = run(robot, options={"peak_speed": [0, 0, 15.0, 0, 0, 0], "centre": np.zeros(6)})
-    renderer = env._batch._renderer
-    trail = renderer._trails.of(0)
+    track = env._batch._renderer._tracks[0]
     reference = env.core.motions[0].reference.q[:61, 2]
-    np.testing.assert_allclose(trail[:, 0], reference, atol=1e-12)
-    assert trail[-1, 1] == pytest.approx(-env.core.signals.error[0, 2] / ratio[2], abs=1e-15)
-    captions = [c.text for panel in renderer._view.panels(0, renderer._model, trail, 0.5) for c in panel.captions]
-    assert any(text.startswith("j3\n") for text in captions)
+    np.testing.assert_allclose(track.trail[:, 0], reference, atol=1e-12)
+    assert track.trail[-1, 1] == pytest.approx(-env.core.signals.error[0, 2] / ratio[2], abs=1e-15)
+    plot = track.close_up()
+    assert plot.title.startswith("j3 [deg]")
+    red, blue = (plot.linedata[k, : 2 * plot.linepnt[k]].reshape(-1, 2) for k in range(2))
+    np.testing.assert_allclose(blue[[0, -1], 1], np.rad2deg(reference[[0, -1]]), rtol=1e-5)
+    np.testing.assert_allclose(blue[[0, -1], 0], [-60 * 0.004, 0.0], atol=1e-6)  # seconds before now
+    np.testing.assert_allclose(red[-1, 1] - blue[-1, 1], track.magnify * np.rad2deg(track.trail[-1, 1]), atol=1e-4)
     env.close()
 
 
-def test_a_slide_has_a_ruler_with_millimetres(needs_gl):
+def test_errors_of_all_motors_are_plotted_in_milliradians_within_their_span(irb4600, needs_gl):
+    env = run(irb4600, steps=100)
+    plot = env._batch._renderer._tracks[0].motor_errors()
+    last = [plot.linedata[k, 2 * plot.linepnt[k] - 1] for k in range(6)]
+    np.testing.assert_allclose(last, 1e3 * env.core.signals.error[0], rtol=1e-5)
+    low, high = plot.range[1]
+    assert -low == high >= np.abs(last).max()
+    env.close()
+
+
+def test_a_slide_is_shown_in_millimetres(needs_gl):
     env = run(load_robot("ball_screw"))
-    renderer = env._batch._renderer
-    panels = renderer._view.panels(0, renderer._model, renderer._trails.of(0), 0.5)
-    text = " ".join(caption.text + caption.values for panel in panels for caption in panel.captions)
-    assert "mm" in text
-    assert "deg" not in text
+    track = env._batch._renderer._tracks[0]
+    assert "[mm]" in track.close_up().title
+    assert track.values()[1].count(" mm") == 2
     env.close()
-
-
-def test_a_ruler_is_as_long_as_its_picture_whatever_the_range():
-    for low, high in ((-0.01, 0.26), (0.0, 3.0)):
-        ruler = Ruler(np.zeros(3), 2.0, np.array([low, high]))
-        ends = ruler.points(np.zeros(2), np.array([low, high]))
-        np.testing.assert_allclose(np.abs(ends[:, 0]), 0.9 * 2.0)
-        older = ruler.points(np.array([0.0, 1.0]), np.array([low, low]))
-        assert older[1, 1] < older[0, 1]
-        ticks = len(ruler.marks()) - 1
-        assert 9 <= ticks <= 60
-    assert ruler.text(0.0125, 1) == "12.5 mm"
-
-
-def test_a_dial_turns_counterclockwise_from_the_right():
-    dial = Dial(np.array([1.0, 2.0, 3.0]), 0.5)
-    points = dial.points(np.zeros(2), np.array([0.0, np.pi / 2])) - [1.0, 2.0, 3.0]
-    np.testing.assert_allclose(points, [[0.5, 0, 0], [0, 0.5, 0]], atol=1e-15)
-    assert np.linalg.norm(dial.points(np.ones(1), np.zeros(1)) - dial.centre) < 0.5
-    assert dial.text(np.pi, 1) == "180.0 deg"

@@ -1,3 +1,3 @@
-from .camera import Rendering as Rendering
-from .camera import check_render_mode as check_render_mode
 from .renderer import EpisodeRenderer as EpisodeRenderer
+from .renderer import Rendering as Rendering
+from .renderer import check_render_mode as check_render_mode

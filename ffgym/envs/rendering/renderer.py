@@ -1,26 +1,62 @@
-"""Pictures of an engine's episodes."""
+"""Pictures of an engine's episodes: the whole robot, its path with the error magnified, the errors of its motors."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from ffgym.core.errors import FFGymError
+from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.types import IntArray
-from ffgym.envs.rendering.axis_view import AxisView
-from ffgym.envs.rendering.canvas import Canvas
-from ffgym.envs.rendering.tool_path import Trails
-from ffgym.envs.rendering.tool_view import ToolView
-from ffgym.envs.rendering.view import View
-from ffgym.envs.rendering.viewer import Sight, Window
+from ffgym.envs.rendering.canvas import Canvas, Panel, camera_on
+from ffgym.envs.rendering.track import JointTrack, ToolTrack, Track
+from ffgym.envs.rendering.viewer import Window
 from ffgym.robot import ModelOptions
 
 if TYPE_CHECKING:
     from ffgym.envs.core import TrackingCore
 
-SPLIT = 0.5
-"""Share of the picture that the whole robot has."""
+LARGEST = 4096
+"""Largest width and height [pixel]; software OpenGL draws no larger ones."""
+ROBOT, CLOSE_UP, ERRORS = (0.0, 0.0, 0.5, 1.0), (0.5, 0.35, 0.5, 0.65), (0.5, 0.0, 0.5, 0.35)
+"""Places in the picture: left, bottom, width, height."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rendering:
+    """How episodes are drawn."""
+
+    magnify: float | None = None
+    """Factor on the error that is drawn; None takes a round one that suits the motion, the same for every agent."""
+    width: int = 960
+    """Of a picture [pixel]."""
+    height: int = 540
+    """Of a picture [pixel]."""
+    title: str = ""
+    """First line of the text, e.g. the agent's name."""
+
+    def __post_init__(self) -> None:
+        if self.magnify is not None:
+            check_number("magnify", self.magnify, low=0.0, high=1e6, open_low=True)
+        check_whole("width", self.width, unit="pixel", low=64, high=LARGEST)
+        check_whole("height", self.height, unit="pixel", low=64, high=LARGEST)
+
+
+def check_render_mode(mode: str | None, num_envs: int) -> str | None:
+    """Return a render mode if it is None or one that can show `num_envs` robots.
+
+    Raises:
+        FFGymError: if it is not.
+    """
+    if mode is None:
+        return None
+    check_choice("render_mode", mode, ("human", "rgb_array"))
+    if mode == "human" and num_envs != 1:
+        raise FFGymError(
+            f"render_mode='human' shows one robot, num_envs = {num_envs}; use gym.make, or render_mode='rgb_array'."
+        )
+    return mode
 
 
 class EpisodeRenderer:
@@ -35,43 +71,49 @@ class EpisodeRenderer:
     """
 
     def __init__(self, core: "TrackingCore", render_mode: str) -> None:
-        self._core, self._options = core, core.settings.rendering
+        self._core, options = core, core.settings.rendering
         self._model = core.plant.machines[0].spec(ModelOptions(looks=True)).compile()  # with the joints of its effects
         self._data = mujoco.MjData(self._model)
-        self._view: View = (ToolView if core.columns.has_tcp else AxisView)(core, self._options)
-        self._trails = Trails(core.n, self._view.trail_width)
+        self._tracks: dict[int, Track] = {}
+        self._cameras: dict[int, mujoco.MjvCamera] = {}
         self._canvas, self._window = None, None
         if render_mode == "human":
             self._window = Window(self._model, self._data)
         else:
-            self._canvas = Canvas(self._model, self._options.width, self._options.height)
+            self._canvas = Canvas(self._model, options.width, options.height)
         core.observers.append(self)
 
     def begin(self, ids: IntArray) -> None:
-        """Sub-environments `ids` begin an episode: forget their trails."""
-        self._trails.begin(ids)
+        """Sub-environments `ids` begin an episode: forget what they left behind, and look at all of the robot."""
         for i in ids.tolist():
             motion = self._core.motions[i]
             assert motion is not None  # the engine has just assigned it
-            self._view.begin(i, motion)
+            self._tracks[i] = (ToolTrack if self._core.columns.has_tcp else JointTrack)(self._core, i, motion)
+            self._pose(i)
+            self._cameras[i] = camera_on(self._model, self._data, azimuth=120.0, elevation=-18.0)
         self.follow(ids)
 
     def follow(self, ids: IntArray) -> None:
-        """Add the present state of sub-environments `ids` to their trails."""
-        self._trails.add(ids, self._view.sample(ids))
+        """Take in the present state of sub-environments `ids`."""
+        for i in ids.tolist():
+            self._tracks[i].add()
 
     def frame(self, index: int) -> NDArray[np.uint8]:
         """Picture of a sub-environment, shape (height, width, 3)."""
-        trail = self._trails.of(index)
-        if self._canvas is None or not len(trail):
+        if self._canvas is None or index not in self._tracks:
             raise FFGymError("There is nothing to render before the first reset.")
         self._pose(index)
-        return self._canvas.picture(self._data, self._view.panels(index, self._model, trail, SPLIT))
+        return self._canvas.picture(self._data, self._panels(index))
 
     def show(self) -> None:
         """Show sub-environment 0 in MuJoCo's viewer, not faster than real time."""
+
+        def look() -> list[Panel]:
+            self._pose(0)
+            return self._panels(0)
+
         if self._window is not None:
-            self._window.show(float(self._core.time[0]), self._sight)
+            self._window.show(float(self._core.time[0]), look)
 
     def close(self) -> None:
         """Free the OpenGL context, or close the window."""
@@ -82,12 +124,21 @@ class EpisodeRenderer:
                 place.close()
         self._canvas, self._window = None, None
 
-    def _sight(self) -> Sight:
-        """What the viewer shows now."""
-        self._pose(0)
-        trail, view = self._trails.of(0), self._view
-        text = f"{view.caption(0)}\nerror x {view.magnify(0):g}\n{self._core.time[0]:.2f} s"
-        return Sight(view.whole_robot(0, self._model), view.board(0, self._model, trail), text)
+    def _panels(self, index: int) -> list[Panel]:
+        """The whole robot on the left, the close-up and the motors' errors on the right."""
+        track, top, bottom = (
+            self._tracks[index],
+            mujoco.mjtGridPos.mjGRID_TOPLEFT,
+            mujoco.mjtGridPos.mjGRID_BOTTOMLEFT,
+        )
+        title = self._core.settings.rendering.title
+        heading = "\n".join([*([title] if title else []), self._core.robot.name, track.motion.name])
+        captions = [(top, heading, ""), (bottom, *track.values())]
+        return [
+            Panel(place=ROBOT, content=self._cameras[index], ball=track.ball, captions=captions),
+            Panel(place=CLOSE_UP, content=track.close_up(), to_scale=track.ball is not None),
+            Panel(place=ERRORS, content=track.motor_errors()),
+        ]
 
     def _pose(self, index: int) -> None:
         """Put the drawn robot where a simulated one is."""

@@ -6,28 +6,18 @@ import platform
 import threading
 import time
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from ffgym.core.errors import FFGymError
-from ffgym.envs.rendering.camera import FIELD_OF_VIEW, Camera
+from ffgym.envs.rendering.canvas import FIELD_OF_VIEW, Panel, add_ball, rectangle
 from ffgym.envs.rendering.gl import has_display, start_glfw
-from ffgym.envs.rendering.paper import Mark
 
 FRAME = 1 / 25
 """Time between pictures [s]."""
 _WAY_OUT = "use render_mode='rgb_array', which needs no screen, or set DISPLAY (ssh -X, or xvfb-run)"
-
-
-class Sight(NamedTuple):
-    """What to show."""
-
-    camera: Camera
-    """Shows all of the robot."""
-    marks: Sequence[Mark]
-    text: str
 
 
 class Window:
@@ -35,37 +25,41 @@ class Window:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData) -> None:
         check_screen()
-        model.vis.global_.fovy = np.rad2deg(FIELD_OF_VIEW)
+        model.vis.global_.fovy = FIELD_OF_VIEW
         self._model, self._data = model, data
         self._viewer: Any = None
         self._threads: set[threading.Thread] = set()
         self._shown = self._time = -1.0
 
-    def show(self, now: float, look: Callable[[], Sight]) -> None:
+    def show(self, now: float, look: Callable[[], Sequence[Panel]]) -> None:
         """Show the state at time `now` [s] of an episode, if it is time for a picture; wait if it comes too early.
 
         Args:
             now: time in the episode [s].
-            look: puts the model's data into the present state and returns what else is to be seen.
+            look: puts the model's data into the present state and returns what is to be seen: the robot, then plots.
         """
         begins = now < self._time or self._viewer is None
         if not begins and now - self._time < FRAME:
             return
         if self._viewer is None:
-            self._open(look())
+            self._open(look()[0].content)
         if not self._viewer.is_running():
             return
         if not begins:
             time.sleep(max(0.0, self._shown + now - self._time - time.monotonic()))
         self._shown, self._time = time.monotonic(), now
         with self._viewer.lock():
-            sight = look()
-            scene = self._viewer.user_scn
-            scene.ngeom = 0
-            for mark in sight.marks:
-                mark.add_to(scene)
-        corner = mujoco.mjtGridPos.mjGRID_TOPLEFT
-        self._viewer.set_texts((mujoco.mjtFontScale.mjFONTSCALE_150, corner, sight.text, ""))
+            robot, *plots = look()
+            self._viewer.user_scn.ngeom = 0
+            if robot.ball is not None:
+                add_ball(self._viewer.user_scn, robot.ball)
+        self._viewer.set_texts([(mujoco.mjtFontScale.mjFONTSCALE_150, *caption) for caption in robot.captions])
+        if (window := self._viewer.viewport) is not None:
+            places = [rectangle(panel.place, window.width, window.height) for panel in plots]
+            for place, panel in zip(places, plots, strict=True):
+                if panel.to_scale:
+                    panel.content.range[0] *= (place.width - 20) / (place.height - 75)  # without title and margins
+            self._viewer.set_figures([(place, panel.content) for place, panel in zip(places, plots, strict=True)])
         self._viewer.sync()
 
     def close(self) -> None:
@@ -76,16 +70,21 @@ class Window:
                 thread.join(timeout=5.0)
             atexit.unregister(self.close)
 
-    def _open(self, sight: Sight) -> None:
+    def _open(self, camera: Any) -> None:
+        import mujoco.viewer
+
         others = set(threading.enumerate())
-        self._viewer = _launch(self._model, self._data)
-        self._threads = set(threading.enumerate()) - others
+        try:
+            viewer = mujoco.viewer.launch_passive(self._model, self._data, show_left_ui=False, show_right_ui=False)
+        except RuntimeError as error:  # macOS
+            raise FFGymError(f"render_mode='human': {error}; start the script with mjpython, or {_WAY_OUT}.") from error
+        self._viewer, self._threads = viewer, set(threading.enumerate()) - others
         atexit.register(self.close)
-        camera = sight.camera
-        with self._viewer.lock():
-            self._viewer.cam.lookat[:] = camera.centre + 0.7 * camera.radius * camera.right  # the board is on the right
-            self._viewer.cam.distance = 1.5 * camera.distance
-            self._viewer.cam.azimuth, self._viewer.cam.elevation = camera.azimuth + 180, -camera.elevation
+        right = np.array([-np.sin(np.deg2rad(camera.azimuth)), np.cos(np.deg2rad(camera.azimuth)), 0.0])
+        with viewer.lock():  # plots cover the right half, so that the camera looks past the robot
+            viewer.cam.lookat[:] = camera.lookat - 0.25 * camera.distance * right
+            viewer.cam.distance, viewer.cam.azimuth = 1.2 * camera.distance, camera.azimuth
+            viewer.cam.elevation = camera.elevation
 
 
 def check_screen() -> None:
@@ -100,12 +99,3 @@ def check_screen() -> None:
         start_glfw()
     except ImportError as error:
         raise FFGymError(f"render_mode='human' cannot open a window: {error}; {_WAY_OUT}.") from error
-
-
-def _launch(model: mujoco.MjModel, data: mujoco.MjData) -> Any:
-    import mujoco.viewer
-
-    try:
-        return mujoco.viewer.launch_passive(model, data, show_left_ui=False, show_right_ui=False)
-    except RuntimeError as error:  # macOS
-        raise FFGymError(f"render_mode='human': {error}; start the script with mjpython, or {_WAY_OUT}.") from error

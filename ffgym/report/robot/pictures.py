@@ -9,8 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.envs.rendering.camera import Camera
-from ffgym.envs.rendering.canvas import Canvas, Panel
+from ffgym.envs.rendering.canvas import Canvas, Panel, camera_on
 from ffgym.report.figure import new_figure, panels, require_matplotlib
 from ffgym.robot import ModelOptions, compile_model
 from ffgym.studies.robot_check import POSES, RobotCheck, Skeleton, skeleton
@@ -180,9 +179,8 @@ def rendered_robot(check: RobotCheck) -> "Figure | None":
         canvas = Canvas(model, *_SIZE)
     except FFGymError:  # no OpenGL; the skeleton needs none
         return None
-    centre, radius = _ball(model, data)
-    views = [Camera(centre=centre, radius=radius, azimuth=azimuth, elevation=15.0) for azimuth in (-50.0, 40.0)]
-    halves = [Panel(left=k / 2, right=(k + 1) / 2, camera=view) for k, view in enumerate(views)]
+    views = [camera_on(model, data, azimuth, elevation=-15.0) for azimuth in (130.0, 220.0)]
+    halves = [Panel(place=(k / 2, 0.0, 0.5, 1.0), content=view) for k, view in enumerate(views)]
     picture = canvas.picture(data, halves)
     canvas.close()
     figure = new_figure(_SIZE[0] / 110, _SIZE[1] / 110)
@@ -190,11 +188,3 @@ def rendered_robot(check: RobotCheck) -> "Figure | None":
     axes.imshow(picture)
     axes.set_axis_off()
     return figure
-
-
-def _ball(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.ndarray, float]:
-    """Centre and radius [m] of a ball around all geoms of the robot."""
-    own = np.flatnonzero(model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE)
-    points, sizes = data.geom_xpos[own], model.geom_rbound[own, None]
-    low, high = (points - sizes).min(axis=0), (points + sizes).max(axis=0)
-    return (low + high) / 2, float(np.linalg.norm(high - low) / 2)
