@@ -12,7 +12,6 @@ from ffgym.effects.parameters import Parameter
 from ffgym.paths.motions.part import resting_position
 from ffgym.robot import RobotDescription
 from scripts.exam.equations import Clue, Outsider, Variant
-from scripts.exam.equations.outsiders import DamagedTooth
 from scripts.exam.paper import Truth
 
 _AS_DESCRIBED = ("reference",)
@@ -146,7 +145,7 @@ def _full(
 
 def _shape(kind: type[Effect], known: Parameter, robot: RobotDescription, rng: np.random.Generator, joint: str) -> Any:
     """A shape from its plausible range."""
-    if issubclass(kind, DamagedTooth) and known.name == "place":
+    if kind.name == "damaged_tooth" and known.name == "place":
         rest = resting_position(robot)[robot.joints.index(joint)]
         return float(rest + rng.uniform(-_NEARBY, _NEARBY))
     if known.role == "cycles":

@@ -1,65 +1,31 @@
-"""Frame of an exam's equations, which leaves to each of them its words, its parameters and its formula."""
+"""Frame of an exam's equations: a function of the state and of its numbers, which are its arguments, is an effect."""
 
-import re
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar, dataclass_transform
+from inspect import Parameter, signature
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.effects import Effect, State, TorqueEffect, Torques, parameter
-from ffgym.effects.effect import Side
+from ffgym.effects import Effect, NativeEffect, ResolverEffect, ResolverError, State, TorqueEffect, Torques, parameter
+from ffgym.robot import RobotDescription
+
+Formula = Callable[..., Any]
+"""Torque [N m], shape (..., N), of a state and of numbers that have `size` or `shape` as defaults; where the effect has
+a memory, torque and later memory of state, memory and time step."""
 
 
-def size(meaning: str, unit: str, low: float, high: float, source: str = "chosen", **more: Any) -> Any:
-    """Size of an effect, 0 without it."""
-    return parameter(meaning, unit=unit, low=low, high=high, source=source, **more)
-
-
-def shape(meaning: str, unit: str, low: float, high: float, source: str = "chosen", **more: Any) -> Any:
-    """What an effect has beside its size."""
-    return parameter(meaning, unit=unit, null=None, low=low, high=high, source=source, **more)
-
-
-@dataclass_transform(
-    kw_only_default=True, frozen_default=True, eq_default=False, field_specifiers=(parameter, size, shape)
-)
 class Equation(Effect):
-    """An effect in an equation of its own, declared by the keywords of its class; it becomes a dataclass by that."""
+    """An effect in an equation of its own, made of a function by `variant` or `outsider`."""
 
-    way_in: ClassVar[str] = "torque at every physics step"
+    formula: ClassVar[Formula]
+    numbers: ClassVar[tuple[str, ...]]
+    """Names of its parameters."""
 
-    def __init_subclass__(cls, *, equation: str = "", side: Side = "motor", **more: Any) -> None:
-        """Declare an effect, whose title its docstring begins with; a class without an equation is a frame.
-
-        Args:
-            equation: what is added to which equation.
-            side: where it acts.
-            more: other class variables that differ from those of the frame.
-        """
-        super().__init_subclass__()
-        if not equation:
-            return
-        cls.name = re.sub(r"(?<!^)(?=[A-Z])", "_", cls.__name__).lower()
-        cls.title, cls.equation, cls.side = str(cls.__doc__).partition(":")[0], equation, side
-        for name, value in more.items():
-            setattr(cls, name, value)
-        dataclass(frozen=True, kw_only=True, eq=False)(cls)
-
-
-class Torque(Equation, TorqueEffect):
-    """One torque that needs no memory."""
-
-    acts_on: ClassVar[str] = "motor"
-    """Field of `Torques`."""
-
-    def _torque(self, s: State) -> Array:
-        """Torque [N m], shape (..., N); not called where `torques` is written anew."""
-        raise NotImplementedError
-
-    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
-        """See base class."""
-        return Torques(**{self.acts_on: self._torque(state)}), memory
+    def _of(self, *seen: Any) -> Any:
+        """The formula with the effect's own numbers."""
+        return type(self).formula(*seen, **{name: getattr(self, name) for name in self.numbers})
 
 
 class Variant(Equation):
@@ -68,15 +34,6 @@ class Variant(Equation):
     variant_of: ClassVar[str]
     """Name of the effect that a diagnosis should give."""
     signature: ClassVar[str] = "as of the effect that it is a variant of"
-    members: ClassVar[dict[str, type["Variant"]]] = {}
-    """All that were declared, by name."""
-
-    def __init_subclass__(cls, *, of: str = "", **more: Any) -> None:
-        """See base class; `of` is `variant_of`."""
-        super().__init_subclass__(**more)
-        if of:
-            cls.variant_of = of
-            Variant.members[cls.name] = cls
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,33 +48,143 @@ class Clue:
     """[Hz], of a line in time; a multiple of it is right, too. None if there is none."""
 
 
-class Outsider(Torque):
+class Outsider(Equation):
     """An effect that no effect of the library can express, of a size `share`."""
 
     signature: ClassVar[str] = "only in patterns of the residual"
-    words: ClassVar[tuple[str, ...]] = ("time",)
+    words: ClassVar[tuple[str, ...]]
     """See `Clue`."""
-    members: ClassVar[dict[str, type["Outsider"]]] = {}
-    """All that were declared, by name."""
     share: Array
-
-    def __init_subclass__(cls, **more: Any) -> None:
-        """See base class."""
-        super().__init_subclass__(**more)
-        if more:
-            Outsider.members[cls.name] = cls
-
-    def line(self) -> Array | None:
-        """Frequency of its line in time [Hz], shape (N,); None if there is none."""
-        return None
 
     def clue(self, joints: tuple[str, ...], joint: str) -> Clue:
         """What an answer must name, for the effect on `joint` of a robot with these `joints`."""
-        row, line = joints.index(joint), self.line()
-        if self.words == Outsider.words:
+        row = joints.index(joint)
+        if self.words == TIME:
+            line = 1 / self.period if hasattr(self, "period") else getattr(self, "frequency", None)
             return Clue(words=self.words, frequency=None if line is None else float(line[row]))
         of_others = self.share.ndim == 2
         return Clue(words=self.words, joint=joints[int(np.argmax(np.abs(self.share[row])))] if of_others else joint)
+
+
+TIME = ("time",)
+
+VARIANTS: dict[str, type[Variant]] = {}
+"""Effects of the library in other equations, by name; their order is that of the questions of an exam."""
+
+OUTSIDERS: dict[str, type[Outsider]] = {}
+"""Effects that the library cannot express, by name, in the order of the questions."""
+
+
+class _ByTorque(Equation, TorqueEffect):
+    way_in: ClassVar[str] = "torque at every physics step"
+    acts_on: ClassVar[str]
+    """Field of `Torques`, if the formula does not give all of them."""
+    start: ClassVar[Formula | None]
+    """Memory of a state at rest; None remembers nothing."""
+
+    def initial_memory(self, state: State) -> Array:
+        """See base class."""
+        return super().initial_memory(state) if self.start is None else np.asarray(type(self).start(state))  # type: ignore[misc]
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        found = self._of(state) if self.start is None else self._of(state, memory, dt)
+        torque, later = (found, memory) if self.start is None else found
+        return torque if isinstance(torque, Torques) else Torques(**{self.acts_on: torque}), later
+
+
+class _InDescription(Equation, NativeEffect):
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        changed: RobotDescription = self._of(robot)
+        return changed
+
+
+class _ByResolver(Equation, ResolverEffect):
+    way_in: ClassVar[str] = "reading of the servo"
+
+    def error(self, motor_angle: Array, motor_speed: Array) -> ResolverError:
+        """See base class."""
+        angle, speed = self._of(motor_angle, motor_speed)
+        return ResolverError(angle=angle, speed=speed)
+
+
+_WAYS: dict[str, type[Equation]] = {"torque": _ByTorque, "description": _InDescription, "resolver": _ByResolver}
+
+
+def variant(of: str, equation: str, by: str = "torque", **about: Any) -> Callable[[Formula], type[Variant]]:
+    """Declare a function to be an effect `of` the library in another equation.
+
+    Args:
+        of: name of the library's effect.
+        equation: what is added to which equation.
+        by: the function's value: a 'torque', another 'description', or errors of angle and speed of a 'resolver'.
+        about: other class variables, e.g. `side`, `acts_on` and `start`.
+    """
+
+    def declare(formula: Formula) -> type[Variant]:
+        found = _effect_of(formula, (Variant, _WAYS[by]), equation=equation, variant_of=of, **about)
+        return VARIANTS.setdefault(found.name, found)
+
+    return declare
+
+
+def outsider(equation: str, words: tuple[str, ...] = TIME) -> Callable[[Formula], type[Outsider]]:
+    """Declare a torque to be an effect that the library cannot express; `words` are those of its clue."""
+
+    def declare(formula: Formula) -> type[Outsider]:
+        found = _effect_of(formula, (Outsider, _ByTorque), equation=equation, words=words)
+        return OUTSIDERS.setdefault(found.name, found)
+
+    return declare
+
+
+def _effect_of(formula: Formula, bases: tuple[type, ...], **about: Any) -> Any:
+    """Class of an effect, whose title the docstring of its function begins with."""
+    given = signature(formula).parameters
+    numbers = {name: each.default for name, each in given.items() if each.default is not Parameter.empty}
+    own = {
+        "__doc__": formula.__doc__,
+        "__module__": formula.__module__,
+        "__qualname__": formula.__name__,
+        "__annotations__": dict.fromkeys(numbers, Array),
+        "name": formula.__name__,
+        "title": str(formula.__doc__).partition(":")[0],
+        "formula": staticmethod(formula),
+        "numbers": tuple(numbers),
+    }
+    about = {"side": "motor", "acts_on": "motor", "start": None, **about}
+    return dataclass(frozen=True, kw_only=True, eq=False)(type(formula.__name__, bases, {**own, **about, **numbers}))
+
+
+def size(meaning: str, unit: str, low: float, high: float, source: str = "chosen", **more: Any) -> Any:
+    """Size of an effect, 0 without it."""
+    return parameter(meaning, unit=unit, low=low, high=high, source=source, **more)
+
+
+def of_coulomb(low: float, high: float, source: str = "chosen", **more: Any) -> Any:
+    """Size as a share of the Coulomb torque."""
+    return size("a, of the Coulomb torque", "1", low, high, source, **more)
+
+
+def shape(meaning: str, unit: str, low: float, high: float, source: str = "chosen", **more: Any) -> Any:
+    """What an effect has beside its size."""
+    return parameter(meaning, unit=unit, null=None, low=low, high=high, source=source, **more)
+
+
+def any_phase() -> Any:
+    """Phase of a wave."""
+    return shape("phi", "rad", 0.0, 2 * np.pi, "any", role="phase")
+
+
+def cycles_per_turn(low: float, high: float, source: str) -> Any:
+    """Periods of a wave in a turn of the motor."""
+    return shape("k, per motor turn", "1", low, high, source, role="cycles")
+
+
+def bending_speed(letter: str, low: float, high: float, source: str = "chosen") -> Any:
+    """Speed that gives a curve of friction its shape."""
+    return shape(f"{letter}, motor side", "rad/s", low, high, source, minimum=1e-3)
 
 
 def sum_of_others(share: Array, of: Array) -> Array:
@@ -160,18 +227,3 @@ def slope_of_waves(angle: Array) -> Array:
     """Derivative of `two_waves`."""
     slope: Array = np.cos(angle) + 2 * _SECOND * np.cos(2 * angle + _SHIFT)
     return slope
-
-
-def any_phase() -> Any:
-    """Phase of a wave."""
-    return shape("phi", "rad", 0.0, 2 * np.pi, "any", role="phase")
-
-
-def cycles_per_turn(low: float, high: float, source: str) -> Any:
-    """Periods of a wave in a turn of the motor."""
-    return shape("k, per motor turn", "1", low, high, source, role="cycles")
-
-
-def bending_speed(letter: str, low: float, high: float, source: str = "chosen") -> Any:
-    """Speed that gives a curve of friction its shape."""
-    return shape(f"{letter}, motor side", "rad/s", low, high, source, minimum=1e-3)

@@ -11,25 +11,25 @@ from ffgym.simulation.plant import Climate, Machine
 from scripts.exam.equations import OUTSIDERS, VARIANTS
 from scripts.exam.equations.frame import lagging
 from scripts.exam.equations.friction import (
-    DirectionalEfficiency,
-    MaxwellSlip,
-    PowerViscous,
-    RateAndState,
-    TanhStribeck,
-    TwoWaveFriction,
-    VogelOil,
+    directional_efficiency,
+    maxwell_slip,
+    power_viscous,
+    rate_and_state,
+    tanh_stribeck,
+    two_wave_friction,
+    vogel_oil,
 )
 from scripts.exam.equations.joints import (
-    DahlHysteresis,
-    QuinticSpring,
-    RoundGap,
-    SmoothCable,
-    SteppedSpring,
-    TwoLags,
-    TwoWaveGearError,
-    TwoWaveResolver,
+    dahl_hysteresis,
+    quintic_spring,
+    round_gap,
+    smooth_cable,
+    stepped_spring,
+    two_lags,
+    two_wave_gear_error,
+    two_wave_resolver,
 )
-from scripts.exam.equations.outsiders import DamagedTooth, WanderingTorque
+from scripts.exam.equations.outsiders import damaged_tooth, wandering_torque
 from scripts.exam.hidden import drawn
 from tests.effects.effect_samples import as_strong_as_plausible, state_of, without_effect
 
@@ -127,15 +127,15 @@ def test_machines_with_any_of_them_run(irb4600, corners):
 
 
 FRICTION = [
-    TanhStribeck(share=0.4, width=1.0),
-    PowerViscous(share=0.3, exponent=0.9, speed=20.0),
-    RateAndState(share=0.3, time=0.1, slip=0.02),
-    DirectionalEfficiency(share=0.1, ratio=1.6, slow=0.4),
-    DamagedTooth(share=0.5, place=0.005, width=0.01),
-    MaxwellSlip(share=0.8, travel=0.04),
-    TwoWaveFriction(share=0.2, cycles=20.0, phase=1.0),
+    tanh_stribeck(share=0.4, width=1.0),
+    power_viscous(share=0.3, exponent=0.9, speed=20.0),
+    rate_and_state(share=0.3, time=0.1, slip=0.02),
+    directional_efficiency(share=0.1, ratio=1.6, slow=0.4),
+    damaged_tooth(share=0.5, place=0.005, width=0.01),
+    maxwell_slip(share=0.8, travel=0.04),
+    two_wave_friction(share=0.2, cycles=20.0, phase=1.0),
 ]
-INSTEAD = (MaxwellSlip, TwoWaveFriction)
+INSTEAD = (maxwell_slip, two_wave_friction)
 """These change friction that is there, and give back at times what they took before."""
 
 
@@ -163,7 +163,7 @@ def test_friction_of_a_motor_that_swings_takes_energy(effect, irb4600):
 
 
 def test_maxwell_slip_carries_what_bristles_carry_once_all_elements_slip(irb4600):
-    effect = MaxwellSlip.on(irb4600, "j1", share=0.5, travel=0.04)
+    effect = maxwell_slip.on(irb4600, "j1", share=0.5, travel=0.04)
     states = [state_of(irb4600, motor_speed=np.full(6, 1.0), friction_sign=np.ones(6)) for _ in range(60)]
     found, _ = along(effect, states)
     assert found[1].motor[0] > 0.1 * irb4600.friction.coulomb[0]  # softer at first
@@ -171,7 +171,7 @@ def test_maxwell_slip_carries_what_bristles_carry_once_all_elements_slip(irb4600
 
 
 def test_contacts_age_with_the_logarithm_of_time_and_slip_renews_them(irb4600):
-    effect = RateAndState.on(irb4600, share=0.3, time=0.1, slip=0.01)
+    effect = rate_and_state.on(irb4600, share=0.3, time=0.1, slip=0.01)
     sliding, resting = (state_of(irb4600, motor_speed=np.full(6, v), friction_sign=np.ones(6)) for v in (0.5, 0.0))
     old, memory = along(effect, [sliding] * 400)
     full = 0.3 * irb4600.friction.static
@@ -197,7 +197,7 @@ def test_dahl_is_the_same_loop_at_any_step():
     assert abs(fine[0]) <= 1
 
 
-@pytest.mark.parametrize("kind", [DahlHysteresis, SmoothCable], ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", [dahl_hysteresis, smooth_cable], ids=lambda kind: kind.name)
 def test_hysteresis_loses_energy_in_every_loop(kind, irb4600):
     effect = as_strong_as_plausible(kind, irb4600)
     phase = np.arange(0, 6 * np.pi, 0.01)
@@ -222,9 +222,9 @@ def test_hysteresis_loses_energy_in_every_loop(kind, irb4600):
 def test_springs_push_back_more_the_further_they_are_wound(irb4600):
     bent = np.linspace(-2e-3, 2e-3, 401)
     for effect in (
-        QuinticSpring.on(irb4600, growth=0.4),
-        SteppedSpring.on(irb4600, growth=0.8, width=2e-4),
-        RoundGap.on(irb4600, half_gap=2e-4),
+        quintic_spring.on(irb4600, growth=0.4),
+        stepped_spring.on(irb4600, growth=0.8, width=2e-4),
+        round_gap.on(irb4600, half_gap=2e-4),
     ):
         states = [state_of(irb4600, deflection=np.full(6, x)) for x in bent]
         found, _ = along(effect, states)
@@ -235,7 +235,7 @@ def test_springs_push_back_more_the_further_they_are_wound(irb4600):
 
 
 def test_a_round_gap_is_free_in_its_middle_and_a_spring_beyond(irb4600):
-    effect, k = RoundGap.on(irb4600, half_gap=1e-4), irb4600.drive.joint_stiffness[0]
+    effect, k = round_gap.on(irb4600, half_gap=1e-4), irb4600.drive.joint_stiffness[0]
     inside, outside = (
         k * x - along(effect, [state_of(irb4600, deflection=np.full(6, x))])[0][0].spring[0] for x in (1e-5, 1e-3)
     )
@@ -244,7 +244,7 @@ def test_a_round_gap_is_free_in_its_middle_and_a_spring_beyond(irb4600):
 
 
 def test_a_gear_error_of_two_waves_makes_no_energy(irb4600):
-    effect = TwoWaveGearError.on(irb4600, "j1", amplitude=2e-5, cycles=1.0, phase=0.4)
+    effect = two_wave_gear_error.on(irb4600, "j1", amplitude=2e-5, cycles=1.0, phase=0.4)
     phase = np.linspace(0, 2 * np.pi, 20001)[:, None]
     deflection, angle = 1e-3 * np.sin(phase), 0.7 * np.sin(phase + 1.0)
     k = irb4600.drive.joint_stiffness
@@ -258,7 +258,7 @@ def test_a_gear_error_of_two_waves_makes_no_energy(irb4600):
 
 
 def test_a_resolver_reads_the_speed_of_the_angle_that_it_reads(irb4600):
-    effect = TwoWaveResolver.on(irb4600, amplitude=5e-4, cycles=1.0, phase=0.3)
+    effect = two_wave_resolver.on(irb4600, amplitude=5e-4, cycles=1.0, phase=0.3)
     t = np.linspace(0.0, 1.0, 10001)[:, None] + np.zeros(6)
     error = effect.error(5.0 * np.sin(3.0 * t), 15.0 * np.cos(3.0 * t))
     rate = np.gradient(error.angle[:, 0], t[:, 0])
@@ -266,7 +266,7 @@ def test_a_resolver_reads_the_speed_of_the_angle_that_it_reads(irb4600):
 
 
 def test_two_lags_end_at_the_command_and_are_late_by_both(irb4600):
-    effect, dt = TwoLags.on(irb4600, lag=4e-4), 2.5e-5
+    effect, dt = two_lags.on(irb4600, lag=4e-4), 2.5e-5
     ramp = [state_of(irb4600, motor_torque=np.full(6, 10.0 * dt * k)) for k in range(400)]
     found, _ = along(effect, ramp, dt)
     behind = -found[-1].motor[0] / 10.0
@@ -276,7 +276,7 @@ def test_two_lags_end_at_the_command_and_are_late_by_both(irb4600):
 
 
 def test_warm_oil_is_thinner_and_the_description_holds_in_a_cold_room(irb4600):
-    effect = VogelOil.on(irb4600, share=0.8, vogel=900.0)
+    effect = vogel_oil.on(irb4600, share=0.8, vogel=900.0)
     braking = [
         -along(effect, [state_of(irb4600, motor_speed=np.full(6, 5.0), temperature=t)])[0][0].motor[0]
         for t in (15.0, 20.0, 35.0)
@@ -285,7 +285,7 @@ def test_warm_oil_is_thinner_and_the_description_holds_in_a_cold_room(irb4600):
 
 
 def test_a_torque_that_wanders_is_smooth_bounded_and_without_order(irb4600):
-    effect = WanderingTorque.on(irb4600, share=0.2, draw=0.37)
+    effect = wandering_torque.on(irb4600, share=0.2, draw=0.37)
     t = np.arange(0, 50, DT)[:, None]
     state = state_of(irb4600, time=t + np.zeros(6))
     torque = effect.torques(state, effect.initial_memory(state), DT)[0].motor[:, 0] / irb4600.friction.coulomb[0]
