@@ -18,8 +18,8 @@ from ffgym.agents.flexible_joints import Lead
 from ffgym.agents.model_states import Place, States
 from ffgym.core.types import Array
 from ffgym.effects import State, TorqueEffect, Torques
+from ffgym.effects.elasticity import Backlash
 from ffgym.effects.leads import Leads
-from ffgym.effects.transmission.backlash import Backlash
 
 REACH = 1e-3
 """Deflection [rad] beyond that of the linear spring in which the root is looked for; chosen: three arc minutes, more

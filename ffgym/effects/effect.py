@@ -210,6 +210,22 @@ class TorqueEffect(Effect):
         return None
 
 
+class FrictionEffect(TorqueEffect):
+    """An effect that adds to the friction of the motor and remembers nothing."""
+
+    side = "motor"
+    way_in = "torque at every physics step"
+    needs_friction = True
+
+    @abstractmethod
+    def friction(self, state: State) -> Array:
+        """Friction beyond that of the description, motor side [N m], (..., N); positive brakes a forward motion."""
+
+    def torques(self, state: State, memory: Array, dt: float) -> tuple[Torques, Array]:
+        """See base class."""
+        return Torques(motor=-self.friction(state)), memory
+
+
 class ResolverEffect(Effect):
     """An error of the motor's position sensor, which the servo acts on."""
 

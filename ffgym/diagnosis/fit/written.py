@@ -23,7 +23,7 @@ from ffgym.diagnosis.replay.channels import in_step
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.solving import bounded
 from ffgym.effects import ClockEffect, Effect, NativeEffect
-from ffgym.effects.friction.stribeck import StribeckPeak
+from ffgym.effects.friction_levels import StribeckPeak
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.simulation.plant import Machine

@@ -1,14 +1,14 @@
-"""M5: a motor torque that comes later than commanded."""
+"""A motor torque that comes later than commanded (M5)."""
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
-from ffgym.effects.effect import Side, TorqueEffect
+from ffgym.effects.effect import TorqueEffect
 from ffgym.effects.parameters import parameter
 from ffgym.effects.state import State, Torques
 
@@ -28,17 +28,17 @@ class TorqueDelay(TorqueEffect):
         FFGymError: if the physics step is too short for the commands of the delay to be remembered.
     """
 
-    name: ClassVar[str] = "torque_delay"
-    code: ClassVar[str] = "M5"
-    title: ClassVar[str] = "delay and bandwidth of the torque loop"
-    equation: ClassVar[str] = r"T_c \dot \tau = u(t - d) - \tau"
-    side: ClassVar[Side] = "motor"
-    signature: ClassVar[str] = "torque: proportional to its own rate of change, in quadrature with the acceleration"
-    way_in: ClassVar[str] = (
+    name = "torque_delay"
+    code = "M5"
+    title = "delay and bandwidth of the torque loop"
+    equation = r"T_c \dot \tau = u(t - d) - \tau"
+    side = "motor"
+    signature = "torque: proportional to its own rate of change, in quadrature with the acceleration"
+    way_in = (
         "torque at every physics step, with memory; delays of MuJoCo's actuators would delay set-points, not torque"
     )
-    confusable_with: ClassVar[tuple[str, ...]] = ("F2", "G2", "T8", "X5")
-    separating_motions: ClassVar[tuple[str, ...]] = ("excitation",)
+    confusable_with = ("F2", "G2", "T8", "X5")
+    separating_motions = ("excitation",)
 
     delay: Array = parameter(
         "d",

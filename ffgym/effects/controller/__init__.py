@@ -1,1 +1,0 @@
-"""What the machine's controller does otherwise than documented."""

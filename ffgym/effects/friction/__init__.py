@@ -1,1 +1,0 @@
-"""Friction of motor and gearbox, motor side."""

@@ -1,1 +1,0 @@
-"""What the arm carries: masses, springs, cables."""

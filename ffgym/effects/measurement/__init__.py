@@ -1,1 +1,0 @@
-"""What is between the truth and its measurement."""

@@ -1,1 +1,0 @@
-"""What lies between motor and link."""
