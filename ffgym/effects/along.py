@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import fields
+from itertools import chain
 
 import numpy as np
 
-from ffgym.core.types import Array
 from ffgym.effects.effect import TorqueEffect
 from ffgym.effects.state import State, Torques
 
@@ -28,12 +28,12 @@ def torques_along(effect: TorqueEffect, states: State, dt: float) -> Torques:
         return effect.torques(states, effect.initial_memory(states), dt)[0]
     if (at_once := effect.torques_over(states, dt)) is not None:
         return at_once
-    added, memory = effect.torques(first, memory, dt)
-    found = [added]
-    for state in each:
+    found = []
+    for state in chain([first], each):
         added, memory = effect.torques(state, memory, dt)
         found.append(added)
-    return Torques(**{f.name: _stacked([getattr(added, f.name) for added in found]) for f in fields(Torques)})
+    names = [f.name for f in fields(Torques) if getattr(found[0], f.name) is not None]
+    return Torques(**{name: np.stack([getattr(added, name) for added in found]) for name in names})
 
 
 def samples(states: State) -> Iterator[State]:
@@ -48,8 +48,3 @@ def samples(states: State) -> Iterator[State]:
             columns.append((name, np.broadcast_to(values, shape)))
     for k in range(shape[0]):
         yield State(**same, **{name: column[k] for name, column in columns})
-
-
-def _stacked(samples: list[Array | None]) -> Array | None:
-    given = [sample for sample in samples if sample is not None]
-    return np.stack(given) if given else None

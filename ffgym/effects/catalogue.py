@@ -45,8 +45,10 @@ class Catalogue(Mapping[str, type[Effect]]):
     @cached_property
     def _members(self) -> dict[str, type[Effect]]:
         found: dict[str, type[Effect]] = {}
-        for kind in _own_effects():
-            found[kind.name] = kind
+        for room in pkgutil.iter_modules(ffgym.effects.__path__, "ffgym.effects."):
+            for kind in vars(import_module(room.name)).values():
+                if isinstance(kind, type) and issubclass(kind, Effect) and kind.__module__ == room.name and kind.code:
+                    found[kind.name] = kind
         for entry in entry_points(group=GROUP):
             kind = _foreign_effect(entry)
             for other in found.values():
@@ -61,15 +63,6 @@ class Catalogue(Mapping[str, type[Effect]]):
 
 EFFECTS: Mapping[str, type[Effect]] = Catalogue()
 """Every effect by name."""
-
-
-def _own_effects() -> Iterator[type[Effect]]:
-    """Classes with a code that the modules of this room define."""
-    for found in pkgutil.walk_packages(ffgym.effects.__path__, "ffgym.effects."):
-        module = import_module(found.name)
-        for value in vars(module).values():
-            if isinstance(value, type) and issubclass(value, Effect) and value.__module__ == found.name and value.code:
-                yield value
 
 
 def _foreign_effect(entry: EntryPoint) -> type[Effect]:

@@ -28,12 +28,12 @@ shape."""
 class Parameter:
     """What is known of a parameter before any measurement."""
 
-    name: str
+    name: str = ""
     meaning: str
     """One phrase, with the side where there are two."""
     unit: str
     """SI; '1' for a pure number."""
-    null: float | None
+    null: float | None = 0.0
     """Value at which the effect vanishes; None for a parameter of shape, e.g. a phase, which then does not matter."""
     low: float
     """Lower end of what is plausible on an industrial robot."""
@@ -41,22 +41,26 @@ class Parameter:
     """Upper end."""
     source: str
     """Where the range comes from."""
-    per: Per
-    minimum: float
+    per: Per = "joint"
+    """What there is one number for."""
+    minimum: float = -np.inf
     """Smallest value that makes sense."""
-    maximum: float
+    maximum: float = np.inf
     """Largest value that makes sense."""
-    role: Role
-    """What it is to a search among effects."""
-    tries: tuple[float, ...]
+    role: Role | None = None
+    """What it is to a search among effects; None is a size where there is a null value, else a shape."""
+    tries: tuple[float, ...] = ()
     """Values of a shape at which a search begins; empty is the default value alone. Of cycles, where joints move too
     little to show a period; empty are those that what is to be explained has per motor turn."""
-    default: float | None
+    default: float | None = None
     """Value if none is given; None if one must be."""
     scale: Scale = ""
     """What of a robot it is where nobody gives it: it only says in what a size counts, and is not fitted."""
     of: tuple[str, str] | None = None
     """Part and number of the description that it is a share of, more or less of it; None is nothing."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "role", self.role or ("shape" if self.null is None else "size"))
 
     @property
     def is_looked_for(self) -> bool:
@@ -108,61 +112,12 @@ class Parameter:
         return array
 
 
-def parameter(
-    meaning: str,
-    *,
-    unit: str,
-    low: float,
-    high: float,
-    source: str,
-    null: float | None = 0.0,
-    per: Per = "joint",
-    minimum: float = -np.inf,
-    maximum: float = np.inf,
-    default: float | None = None,
-    role: Role | None = None,
-    tries: tuple[float, ...] = (),
-    scale: Scale = "",
-    of: tuple[str, str] | None = None,
-) -> Any:
-    """Field of an effect's dataclass that is a parameter.
-
-    Args:
-        meaning: one phrase, with the side where there are two.
-        unit: SI; '1' for a pure number.
-        low: lower end of what is plausible.
-        high: upper end.
-        source: where the range comes from.
-        null: value at which the effect vanishes; None for a parameter of shape.
-        per: what there is one number for.
-        minimum: smallest value that makes sense.
-        maximum: largest value that makes sense.
-        default: value if none is given; None requires one.
-        role: None is a size where there is a null value, else a shape.
-        tries: values of a shape at which a search begins; none is the default value alone.
-        scale: what of a robot a search takes it to be; it is not fitted.
-        of: part and number of the description that it is a share of, e.g. ("friction", "coulomb").
-    """
-    known = Parameter(
-        name="",
-        meaning=meaning,
-        unit=unit,
-        null=null,
-        low=low,
-        high=high,
-        source=source,
-        per=per,
-        minimum=minimum,
-        maximum=maximum,
-        role=role or ("shape" if null is None else "size"),
-        tries=tries,
-        default=default,
-        scale=scale,
-        of=of,
-    )
-    if default is None:
-        return field(metadata={_KEY: known})
-    return field(default=np.float64(default), metadata={_KEY: known})  # spread over the joints by Parameter.checked
+def parameter(meaning: str, **known: Any) -> Any:
+    """Field of an effect's dataclass that is a parameter; keyword arguments are the fields of `Parameter`."""
+    found = Parameter(meaning=meaning, **known)
+    if found.default is None:
+        return field(metadata={_KEY: found})
+    return field(default=np.float64(found.default), metadata={_KEY: found})  # `checked` spreads it over the joints
 
 
 def declared(metadata: Any) -> Parameter | None:

@@ -64,16 +64,12 @@ def read_effects(
         kind = known[check_choice("effect", name.split(":")[0], list(known))]
         if not isinstance(table, dict):
             raise FFGymError(f"[effects.{name}] must be a table of parameters, got {table!r}.")
-        effects.append(_effect(kind, name, table, robot))
+        its, values = kind.parameters(), {}
+        for entry, given in table.items():
+            check_choice(f"parameter of effects.{name}", entry, list(its))
+            values[entry] = _value(f"effects.{name}.{entry}", given, its[entry])
+        effects.append(kind.on(robot, **values))
     return tuple(effects)
-
-
-def _effect(kind: type[Effect], name: str, table: Mapping[str, Any], robot: RobotDescription) -> Effect:
-    known = kind.parameters()
-    for entry in table:
-        check_choice(f"parameter of effects.{name}", entry, list(known))
-    values = {entry: _value(f"effects.{name}.{entry}", given, known[entry]) for entry, given in table.items()}
-    return kind.on(robot, **values)
 
 
 def _value(where: str, given: Any, known: Parameter) -> Any:
