@@ -8,6 +8,7 @@ import pytest
 import ffgym.envs.circle_path
 import ffgym.envs.core
 import ffgym.envs.rewards
+import scripts.env_fingerprints
 from ffgym.core.errors import FFGymError
 from ffgym.core.registration import ENVIRONMENTS
 from ffgym.envs.fingerprint import check, stored
@@ -72,6 +73,7 @@ def test_a_changed_default_asks_for_a_new_version(monkeypatch):
 
 
 def test_the_script_writes_what_is_stored(tmp_path, monkeypatch):
+    monkeypatch.setattr(scripts.env_fingerprints, "ENVIRONMENTS", ["ffgym/OneAxis-v0"])
     main(Config(out=tmp_path / "fingerprints.json"))
     monkeypatch.setattr(ffgym.envs.fingerprint.resources, "files", lambda _: tmp_path)
     stored.cache_clear()
@@ -80,9 +82,10 @@ def test_the_script_writes_what_is_stored(tmp_path, monkeypatch):
     finally:
         monkeypatch.undo()
         stored.cache_clear()
-    for name, kept in stored().items():
-        assert again[name]["model"] == kept["model"]
-        np.testing.assert_allclose(again[name]["behaviour"], kept["behaviour"], rtol=1e-6, atol=1e-6)
+    (name,), kept = again, stored()["ffgym/OneAxis-v0"]
+    assert name == "ffgym/OneAxis-v0"
+    assert again[name]["model"] == kept["model"]
+    np.testing.assert_allclose(again[name]["behaviour"], kept["behaviour"], rtol=1e-6, atol=1e-6)
 
 
 def test_an_id_without_fingerprint_is_an_error():
