@@ -242,13 +242,13 @@ class Diagnose:
         self, diagnosis: Diagnosis, compared: HeldOut | None, closed_loop: Sequence[LoopLevel], robot: RobotDescription
     ) -> None:
         """Everything for people."""
-        from ffgym.report.diagnosis import format_closed_loop, format_diagnosis, format_held_out
+        from ffgym.report.diagnosis import compared_table, format_diagnosis
 
         print(format_diagnosis(diagnosis, robot))
         if compared is not None:
-            print(f"\n{format_held_out(compared.levels)}")
+            print(f"\n{compared_table('held out, RMS of', compared.levels).text()}")
         if closed_loop:
-            print(f"\n{format_closed_loop(closed_loop)}")
+            print(f"\n{compared_table('closed loop, RMS of', closed_loop).text()}")
         if diagnosis.causes and not diagnosis.gains:
             print(f"\n{WORSE}")
         print(f"\nnext: {self._next(diagnosis)}")

@@ -8,9 +8,10 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.held_out import LoopLevel
-from ffgym.diagnosis.regimes import ResidualMap, motion_map
+from ffgym.diagnosis.regimes import motion_map
 from ffgym.diagnosis.residual import Channel, Residual
 from ffgym.diagnosis.result import Diagnosis
+from ffgym.report.diagnosis.words import by_model, in_joint_units
 
 STANDS_OUT = 1.5
 """Residual over noise floor of a whole log from which a component is shown; chosen: half as much again as noise."""
@@ -54,34 +55,32 @@ class DiagnosisReport:
             raise FFGymError("Residuals before and after must be of the same motions in the same order.")
 
     @property
+    def models(self) -> dict[str, Residual]:
+        """Residuals by the name of the model: none, the nominal one, or also the extended one."""
+        return by_model(self.before, self.after)
+
+    @property
+    def in_joint_units(self) -> Diagnosis:
+        """The diagnosis with sizes and levels of sliding joints behind the gearbox."""
+        return in_joint_units(self.diagnosis, None if self.before is None else self.before.robot)
+
+    @property
     def places(self) -> tuple[Place, ...]:
         """Joints to look at: those of causes first, then those that stand out most; at least the worst one."""
         if self.before is None:
             return ()
-        ranked = sorted(self._joint_places(self.before), key=lambda entry: -entry[1])
+        found = []
+        for channel in self.before.channels:
+            if channel != "tool":
+                over = motion_map(self.before, channel).overall
+                for index, (component, ratio) in enumerate(zip(self.before.robot.joints, over, strict=True)):
+                    if np.isfinite(ratio):
+                        found.append((Place(channel=channel, component=component, index=index), float(ratio)))
+        ranked = sorted(found, key=lambda entry: -entry[1])
         blamed = {cause.joint for cause in self.diagnosis.causes}
         standing_out = [place for place, ratio in ranked if ratio > STANDS_OUT] or [place for place, _ in ranked[:1]]
         first = [place for place in standing_out if place.component in blamed]
         return tuple(dict.fromkeys([*first, *standing_out]))[:MOST_PLACES]
-
-    def _joint_places(self, residual: Residual) -> list[tuple[Place, float]]:
-        """Components that are joints, with their residual over noise floor."""
-        found = []
-        for channel in residual.channels:
-            if channel == "tool":
-                continue
-            over = motion_map(residual, channel).overall
-            for index, (component, ratio) in enumerate(zip(residual.robot.joints, over, strict=True)):
-                if np.isfinite(ratio):
-                    found.append((Place(channel=channel, component=component, index=index), float(ratio)))
-        return found
-
-
-def worst_motions(motions: ResidualMap, component: int, count: int) -> list[int]:
-    """Motions in which a component stands out most, worst first."""
-    ratio = motions.ratio[component]
-    order = [int(m) for m in np.argsort(-np.nan_to_num(ratio, nan=-1.0), kind="stable") if np.isfinite(ratio[m])]
-    return order[:count]
 
 
 def _motions(residual: Residual) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,11 +10,12 @@ from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.patterns import cycles_per_turn
 from ffgym.diagnosis.patterns.periodic import Amplitude
-from ffgym.diagnosis.profiles import VARIABLES, Profile, Variable, profiles
-from ffgym.diagnosis.regimes import LogRows, log_rows
-from ffgym.diagnosis.residual import UNITS, Channel, MotionResidual, Residual, components
-from ffgym.report.diagnosis.words import LOOKS, NOMINAL, counting, fine_scale_of, motor_speed, scale_of
-from ffgym.report.figure import panels, peaks_kept
+from ffgym.diagnosis.profiles import VARIABLES, Variable, profiles
+from ffgym.diagnosis.regimes import LogRows, log_rows, motion_map
+from ffgym.diagnosis.residual import UNITS, Channel, Residual, components
+from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place
+from ffgym.report.diagnosis.words import LOOKS, NOMINAL, counting, fine_scale_of, scale_of
+from ffgym.report.figure import ReportFigure, panels, peaks_kept
 from ffgym.report.identification.friction_plots import NEW, OLD
 from ffgym.report.table import shortened
 from ffgym.report.tool_path import ToolPath, scale_of_error, tool_path_figure
@@ -23,41 +24,77 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_LOOPS = 3
+"""Motions whose friction loops are shown."""
 
-def time_figure(models: Mapping[str, Residual], channel: Channel, component: int, joint: int, motion: int) -> "Figure":
-    """Measured and predicted, residuals with the noise floor, and the speed of a motor, over time.
+_DEPENDS = (
+    "Mean of measured minus predicted in bins of equally many rows. Bands: two standard errors, with one second of "
+    "the log as one observation."
+)
+_REPEATS = "Amplitude (RMS times the root of two) of the sine of the motor angle that is nearest to the residual."
+_OVER_SPEED = "Motor torque less what the nominal model gives apart from its friction (LuGre without bristle damping)."
 
-    Args:
-        models: residuals by model, the nominal one among them.
-        channel: what is shown.
-        component: which component of it.
-        joint: whose motor's speed stands below.
-        motion: which motion of the log.
-    """
-    robot, nominal = models[NOMINAL].robot, models[NOMINAL].motions[motion]
-    (factor, unit), (plain, shown) = fine_scale_of(robot, channel, joint), scale_of(robot, channel, joint)
-    noise = 2 * factor * models[NOMINAL].floor[channel][motion, component]
+
+def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
+    """What the residual of one joint looks like."""
+    models, channel, j = report.models, place.channel, place.index
+    nominal = models[NOMINAL]
+    ratio = motion_map(nominal, channel).ratio[j]
+    order = np.argsort(-np.nan_to_num(ratio, nan=-1.0), kind="stable")
+    worst = [int(motion) for motion in order if np.isfinite(ratio[motion])][:_LOOPS]
+    rows = {name: log_rows(residual, channel) for name, residual in models.items()}
+    unit, scale = nominal.robot.kinematics.units[j], scale_of(nominal.robot, channel, j)
+    figures = [_time_figure(models, place, worst[0])]
+    if (depends := profiles_figure(rows, channel, j, j, unit, scale)) is not None:
+        title = f"{place.component}, {channel}: what the residual depends on"
+        figures.append(ReportFigure(f"depends-{channel}-{j + 1}", title, _DEPENDS, depends))
+    marked = [
+        pattern.frequency
+        for pattern in report.diagnosis.patterns
+        if pattern.kind == "periodic" and pattern.component == place.component and pattern.frequency is not None
+    ]
+    if (repeats := _spectrum_figure(models, place, marked)) is not None:
+        figures.append(repeats)
+    if channel == "torque":
+        figures.append(_loops_figure(models, place, worst))
+    return figures
+
+
+def _time_figure(models: Mapping[str, Residual], place: Place, motion: int) -> ReportFigure:
+    """Measured and predicted, residuals with the noise floor, and the speed of a motor, over time."""
+    channel, j, robot, nominal = place.channel, place.index, models[NOMINAL].robot, models[NOMINAL].motions[motion]
+    (factor, unit), (plain, shown) = fine_scale_of(robot, channel, j), scale_of(robot, channel, j)
+    noise = 2 * factor * models[NOMINAL].floor[channel][motion, j]
     with panels(3, 1, size=(8.6, 5.4), sharex=True, height_ratios=(3, 2, 1.2)) as (figure, grid):
         upper, middle, lower = grid[:, 0]
-        measured = counting(nominal, nominal.measured[channel][:, component])
+        measured = counting(nominal, nominal.measured[channel][:, j])
         upper.plot(nominal.t, plain * measured, label="measured", **LOOKS["measured"])
         middle.axhspan(-noise, noise, color="#dfe5ec", linewidth=0, label="noise (two sigma)")
         for name, residual in models.items():
             one = residual.motions[motion]
-            predicted = plain * counting(one, one.predicted[channel][:, component])
-            upper.plot(one.t, predicted, label=name, **LOOKS[name])
-            middle.plot(one.t, factor * counting(one, one.residual[channel][:, component]), **LOOKS[name])
-        lower.plot(nominal.t, counting(nominal, motor_speed(nominal, joint)), color="black", linewidth=0.8)
+            upper.plot(one.t, plain * counting(one, one.predicted[channel][:, j]), label=name, **LOOKS[name])
+            middle.plot(one.t, factor * counting(one, one.residual[channel][:, j]), **LOOKS[name])
+        lower.plot(nominal.t, counting(nominal, nominal.state.motor_speed[:, j]), color="black", linewidth=0.8)
         upper.set_ylabel(f"{channel} [{shown}]")
         middle.set_ylabel(f"residual [{unit}]")
         lower.set_ylabel("motor [rad/s]")
         lower.set_xlabel("time [s]")
         figure.align_ylabels()
-    return figure
+    return ReportFigure(
+        name=f"time-{channel}-{j + 1}",
+        title=f"{place.component}, {channel}: the motion in which it stands out most",
+        caption=f"Motion {nominal.motion}. What is measured and predicted has gone through the same low-pass without "
+        "delay.",
+        figure=figure,
+    )
 
 
-_DIRECTIONS = {"both": "#444444", "forwards": NEW, "back": OLD}
-_LINES = {"both": "-", "forwards": "-", "back": "--"}
+_DIRECTIONS = {
+    "both": ("#444444", "-", "both directions"),
+    "forwards": (NEW, "-", "forwards"),
+    "back": (OLD, "--", "back"),
+}
+"""Colour, line and words by direction of motion."""
 _WIDEST = 3
 """Panels side by side."""
 
@@ -94,34 +131,21 @@ def profiles_figure(
     rows = -(-len(shown) // _WIDEST)
     with panels(rows, _WIDEST, size=(3.3 * _WIDEST + 0.3, 2.5 * rows + 0.5), sharey=True) as (figure, grid):
         for axes, (name, of_logs) in zip(grid.flat, shown.items(), strict=False):
-            for log, (place, of_directions) in zip(of_logs, enumerate(of_logs.values()), strict=True):
-                _draw_profile(axes, of_directions, log, factor, pale=place > 0)
+            for k, (log, of_directions) in enumerate(of_logs.items()):
+                width, alpha = (1.3, 1.0) if k == 0 else (0.8, 0.45)
+                for direction, profile in of_directions.items():
+                    colour, line, words = _DIRECTIONS[direction]
+                    low, mean, high = factor * profile.low, factor * profile.mean, factor * profile.high
+                    if k == 0:
+                        axes.fill_between(profile.centre, low, high, color=colour, alpha=0.2, linewidth=0)
+                    look: dict[str, Any] = {"color": colour, "linewidth": width, "alpha": alpha}
+                    axes.plot(profile.centre, mean, line, label=f"{log}, {words}", **look)
             _name_axis(axes, VARIABLES[name], unit if name == "position" else VARIABLES[name].unit)
         for axes in grid.flat[len(shown) :]:
             axes.set_visible(False)
         for axes in grid[:, 0]:
             axes.set_ylabel(f"mean residual [{of_residual}]")
     return figure
-
-
-def _draw_profile(axes: "Axes", found: Mapping[str, Profile], log: str, factor: float, *, pale: bool) -> None:
-    for direction, profile in found.items():
-        label = f"{log}, {direction}" if direction != "both" else f"{log}, both directions"
-        colour = _DIRECTIONS[direction]
-        if not pale:
-            axes.fill_between(
-                profile.centre, factor * profile.low, factor * profile.high, color=colour, alpha=0.2, linewidth=0
-            )
-        width, alpha = (0.8, 0.45) if pale else (1.3, 1.0)
-        axes.plot(
-            profile.centre,
-            factor * profile.mean,
-            _LINES[direction],
-            color=colour,
-            label=label,
-            linewidth=width,
-            alpha=alpha,
-        )
 
 
 def _name_axis(axes: "Axes", variable: Variable, unit: str) -> None:
@@ -144,25 +168,15 @@ FORMS: Mapping[Amplitude, str] = MappingProxyType(
 """Forms of what repeats that are shown, and what they are called."""
 
 
-def spectrum_figure(
-    models: Mapping[str, Residual], channel: Channel, component: int, joint: str, marked: Sequence[float]
-) -> "Figure | None":
-    """Amplitude over cycles per turn, one panel for each form, one line for each model.
+def _spectrum_figure(models: Mapping[str, Residual], place: Place, marked: Sequence[float]) -> ReportFigure | None:
+    """Amplitude over cycles per turn of the motor, one panel for each form, one line for each model.
 
-    Args:
-        models: residuals by model.
-        channel: which channel of them.
-        component: which component of the channel.
-        joint: whose motor turns.
-        marked: cycles per turn of what was found.
-
-    Returns:
-        None where the motor turns too little to tell.
+    None where the motor turns too little to tell; cycles per turn that were found are `marked`.
     """
-    found = {form: _amplitudes(models, channel, component, joint, form) for form in FORMS}
+    channel, j = place.channel, place.index
+    found = {form: _amplitudes(models, place, form) for form in FORMS}
     if not all(found.values()):
         return None
-    unit = fine_scale_of(next(iter(models.values())).robot, channel, component)[1]
     with panels(1, len(FORMS), size=(9.4, 3.0), sharey=True) as (figure, grid):
         for axes, (form, lines) in zip(grid[0], found.items(), strict=True):
             for name, (frequency, amplitude) in lines.items():
@@ -172,94 +186,81 @@ def spectrum_figure(
             axes.set_xscale("log")
             axes.set_xlabel("cycles per turn of the motor")
         grid[0, 0].set_ylim(bottom=0.0)
-        grid[0, 0].set_ylabel(f"amplitude [{unit}]")
+        grid[0, 0].set_ylabel(f"amplitude [{fine_scale_of(models[NOMINAL].robot, channel, j)[1]}]")
         for axes in grid[0]:
-            _mark(axes, marked)
-    return figure
+            for cycles in marked:
+                axes.axvline(cycles, color="#5a6472", linewidth=0.8, linestyle=":")
+                axes.text(cycles, axes.get_ylim()[1], f" {cycles:.2f}", fontsize=8, va="top")
+    title = f"{place.component}, {channel}: what repeats with the motor"
+    return ReportFigure(f"repeats-{channel}-{j + 1}", title, _REPEATS, figure)
 
 
-def _mark(axes: "Axes", marked: Sequence[float]) -> None:
-    for frequency in marked:
-        axes.axvline(frequency, color="#5a6472", linewidth=0.8, linestyle=":")
-        axes.text(frequency, axes.get_ylim()[1], f" {frequency:.2f}", fontsize=8, va="top")
-
-
-def _amplitudes(
-    models: Mapping[str, Residual], channel: Channel, component: int, joint: str, form: Amplitude
-) -> dict[str, tuple[Array, Array]]:
+def _amplitudes(models: Mapping[str, Residual], place: Place, form: Amplitude) -> dict[str, tuple[Array, Array]]:
     """Cycles per turn and amplitudes, in the unit in which people read them, by model; nothing if there are none."""
-    found = {}
+    channel, j, found = place.channel, place.index, {}
     for name, residual in models.items():
-        of = components(channel, residual.robot)[component]
-        spectrum = cycles_per_turn(residual, channel, of, joint, amplitude=form)
+        of = components(channel, residual.robot)[j]
+        spectrum = cycles_per_turn(residual, channel, of, place.component, amplitude=form)
         if spectrum is not None:
-            size = _deviation(log_rows(residual, channel), component)
-            size *= fine_scale_of(residual.robot, channel, component)[0]
+            # RMS of the residual about its mean over each motion.
+            rows = log_rows(residual, channel)
+            known = np.isfinite(rows.residual[:, j])
+            values, motion = rows.residual[known, j], rows.motion[known]
+            count = np.bincount(motion, minlength=rows.motion.max() + 1)
+            mean = np.bincount(motion, weights=values, minlength=len(count)) / np.maximum(count, 1)
+            size = rms(values - mean[motion]) * fine_scale_of(residual.robot, channel, j)[0]
             found[name] = (spectrum.frequency, size * np.sqrt(2 * spectrum.share))
     return found
 
 
-def _deviation(rows: LogRows, component: int) -> float:
-    """RMS of a residual about its mean over each motion, in the unit of the channel."""
-    values, motion = rows.residual[:, component], rows.motion
-    known = np.isfinite(values)
-    count = np.bincount(motion[known], minlength=motion.max() + 1)
-    mean = np.bincount(motion[known], weights=values[known], minlength=len(count)) / np.maximum(count, 1)
-    return rms(values[known] - mean[motion[known]])
-
-
-def loops_figure(models: Mapping[str, Residual], joint: int, motions: Sequence[int]) -> "Figure":
+def _loops_figure(models: Mapping[str, Residual], place: Place, motions: Sequence[int]) -> ReportFigure:
     """One panel for each of `motions`, places in the log: torque without what the arm takes, over motor speed."""
-    factor, unit = scale_of(models[NOMINAL].robot, "torque", joint)
+    j = place.index
+    factor, unit = scale_of(models[NOMINAL].robot, "torque", j)
     with panels(1, len(motions), size=(3.1 * len(motions) + 0.5, 3.2)) as (figure, grid):
-        for axes, place in zip(grid[0], motions, strict=True):
-            nominal = models[NOMINAL].motions[place]
-            rest = nominal.predicted["torque"][:, joint] - _friction(nominal, joint)
-            lines = {"measured": nominal.measured["torque"][:, joint]}
-            lines |= {name: residual.motions[place].predicted["torque"][:, joint] for name, residual in models.items()}
+        for axes, motion in zip(grid[0], motions, strict=True):
+            nominal = models[NOMINAL].motions[motion]
+            # What the nominal model predicts without its friction.
+            state = nominal.state
+            peak = (state.static - state.coulomb) * np.exp(-((state.motor_speed / state.stribeck_velocity) ** 2))
+            friction = (state.coulomb + peak) * state.friction_sign + state.viscous * state.motor_speed
+            rest = nominal.predicted["torque"][:, j] - friction[:, j]
+            lines = {"measured": nominal.measured["torque"][:, j]}
+            lines |= {name: residual.motions[motion].predicted["torque"][:, j] for name, residual in models.items()}
             for name, torque in lines.items():
-                axes.plot(
-                    motor_speed(nominal, joint), factor * counting(nominal, torque - rest), label=name, **LOOKS[name]
-                )
+                shown = factor * counting(nominal, torque - rest)
+                axes.plot(state.motor_speed[:, j], shown, label=name, **LOOKS[name])
             axes.set_title(shortened(nominal.motion), fontsize=8)
             axes.set_xlabel("motor speed [rad/s]")
         grid[0, 0].set_ylabel(f"friction {'torque' if unit == 'N m' else 'force'} [{unit}]")
-    return figure
+    return ReportFigure(f"loops-{j + 1}", f"{place.component}: friction over speed", _OVER_SPEED, figure)
 
 
-def _friction(motion: MotionResidual, joint: int) -> Array:
-    """Friction of the nominal model along a motion [N m], shape (R,)."""
-    state = motion.state
-    peak = (state.static - state.coulomb) * np.exp(-((state.motor_speed / state.stribeck_velocity) ** 2))
-    friction: Array = ((state.coulomb + peak) * state.friction_sign + state.viscous * state.motor_speed)[:, joint]
-    return friction
-
-
-def tool_figure(models: Mapping[str, Residual], motion: int) -> "Figure":
-    """Tracked path and tracked path + factor x (model - tracked), in one or two views."""
-    tracked, paths = _paths(models, motion)
-    look = {"label": "tracked", "zorder": 1, **LOOKS["measured"]}
-    factor, sizes = scale_of_error(paths, tracked), ((6.4, 5.2), (10.4, 5.2))
-    return tool_path_figure(paths, tracked, look, factor, what="difference", sizes=sizes)
-
-
-def tool_caption(models: Mapping[str, Residual], motion: int) -> str:
-    """What is drawn, with the largest difference by each model."""
-    tracked, paths = _paths(models, motion)
-    largest = ", ".join(f"{path.label} {1e6 * path.distance.max():.0f} µm" for path in paths)
-    return (
-        f"Motion {models[NOMINAL].motions[motion].motion}. Position of the tool by the tracker, and by the models "
-        f"behind the measured motors, their difference drawn {scale_of_error(paths, tracked):g} times as large "
-        f"(largest, dots: {largest})."
-    )
-
-
-def _paths(models: Mapping[str, Residual], motion: int) -> tuple[Array, list[ToolPath]]:
-    """Tracked positions (R, 3) [m] in rows that count, and those by the models beside them."""
-    nominal = models[NOMINAL].motions[motion]
+def tool_figures(report: DiagnosisReport) -> list[ReportFigure]:
+    """Path of the tool in the motion in which it stands out most; none without a tracker."""
+    if report.before is None or "tool" not in report.before.channels:
+        return []
+    ratio = motion_map(report.before, "tool").ratio
+    if np.isnan(ratio).all():
+        return []
+    worst = int(np.nanargmax(np.nanmax(ratio, axis=0, initial=0.0)))
+    nominal = report.before.motions[worst]
     rows = nominal.valid & np.isfinite(nominal.measured["tool"]).all(axis=1)
     tracked = nominal.measured["tool"][rows]
-    return tracked, [
-        ToolPath(label=name, nearest=tracked, error=-residual.motions[motion].residual["tool"][rows], look=LOOKS[name])
-        for name, residual in models.items()
+    paths = [
+        ToolPath(label=name, nearest=tracked, error=-residual.motions[worst].residual["tool"][rows], look=LOOKS[name])
+        for name, residual in report.models.items()
+    ]
+    factor = scale_of_error(paths, tracked)
+    largest = ", ".join(f"{path.label} {1e6 * path.distance.max():.0f} µm" for path in paths)
+    look = {"label": "tracked", "zorder": 1, **LOOKS["measured"]}
+    sizes = ((6.4, 5.2), (10.4, 5.2))
+    return [
+        ReportFigure(
+            name="tool",
+            title="Path of the tool",
+            caption=f"Motion {nominal.motion}. Position of the tool by the tracker, and by the models behind the "
+            f"measured motors, their difference drawn {factor:g} times as large (largest, dots: {largest}).",
+            figure=tool_path_figure(paths, tracked, look, factor, what="difference", sizes=sizes),
+        )
     ]

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ffgym.diagnosis.regimes import ResidualMap
-from ffgym.diagnosis.result import Diagnosis, Level
+from ffgym.diagnosis.regimes import ResidualMap, motion_map, regime_map
+from ffgym.diagnosis.result import Level
+from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.words import EXTENDED, FINE, LOOKS, NOMINAL, place_of, rivals_of
-from ffgym.report.figure import panels, require_matplotlib
+from ffgym.report.figure import ReportFigure, panels, require_matplotlib
 from ffgym.report.table import shortened
 
 if TYPE_CHECKING:
@@ -29,14 +30,44 @@ _CELL, _ROW = 0.5, 0.32
 _DARK = 0.55
 """Share of the colours from which figures in a cell are white."""
 
+_CELLS = (
+    "RMS of measured minus predicted over the noise floor: 1 is what noise alone leaves. Grey cells: the log has "
+    "too few such rows, or the model claims to know nothing of them."
+)
+
 Panel = tuple[str, ResidualMap]
 """A map with its title."""
+
+
+def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
+    """Where the model is wrong: by regime, for torques and other channels that stand out; by motion, for all."""
+    if report.before is None:
+        return []
+    figures, channels, models = [], report.before.channels, report.models
+    standing_out = {place.channel for place in report.places}
+    for channel in channels:
+        if channel == "torque" or (channel in standing_out and channel != "tool"):
+            over = motion_map(report.before, channel)
+            ratios = zip(over.components, over.overall, strict=True)
+            whole = ", ".join(f"{component} {ratio:.1f}" for component, ratio in ratios if np.isfinite(ratio))
+            figures.append(
+                ReportFigure(
+                    name=f"regimes-{channel}",
+                    title=f"Residual over noise floor by what the joint was doing, {channel}",
+                    caption=f"{_CELLS} The whole log, nominal model: {whole}.",
+                    figure=map_figure([[(name, regime_map(each, channel))] for name, each in models.items()]),
+                )
+            )
+    maps = [[(f"{c}, {name}", motion_map(each, c)) for name, each in models.items()] for c in channels]
+    figures.append(ReportFigure("motions", "Residual over noise floor by motion", _CELLS, map_figure(maps)))
+    return figures
 
 
 def map_figure(maps: Sequence[Sequence[Panel]]) -> "Figure":
     """Maps in rows of panels: the same places in those below each other, the same components in those beside."""
     first = maps[0][0][1]
-    columns = len(first.places)
+    columns, common = len(first.places), first.places[0].split(".")[0] + "."
+    start = len(common) if all(place.startswith(common) for place in first.places) else 0  # of names, without it
     heights = [_ROW * len(row[0][1].components) for row in maps]
     size = max(len(maps[0]) * _CELL * columns + 1.2, 5.0), sum(heights) + 0.4 * len(maps) + 1.2
     sharing: dict[str, Any] = {"sharex": "col", "sharey": "row", "height_ratios": heights}
@@ -48,7 +79,13 @@ def map_figure(maps: Sequence[Sequence[Panel]]) -> "Figure":
                 axes.set_title(title, loc="left", pad=16 if has_groups else 5)
         for axes in grid[-1]:
             at = np.arange(columns) + 0.5
-            axes.set_xticks(at, _short(first.places), rotation=40, ha="right", rotation_mode="anchor")
+            axes.set_xticks(
+                at,
+                [shortened(place[start:]) for place in first.places],
+                rotation=40,
+                ha="right",
+                rotation_mode="anchor",
+            )
     return figure
 
 
@@ -60,10 +97,11 @@ def _draw_map(axes: "Axes", one: ResidualMap) -> None:
     shown = np.ma.masked_invalid(np.clip(one.ratio, LEAST, MOST))
     colours = require_matplotlib().colormaps[_COLOURS]
     axes.pcolormesh(shown, cmap=colours, norm=norm, edgecolors="white", linewidth=0.8)
-    for (row, column), value in np.ndenumerate(one.ratio):
-        if np.isfinite(value):
-            ink = "white" if norm(np.clip(value, LEAST, MOST)) > _DARK else "#1c2430"
-            axes.text(column + 0.5, row + 0.5, _text(value), ha="center", va="center", fontsize=7.5, color=ink)
+    for (row, column), ratio in np.ndenumerate(one.ratio):
+        if np.isfinite(ratio):
+            text = f"{ratio:.1f}" if ratio < 9.95 else f"{ratio:.0f}" if ratio < 9999.5 else f"{ratio:.0e}"
+            ink = "white" if norm(np.clip(ratio, LEAST, MOST)) > _DARK else "#1c2430"
+            axes.text(column + 0.5, row + 0.5, text, ha="center", va="center", fontsize=7.5, color=ink)
     axes.set_yticks(np.arange(len(one.components)) + 0.5, [shortened(name) for name in one.components])
     axes.set_ylim(len(one.components), 0)
     axes.tick_params(length=0)
@@ -72,10 +110,6 @@ def _draw_map(axes: "Axes", one: ResidualMap) -> None:
         side.set_visible(False)
     for _, members in _groups(one)[1:]:
         axes.axvline(members[0], color="#5a6472", linewidth=1.0)
-
-
-def _text(ratio: float) -> str:
-    return f"{ratio:.1f}" if ratio < 9.95 else f"{ratio:.0f}" if ratio < 9999.5 else f"{ratio:.0e}"
 
 
 def _groups(one: ResidualMap) -> list[tuple[str, list[int]]]:
@@ -88,44 +122,37 @@ def _name_groups(axes: "Axes", one: ResidualMap) -> bool:
     """Write the names of groups above their columns, if there are several."""
     groups = _groups(one)
     for name, members in groups if len(groups) > 1 else []:
-        middle = (members[0] + members[-1] + 1) / 2
-        axes.annotate(
-            name,
-            (middle, 1.0),
-            (0, 3),
-            xycoords=axes.get_xaxis_transform(),
-            textcoords="offset points",
-            ha="center",
-            fontsize=8,
-            color="#5a6472",
-        )
+        middle = ((members[0] + members[-1] + 1) / 2, 1.0)
+        look: dict[str, Any] = {"ha": "center", "fontsize": 8, "color": "#5a6472"}
+        axes.annotate(name, middle, (0, 3), xycoords=axes.get_xaxis_transform(), textcoords="offset points", **look)
     return len(groups) > 1
-
-
-def _short(places: Sequence[str]) -> list[str]:
-    """Names without a first part, up to a dot, that all of them have."""
-    first = places[0].split(".")[0] + "."
-    start = len(first) if all(place.startswith(first) for place in places) else 0
-    return [shortened(place[start:]) for place in places]
 
 
 _MARGIN = 1.6
 """Factor of room above the largest and below the smallest value."""
 
 
-def levels_figure(levels: Sequence[Level]) -> "Figure":
-    """One panel for each channel: RMS of each component, from before to after."""
+def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
+    """RMS of each component before and after, a panel for each channel; none if nothing was compared or changed."""
+    levels = report.in_joint_units.levels
+    if not levels or not report.diagnosis.causes:
+        return []
     channels = list(dict.fromkeys(level.channel for level in levels))
     with panels(len(channels), 1, size=(7.6, 2.0 * len(channels) + 0.6)) as (figure, grid):
         for axes, channel in zip(grid[:, 0], channels, strict=True):
-            _draw_levels(axes, [level for level in levels if level.channel == channel])
-            axes.set_ylabel(f"{channel} [{axes.get_ylabel()}]")
+            own = [level for level in levels if level.channel == channel]
+            units = _draw_levels(axes, own)
+            axes.set_ylabel(f"{channel} [{', '.join(units)}]")
         figure.align_ylabels()
-    return figure
+    caption = (
+        "RMS of the residual over all rows that are judged, from the nominal to the extended model, each motion by one "
+        "that was fitted without it."
+    )
+    return [ReportFigure("levels", "Residuals before and after", caption, figure)]
 
 
-def _draw_levels(axes: "Axes", levels: Sequence[Level]) -> None:
-    """Levels of one channel; the label of the upright axis is their unit."""
+def _draw_levels(axes: "Axes", levels: Sequence[Level]) -> list[str]:
+    """Draw levels of one channel; returns their units."""
     at = np.arange(len(levels))
     factors, units = zip(*(FINE[level.unit] for level in levels), strict=True)
     before, after, floor = (
@@ -140,7 +167,7 @@ def _draw_levels(axes: "Axes", levels: Sequence[Level]) -> None:
     axes.set_yscale("log")
     known = np.concatenate([before, after, floor])
     axes.set_ylim(known.min() / _MARGIN, known.max() * _MARGIN)
-    axes.set_ylabel(", ".join(dict.fromkeys(units)))
+    return list(dict.fromkeys(units))
 
 
 _KINDS: Mapping[str, Mapping[str, Any]] = {
@@ -155,9 +182,17 @@ _ROOM = 0.14
 """Room to the right of the longest bar for its figure, in bars' full length."""
 
 
-def candidates_figure(diagnosis: Diagnosis) -> "Figure":
-    """A bar for each cause and its strongest rivals; causes in the order of their adoption."""
-    bars = _bars(diagnosis)
+def candidate_figures(report: DiagnosisReport) -> list[ReportFigure]:
+    """A bar for each cause and its strongest rivals, causes in the order of their adoption; none without causes."""
+    diagnosis = report.diagnosis
+    if not diagnosis.causes:
+        return []
+    bars: list[tuple[str, float, str]] = []  # name, held-out gain and kind, from top to bottom
+    for cause in diagnosis.causes:
+        bars.append((place_of(cause.effect, cause.joint), cause.held_out_gain, "cause"))
+        for rival in sorted(rivals_of(diagnosis, cause)[:_MOST_RIVALS], key=lambda rival: -rival.held_out_gain):
+            kind = "rival that ties" if rival.tied else "rival that lost"
+            bars.append((place_of(rival.effect, rival.joint), rival.held_out_gain, kind))
     with panels(size=(7.2, 0.28 * len(bars) + 1.2)) as (figure, grid):
         axes = grid[0, 0]
         for row, (_, gain, kind) in enumerate(bars):
@@ -168,15 +203,10 @@ def candidates_figure(diagnosis: Diagnosis) -> "Figure":
         axes.set_xlim(0.0, max([1.0, *(gain for _, gain, _ in bars)]) + _ROOM)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel("share of the residual explained on rows that were not used")
-    return figure
-
-
-def _bars(diagnosis: Diagnosis) -> list[tuple[str, float, str]]:
-    """Name, held-out gain and kind of each bar, from top to bottom."""
-    bars: list[tuple[str, float, str]] = []
-    for cause in diagnosis.causes:
-        bars.append((place_of(cause.effect, cause.joint), cause.held_out_gain, "cause"))
-        for rival in sorted(rivals_of(diagnosis, cause)[:_MOST_RIVALS], key=lambda rival: -rival.held_out_gain):
-            kind = "rival that ties" if rival.tied else "rival that lost"
-            bars.append((place_of(rival.effect, rival.joint), rival.held_out_gain, kind))
-    return bars
+    caption = (
+        "Share of the residual's energy above the noise floor that each effect removes on rows that were not used to "
+        "fit it. Only effects are tried whose score on such rows is above what the best of all reaches by chance in "
+        f"one of a thousand logs of a perfect model: {diagnosis.threshold:.2g} times the energy of noise in one "
+        "component."
+    )
+    return [ReportFigure("candidates", "Causes and rivals", caption, figure)]

@@ -1,18 +1,16 @@
 """A diagnosis on a page that can be sent, for readers who do not know the tool."""
 
-from collections.abc import Sequence
-
 from ffgym.diagnosis.regimes import REGIMES
-from ffgym.diagnosis.result import Cause, Diagnosis, Rival, SeparatingMotion, Unjudged
+from ffgym.diagnosis.result import Cause, Diagnosis, SeparatingMotion
+from ffgym.effects import EFFECTS
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
-from ffgym.report.diagnosis.figures import candidate_figures, level_figures, map_figures, place_figures, tool_figures
+from ffgym.report.diagnosis.evidence import place_figures, tool_figures
+from ffgym.report.diagnosis.maps import candidate_figures, level_figures, map_figures
 from ffgym.report.diagnosis.text import compared_table, levels_table
 from ffgym.report.diagnosis.words import (
     VERDICTS,
-    in_joint_units,
     place_of,
     rivals_of,
-    signature_of,
     size_text,
     title_of,
     together,
@@ -30,7 +28,7 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
     Raises:
         FFGymError: if matplotlib or jinja2 is missing.
     """
-    diagnosis = in_joint_units(report.diagnosis, None if report.before is None else report.before.robot)
+    diagnosis = report.in_joint_units
     sections = [
         *_answer(diagnosis),
         *_gain(report, diagnosis),
@@ -87,8 +85,8 @@ def _cause(cause: Cause) -> Section:
         f"Explains **{100 * cause.held_out_gain:.0f} %** of what stood above the noise, on motions that were not used "
         "to fit it."
     )
-    if signature := signature_of(cause.effect):
-        parts.append(Note(f"How it shows: {signature}"))
+    if cause.effect in EFFECTS:
+        parts.append(Note(f"How it shows: {EFFECTS[cause.effect].signature}"))
     where = f", {cause.joint}" if cause.joint else ""
     return Section(f"{title_of(cause.effect)}{where} ({cause.code}, `{cause.effect}`)", parts, is_boxed=True)
 
@@ -147,7 +145,10 @@ def _gain(report: DiagnosisReport, diagnosis: Diagnosis) -> list[Section]:
 def _evidence(report: DiagnosisReport) -> list[Section]:
     """Where the model is wrong, and what that looks like."""
     motions = "; ".join(f"**{name}**, {meaning}" for name, meaning in REGIMES["motion"].items())
-    maps = f"Rows of the log are sorted by what a joint was doing: {motions}. Load, position, log and temperature are "
+    where = (
+        f"Rows of the log are sorted by what a joint was doing: {motions}. Load, position, log and temperature are cut "
+        "into thirds."
+    )
     looks = (
         "Joints of causes first, then those that stand out most. What the residual **depends on**: a fault that "
         "depends on a variable alone is the same in both directions of motion, one that has the sign of the speed, as "
@@ -155,13 +156,11 @@ def _evidence(report: DiagnosisReport) -> list[Section]:
         "rhythms of the motions do not. **Friction over speed**: what differs from the line of the nominal model is "
         "the residual, whatever its cause."
     )
+    maps = map_figures(report)
     evidence = [*(figure for place in report.places for figure in place_figures(report, place)), *tool_figures(report)]
     return [
-        Section(title, [words, *figures] if figures else [])
-        for title, words, figures in (
-            ("Where the model is wrong", f"{maps}cut into thirds.", map_figures(report)),
-            ("What it looks like", looks, evidence),
-        )
+        Section("Where the model is wrong", [where, *maps] if maps else []),
+        Section("What it looks like", [looks, *evidence] if evidence else []),
     ]
 
 
@@ -189,46 +188,32 @@ def _patterns(diagnosis: Diagnosis) -> list[Section]:
 
 def _rivals(report: DiagnosisReport, diagnosis: Diagnosis) -> list[Section]:
     """Candidates beside the causes, and why they lost."""
-    rivals = [(cause, _listed(rivals_of(diagnosis, cause))) for cause in diagnosis.causes]
-    tables = [
-        Section(f"Instead of {place_of(cause.effect, cause.joint)}", [_rival_table(own)])
-        for cause, own in rivals
-        if own
-    ]
+    tables = []
+    for cause in diagnosis.causes:
+        own = [rival for i, rival in enumerate(rivals_of(diagnosis, cause)) if rival.tied or i < _MOST_RIVALS]
+        effects = [Cell(place_of(rival.effect, rival.joint), style="tie" * rival.tied) for rival in own]
+        columns = [
+            Column("effect", effects, kind="text"),
+            Column("explains", [rival.held_out_gain for rival in own], ".0%"),
+            Column("why not", ["Cannot be excluded: " * rival.tied + rival.reason for rival in own], kind="prose"),
+        ]
+        if own:
+            tables.append(Section(f"Instead of {place_of(cause.effect, cause.joint)}", [Table(columns=columns)]))
     return [Section("Rivals, and why they lost", [*candidate_figures(report), *tables])]
-
-
-def _listed(rivals: Sequence[Rival]) -> list[Rival]:
-    return [rival for i, rival in enumerate(rivals) if rival.tied or i < _MOST_RIVALS]
-
-
-def _rival_table(rivals: Sequence[Rival]) -> Table:
-    names = [place_of(rival.effect, rival.joint) for rival in rivals]
-    effects = [Cell(name, style="tie" * rival.tied) for name, rival in zip(names, rivals, strict=True)]
-    columns = [
-        Column("effect", effects, kind="text"),
-        Column("explains", [rival.held_out_gain for rival in rivals], ".0%"),
-        Column("why not", ["Cannot be excluded: " * rival.tied + rival.reason for rival in rivals], kind="prose"),
-    ]
-    return Table(columns=columns)
 
 
 def _limits(diagnosis: Diagnosis) -> list[Section]:
     """What the logs say nothing about, and what the quality gate says of them."""
-    unjudged: dict[str, Sequence[Unjudged]] = {
-        "not excited": diagnosis.not_excited,
-        "not judgeable": diagnosis.not_judgeable,
-    }
-    rows = [(effects, f"{word}: {why}") for word, all_of in unjudged.items() for effects, why in together(all_of)]
+    unjudged = (("not excited", diagnosis.not_excited), ("not judgeable", diagnosis.not_judgeable))
+    rows = [(effects, f"{word}: {why}") for word, all_of in unjudged for effects, why in together(all_of)]
     columns = [
         Column("effects", [effects for effects, _ in rows], kind="prose"),
         Column("why", [why for _, why in rows], kind="prose"),
     ]
-    silent = [Table(columns=columns, name="unjudged")] if rows else []
-    said = [Items(diagnosis.quality)] if diagnosis.quality else []
+    table = Table(columns=columns, name="unjudged")
     return [
-        Section("What these logs say nothing about", silent),
-        Section("What the quality gate says of the logs", said),
+        Section("What these logs say nothing about", [table] if rows else []),
+        Section("What the quality gate says of the logs", [Items(diagnosis.quality)] if diagnosis.quality else []),
     ]
 
 

@@ -4,7 +4,16 @@ from collections.abc import Mapping, Sequence
 
 from ffgym.diagnosis.held_out import LoopLevel
 from ffgym.diagnosis.result import Diagnosis, Level
-from ffgym.report.diagnosis.words import FINE, in_joint_units, place_of, size_text, title_of, together
+from ffgym.report.diagnosis.words import (
+    EXTENDED,
+    FINE,
+    NOMINAL,
+    in_joint_units,
+    place_of,
+    size_text,
+    title_of,
+    together,
+)
 from ffgym.report.table import Column, Table, filled
 from ffgym.robot import RobotDescription
 
@@ -24,7 +33,8 @@ def format_diagnosis(diagnosis: Diagnosis, robot: RobotDescription | None = None
     for pattern in diagnosis.patterns:
         parts += [filled(f"pattern: {pattern.message}"), *(filled(f"  no cause: {lead}") for lead in pattern.leads)]
     if diagnosis.levels:
-        parts += ["", _shouted(levels_table(diagnosis).text()), ""]
+        table = levels_table(diagnosis).text().replace("not small", "NOT SMALL")  # what is wrong stands out
+        parts += ["", table, ""]
     for word, unjudged in (("not excited", diagnosis.not_excited), ("not judgeable", diagnosis.not_judgeable)):
         parts += [filled(f"{word}: {effects}: {reason}") for effects, reason in together(unjudged)]
     parts += [filled(f"log: {line}") for line in diagnosis.quality]
@@ -47,26 +57,11 @@ def format_findings(diagnosis: Diagnosis) -> str:
     return "\n".join(parts)
 
 
-def _shouted(text: str) -> str:
-    """Text for a terminal in which what is wrong stands out."""
-    return text.replace("not small", "NOT SMALL")
-
-
-def format_held_out(levels: Sequence[LoopLevel]) -> str:
-    """What both models leave along recordings that were not diagnosed, as a table."""
-    return compared_table("held out, RMS of", levels).text()
-
-
-def format_closed_loop(levels: Sequence[LoopLevel]) -> str:
-    """How far both models are from the machine in closed loop, as a table."""
-    return compared_table("closed loop, RMS of", levels).text()
-
-
 def levels_table(diagnosis: Diagnosis) -> Table:
     """What is left, joint by joint, in the units in which people read it, and whether that is small."""
     levels = diagnosis.levels
-    numbers = {"measured": "measured", "noise": "noise_floor", "nominal model": "before"}
-    numbers |= {"extended model": "after"} if diagnosis.causes else {}
+    numbers = {"measured": "measured", "noise": "noise_floor", NOMINAL: "before"}
+    numbers |= {EXTENDED: "after"} if diagnosis.causes else {}
     columns = _columns("RMS of", levels, [level.channel for level in levels], numbers)
     columns.append(Column("left", [diagnosis.tell_left(level) for level in levels], kind="text"))
     return Table(columns=columns, name="levels", fixed=2, ruled_by=0)
@@ -74,7 +69,7 @@ def levels_table(diagnosis: Diagnosis) -> Table:
 
 def compared_table(heading: str, levels: Sequence[LoopLevel], name: str = "") -> Table:
     """What was measured, and what both models leave of it."""
-    numbers = {"measured": "measured", "nominal model": "before", "extended model": "after"}
+    numbers = {"measured": "measured", NOMINAL: "before", EXTENDED: "after"}
     columns = _columns(heading, levels, [level.quantity for level in levels], numbers)
     return Table(columns=columns, name=name, fixed=2, ruled_by=0)
 
@@ -84,14 +79,12 @@ def _columns(
 ) -> list[Column]:
     """Quantity, place and unit of each level, and numbers of it by their headings."""
     scale = [FINE[level.unit] for level in levels]
-    return [
+    columns = [
         Column(heading, quantities, kind="text"),
         Column("where", [level.component for level in levels], kind="name"),
         Column("unit", [unit for _, unit in scale], kind="text"),
-        *(
-            Column(
-                title, [factor * getattr(level, name) for level, (factor, _) in zip(levels, scale, strict=True)], ".3g"
-            )
-            for title, name in numbers.items()
-        ),
     ]
+    for title, name in numbers.items():
+        values = [factor * getattr(level, name) for level, (factor, _) in zip(levels, scale, strict=True)]
+        columns.append(Column(title, values, ".3g"))
+    return columns

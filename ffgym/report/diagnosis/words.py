@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.diagnosis.residual import UNITS, Channel, MotionResidual, Residual
-from ffgym.diagnosis.result import Cause, Diagnosis, Level, Rival, Size, Unjudged, Verdict
+from ffgym.diagnosis.result import Cause, Diagnosis, Rival, Size, Unjudged, Verdict
 from ffgym.effects import EFFECTS
 from ffgym.report.identification.friction_plots import MEASURED, NEW, OLD
 from ffgym.robot import RobotDescription
@@ -36,11 +36,6 @@ def place_of(effect: str, joint: str) -> str:
 def title_of(effect: str) -> str:
     """What an effect is, in words; its name if the library does not know it."""
     return EFFECTS[effect].title if effect in EFFECTS else effect.replace("_", " ")
-
-
-def signature_of(effect: str) -> str:
-    """How an effect shows in measurements; nothing if the library does not know it."""
-    return EFFECTS[effect].signature if effect in EFFECTS else ""
 
 
 def size_text(size: Size) -> str:
@@ -87,20 +82,14 @@ FINE: Mapping[str, tuple[float, str]] = MappingProxyType(
 """Factor and unit in which people read a residual of that unit."""
 
 
-def by_model(before: Residual, after: Residual | None) -> dict[str, Residual]:
-    """Residuals by the name of the model: the nominal one, and the extended one if there is one."""
-    return {NOMINAL: before} | ({} if after is None else {EXTENDED: after})
+def by_model(before: Residual | None, after: Residual | None) -> dict[str, Residual]:
+    """Residuals by the name of the model, of those that there are: the nominal one, and the extended one."""
+    return {name: each for name, each in ((NOMINAL, before), (EXTENDED, after)) if each is not None}
 
 
 def counting(motion: MotionResidual, values: Array) -> Array:
     """Values (R,) along a motion, NaN in rows that do not count."""
     return np.where(motion.valid, values, np.nan)
-
-
-def motor_speed(motion: MotionResidual, joint: int) -> Array:
-    """Motor speed of a joint along a motion [rad/s], shape (R,)."""
-    speed: Array = motion.state.motor_speed[:, joint]
-    return speed
 
 
 BEHIND = {
@@ -135,31 +124,28 @@ def in_joint_units(diagnosis: Diagnosis, robot: RobotDescription | None) -> Diag
     """The diagnosis with sizes and levels of sliding joints behind the gearbox; as it is without one."""
     if robot is None or not robot.kinematics.is_sliding.any():
         return diagnosis
-    causes = tuple(_cause(cause, robot) for cause in diagnosis.causes)
-    levels = tuple(_level(level, robot) for level in diagnosis.levels)
-    return replace(diagnosis, causes=causes, levels=levels)
+    causes = []
+    for cause in diagnosis.causes:
+        sizes = cause.parameters
+        if cause.joint in robot.joints and cause.effect in EFFECTS:
+            joint, motor = robot.joints.index(cause.joint), EFFECTS[cause.effect].side == "motor"
+            sizes = tuple(_size(size, *_behind(robot, joint, size.unit, motor=motor)) for size in sizes)
+        causes.append(replace(cause, parameters=sizes))
+    levels = []
+    for level in diagnosis.levels:
+        if level.component in robot.joints:
+            joint = robot.joints.index(level.component)
+            factor, unit = _behind(robot, joint, level.unit, motor=level.channel != "link")
+            numbers: dict[str, Any] = {name: factor * getattr(level, name) for name in _NUMBERS}
+            levels.append(replace(level, unit=unit, **numbers))
+        else:
+            levels.append(level)
+    return replace(diagnosis, causes=tuple(causes), levels=tuple(levels))
 
 
-def _cause(cause: Cause, robot: RobotDescription) -> Cause:
-    if cause.joint not in robot.joints or cause.effect not in EFFECTS:
-        return cause
-    joint, motor = robot.joints.index(cause.joint), EFFECTS[cause.effect].side == "motor"
-    return replace(cause, parameters=tuple(_size(size, robot, joint, motor=motor) for size in cause.parameters))
-
-
-def _size(size: Size, robot: RobotDescription, joint: int, *, motor: bool) -> Size:
-    factor, unit = _behind(robot, joint, size.unit, motor=motor)
+def _size(size: Size, factor: float, unit: str) -> Size:
     low, high = sorted(factor * end for end in size.interval)
     return replace(size, value=factor * size.value, unit=unit, interval=(low, high))
-
-
-def _level(level: Level, robot: RobotDescription) -> Level:
-    if level.component not in robot.joints:
-        return level
-    joint = robot.joints.index(level.component)
-    factor, unit = _behind(robot, joint, level.unit, motor=level.channel != "link")
-    numbers: dict[str, Any] = {name: factor * getattr(level, name) for name in _NUMBERS}
-    return replace(level, unit=unit, **numbers)
 
 
 def _behind(robot: RobotDescription, joint: int, unit: str, *, motor: bool) -> tuple[float, str]:
