@@ -1,15 +1,12 @@
 """What the quality gate found in logs, as text for a terminal and as a page that can be sent."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ffgym.logs.quality import Finding, QualityReport
 from ffgym.report.figure import ReportFigure, panels
 from ffgym.report.page import Details, Page, Section
 from ffgym.report.table import Cell, Column, Table, filled
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _WORDS = {
     "good": "good: nothing to object to",
@@ -67,12 +64,10 @@ def _section(name: str, report: QualityReport, place: int) -> Section:
             Column("what was seen", [found.message for found in report.problems], kind="prose"),
         ]
     )
-    words = limits_caption(report)
-    picture = ReportFigure(f"limits-{place}", "Figures beside their limits", words, limits_figure(report))
     parts = [
         *(f"Conditioned: {note}" for note in report.conditioning),
         problems if report.problems else "Nothing is flagged.",
-        picture,
+        _limits(report, place),
         Details("Every figure", [_figures(report.findings, with_verdict=True)]),
     ]
     return Section(name, parts, headline=[_verdict(report)])
@@ -94,46 +89,38 @@ def _figures(findings: Sequence[Finding], *, with_verdict: bool = False) -> Tabl
         Column("unit", [found.unit for found in findings], kind="text"),
     ]
     if with_verdict:
-        columns.append(Column("verdict", [_verdict_cell(found) for found in findings], kind="text"))
+        verdicts = []
+        for found in findings:
+            why = ": " + found.message.replace("Not judged: ", "") if found.verdict == "not judged" else ""
+            verdicts.append(Cell(found.verdict + why, style=found.verdict))
+        columns.append(Column("verdict", verdicts, kind="text"))
     return Table(columns=columns)
 
 
-def _verdict_cell(found: Finding) -> Cell:
-    why = found.message.replace("Not judged: ", "")
-    return Cell(f"not judged: {why}" if found.verdict == "not judged" else found.verdict, style=found.verdict)
-
-
-def limits_figure(report: QualityReport) -> "Figure":
+def _limits(report: QualityReport, place: int) -> ReportFigure:
     """One bar for each check that was judged: its worst figure over its limit."""
-    worst = _worst(report)
-    with panels(size=(7.0, 0.9 + 0.19 * len(worst)), legend=False) as (figure, grid):
-        axes = grid[0, 0]
-        for row, (finding, ratio) in enumerate(worst):
-            axes.barh(row, ratio, left=_SMALLEST, color=_COLOURS[finding.verdict], height=0.7)
-        axes.axvline(1.0, color="#444444", linewidth=1.0)
-        axes.set_xscale("log")
-        axes.set_xlim(_SMALLEST, 2 * _LARGEST)
-        axes.set_yticks(range(len(worst)), [finding.check for finding, _ in worst])
-        axes.invert_yaxis()
-        axes.set_xlabel("worst figure over its limit; flagged beyond the line")
-    return figure
-
-
-def limits_caption(report: QualityReport) -> str:
-    """What the figure shows, and what is beyond its limit."""
-    beyond = dict.fromkeys(finding.check for finding in report.problems)
-    listed = ", ".join(beyond) or "nothing"
-    return f"Worst figure of each check over its limit, in the order of the checks. Flagged or refused: {listed}."
-
-
-def _worst(report: QualityReport) -> list[tuple[Finding, float]]:
-    """The finding of each check that is nearest to its limit or farthest beyond, with the ratio."""
-    worst: dict[str, tuple[Finding, float]] = {}
+    worst: dict[str, tuple[float, str]] = {}  # ratio and verdict by check
     for finding in report.findings:
         if finding.value is None or finding.limit is None:
             continue
         ratio = finding.value / finding.limit if finding.limit > 0 else (_LARGEST if finding.value > 0 else 0.0)
         ratio = min(max(ratio, _SMALLEST), _LARGEST)
-        if finding.check not in worst or ratio > worst[finding.check][1]:
-            worst[finding.check] = (finding, ratio)
-    return list(worst.values())
+        if finding.check not in worst or ratio > worst[finding.check][0]:
+            worst[finding.check] = (ratio, finding.verdict)
+    with panels(size=(7.0, 0.9 + 0.19 * len(worst)), legend=False) as (figure, grid):
+        axes = grid[0, 0]
+        for row, (ratio, verdict) in enumerate(worst.values()):
+            axes.barh(row, ratio, left=_SMALLEST, color=_COLOURS[verdict], height=0.7)
+        axes.axvline(1.0, color="#444444", linewidth=1.0)
+        axes.set_xscale("log")
+        axes.set_xlim(_SMALLEST, 2 * _LARGEST)
+        axes.set_yticks(range(len(worst)), list(worst))
+        axes.invert_yaxis()
+        axes.set_xlabel("worst figure over its limit; flagged beyond the line")
+    beyond = ", ".join(dict.fromkeys(finding.check for finding in report.problems)) or "nothing"
+    return ReportFigure(
+        name=f"limits-{place}",
+        title="Figures beside their limits",
+        caption=f"Worst figure of each check over its limit, in the order of the checks. Flagged or refused: {beyond}.",
+        figure=figure,
+    )

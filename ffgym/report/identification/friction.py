@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ffgym.diagnosis.identification import Estimate, FrictionIdentification, FrictionTorque, JointFriction, Validation
+from ffgym.diagnosis.identification import FrictionIdentification, FrictionTorque, Validation
 from ffgym.report.figure import ReportFigure
 from ffgym.report.identification.friction_plots import friction_loops_figure, stribeck_figure
 from ffgym.report.page import Note, Page, Part, Section
@@ -51,7 +51,12 @@ def format_friction(report: FrictionReport) -> str:
     found = report.identification
     title = f"Friction of {found.prior.title} from {len(found.segments)} logs, motor side"
     parts = [underlined(title), _parameters(found, with_reasons=False).text()]
-    notes = [*_reasons(found.joints), *(f"{joint.joint}: {note}" for joint in found.joints for note in joint.notes)]
+    # Why parameters are not identified, those of one joint and reason together.
+    reasons: dict[tuple[str, str], list[str]] = {}
+    for estimate in (estimate for joint in found.joints for estimate in joint.estimates if estimate.reason):
+        reasons.setdefault((estimate.joint, estimate.reason), []).append(LETTERS[estimate.name])
+    notes = [f"{joint}: {', '.join(letters)}: {reason}" for (joint, reason), letters in reasons.items()]
+    notes += [f"{joint.joint}: {note}" for joint in found.joints for note in joint.notes]
     parts += [filled(f"note: {note}") for note in (*notes, *report.doubts)]
     if report.after:
         legend = (
@@ -73,8 +78,16 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
         FFGymError: if matplotlib or jinja2 is missing.
     """
     found = report.identification
+    notes = []
+    for joint in found.joints:
+        notes += [f"{joint.joint}: {note}." for note in joint.notes]
+        if joint.bristles is not None:
+            notes.append(
+                f"{joint.joint}: inertial torque of the model off by {joint.inertia_error:.1%}, offset "
+                f"{joint.offset:.3f} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
+            )
     parts: list[Part] = [*map(Note, report.doubts)]
-    parts.append(Section("Parameters", [_parameters(found, with_reasons=True), *map(Note, _notes(found.joints))]))
+    parts.append(Section("Parameters", [_parameters(found, with_reasons=True), *map(Note, notes)]))
     if report.after:
         parts.append(Section("Logs that were not used", [_validation(report)]))
     return Page(
@@ -89,6 +102,7 @@ def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str
 def _parameters(found: FrictionIdentification, *, with_reasons: bool) -> Table:
     """Parameters of all joints; reasons stand beside the verdict or, on a terminal, in notes."""
     rows = [estimate for joint in found.joints for estimate in joint.estimates]
+    intervals = [f"{row.low:.4g} to {row.high:.4g}" if np.isfinite(row.high) else None for row in rows]
     verdicts = [f"{r.status}: {r.reason}" if with_reasons and r.reason else r.status for r in rows]
     columns = [
         Column("joint", [row.joint for row in rows], kind="text"),
@@ -96,36 +110,10 @@ def _parameters(found: FrictionIdentification, *, with_reasons: bool) -> Table:
         Column("unit", [row.unit for row in rows], kind="text"),
         Column("before", [row.prior for row in rows], ".4g"),
         Column("now", [row.value for row in rows], ".4g"),
-        Column(f"{found.level:.0%} interval", [_interval(row) for row in rows]),
+        Column(f"{found.level:.0%} interval", intervals),
         Column("verdict", verdicts, kind="text"),
     ]
     return Table(columns=columns, name="parameters", fixed=2, ruled_by=0)
-
-
-def _interval(estimate: Estimate) -> str | None:
-    """Interval of an estimate, if it is known."""
-    return f"{estimate.low:.4g} to {estimate.high:.4g}" if np.isfinite(estimate.high) else None
-
-
-def _reasons(joints: Sequence[JointFriction]) -> list[str]:
-    """Why parameters are not identified, those of one joint and reason together."""
-    reasons: dict[tuple[str, str], list[str]] = {}
-    for estimate in (estimate for joint in joints for estimate in joint.estimates if estimate.reason):
-        reasons.setdefault((estimate.joint, estimate.reason), []).append(LETTERS[estimate.name])
-    return [f"{joint}: {', '.join(letters)}: {reason}" for (joint, reason), letters in reasons.items()]
-
-
-def _notes(joints: Sequence[JointFriction]) -> list[str]:
-    """What else was found of each joint."""
-    notes = []
-    for joint in joints:
-        notes += [f"{joint.joint}: {note}." for note in joint.notes]
-        if joint.bristles is not None:
-            notes.append(
-                f"{joint.joint}: inertial torque of the model off by {joint.inertia_error:.1%}, offset "
-                f"{joint.offset:.3f} N m; RMS of the fit {joint.bristles.rms_error:.4f} N m."
-            )
-    return notes
 
 
 def _validation(report: FrictionReport) -> Table:
@@ -143,8 +131,10 @@ def _validation(report: FrictionReport) -> Table:
 
 
 def friction_figures(report: FrictionReport) -> list[ReportFigure]:
-    """Stribeck curves of all joints, then loops of each joint with bristles, of records that were not used first."""
+    """Stribeck curves of all joints, then loops of each joint with bristles by old and new parameters."""
     found = report.identification
+    known = {"inertia_error": found.inertia_error, "offset": found.offset}
+    models = {"identified": found.friction, "before": found.prior.friction}
     figures = []
     if any(joint.stribeck is not None for joint in found.joints):
         figures.append(
@@ -157,35 +147,24 @@ def friction_figures(report: FrictionReport) -> list[ReportFigure]:
             )
         )
     for j, joint in enumerate(found.joints):
-        if joint.bristles is not None:
-            figures += _loops(report, j, set(joint.bristles.data.segments))
-    return figures
-
-
-def _loops(report: FrictionReport, j: int, fitted: set[str]) -> list[ReportFigure]:
-    """Old against new parameters of one joint."""
-    found = report.identification
-    known = {"inertia_error": found.inertia_error, "offset": found.offset}
-    models = {"identified": found.friction, "before": found.prior.friction}
-    used = [torque for torque in report.used if torque.signals.segment in fitted]
-    figures = []
-    for name, thesis, torques, words in (
-        ("fit", "Figure 6.3", used, "Records that were used"),
-        ("validation", "Figures 6.4 to 6.7", report.held_out, "Records that were not used"),
-    ):
-        moving = [torque for torque in torques if _moves(torque.signals.motor_dq[torque.valid, j])]
-        if moving:
-            figures.append(
-                ReportFigure(
-                    name=f"{name}-{j + 1}",
-                    title=f"Friction of {found.joints[j].joint} over speed",
-                    thesis=thesis,
-                    caption=f"{words}. Inertia error and offset that were found are taken from what was measured.",
-                    figure=friction_loops_figure(moving[:_MOST], j, models, known=known),
+        if joint.bristles is None:
+            continue
+        fitted = set(joint.bristles.data.segments)
+        used = [torque for torque in report.used if torque.signals.segment in fitted]
+        for name, thesis, torques, words in (
+            ("fit", "Figure 6.3", used, "Records that were used"),
+            ("validation", "Figures 6.4 to 6.7", report.held_out, "Records that were not used"),
+        ):
+            speeds = [np.abs(torque.signals.motor_dq[torque.valid, j]) for torque in torques]
+            moving = [own for own, speed in zip(torques, speeds, strict=True) if speed.max(initial=0.0) > _MOVING]
+            if moving:
+                figures.append(
+                    ReportFigure(
+                        name=f"{name}-{j + 1}",
+                        title=f"Friction of {joint.joint} over speed",
+                        thesis=thesis,
+                        caption=f"{words}. Inertia error and offset that were found are taken from what was measured.",
+                        figure=friction_loops_figure(moving[:_MOST], j, models, known=known),
+                    )
                 )
-            )
     return figures
-
-
-def _moves(speed: Any) -> bool:
-    return bool(len(speed) and np.abs(speed).max() > _MOVING)

@@ -1,6 +1,7 @@
 """Friction over constant speed, over motor speed and over time, measured and by models: thesis Figures 6.1 to 6.7."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,25 +30,27 @@ _WIDEST = 3
 """Panels side by side."""
 
 
+@contextmanager
+def _small_panels(n: int, width: float, height: float) -> Iterator[tuple["Figure", Any]]:
+    """Draw on n panels of that size [inch] in rows of _WIDEST."""
+    columns = min(max(n, 1), _WIDEST)
+    rows = -(-max(n, 1) // columns)
+    with panels(rows, columns, size=(width * columns + 0.4, height * rows + 0.5)) as (figure, grid):
+        yield figure, grid
+        for axes in grid.flat[n:]:
+            axes.set_visible(False)
+
+
 def stribeck_figure(identification: FrictionIdentification) -> "Figure":
     """One panel per joint with constant speeds: both directions, the fitted curve, and that of the old parameters.
 
     The even part, which the LuGre model has not, is taken from what was measured.
     """
     joints = [j for j, joint in enumerate(identification.joints) if joint.stribeck is not None]
-    rows, columns = _grid(len(joints))
-    with panels(rows, columns, size=(3.6 * columns + 0.4, 2.7 * rows + 0.5)) as (figure, grid):
+    with _small_panels(len(joints), 3.6, 2.7) as (figure, grid):
         for axes, j in zip(grid.flat, joints, strict=False):
             _draw(axes, identification, identification.joints[j], j)
-        for axes in grid.flat[len(joints) :]:
-            axes.set_visible(False)
     return figure
-
-
-def _grid(n: int) -> tuple[int, int]:
-    """Rows and columns of n panels."""
-    columns = min(max(n, 1), _WIDEST)
-    return -(-max(n, 1) // columns), columns
 
 
 def _draw(axes: "Axes", identification: FrictionIdentification, joint: JointFriction, j: int) -> None:
@@ -85,14 +88,11 @@ def friction_loops_figure(
         models: LuGre parameters of all joints by what they are called in the legend; none shows what was measured.
         known: `inertia_error` and `offset` of an identification, which belong to no model's friction.
     """
-    rows, columns = _grid(len(torques))
-    with panels(rows, columns, size=(3.2 * columns + 0.4, 2.6 * rows + 0.5)) as (figure, grid):
+    with _small_panels(len(torques), 3.2, 2.6) as (figure, grid):
         for axes, torque in zip(grid.flat, torques, strict=False):
             _draw_models(axes, torque, joint, models, known, torque.signals.motor_dq[:, joint], 0.7)
             axes.set_title(torque.signals.segment, fontsize=8)
             axes.set_xlabel("motor speed [rad/s]")
-        for axes in grid.flat[len(torques) :]:
-            axes.set_visible(False)
         for axes in grid[:, 0]:
             axes.set_ylabel("friction torque [N m]")
     return figure
@@ -127,17 +127,11 @@ def _draw_models(
     over: Array,
     width: float,
 ) -> None:
-    """Friction of a record, measured and by each model, over speed or time."""
-    valid = torque.valid
-    axes.plot(over[valid], _measured(torque, joint, known)[valid], color=MEASURED, linewidth=width, label="measured")
+    """Friction of a record, measured less what is `known` to be none, and by each model, over speed or time."""
+    valid, measured = torque.valid, torque.friction[:, joint]
+    if known is not None:
+        measured = measured - known["inertia_error"][joint] * torque.inertia[:, joint] - known["offset"][joint]
+    axes.plot(over[valid], measured[valid], color=MEASURED, linewidth=width, label="measured")
     for (name, friction), (colour, line) in zip(models.items(), LINES, strict=False):
         model = predicted_friction(friction, torque)[:, joint]
         axes.plot(over[valid], model[valid], color=colour, linestyle=line, linewidth=1.2, label=name)
-
-
-def _measured(torque: FrictionTorque, joint: int, known: Mapping[str, Array] | None) -> Array:
-    """Friction torque without what is known to be none [N m], shape (T,)."""
-    measured: Array = torque.friction[:, joint]
-    if known is not None:
-        measured = measured - known["inertia_error"][joint] * torque.inertia[:, joint] - known["offset"][joint]
-    return measured

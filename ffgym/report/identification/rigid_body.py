@@ -1,6 +1,6 @@
 """An identified rigid body as text, numbers and a page: combinations, parameters, and torque that was not fitted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,40 +61,37 @@ class Row:
 
 def parameter_rows(fit: RigidBodyFit) -> list[Row]:
     """Rotors, friction, offsets, springs: all but the bodies."""
-    low, high = fit.intervals.low, fit.intervals.high
-    return [
-        Row(
-            name=label,
-            unit=fit.units[i],
-            before=float(fit.described[i]),
-            now=float(fit.estimate[i]),
-            low=float(low[i]),
-            high=float(high[i]),
-            share=float(fit.shares[i]),
-            verdict=_verdict(bool(fit.fitted[i]), float(fit.shares[i])),
-        )
-        for i, label in enumerate(fit.labels)
-        if label.split(".")[0] not in (*fit.robot.links, "tool")
-    ]
+    places = [i for i, label in enumerate(fit.labels) if label.split(".")[0] not in (*fit.robot.links, "tool")]
+    columns = (fit.described, fit.estimate, fit.intervals.low, fit.intervals.high, fit.shares)
+    return _rows(fit, [fit.labels[i] for i in places], places, [column[places] for column in columns])
 
 
 def base_rows(fit: RigidBodyFit) -> list[Row]:
     """Combinations that torque can tell."""
-    before, now = fit.base.values(fit.described), fit.base.values(fit.estimate)
-    low, high = fit.base_intervals.low, fit.base_intervals.high
-    return [
-        Row(
-            name=fit.base.text(i),
-            unit=fit.units[own],
-            before=float(before[i]),
-            now=float(now[i]),
-            low=float(low[i]),
-            high=float(high[i]),
-            share=float(fit.base_shares[i]),
-            verdict=_verdict(bool(fit.fitted[own]), float(fit.base_shares[i])),
+    base, intervals = fit.base, fit.base_intervals
+    columns = [base.values(fit.described), base.values(fit.estimate), intervals.low, intervals.high, fit.base_shares]
+    return _rows(fit, [base.text(i) for i in range(len(base.own))], base.own, columns)
+
+
+def _rows(fit: RigidBodyFit, names: Sequence[str], places: Iterable[int], columns: Sequence[Array]) -> list[Row]:
+    """A row for each name, from columns before, now, low, high and share; units and what was fitted by `places`."""
+    rows = []
+    for name, place, *numbers in zip(names, places, *columns, strict=True):
+        before, now, low, high, share = map(float, numbers)
+        by = "data" if share >= SURE else "description" if share < 1 - SURE else "both"
+        rows.append(
+            Row(
+                name=name,
+                unit=fit.units[place],
+                before=before,
+                now=now,
+                low=low,
+                high=high,
+                share=share,
+                verdict=by if fit.fitted[place] else "not excited",
+            )
         )
-        for i, own in enumerate(fit.base.own)
-    ]
+    return rows
 
 
 def format_rigid_body(report: RigidBodyReport) -> str:
@@ -210,6 +207,7 @@ def _errors(report: RigidBodyReport) -> Table:
 def rigid_body_numbers(report: RigidBodyReport) -> dict[str, Any]:
     """Everything, as JSON has it."""
     fit = report.fit
+    columns = (fit.described, fit.estimate, fit.intervals.low, fit.intervals.high, fit.shares)
     return {
         "logs": list(fit.segments),
         "level": fit.level,
@@ -222,9 +220,7 @@ def rigid_body_numbers(report: RigidBodyReport) -> dict[str, Any]:
         "not_excited": list(fit.not_excited),
         "parameters": [
             {"name": label, "unit": unit, "described": x0, "value": x, "low": low, "high": high, "data_share": share}
-            for label, unit, x0, x, low, high, share in zip(
-                fit.labels, fit.units, *map(_plain, _columns(fit)), strict=True
-            )
+            for label, unit, x0, x, low, high, share in zip(fit.labels, fit.units, *map(_plain, columns), strict=True)
         ],
         "base_parameters": [vars(row) for row in base_rows(fit)],
         "errors_nm": {
@@ -235,41 +231,26 @@ def rigid_body_numbers(report: RigidBodyReport) -> dict[str, Any]:
     }
 
 
-def _columns(fit: RigidBodyFit) -> tuple[Array, ...]:
-    return fit.described, fit.estimate, fit.intervals.low, fit.intervals.high, fit.shares
-
-
 def _plain(values: Array) -> list[float | None]:
     """JSON has no NaN."""
     return [float(value) if np.isfinite(value) else None for value in values]
 
 
-def _verdict(fitted: bool, share: float) -> str:
-    if not fitted:
-        return "not excited"
-    return "data" if share >= SURE else "description" if share < 1 - SURE else "both"
-
-
 def _figure(report: RigidBodyReport, recording: Recording, words: str) -> ReportFigure:
-    """Measured and predicted torque of a recording."""
-    segment = recording.header.segment
+    """Filtered torque of a recording, and what the description and the fit make of its motion."""
+    fit, segment = report.fit, recording.header.segment
+    equations = fit.equations([recording])
+    models = {"description": fit.described, "identified": fit.estimate}
+    prediction = TorquePrediction(
+        robot=fit.robot,
+        t=equations.t,
+        measured=equations.measured,
+        predicted={name: equations.measured - equations.residual(values) for name, values in models.items()},
+        scored=equations.counts,
+    )
     return ReportFigure(
         name=f"torque-{segment}",
         title=f"Motor torque of {segment}",
         caption=f"This recording was {words}. Torque and predictions are filtered alike.",
-        figure=torque_figure(prediction_of(report, recording)),
-    )
-
-
-def prediction_of(report: RigidBodyReport, recording: Recording) -> TorquePrediction:
-    """Filtered torque of a recording, and what the description and the fit make of its motion."""
-    fit = report.fit
-    equations = fit.equations([recording])
-    residuals = {"description": fit.described, "identified": fit.estimate}
-    return TorquePrediction(
-        robot=fit.robot,
-        t=equations.t,
-        measured=equations.measured,
-        predicted={name: equations.measured - equations.residual(values) for name, values in residuals.items()},
-        scored=equations.counts,
+        figure=torque_figure(prediction),
     )
