@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.report.robot.page import format_check, render_robot_page, robot_figures, robot_tables
+from ffgym.report.robot.page import format_check, render_robot_page, robot_tables
+from ffgym.report.robot.pictures import robot_figures
 from ffgym.robot import CAPABILITIES, builtin_robots, load_draft
 from ffgym.studies.robot_check import check_robot
 

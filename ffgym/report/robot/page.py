@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.types import Array
-from ffgym.report.figure import ReportFigure
 from ffgym.report.page import Items, Note, Page, Section
-from ffgym.report.robot.pictures import rendered_robot, robot_caption, robot_figure
+from ffgym.report.robot.pictures import robot_figures
 from ffgym.report.table import Cell, Column, Table, filled, underlined
 from ffgym.robot import CAPABILITIES
 from ffgym.robot.inverse_kinematics import MAX_CONDITION
 from ffgym.robot.reading.quantity import ORIGINS
 from ffgym.robot.reading.rules import RULES
-from ffgym.studies.robot_check import POSES, Place, RobotCheck, ServoLoop
+from ffgym.studies.robot_check import POSES, RobotCheck
 
 _SHOWN_MODES = 3
 """Resonances that a table shows, the lowest ones: those that feed-forward meets."""
@@ -70,22 +69,9 @@ def render_robot_page(check: RobotCheck, info: Mapping[str, Any]) -> str:
     ).html()
 
 
-def robot_figures(check: RobotCheck) -> list[ReportFigure]:
-    """Skeleton, if the kinematics are there, and the looks, if they can be drawn."""
-    figures = []
-    if check.reach is not None:
-        title, caption = "Joints, masses, reach", robot_caption(check)
-        figures.append(ReportFigure("skeleton", title, caption, robot_figure(check)))
-    looks = rendered_robot(check)
-    if looks is not None:
-        caption = "The description's own shapes; they weigh nothing."
-        figures.append(ReportFigure("looks", "Looks", caption, looks))
-    return figures
-
-
 def facts(check: RobotCheck) -> list[str]:
     """Sentences about the robot as a whole."""
-    draft = check.draft
+    draft, servo = check.draft, check.servo
     state = "complete" if not draft.missing else f"{len(draft.missing)} entries missing"
     found = [f"{draft.title} ({draft.name}), {len(draft.joints)} joint{'s' if len(draft.joints) > 1 else ''}: {state}."]
     if draft.missing:
@@ -93,26 +79,19 @@ def facts(check: RobotCheck) -> list[str]:
     if check.mass is not None:
         found.append(f"The joints carry {check.mass:.4g} kg.")
     if check.reach is not None and check.reach.distance > 0:
-        reach, what = check.reach, _tip(check)
+        reach = check.reach
+        tip = "The TCP" if "tool.tcp" in draft.quantities and draft.can("kinematics") else "The last link"
         box = ", ".join(f"{n} {a:.2f} to {b:.2f}" for n, a, b in zip("xyz", reach.low, reach.high, strict=True))
-        found.append(f"{what} comes up to {reach.distance:.3g} m away from the first joint, within {box} m.")
-    if check.servo is not None and not check.servo.problem:
-        found.append(_servo(check.servo))
+        found.append(f"{tip} comes up to {reach.distance:.3g} m away from the first joint, within {box} m.")
+    if servo is not None and not servo.problem:
+        margin = "more than 100" if servo.gain_margin is None else f"{servo.gain_margin:.3g}"
+        found.append(
+            f"Servo stable at {servo.place} up to {margin} times the gains; least damped oscillation "
+            f"{servo.frequency:.3g} Hz with damping ratio {servo.damping:.2g}, without friction."
+            if servo.stable
+            else f"Servo unstable at {servo.place}, without friction."
+        )
     return found
-
-
-def _servo(servo: ServoLoop) -> str:
-    if not servo.stable:
-        return f"Servo unstable at {servo.place}, without friction."
-    margin = "more than 100" if servo.gain_margin is None else f"{servo.gain_margin:.3g}"
-    return (
-        f"Servo stable at {servo.place} up to {margin} times the gains; least damped oscillation "
-        f"{servo.frequency:.3g} Hz with damping ratio {servo.damping:.2g}, without friction."
-    )
-
-
-def _tip(check: RobotCheck) -> str:
-    return "The TCP" if "tool.tcp" in check.draft.quantities and check.draft.can("kinematics") else "The last link"
 
 
 def robot_tables(check: RobotCheck) -> list[Table]:
@@ -167,11 +146,17 @@ def _joints(check: RobotCheck) -> Table:
 
 def _places(check: RobotCheck) -> Table:
     rows = []
+    sliding = [kind == "slide" for kind in check.draft.types]
     for place in check.places:
-        condition = "-" if place.condition is None else _condition(place.condition)
-        found = (check.resonances or {}).get(place.name)
-        locked, free = ("-", "-") if found is None else (_modes(found.locked), _modes(found.free))
-        rows.append((place.name, "yes" if place.q is not None else "no", condition, _pose(check, place), locked, free))
+        pose, condition, locked, free = "-", "-", "-", "-"
+        if place.q is not None:
+            scaled = [(float(x), 3) if s else (float(np.degrees(x)), 1) for x, s in zip(place.q, sliding, strict=True)]
+            pose = " ".join(f"{round(x, digits) + 0.0:.{digits}f}" for x, digits in scaled)  # and no -0.0
+        if place.condition is not None:
+            condition = "singular" if place.condition > MAX_CONDITION else f"{place.condition:.3g}"
+        if (found := (check.resonances or {}).get(place.name)) is not None:
+            locked, free = _modes(found.locked), _modes(found.free)
+        rows.append((place.name, "yes" if place.q is not None else "no", condition, pose, locked, free))
     headings = ("place", "reached", "condition", "joints", "resonances, motors held [Hz]", "motors free [Hz]")
     note = f"Condition: of the Jacobian of the TCP; above {MAX_CONDITION:g} a path counts as too near a singularity."
     return Table.of_rows(headings, rows, name="places", title="Places", note=note)
@@ -224,18 +209,6 @@ def _few(paths: Sequence[str], room: int = 2) -> str:
     """The first paths, and how many more there are."""
     more = f" and {len(paths) - room} more" if len(paths) > room else ""
     return ", ".join(paths[:room]) + more
-
-
-def _pose(check: RobotCheck, place: Place) -> str:
-    if place.q is None:
-        return "-"
-    scaled = [x if kind == "slide" else np.degrees(x) for x, kind in zip(place.q, check.draft.types, strict=True)]
-    digits = [3 if kind == "slide" else 1 for kind in check.draft.types]
-    return " ".join(f"{round(float(x), d) + 0.0:.{d}f}" for x, d in zip(scaled, digits, strict=True))  # and no -0.0
-
-
-def _condition(number: float) -> str:
-    return "singular" if number > MAX_CONDITION else f"{number:.3g}"
 
 
 def _modes(frequencies: Array | None) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.envs.rendering.canvas import Canvas, Panel, camera_on
-from ffgym.report.figure import new_figure, panels, require_matplotlib
+from ffgym.report.figure import ReportFigure, new_figure, panels, require_matplotlib
 from ffgym.robot import ModelOptions, compile_model
 from ffgym.studies.robot_check import POSES, RobotCheck, Skeleton, skeleton
 
@@ -43,11 +43,6 @@ class _View:
     right: int
     up: int
 
-    @property
-    def depth(self) -> int:
-        """Axis of the world that is looked along."""
-        return 3 - self.right - self.up
-
 
 _VIEWS = (
     _View(title="from the side", right=0, up=2),
@@ -56,7 +51,17 @@ _VIEWS = (
 )
 
 
-def robot_figure(check: RobotCheck) -> "Figure":
+def robot_figures(check: RobotCheck) -> list[ReportFigure]:
+    """Skeleton, if the kinematics are there, and the looks, if they can be drawn."""
+    figures = [] if check.reach is None else [_skeleton(check)]
+    looks = _looks(check)
+    if looks is not None:
+        caption = "The description's own shapes; they weigh nothing."
+        figures.append(ReportFigure("looks", "Looks", caption, looks))
+    return figures
+
+
+def _skeleton(check: RobotCheck) -> ReportFigure:
     """Three views of the robot at rest; needs kinematics, and shows masses where they are known."""
     assert check.rest is not None
     assert check.rest.q is not None
@@ -66,21 +71,16 @@ def robot_figure(check: RobotCheck) -> "Figure":
     with panels(1, len(_VIEWS), size=(11.0, 4.0), legend=False) as (figure, grid):
         for axes, view in zip(grid[0], _VIEWS, strict=True):
             _draw(axes, view, bones, check.reach.points, check.draft.joints, with_masses=with_masses)
-    return figure
-
-
-def robot_caption(check: RobotCheck) -> str:
-    """What the figure shows."""
-    assert check.rest is not None
-    masses = ""
-    if check.draft.can("kinematics", "links.mass", "links.com", "links.inertia"):
-        masses = (
-            " Blue: centres of mass, with areas in proportion to the masses, and ellipsoids of uniform density that "
-            "have the masses and inertias of the links."
-        )
-    return (
-        f"The robot at {check.rest.name}: joints and links black, joint axes orange, the tip green (TCP, or end of the "
-        f"chain). Grey: where the tip comes over {POSES} poses in the joint ranges.{masses}"
+    masses = (
+        " Blue: centres of mass, with areas in proportion to the masses, and ellipsoids of uniform density that have "
+        "the masses and inertias of the links."
+    )
+    return ReportFigure(
+        name="skeleton",
+        title="Joints, masses, reach",
+        caption=f"The robot at {check.rest.name}: joints and links black, joint axes orange, the tip green (TCP, or "
+        f"end of the chain). Grey: where the tip comes over {POSES} poses in the joint ranges.{masses * with_masses}",
+        figure=figure,
     )
 
 
@@ -95,26 +95,21 @@ def _draw(
     axes.plot(bones.tip[right], bones.tip[up], "o", color=_TIP, markersize=6, zorder=6)
     around = bones.half_axes.max(axis=1, keepdims=True)
     drawn = np.vstack([reach, chain, *([bones.com - around, bones.com + around] if with_masses else [])])
-    size = _size(drawn)
+    size = float(np.ptp(drawn, axis=0).max()) or 1.0  # longest side of the box around all [m]
     for point, axis in zip(bones.joints, bones.axes, strict=True):
         ends = point + np.outer([-1, 1], axis * size * _AXIS_LENGTH / 2)
         axes.plot(ends[:, right], ends[:, up], color=_AXIS, linewidth=1.4, zorder=5)
     _label(axes, view, bones.joints, joints, size)
     if with_masses:
         _masses(axes, view, bones)
-    _frame(axes, view, drawn, size)
-
-
-def _frame(axes: "Axes", view: _View, points: Array, size: float) -> None:
-    """One scale for all views, with everything in the picture."""
-    middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    half = _ROOM * size / 2
+    # One scale for all views, with everything in the picture.
+    middle, half = (drawn.min(axis=0) + drawn.max(axis=0)) / 2, _ROOM * size / 2
     axes.set(
         title=view.title,
-        xlabel=f"{'xyz'[view.right]} [m]",
-        ylabel=f"{'xyz'[view.up]} [m]",
-        xlim=(middle[view.right] - half, middle[view.right] + half),
-        ylim=(middle[view.up] - half, middle[view.up] + half),
+        xlabel=f"{'xyz'[right]} [m]",
+        ylabel=f"{'xyz'[up]} [m]",
+        xlim=(middle[right] - half, middle[right] + half),
+        ylim=(middle[up] - half, middle[up] + half),
         aspect="equal",
     )
     axes.set_axisbelow(True)
@@ -136,38 +131,23 @@ def _label(axes: "Axes", view: _View, points: Array, names: Sequence[str], size:
 
 
 def _masses(axes: "Axes", view: _View, bones: Skeleton) -> None:
-    axes.scatter(
-        bones.com[:, view.right],
-        bones.com[:, view.up],
-        s=_BUBBLE * np.maximum(bones.mass / bones.mass.max(), _LIGHTEST),
-        color=_MASS,
-        alpha=0.35,
-        linewidths=0,
-        zorder=3,
-    )
+    """Masses as bubbles, and outlines of the ellipsoids that have the inertia of the links."""
+    seen = [view.right, view.up]
+    areas = _BUBBLE * np.maximum(bones.mass / bones.mass.max(), _LIGHTEST)
+    x, y = bones.com[:, seen].T
+    axes.scatter(x, y, s=areas, color=_MASS, alpha=0.35, linewidths=0, zorder=3)
     ellipse: Any = require_matplotlib().patches.Ellipse
     for com, half_axes, turn in zip(bones.com, bones.half_axes, bones.principal_axes, strict=True):
-        width, height, angle = _shadow(half_axes, turn, view)
-        shape = ellipse(com[[view.right, view.up]], width, height, angle=angle, fill=False, color=_MASS, lw=1.0)
+        spread = (turn * half_axes**2) @ turn.T
+        squares, directions = np.linalg.eigh(spread[np.ix_(seen, seen)])
+        width, height = 2 * np.sqrt(np.maximum(squares[::-1], 0.0))
+        angle = float(np.degrees(np.arctan2(directions[1, 1], directions[0, 1])))
+        shape = ellipse(com[seen], float(width), float(height), angle=angle, fill=False, color=_MASS, lw=1.0)
         shape.set_zorder(3)
         axes.add_patch(shape)
 
 
-def _shadow(half_axes: Array, turn: Array, view: _View) -> tuple[float, float, float]:
-    """Width, height [m] and angle [deg] of an ellipsoid's outline in a view."""
-    spread = (turn * half_axes**2) @ turn.T
-    seen = spread[np.ix_([view.right, view.up], [view.right, view.up])]
-    squares, directions = np.linalg.eigh(seen)
-    width, height = 2 * np.sqrt(np.maximum(squares[::-1], 0.0))
-    return float(width), float(height), float(np.degrees(np.arctan2(directions[1, 1], directions[0, 1])))
-
-
-def _size(points: Array) -> float:
-    """Longest side of the box around points [m]."""
-    return float(np.ptp(points, axis=0).max()) or 1.0
-
-
-def rendered_robot(check: RobotCheck) -> "Figure | None":
+def _looks(check: RobotCheck) -> "Figure | None":
     """The robot at rest from two sides; None if it has no looks, or OpenGL does not work here."""
     if not check.draft.geoms or check.rest is None or check.rest.q is None:
         return None
