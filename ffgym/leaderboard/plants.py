@@ -68,12 +68,6 @@ def draw_number(name: str) -> int | None:
     return None if found is None else int(found[1])
 
 
-def drawn_robot(number: int) -> RobotDescription:
-    """Robot of a drawn plant: friction, stiffness, masses and payload differ from the nominal ones."""
-    rng = np.random.default_rng([_DRAWS, number])
-    return PlantDistribution().draw(load_robot(ROBOT), rng)
-
-
 @cache
 def plant_named(name: str) -> TestPlant:
     """A plant by its name: 'nominal', 'workcell:<name or seed>' or 'draw:<number>'.
@@ -82,19 +76,25 @@ def plant_named(name: str) -> TestPlant:
         FFGymError: if there is none of that name.
     """
     if is_workcell(name):
-        return _workcell(name)
-    arm = _nominal_arm()
-    if name == NOMINAL:
-        rig = SimulatedRig(arm=arm, name=name)
-        return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments=_seen(), truth=arm.robot)
-    number = draw_number(name)
-    if number is None:
+        cell = rig_of(name)
+        return TestPlant(
+            name=name,
+            rig=cell,
+            env_id="ffgym/WorkcellCircles-v0",
+            env_arguments={"workcell": name},
+            sensors=tuple(getattr(cell, "sensors", ())),
+        )
+    arm, number = _nominal_arm(), draw_number(name)
+    machine, truth = None, arm.robot
+    arguments: dict[str, Any] = {"sensing": Sensing(encoder_bits=16)}  # by a resolver, as on a workcell
+    if number is not None:  # friction, stiffness, masses and payload differ from the nominal ones
+        truth = PlantDistribution().draw(arm.robot, np.random.default_rng([_DRAWS, number]))
+        machine, arguments["plant"] = Machine.of(truth), truth
+    elif name != NOMINAL:
         raise FFGymError(
             f"Unknown plant {name!r}. Available: {NOMINAL}, {WORKCELL}<name or seed>, {DRAW}<number>, e.g. {DRAW}0."
         )
-    truth = drawn_robot(number)
-    rig = SimulatedRig(arm=arm, machine=Machine.of(truth), name=name)
-    arguments = _seen() | {"plant": truth}
+    rig = SimulatedRig(arm=arm, machine=machine, name=name)
     return TestPlant(name=name, rig=rig, env_id="ffgym/CirclePath-v0", env_arguments=arguments, truth=truth)
 
 
@@ -102,19 +102,3 @@ def plant_named(name: str) -> TestPlant:
 def _nominal_arm() -> RigidArm:
     """One for all plants that have it, so that references are made once."""
     return RigidArm(load_robot(ROBOT))
-
-
-def _seen() -> dict[str, Any]:
-    """How agents see a simulated robot: by a resolver, as on a workcell."""
-    return {"sensing": Sensing(encoder_bits=16)}
-
-
-def _workcell(name: str) -> TestPlant:
-    rig = rig_of(name)
-    return TestPlant(
-        name=name,
-        rig=rig,
-        env_id="ffgym/WorkcellCircles-v0",
-        env_arguments={"workcell": name},
-        sensors=tuple(getattr(rig, "sensors", ())),
-    )

@@ -166,7 +166,9 @@ def decode_row(text: str, path: str) -> Row:
         row: Row = from_json(Row, {key: value for key, value in tree.items() if key != "format"}, "row")
         _check_once("outcome", [outcome.key for outcome in row.outcomes])
         for outcome in row.outcomes:
-            _check_plant(outcome.plant)
+            name = outcome.plant
+            if name != NOMINAL and not is_workcell(name) and draw_number(name) is None:
+                raise FFGymError(f"plant = {name!r} must be nominal, workcell:<name or seed> or draw:<number>.")
             check_number("robot_seconds", outcome.robot_seconds, unit="s", low=0.0)
             _check_once("circle", [cell.key for cell in outcome.cells])
             for cell in outcome.cells:
@@ -186,11 +188,6 @@ def _check_once(what: str, keys: Sequence[object]) -> None:
     for key, count in Counter(keys).items():
         if count > 1:
             raise FFGymError(f"the {what} {key} stands there {count} times.")
-
-
-def _check_plant(name: str) -> None:
-    if name != NOMINAL and not is_workcell(name) and draw_number(name) is None:
-        raise FFGymError(f"plant = {name!r} must be nominal, workcell:<name or seed> or draw:<number>.")
 
 
 def _short(value: Any) -> Any:

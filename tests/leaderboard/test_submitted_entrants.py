@@ -59,7 +59,7 @@ def test_other_processes_find_it_too(law):
 def test_its_process_ends_when_nobody_asks_it_any_more(law):
     plant = plant_named("nominal")
     [ready] = submitted(law).ready(plant, [0], ())
-    env = environment_for(plant, ready.policy, 1, n_threads=1)
+    env = environment_for(plant, ready.policy.preview, ready.policy.action_scale, 1, n_threads=1)
     layout = env.unwrapped.observation_layout
     assert isinstance(layout, ObservationLayout)
     agent = ready.policy.agent(plant.rig.robot, layout)

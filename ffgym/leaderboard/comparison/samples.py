@@ -1,6 +1,6 @@
 """Results of a row as arrays over seeds, plants and circles, and what a row lacks to be compared."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
@@ -128,28 +128,24 @@ def sample_of(row: Row, grid: Grid) -> Sample:
         raise FFGymError(f"Row {row.name!r} cannot be compared: {why}. Run `ffgym leaderboard` for it again.")
     outcomes = outcomes_on(row, grid)
     seeds = tuple(sorted({outcome.seed for outcome in outcomes}))
-    cells = [_in_order(outcome, grid) for outcome in outcomes]
+    cells: list[Cell] = []
+    for outcome in outcomes:
+        by_key = {cell.key: cell for cell in outcome.cells}
+        cells += [by_key[key] for key in grid.cells]
     shape = (len(seeds), len(grid.plants), len(grid.cells))
-    joints = max((len(cell.motor_rms_rad or ()) for each in cells for cell in each), default=0)
+    joints = max((len(cell.motor_rms_rad or ()) for cell in cells), default=0)
+
+    def errors(values: Iterable[float | None]) -> Array:
+        """A robot that stopped is worse than any error."""
+        return np.reshape([np.inf if value is None or np.isnan(value) else value for value in values], shape)
+
     sample = Sample(
         seeds=seeds,
-        rms=np.reshape([[_error(cell.rms_mm) for cell in each] for each in cells], shape),
-        max=np.reshape([[_error(cell.max_mm) for cell in each] for each in cells], shape),
-        rms_3d=np.reshape([[_error(cell.rms_3d_mm) for cell in each] for each in cells], shape),
-        motor=np.reshape(
-            [[cell.motor_rms_rad or (np.inf,) * joints for cell in each] for each in cells], (*shape, joints)
-        ),
+        rms=errors(cell.rms_mm for cell in cells),
+        max=errors(cell.max_mm for cell in cells),
+        rms_3d=errors(cell.rms_3d_mm for cell in cells),
+        motor=np.reshape([cell.motor_rms_rad or (np.inf,) * joints for cell in cells], (*shape, joints)),
     )
     if not np.all(sample.rms > 0):
         raise FFGymError(f"Row {row.name!r}: RMS path error {sample.rms.min():g} mm must be > 0. Evaluate it again.")
     return sample
-
-
-def _in_order(outcome: Outcome, grid: Grid) -> list[Cell]:
-    by_key = {cell.key: cell for cell in outcome.cells}
-    return [by_key[key] for key in grid.cells]
-
-
-def _error(value: float | None) -> float:
-    """A robot that stopped is worse than any error."""
-    return np.inf if value is None or np.isnan(value) else value

@@ -1,6 +1,5 @@
 """What one row scores on a grid of plants and circles, beside the row that adds no torque."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -121,12 +120,18 @@ def score_of(scored: Scored, grid: Grid, zero: Sample, oracle: Sample | None) ->
     outcomes = outcomes_on(scored.row, grid)
     times = [outcome.inference_us for outcome in outcomes if outcome.inference_us is not None]
     spread = interval(scored.means, by.levels)
+    speeds = []
+    for speed in grid.speeds_mm_s:
+        values, before = (each.rms[..., grid.at(speed)] * 1e3 for each in (sample, zero))
+        mean, ends = float(values.mean()), interval(resampled_means(values, by), by.levels)
+        gone = 1 - mean / float(before.mean())
+        speeds.append(SpeedScore(speed_mm_s=speed, rms_um=mean, interval_um=ends, reduction=gone))
     return Score(
         left=float(np.exp(scored.mean)),
         left_interval=None if spread is None else Interval(float(np.exp(spread.low)), float(np.exp(spread.high))),
         iqm_um=interquartile_mean(sample.rms) * 1e3,
         iqm_interval_um=None if by.levels < 2 else interval(resampled_iqms(sample.rms * 1e3, by), by.levels),
-        speeds=tuple(_at_speed(speed, grid.at(speed), sample, zero, by) for speed in grid.speeds_mm_s),
+        speeds=tuple(speeds),
         max_um=float(sample.max.max()) * 1e3,
         iqm_3d_um=interquartile_mean(sample.rms_3d) * 1e3,
         motor_mrad=tuple(float(value) * 1e3 for value in sample.motor.mean(axis=(0, 1, 2))),
@@ -137,17 +142,6 @@ def score_of(scored: Scored, grid: Grid, zero: Sample, oracle: Sample | None) ->
         robot_seconds=float(np.mean([outcome.robot_seconds for outcome in outcomes])),
         env_steps=float(np.mean([outcome.env_steps for outcome in outcomes])),
         inference_us=float(np.median(times)) if times else None,
-    )
-
-
-def _at_speed(speed: float, cells: Sequence[int], sample: Sample, zero: Sample, by: Resamples) -> SpeedScore:
-    values = sample.rms[..., cells] * 1e3
-    mean = float(values.mean())
-    return SpeedScore(
-        speed_mm_s=speed,
-        rms_um=mean,
-        interval_um=interval(resampled_means(values, by), by.levels),
-        reduction=1 - mean / float(zero.rms[..., cells].mean() * 1e3),
     )
 
 

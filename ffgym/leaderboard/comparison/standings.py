@@ -81,21 +81,21 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
         FFGymError: if two rows have one name, the zero action was not run here or stopped, or a name is unknown.
     """
     splits = SELECTIONS[check_choice("selection of circles", selection, list(SELECTIONS))]
-    by_name = _by_name(rows)
+    by_name = {row.name: row for row in rows}
+    if len(by_name) != len(rows):
+        raise FFGymError("Two rows of the leaderboard have one name; names must differ. Remove one of their files.")
+    if UNCOMPENSATED not in by_name:
+        raise FFGymError(f"Standings need the zero action's row {UNCOMPENSATED!r}; run `ffgym leaderboard` for it.")
     grid, scored = _scored(by_name, group, splits)
     missing = {name: why for name, row in sorted(by_name.items()) if (why := lacking(row, grid))}
     zero = scored[UNCOMPENSATED].sample
     oracle = scored[ORACLE].sample if ORACLE in scored else None
     against = _against_bases(by_name, group)
-    ranked = sorted((each for each in scored.values() if _is_ranked(each.row)), key=_order)
-    others = sorted((each for each in scored.values() if not _is_ranked(each.row)), key=_order)
-    ranks = ranks_of(ranked, compared)
-    tracks = dict.fromkeys(each.row.track for each in ranked)
-    within = {
-        name: rank
-        for track in tracks
-        for name, rank in ranks_of([each for each in ranked if each.row.track == track], compared).items()
-    }
+    best_first = sorted(scored.values(), key=lambda each: (each.mean, each.row.name))
+    ranked = [each for each in best_first if _is_ranked(each.row)]
+    ranks, within = ranks_of(ranked, compared), {}
+    for track in dict.fromkeys(each.row.track for each in ranked):
+        within.update(ranks_of([each for each in ranked if each.row.track == track], compared))
     lines = tuple(
         Standing(
             row=each.row,
@@ -105,7 +105,7 @@ def standings(rows: Sequence[Row], group: str, selection: str) -> Standings:
             against_base=against.get(each.row.name),
             unproven=_unproven(each, grid),
         )
-        for each in (*ranked, *others)
+        for each in (*ranked, *(each for each in best_first if not _is_ranked(each.row)))
     )
     return Standings(group=group, selection=selection, grid=grid, lines=lines, missing=missing)
 
@@ -128,15 +128,6 @@ def ranks_of(best_first: Sequence[Scored], compare: Callable[[Scored, Scored], D
     return ranks
 
 
-def _by_name(rows: Sequence[Row]) -> dict[str, Row]:
-    by_name = {row.name: row for row in rows}
-    if len(by_name) != len(rows):
-        raise FFGymError("Two rows of the leaderboard have one name; names must differ. Remove one of their files.")
-    if UNCOMPENSATED not in by_name:
-        raise FFGymError(f"Standings need the zero action's row {UNCOMPENSATED!r}; run `ffgym leaderboard` for it.")
-    return by_name
-
-
 def _scored(by_name: Mapping[str, Row], group: str, splits: Sequence[str]) -> tuple[Grid, dict[str, Scored]]:
     """Grid of the zero action's row, and all rows that are complete on it."""
     grid = grid_of(by_name[UNCOMPENSATED], group, splits)
@@ -153,10 +144,6 @@ def _is_ranked(row: Row) -> bool:
     return row.ranked and row.name not in (UNCOMPENSATED, ORACLE)
 
 
-def _order(scored: Scored) -> tuple[float, str]:
-    return scored.mean, scored.row.name
-
-
 def _unproven(scored: Scored, grid: Grid) -> str | None:
     """What varies in general and did not here: nobody knows then what another seed or robot would give."""
     if scored.row.seeded and len(scored.sample.seeds) == 1:
@@ -165,27 +152,26 @@ def _unproven(scored: Scored, grid: Grid) -> str | None:
 
 
 def _against_bases(by_name: Mapping[str, Row], group: str) -> dict[str, AgainstBase]:
-    residuals = [row for row in by_name.values() if row.base is not None]
+    """Residuals beside their bases, on all held-out circles that the zero action was run on."""
+    residuals = {name: row.base for name, row in by_name.items() if row.base is not None}
     run = [split for split in HELD_OUT if grid_of(by_name[UNCOMPENSATED], group, [split]).cells]
-    if not residuals or not run:
-        return {row.name: _unknown(row, "zero action has no held-out circles here") for row in residuals}
-    needed = {UNCOMPENSATED, *(row.name for row in residuals), *(row.base for row in residuals)}
-    grid, scored = _scored({name: row for name, row in by_name.items() if name in needed}, group, run)
-    return {row.name: _against(row, scored, grid) for row in residuals}
-
-
-def _against(row: Row, scored: Mapping[str, Scored], grid: Grid) -> AgainstBase:
-    base = str(row.base)
-    for name in (row.name, base):
-        if name not in scored:
-            return _unknown(row, f"{name} has not run on all held-out circles here")
-    found = compared(scored[row.name], scored[base])
-    why = _unproven(scored[row.name], grid)
-    if why is not None:
-        return AgainstBase(base=base, difference=found, sentence=f"unknown: {why}")
-    exact = {0: "not better: the same as its base"} if found.interval is None else {}
-    return AgainstBase(base=base, difference=found, sentence=(_WORDS | exact)[found.sign])
-
-
-def _unknown(row: Row, why: str) -> AgainstBase:
-    return AgainstBase(base=str(row.base), difference=None, sentence=f"unknown: {why}")
+    scored: dict[str, Scored] = {}
+    if residuals and run:
+        needed = {UNCOMPENSATED, *residuals, *residuals.values()}
+        grid, scored = _scored({name: row for name, row in by_name.items() if name in needed}, group, run)
+    found = {}
+    for name, base in residuals.items():
+        lost = [each for each in (name, base) if each not in scored]
+        difference = None if lost else compared(scored[name], scored[base])
+        if not run:
+            words = "unknown: zero action has no held-out circles here"
+        elif difference is None:
+            words = f"unknown: {lost[0]} has not run on all held-out circles here"
+        elif (why := _unproven(scored[name], grid)) is not None:
+            words = f"unknown: {why}"
+        elif difference.interval is None and difference.sign == 0:
+            words = "not better: the same as its base"
+        else:
+            words = _WORDS[difference.sign]
+        found[name] = AgainstBase(base=base, difference=difference, sentence=words)
+    return found

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -60,92 +60,74 @@ def fly(
     Raises:
         FFGymError: if a policy does not fit the robot, or an action is not finite or has the wrong shape.
     """
-    recorder = EpisodeRecorder()
-    env = environment_for(plant, policies[0], len(policies) * len(tasks), recorder=recorder, n_threads=n_threads)
+    recorder, n = EpisodeRecorder(), len(tasks)
+    view = policies[0].preview, policies[0].action_scale
+    env = environment_for(plant, *view, len(policies) * n, recorder=recorder, n_threads=n_threads)
     core: TrackingCore = env.unwrapped.core
     robot, layout = core.robot, core.observation_layout
+    # Agents decide on equal shares of the rows: one for all policies if they can, one for each otherwise.
+    decide = list(agents or ())
+    if not decide:
+        first, *others = policies
+        every = first.batched_with(others, robot, layout) if others and isinstance(first, Batchable) else None
+        decide = [policy.agent(robot, layout) for policy in policies] if every is None else [every]
     own = [0] * len(policies) if seeds is None else list(seeds)
-    decide = list(agents) if agents is not None else _deciding(policies, robot, layout)
     each = [{"position": task.position, "speed": task.speed, "radii": task.radii} for task in tasks]
-    of_rows = [seed + i for seed in own for i in range(len(tasks))]
+    of_rows = [seed + i for seed in own for i in range(n)]
     observation, _ = env.reset(seed=of_rows, options={"each": each * len(policies)})
-    flown = _Flown(core, recorder, len(policies), len(tasks))
     try:
-        flown.run(env, decide, observation, progress)
+        flights = _run(env, recorder, decide, observation, progress)
     finally:
         env.close()
-    for i, recording in flown.recordings.items():
-        rng = np.random.default_rng(noise_seed(tasks[i % len(tasks)], own[i // len(tasks)]))
-        flown.recordings[i] = measure(recording, plant.sensors, rng)
-    return flown.flights()
+    for i, flight in enumerate(flights):
+        if flight.recording is not None:
+            rng = np.random.default_rng(noise_seed(tasks[i % n], own[i // n]))
+            flights[i] = replace(flight, recording=measure(flight.recording, plant.sensors, rng))
+    return [flights[i : i + n] for i in range(0, len(flights), n)]
 
 
-def _deciding(policies: Sequence[Policy], robot: RobotDescription, layout: ObservationLayout) -> list[Agent]:
-    """Agents that decide on equal shares of the rows: one for all policies if they can, one for each otherwise."""
-    first, *others = policies
-    if others and isinstance(first, Batchable):
-        agent = first.batched_with(others, robot, layout)
-        if agent is not None:
-            return [agent]
-    return [policy.agent(robot, layout) for policy in policies]
-
-
-def environment_for(plant: TestPlant, policy: Policy, n: int, **arguments: Any) -> Any:
+def environment_for(plant: TestPlant, preview: int, action_scale: float, n: int, **arguments: Any) -> Any:
     """Environment of a plant for a policy: `n` sub-environments that run each task to its end and wait."""
     return gym.make_vec(
         plant.env_id,
         num_envs=n,
         autoreset_mode=AutoresetMode.DISABLED,
-        preview=policy.preview,
-        action_scale=policy.action_scale,
+        preview=preview,
+        action_scale=action_scale,
         **dict(plant.env_arguments) | arguments,
     )
 
 
-class _Flown:
-    """Books of the flights while they run; row p * K + k is policy p on task k."""
-
-    def __init__(self, core: TrackingCore, recorder: EpisodeRecorder, n_policies: int, n_tasks: int) -> None:
-        self.core, self.recorder = core, recorder
-        self.shape = n_policies, n_tasks
-        self.actions: list[Array] = []
-        self.lengths = np.zeros(n_policies * n_tasks, dtype=np.int64)
-        self.recordings: dict[int, Recording] = {}
-
-    def run(self, env: Any, agents: Sequence[Agent], observation: Array, progress: Progress | None) -> None:
-        """Step until every motion has ended."""
-        total = sum(motion.n_steps for motion in self.core.motions if motion is not None)
-        going: BoolArray = np.ones(len(self.lengths), dtype=np.bool_)
-        starts, states, share = going.copy(), [None] * len(agents), len(going) // len(agents)
-        while going.any():
-            action = np.zeros((len(going), self.core.robot.n_joints))
-            for i, agent in enumerate(agents):
-                rows = slice(i * share, (i + 1) * share)
-                if going[rows].any():
-                    action[rows], states[i] = agent.predict(observation[rows], states[i], starts[rows], True)
-            starts[:] = False
-            observation, _, terminated, truncated, _ = env.step(action)
-            self.actions.append(np.clip(action, -1.0, 1.0))
-            self.lengths += going
-            ended = going & (terminated | truncated)
-            for i, recording in zip(np.flatnonzero(ended).tolist(), self.recorder.recordings, strict=True):
-                if not terminated[i]:
-                    self.recordings[i] = recording
-            self.recorder.recordings.clear()
-            going &= ~ended
-            if progress is not None:
-                dt = self.core.robot.servo.control_dt
-                progress(float(self.lengths.sum() * dt), total * dt)
-
-    def flights(self) -> list[list[Flight]]:
-        """What came of each policy on each task."""
-        n_policies, n_tasks = self.shape
-        every = np.stack(self.actions)
-
-        def flight(i: int) -> Flight:
-            return Flight(recording=self.recordings.get(i), actions=every[: self.lengths[i], i])
-
-        return [[flight(p * n_tasks + k) for k in range(n_tasks)] for p in range(n_policies)]
+def _run(
+    env: Any, recorder: EpisodeRecorder, agents: Sequence[Agent], observation: Array, progress: Progress | None
+) -> list[Flight]:
+    """Step until every motion has ended; what came of each row."""
+    core: TrackingCore = env.unwrapped.core
+    total, dt = sum(motion.n_steps for motion in core.motions if motion is not None), core.robot.servo.control_dt
+    going: BoolArray = np.ones(len(observation), dtype=np.bool_)
+    lengths = np.zeros(len(going), dtype=np.int64)
+    starts, states, share = going.copy(), [None] * len(agents), len(going) // len(agents)
+    actions: list[Array] = []
+    recordings: dict[int, Recording] = {}
+    while going.any():
+        action = np.zeros((len(going), core.robot.n_joints))
+        for i, agent in enumerate(agents):
+            rows = slice(i * share, (i + 1) * share)
+            if going[rows].any():
+                action[rows], states[i] = agent.predict(observation[rows], states[i], starts[rows], True)
+        starts[:] = False
+        observation, _, terminated, truncated, _ = env.step(action)
+        actions.append(np.clip(action, -1.0, 1.0))
+        lengths += going
+        ended = going & (terminated | truncated)
+        recorded = zip(np.flatnonzero(ended).tolist(), recorder.recordings, strict=True)
+        recordings |= {i: recording for i, recording in recorded if not terminated[i]}
+        recorder.recordings.clear()
+        going &= ~ended
+        if progress is not None:
+            progress(float(lengths.sum() * dt), total * dt)
+    acted = np.stack(actions)
+    return [Flight(recording=recordings.get(i), actions=acted[:length, i]) for i, length in enumerate(lengths)]
 
 
 def inference_time(plant: TestPlant, policy: Policy) -> float:
@@ -163,8 +145,7 @@ def inference_time(plant: TestPlant, policy: Policy) -> float:
 @lru_cache(maxsize=8)
 def _waiting(plant: TestPlant, preview: int, action_scale: float) -> tuple[RobotDescription, ObservationLayout, Array]:
     """What one robot of a plant shows an agent with such a view when a motion begins."""
-    arguments = dict(plant.env_arguments) | {"preview": preview, "action_scale": action_scale, "n_threads": 1}
-    env: Any = gym.make_vec(plant.env_id, num_envs=1, autoreset_mode=AutoresetMode.DISABLED, **arguments)
+    env = environment_for(plant, preview, action_scale, 1, n_threads=1)
     observation, _ = env.reset(seed=0)
     core: TrackingCore = env.unwrapped.core
     env.close()

@@ -84,13 +84,22 @@ def outcomes_of(
     plant: TestPlant, starters: Sequence[Starter], tasks: Sequence[Task], threads: int = 0
 ) -> list[tuple[str, Outcome]]:
     """Outcomes of agents on a plant, laws first, with their names."""
-    laws = [starter for starter in starters if starter.ready.law is not None]
-    policies = [starter for starter in starters if starter.ready.policy is not None]
-    runs = _run_laws(plant, laws, tasks, threads) + _fly_policies(plant, policies, tasks, threads)
-    return [
-        (starter.name, _outcome(plant, starter, tasks, recordings))
-        for starter, recordings in zip((*laws, *policies), runs, strict=True)
-    ]
+    laws = [(starter, starter.ready.law) for starter in starters if starter.ready.law is not None]
+    policies = [(starter, starter.ready.policy) for starter in starters if starter.ready.policy is not None]
+    recordings: list[Sequence[Recording | None]] = []
+    if laws:  # all side by side in one batch
+        references = references_of(plant.rig.arm, tasks)
+        runs = [Run(reference=reference, law=law) for _, law in laws for reference in references]
+        noise = [np.random.default_rng(noise_seed(task, starter.seed)) for starter, _ in laws for task in tasks]
+        recorded = plant.rig.run(runs, seed=noise, n_threads=threads)
+        recordings += [recorded[i : i + len(tasks)] for i in range(0, len(recorded), len(tasks))]
+    for _, group in groupby(policies, key=lambda entry: entry[0].name):  # those of one row side by side
+        row = list(group)
+        seeds = [starter.seed for starter, _ in row]
+        flown = fly(plant, [policy for _, policy in row], tasks, seeds=seeds, n_threads=threads)
+        recordings += [[flight.recording for flight in flights] for flights in flown]
+    ran = [starter for starter, _ in (*laws, *policies)]
+    return [(one.name, _outcome(plant, one, tasks, own)) for one, own in zip(ran, recordings, strict=True)]
 
 
 def _outcome(
@@ -115,34 +124,6 @@ def _outcome(
         cells=tuple(cells),
         trails=tuple(trails),
     )
-
-
-def _run_laws(
-    plant: TestPlant, laws: Sequence[Starter], tasks: Sequence[Task], threads: int
-) -> list[list[Recording | None]]:
-    """Recordings of laws, all side by side in one batch."""
-    if not laws:
-        return []
-    references = references_of(plant.rig.arm, tasks)
-    runs, noise = [], []
-    for starter in laws:
-        assert starter.ready.law is not None
-        runs += [Run(reference=reference, law=starter.ready.law) for reference in references]
-        noise += [np.random.default_rng(noise_seed(task, starter.seed)) for task in tasks]
-    recordings = plant.rig.run(runs, seed=noise, n_threads=threads)
-    return [list(recordings[i : i + len(tasks)]) for i in range(0, len(recordings), len(tasks))]
-
-
-def _fly_policies(
-    plant: TestPlant, policies: Sequence[Starter], tasks: Sequence[Task], threads: int
-) -> list[list[Recording | None]]:
-    """Recordings of policies, those of one row side by side."""
-    recordings = []
-    for _, group in groupby(policies, key=lambda starter: starter.name):
-        row = [(starter.ready.policy, starter.seed) for starter in group if starter.ready.policy is not None]
-        flown = fly(plant, [each for each, _ in row], tasks, seeds=[seed for _, seed in row], n_threads=threads)
-        recordings += [[flight.recording for flight in flights] for flights in flown]
-    return recordings
 
 
 def trails_of(task: Task, recording: Recording) -> list[Trail]:

@@ -5,7 +5,7 @@ An agent lives in a process of its own and sees observations only; the simulatio
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -80,8 +80,8 @@ class Judge:
 
     loaders: Mapping[str, str]
     """Modules that load agents, by kind."""
-    plan: Mapping[str, Sequence[Task]] | None = None
-    """Motions by plant; None is the standard."""
+    plan: Mapping[str, Sequence[Task]] = field(default_factory=lambda: STANDARD)
+    """Motions by plant."""
     limits: Limits | None = None
     """What agents may use."""
     n_threads: int = 0
@@ -107,14 +107,14 @@ class Judge:
                 preview=view.preview,
                 action_scale=view.action_scale,
                 versions=versions(),
-                plants={plant: plant_named(plant).fingerprint for plant in self._tasks},
+                plants={plant: plant_named(plant).fingerprint for plant in self.plan},
                 files={name: files_of.sha256_of(data) for name, data in files.items()},
                 claims=tuple(claims),
             )
             return files_of.encode_submission(manifest, files)
 
         files_of.decode_submission(packed(View(preview=1, action_scale=1.0)))  # complain now, not after minutes
-        for plant in self._tasks:
+        for plant in self.plan:
             with self._process(source, content, plant, about.seed) as agent:
                 view = View(preview=agent.preview, action_scale=agent.action_scale)
                 flights = self._fly(plant, view, agent, about.seed, "running")
@@ -129,12 +129,12 @@ class Judge:
             Refused: with the first check that it does not pass.
         """
         manifest, files = files_of.decode_submission(data)
-        check_physics(manifest, self._tasks)
+        check_physics(manifest, self.plan)
         source, seed = manifest.agent, manifest.seed
         view = View(preview=manifest.preview, action_scale=manifest.action_scale)
         claims: list[Claim] = []
         replays: list[Replay] = []
-        for plant, logs in logged_actions(files[ACTIONS], self._tasks).items():
+        for plant, logs in logged_actions(files[ACTIONS], self.plan).items():
             replays.append(replay := Replay(logs, plant))
             every = tuple(range(len(logs)))
             with ExitStack() as stack:
@@ -162,16 +162,12 @@ class Judge:
             action_difference=max(replay.worst for replay in replays),
         )
 
-    @property
-    def _tasks(self) -> Mapping[str, Sequence[Task]]:
-        return STANDARD if self.plan is None else self.plan
-
     def _process(self, source: AgentSource, content: bytes | None, plant: str, seed: int) -> AgentProcess:
         robot = controller_of(plant)
         return AgentProcess(source, content, robot, loaders=self.loaders, seed=seed, limits=self.limits)
 
     def _fly(self, plant: str, view: View, agent: Agent, seed: int, title: str) -> list[Flight]:
-        tasks, machine = self._tasks[plant], plant_named(plant)
+        tasks, machine = self.plan[plant], plant_named(plant)
         with self.stage(f"{title}, {plant}", "s") as shown:
             [flights] = fly(
                 machine, [view], tasks, agents=[agent], seeds=[seed], n_threads=self.n_threads, progress=shown
@@ -180,7 +176,7 @@ class Judge:
 
     def _claims(self, plant: str, flights: Sequence[Flight]) -> list[Claim]:
         claims: list[Claim] = []
-        for task, flight in zip(self._tasks[plant], flights, strict=True):
+        for task, flight in zip(self.plan[plant], flights, strict=True):
             if flight.recording is None:
                 raise Refused(
                     "replay",
