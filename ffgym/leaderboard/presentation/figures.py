@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from math import isfinite, isinf
-from typing import final
 
 from ffgym.leaderboard.comparison.statistics import Interval
 from ffgym.report.table import Cell
@@ -14,7 +13,6 @@ _FAR = 1e300
 Sortable = float | str | None
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Figure(Cell):
     """One cell of the table."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Self, final
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +23,6 @@ _REACH = 0.3
 """Share of half the path's width that its largest enlarged error may take; chosen: the path stays recognisable."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ToolPath:
     """Path of the tool and of its reference seen along the normal of their plane, on one motion."""
@@ -62,7 +61,6 @@ ToolPaths = Mapping[str, Mapping[float, ToolPath]]
 """By name of the row and TCP speed [mm/s]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Line:
     """A line of a picture, whose width does not grow with it."""
@@ -81,7 +79,6 @@ class Line:
         return cls(points=places, colour=colour, width=width, dash=dash)
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Picture:
     """Path of the tool and what stands below it."""
@@ -92,7 +89,6 @@ class Picture:
     caption: str
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class LearningCurve:
     """Mean reward per step over steps of training."""
@@ -173,7 +169,6 @@ _TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 """Shares of the error that may be marked."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Form:
     """Layout of the picture of all standings [px]."""
@@ -200,7 +195,6 @@ FORMS = {
 """Layouts by the screen that they are for."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Glance:
     """Share of the zero action's mean error that ranked rows leave at every speed, on a logarithmic axis."""

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import fsum
-from typing import final
 
 from ffgym.leaderboard.comparison.samples import CellKey
 from ffgym.leaderboard.tasks import THESIS
@@ -16,7 +15,6 @@ _POSITIONS = ("p1", "p2", "p3", "p4")
 """Corners of the work area (thesis, 2.2.5)."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PublishedSpeed:
     """Mean of published RMS path errors at one speed."""
@@ -28,7 +26,6 @@ class PublishedSpeed:
     circles: int
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class PublishedRow:
     """One method of the thesis on the real robot."""

@@ -4,7 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Any, final
+from typing import Any
 
 from ffgym.leaderboard.comparison.standings import AgainstBase, Standing, Standings
 from ffgym.leaderboard.presentation.figures import (
@@ -25,7 +25,6 @@ from ffgym.report import table as report
 from ffgym.report.page import resource
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Column:
     """One column, see leaderboard_columns.toml."""
@@ -38,7 +37,6 @@ class Column:
     in_terminal: bool = False
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Line:
     """One row of the table."""
@@ -53,7 +51,6 @@ class Line:
     cells: tuple[Figure, ...]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Table:
     """Columns and lines, in the order of the standings; published rows last."""

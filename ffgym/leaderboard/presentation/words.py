@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import final
 
 from ffgym.envs.machines import is_workcell
 from ffgym.leaderboard.comparison.samples import DRAWS
@@ -32,7 +31,6 @@ def group_title(group: str) -> str:
     return {NOMINAL: "nominal robot", DRAWS: "drawn robots"}.get(group, f"{kind} “{name}”")
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Headline:
     """Who is best on the workcell's held-out positions, by how much at each speed, beside the best of the thesis."""

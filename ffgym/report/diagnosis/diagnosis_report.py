@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -20,7 +19,6 @@ MOST_PLACES = 3
 """Components that are shown in detail."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Place:
     """One joint in one channel."""
@@ -31,7 +29,6 @@ class Place:
     """Of the component, which is also that of the joint."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DiagnosisReport:
     """Everything that is shown.
