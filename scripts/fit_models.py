@@ -10,7 +10,8 @@ from shutil import copyfile
 
 from ffgym.agents.artefacts import TRAINED, add_artefacts, described
 from ffgym.agents.model import FITTED
-from ffgym.cli.improve import Improve
+from ffgym.cli.improve import run as improve
+from ffgym.cli.log_options import Improve
 from ffgym.leaderboard.plants import THESIS_WORKCELL, plant_named
 from ffgym.recordings.io import read_folder
 
@@ -37,17 +38,19 @@ def main(config: Config) -> None:
         folder = config.work / f"seed_{seed}"
         folder.mkdir(parents=True, exist_ok=True)
         # one circle for the comparison, which nothing here depends on
-        Improve(
-            rig=THESIS_WORKCELL,
-            fit=True,
-            rounds=1,
-            seed=seed,
-            out=folder,
-            positions=("p2",),
-            speeds_mm_s=(100.0,),
-            radii_mm=(5.0,),
-            threads=config.threads,
-        ).run()
+        improve(
+            Improve(
+                rig=THESIS_WORKCELL,
+                fit=True,
+                rounds=1,
+                seed=seed,
+                out=folder,
+                positions=("p2",),
+                speeds_mm_s=(100.0,),
+                radii_mm=(5.0,),
+                threads=config.threads,
+            )
+        )
         store(seed, folder / "round_1", config.out)
 
 

@@ -8,15 +8,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ffgym.agents.residual.plan import Training
+from ffgym.cli.learning_options import PolicyOptions
 from ffgym.cli.progress import progress_bar
-from ffgym.cli.train_policy import Options, need_training
+from ffgym.cli.train_policy import need_training
 from ffgym.core.errors import FFGymError
 from ffgym.core.executors import Executor
 from ffgym.core.files import made_folder
 
 
 @dataclass(frozen=True)
-class Sweep(Options):
+class Sweep(PolicyOptions):
     """Train one configuration with several seeds."""
 
     seeds: tuple[int, ...] = (0, 1, 2, 3, 4)

@@ -16,7 +16,8 @@ import tyro
 
 from ffgym.agents.residual.plan import Training
 from ffgym.agents.state_file import check_same
-from ffgym.cli.train_policy import Options, need_training
+from ffgym.cli.learning_options import PolicyOptions
+from ffgym.cli.train_policy import need_training
 from ffgym.core.errors import FFGymError, check_number, check_whole
 from ffgym.core.files import read_text, write_json
 from ffgym.core.provenance import installed
@@ -105,14 +106,14 @@ def proposal(space: Space, trials: Sequence[Trial], seed: int) -> dict[str, floa
 
 
 @dataclass(frozen=True)
-class Tune(Options):
+class Tune(PolicyOptions):
     """Search for hyper-parameters of one algorithm on one base."""
 
     trials: int = 30
     """Trainings with other hyper-parameters."""
     steps: int | None = None
     """Control steps of each training; none given is three segments."""
-    bound: tyro.conf.Suppress[tyro.conf.Fixed[float]] = Options.bound
+    bound: tyro.conf.Suppress[tyro.conf.Fixed[float]] = PolicyOptions.bound
     """Is searched for, see `bounds`."""
     bounds: tuple[float, float] = (0.3, 1.0)
     """Largest residual torque that is searched for, in breakaway torques."""

@@ -1,4 +1,4 @@
-"""The `ffgym` command: one module per subcommand, one-line errors, exit codes.
+"""The `ffgym` command: options, and a module of work for each subcommand; one-line errors, exit codes.
 
 What a command computes stands in the room of its subject; commands of the repository stand in `scripts`.
 """

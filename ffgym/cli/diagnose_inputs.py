@@ -6,19 +6,19 @@ from pathlib import Path
 
 import numpy as np
 
-from ffgym.cli.descriptions import described_robot
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import read_text, write_text
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT, example_logs, fitted_nominal
 from ffgym.diagnosis.thinning import thin
 from ffgym.effects import Origin
+from ffgym.envs.machines import described_robot
 from ffgym.logs import load_columns, read_logs
 from ffgym.logs.quality import conditioned_alike
 from ffgym.logs.read import corrected
 from ffgym.recordings import Recording, read_recording
 from ffgym.recordings.io import SUFFIX, Stored, read_folder, recording_files
-from ffgym.robot import RobotDescription, RobotDraft, load_draft
+from ffgym.robot import RobotDescription, RobotDraft
 from ffgym.robot.template import completed_text
 from ffgym.simulation.plant import Machine, load_machine
 from ffgym.simulation.plant.machine_file import is_machine_file, origins_of, robot_reference
@@ -83,24 +83,10 @@ def nominal_named(name: str | None) -> Nominal:
     Raises:
         FFGymError: if there is none of that name, or it cannot be read.
     """
-    if name is None:
-        return Nominal(machine=Machine(robot=described_robot(EXAMPLE_ROBOT)), reference=EXAMPLE_ROBOT)
-    if is_machine_file(name):
-        return Nominal(
-            machine=load_machine(name, partial=True), reference=robot_reference(name), origins=origins_of(name)
-        )
-    return Nominal(machine=Machine(robot=described_robot(name)), reference=name)
-
-
-def draft_named(name: str | None) -> RobotDraft:
-    """Description of a robot that may lack masses and friction, as they are fitted to its logs.
-
-    Raises:
-        FFGymError: if there is none of that name, or it cannot be read.
-    """
-    if name is not None and is_machine_file(name):
-        raise FFGymError(f"--fit {name}: is a machine file, whose numbers are known; give a robot or its description.")
-    return load_draft(name or EXAMPLE_ROBOT)
+    name = EXAMPLE_ROBOT if name is None else name
+    if not is_machine_file(name):
+        return Nominal(machine=Machine(robot=described_robot(name)), reference=name)
+    return Nominal(machine=load_machine(name, partial=True), reference=robot_reference(name), origins=origins_of(name))
 
 
 def fit_nominal(draft: RobotDraft, reference: str | Path, recordings: Sequence[Recording]) -> Nominal:
@@ -109,8 +95,7 @@ def fit_nominal(draft: RobotDraft, reference: str | Path, recordings: Sequence[R
     Raises:
         FFGymError: if recordings do not fit the robot, or do not tell its numbers.
     """
-    known = draft if draft.missing else draft.complete()
-    machine, calibration = fitted_nominal(known, recordings)
+    machine, calibration = fitted_nominal(draft if draft.missing else draft.complete(), recordings)
     return Nominal(machine=machine, reference=reference, calibration=calibration, draft=draft)
 
 

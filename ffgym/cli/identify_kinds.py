@@ -2,21 +2,28 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ffgym.cli.identify_logs import LogSet
+from ffgym.cli.log_options import Identify
 from ffgym.cli.progress import progress_bar
 from ffgym.core.errors import check_number
-from ffgym.diagnosis.identification import LowPass, Validation, friction_torque, identify_friction, validate
+from ffgym.diagnosis.identification import LowPass, friction_torque, identify_friction, validate
 from ffgym.diagnosis.identification.friction import friction_quantities
 from ffgym.diagnosis.identification.rigid_body import Filtering, RigidBodyOptions, identify_rigid_body, starting_robot
+from ffgym.report.identification import (
+    FrictionReport,
+    RigidBodyReport,
+    format_friction,
+    format_rigid_body,
+    render_friction_page,
+    render_rigid_body_page,
+    rigid_body_numbers,
+)
 from ffgym.robot import RigidArm, RobotDescription, RobotDraft
 from ffgym.robot.reading.quantity import Quantity
-
-if TYPE_CHECKING:
-    from ffgym.cli.identify import Identify
 
 CUTOFF_HZ = 100.0
 """Cut-off of the low-pass filter of angles and torques: it hardly rounds reversals, and takes most of the noise."""
@@ -38,10 +45,8 @@ class Outcome:
     """Report page, for the origin of the numbers."""
 
 
-def identified_friction(config: "Identify", robot: RobotDescription, logs: LogSet) -> Outcome:
+def identified_friction(config: Identify, robot: RobotDescription, logs: LogSet) -> Outcome:
     """Identify friction from logs, and see how well it holds on those kept out."""
-    from ffgym.report.identification import FrictionReport, format_friction, render_friction_page
-
     low_pass, arm = LowPass(cutoff=CUTOFF_HZ if config.cutoff_hz is None else config.cutoff_hz), RigidArm(robot)
     recordings = (*logs.used, *logs.held_out)
     torques = []
@@ -75,19 +80,36 @@ def identified_friction(config: "Identify", robot: RobotDescription, logs: LogSe
     )
 
 
-def _numbers(report: Any) -> Mapping[str, Any]:
+def _numbers(report: FrictionReport) -> Mapping[str, Any]:
+    """Everything, as JSON has it, which knows no infinity: an interval without an end is null."""
     found = report.identification
-    joints = [
+    joints = []
+    for joint in found.joints:
+        parameters = [asdict(estimate) for estimate in joint.estimates]
+        for entry in parameters:
+            low, high = entry.pop("low"), entry.pop("high")
+            entry["interval"] = [low, high] if np.isfinite(high) else None
+        joints.append(
+            {
+                "joint": joint.joint,
+                "parameters": parameters,
+                "inertia_error": joint.inertia_error,
+                "offset": joint.offset,
+                "notes": list(joint.notes),
+            }
+        )
+    validation = [
         {
-            "joint": joint.joint,
-            "parameters": [_finite(asdict(estimate)) for estimate in joint.estimates],
-            "inertia_error": joint.inertia_error,
-            "offset": joint.offset,
-            "notes": list(joint.notes),
+            "segment": after.segment,
+            "joint": after.joint,
+            "rms_friction": after.rms_friction,
+            "rms_error_before": before.rms_error,
+            "rms_error_after": after.rms_error,
+            "share_before": before.share,
+            "share_after": after.share,
         }
-        for joint in found.joints
+        for before, after in zip(report.before, report.after, strict=True)
     ]
-    validation = [_both(before, after) for before, after in zip(report.before, report.after, strict=True)]
     return {
         "logs": list(found.segments),
         "validated_on": [torque.signals.segment for torque in report.held_out],
@@ -98,25 +120,7 @@ def _numbers(report: Any) -> Mapping[str, Any]:
     }
 
 
-def _finite(estimate: dict[str, Any]) -> dict[str, Any]:
-    """An estimate whose interval is null where it has none: JSON knows no infinity."""
-    low, high = estimate.pop("low"), estimate.pop("high")
-    return estimate | {"interval": [low, high] if np.isfinite(high) else None}
-
-
-def _both(before: Validation, after: Validation) -> dict[str, Any]:
-    return {
-        "segment": after.segment,
-        "joint": after.joint,
-        "rms_friction": after.rms_friction,
-        "rms_error_before": before.rms_error,
-        "rms_error_after": after.rms_error,
-        "share_before": before.share,
-        "share_after": after.share,
-    }
-
-
-def identified_rigid_body(config: "Identify", draft: RobotDraft, logs: LogSet) -> Outcome:
+def identified_rigid_body(config: Identify, draft: RobotDraft, logs: LogSet) -> Outcome:
     """Identify bodies, rotors and friction from logs, and see how well they predict those kept out.
 
     Args:
@@ -124,15 +128,12 @@ def identified_rigid_body(config: "Identify", draft: RobotDraft, logs: LogSet) -
         draft: the description; where it lacks masses, they are stood in for.
         logs: recordings.
     """
-    from ffgym.report.identification import (
-        RigidBodyReport,
-        format_rigid_body,
-        render_rigid_body_page,
-        rigid_body_numbers,
-    )
-
     options = _options(config)
-    robot = starting_robot(draft, logs.used, options.filtering) if draft.missing else logs.robot
+    robot = (
+        starting_robot(draft, logs.used, options.filtering)
+        if draft.missing
+        else draft.description_for("identification")
+    )
     with progress_bar("identifying", "resamples") as progress:
         fit = identify_rigid_body(robot, logs.used, options, progress)
     report = RigidBodyReport(fit=fit, held_out=logs.held_out, doubts_of_logs=logs.doubts)
@@ -145,7 +146,7 @@ def identified_rigid_body(config: "Identify", draft: RobotDraft, logs: LogSet) -
     )
 
 
-def _options(config: "Identify") -> RigidBodyOptions:
+def _options(config: Identify) -> RigidBodyOptions:
     """Options of the command; what it leaves open is the default."""
     filtering, default = Filtering(), RigidBodyOptions()
     if config.cutoff_hz is not None:

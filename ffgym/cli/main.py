@@ -15,47 +15,111 @@ DESCRIPTION = "Feed-forward friction compensation on industrial robots: simulate
 
 
 class Command(NamedTuple):
-    """A subcommand: its class, its first line in lists, and an example."""
+    """A subcommand."""
 
-    place: str
-    """Module below ffgym.cli, and class."""
+    options: str
+    """Module below ffgym.cli and class of its options, from which its help is made."""
+    work: str
+    """Module below ffgym.cli and function that does its work; loaded when it runs."""
     summary: str
+    """Line in lists of commands."""
     example: str
 
 
 COMMANDS = {
-    "demo": Command("demo:Demo", "circle test of the thesis, and a diagnosis", "ffgym demo --positions p1"),
-    "robot": Command("robot:Robot", "describe a robot: new, fill, check", "ffgym robot new arm.urdf --out mine.toml"),
-    "simulate": Command("simulate:Simulate", "any robot on any motion", "ffgym simulate irb4600_60_205 circles"),
-    "play": Command("play:Play", "an episode as a video", "ffgym play --law lugre_dynamic --out episode.mp4"),
-    "export": Command("export:Export", "a motion in files for plain MuJoCo", "ffgym export irb4600_60_205 circles"),
-    "record": Command("record:Record", "measure by protocols", "ffgym record one_axis speed_ladder --out logs"),
-    "log": Command(
-        "log:Log", "logs of other tools: columns, convert, check", "ffgym log check logs/*.npz --robot one_axis"
+    "demo": Command(
+        "motion_options:Demo", "demo:run", "circle test of the thesis, and a diagnosis", "ffgym demo --positions p1"
     ),
-    "identify": Command("identify:Identify", "from logs to parameters", "ffgym identify logs --robot one_axis"),
+    "robot new": Command(
+        "log_options:NewRobot",
+        "robot:new",
+        "describe the robot of an arm file",
+        "ffgym robot new arm.urdf --out mine.toml",
+    ),
+    "robot fill": Command(
+        "log_options:FillRobot", "robot:fill", "fill in what a description lacks", "ffgym robot fill mine.toml"
+    ),
+    "robot check": Command(
+        "log_options:CheckRobot",
+        "robot:check",
+        "what a description says, lacks and allows",
+        "ffgym robot check mine.toml",
+    ),
+    "simulate": Command(
+        "motion_options:Simulate", "simulate:run", "any robot on any motion", "ffgym simulate irb4600_60_205 circles"
+    ),
+    "play": Command(
+        "motion_options:Play", "play:run", "an episode as a video", "ffgym play --law lugre_dynamic --out episode.mp4"
+    ),
+    "export": Command(
+        "motion_options:Export",
+        "export:run",
+        "a motion in files for plain MuJoCo",
+        "ffgym export irb4600_60_205 circles",
+    ),
+    "record": Command(
+        "motion_options:Record", "record:run", "measure by protocols", "ffgym record one_axis speed_ladder --out logs"
+    ),
+    "log columns": Command(
+        "log_options:ListColumns",
+        "log:columns",
+        "what a file of another tool holds",
+        "ffgym log columns trace.csv --out map.toml",
+    ),
+    "log convert": Command(
+        "log_options:ConvertLog",
+        "log:convert",
+        "recordings of a file of another tool",
+        "ffgym log convert trace.csv --columns map.toml --out recording.npz",
+    ),
+    "log check": Command(
+        "log_options:CheckLogs", "log:check", "what logs are good for", "ffgym log check logs/*.npz --robot one_axis"
+    ),
+    "identify": Command(
+        "log_options:Identify", "identify:run", "from logs to parameters", "ffgym identify logs --robot one_axis"
+    ),
     "diagnose": Command(
-        "diagnose:Diagnose", "what a simulation gets wrong, and why", "ffgym diagnose logs --robot one_axis"
+        "log_options:Diagnose",
+        "diagnose:run",
+        "what a simulation gets wrong, and why",
+        "ffgym diagnose logs --robot one_axis",
     ),
-    "improve": Command("improve:Improve", "what a diagnosed model gains in control", "ffgym improve machine.toml"),
+    "improve": Command(
+        "log_options:Improve", "improve:run", "what a diagnosed model gains in control", "ffgym improve machine.toml"
+    ),
     "train policy": Command(
-        "train_policy:Policy", "a residual policy on a law", "ffgym train policy --algorithm ppo --out mine"
+        "learning_options:Policy",
+        "train_policy:run",
+        "a residual policy on a law",
+        "ffgym train policy --algorithm ppo --out mine",
     ),
     "train bspline": Command(
-        "train_bspline:BSpline", "a B-spline network, trial by trial", "ffgym train bspline --out network.npz"
+        "learning_options:BSpline",
+        "train_bspline:bspline",
+        "a B-spline network, trial by trial",
+        "ffgym train bspline --out network.npz",
     ),
     "train stability": Command(
-        "train_bspline:Stability", "how fast a network may learn", "ffgym train stability --robot one_axis"
+        "learning_options:Stability",
+        "train_bspline:stability",
+        "how fast a network may learn",
+        "ffgym train stability --robot one_axis",
     ),
     "leaderboard": Command(
-        "leaderboard:Leaderboard", "all agents, compared", "ffgym leaderboard --agents none elastic"
+        "learning_options:Leaderboard",
+        "leaderboard:run",
+        "all agents, compared",
+        "ffgym leaderboard --agents none elastic",
     ),
     "leaderboard submit": Command(
-        "submission:Submit",
+        "learning_options:Submit",
+        "submission:submit",
         "make a submission of an agent",
         "ffgym leaderboard submit mine.py --name mine --author me --track causal",
     ),
-    "leaderboard verify": Command("submission:Verify", "run a submission again", "ffgym leaderboard verify mine.zip"),
+    "leaderboard verify": Command(
+        "learning_options:Verify", "submission:verify", "run a submission again", "ffgym leaderboard verify mine.zip"
+    ),
 }
 """Subcommands by name, in the order of `ffgym --help`."""
 
@@ -77,12 +141,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     0 is success, 1 a request that cannot be met (one line on stderr), 2 arguments that do not parse, 130 Ctrl-C.
     """
-    return _guarded(lambda: _run(arguments))
+    return _guarded(lambda: _run(list(sys.argv[1:] if arguments is None else arguments)))
 
 
 def run_command(command: type[Any], prog: str, arguments: Sequence[str] | None = None) -> int:
-    """Run one command, named `prog` in its help, with the given arguments as `main` runs a subcommand."""
-    return _guarded(lambda: _run_one(command, prog, list(sys.argv[1:] if arguments is None else arguments)))
+    """Run a command of the repository, named `prog` in its help, as `main` runs a subcommand; `run` does its work."""
+    given = sys.argv[1:] if arguments is None else arguments
+    return _guarded(lambda: _work(command, lambda options: options.run(), prog, given))
 
 
 def _guarded(run: Callable[[], int]) -> int:
@@ -105,8 +170,8 @@ def _guarded(run: Callable[[], int]) -> int:
         return 130
 
 
-def _run(arguments: Sequence[str] | None) -> int:
-    given = list(sys.argv[1:] if arguments is None else arguments)
+def _run(given: list[str]) -> int:
+    """Run the command that words begin with, or say which there are."""
     if given in (["--version"], ["-V"]):
         print(f"ffgym {__version__}")
         return 0
@@ -116,17 +181,19 @@ def _run(arguments: Sequence[str] | None) -> int:
     name = next((name for name in (" ".join(given[:2]), *given[:1]) if name in COMMANDS), None)
     if name is None:
         word = given[0] if given else ""
-        if given[1:] in (["--help"], ["-h"]) and any(known.startswith(f"{word} ") for known in COMMANDS):
-            print(_overview(f"{word} "))
+        group = f"{word} " if any(known.startswith(f"{word} ") for known in COMMANDS) else ""
+        if group and given[1:] in (["--help"], ["-h"]):
+            print(_overview(group))
             return 0
         if word in _MOVED:
             raise FFGymError(f"ffgym {word} has another name now: {_MOVED[word]}.")
-        print(f"ffgym: error: unknown command {word!r}\n\n{_overview()}", file=sys.stderr)
+        print(f"ffgym: error: unknown command {' '.join(given[:2] if group else [word])!r}", file=sys.stderr)
+        print(f"\n{_overview(group)}", file=sys.stderr)
         raise SystemExit(2)
-    options = given[len(name.split()) :]
+    command, options = COMMANDS[name], given[len(name.split()) :]
     if {"--help", "-h"} & set(options):
-        print(f"example: {COMMANDS[name].example}\n")
-    return _run_one(_command(name), f"ffgym {name}", options)
+        print(f"example: {command.example}\n")
+    return _work(loaded(command.options), lambda chosen: loaded(command.work)(chosen), f"ffgym {name}", options)
 
 
 def _overview(group: str = "") -> str:
@@ -141,15 +208,15 @@ def _overview(group: str = "") -> str:
     )
 
 
-def _run_one(command: type[Any], prog: str, arguments: list[str]) -> int:
+def _work(options: type[Any], work: Callable[[Any], None], prog: str, arguments: Sequence[str]) -> int:
+    """Read options, and do what they ask for."""
     import tyro
 
-    tyro.cli(command, prog=prog, args=arguments, config=(tyro.conf.OmitSubcommandPrefixes,)).run()
+    work(tyro.cli(options, prog=prog, args=list(arguments)))
     return 0
 
 
-def _command(name: str) -> type[Any]:
-    """Import the class of a subcommand, and no other."""
-    module, _, name = COMMANDS[name].place.partition(":")
-    command: type[Any] = getattr(import_module(f"ffgym.cli.{module}"), name)
-    return command
+def loaded(place: str) -> Any:
+    """A class or function of a module below ffgym.cli, imported when it is asked for."""
+    module, _, name = place.partition(":")
+    return getattr(import_module(f"ffgym.cli.{module}"), name)

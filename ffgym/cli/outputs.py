@@ -1,42 +1,55 @@
-"""What a command writes, and where its numbers come from."""
+"""Checks before a command works, what it writes and prints after, and where its numbers come from."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, fields
 from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 from ffgym.core.errors import FFGymError
-from ffgym.core.files import check_writable
+from ffgym.core.files import check_writable, write_json
 from ffgym.core.provenance import installed, versions
 
 
-def need_extra(who: str, *packages: str) -> None:
-    """Check that packages are installed that `who` needs for tables and pages.
+def need_extra(who: str, *packages: str, extra: str = "cli,report") -> None:
+    """Check that packages are installed that `who` needs, which `extra` of ffgym installs.
 
     Raises:
         FFGymError: if one is not.
     """
     missing = [name for name in packages if not installed(name)]
     if missing:
-        raise FFGymError(f"{who} needs {', '.join(missing)}; pip install 'ffgym[cli,report]'.")
+        raise FFGymError(f"{who} needs {', '.join(missing)}; pip install 'ffgym[{extra}]'.")
+
+
+def given_options(command: Any, names: Sequence[str]) -> list[str]:
+    """Those of the options `names` of a command that have another value than their default, as they are typed."""
+    defaults = {field.name: field.default for field in fields(command)}
+    return ["--" + name.replace("_", "-") for name in names if getattr(command, name) != defaults[name]]
 
 
 _SUFFIXES = {"--report": ".html", "--page": ".html", "--json": ".json"}
 """How files must end whose form does not follow from their name, so that no description or program is written over."""
 
 
-def check_outputs(places: Mapping[str, Path | None], *, inputs: Iterable[str | Path | None] = ()) -> None:
-    """Check before long work that all files can be written after it; None is none.
+def check_outputs(
+    places: Mapping[str, Path | None], *, inputs: Iterable[str | Path | None] = (), suffix: str | None = None
+) -> None:
+    """Check before long work that all files can be written after it, and pages made; None is none.
 
     Args:
         places: by the option that names each.
         inputs: names and files that the command reads, none of which may be written over.
+        suffix: how the file of `--out` must end; None is as the command likes.
 
     Raises:
         FFGymError: if one cannot be written, two are one file, one is an input, or is named as another kind of file.
     """
     given = {option: place for option, place in places.items() if place is not None}
+    suffixes = _SUFFIXES | ({} if suffix is None else {"--out": suffix})
+    if "--report" in given:
+        need_extra("The report", "matplotlib", "jinja2")
     for place in given.values():
         check_writable(place)
     for (one, first), (other, second) in combinations(given.items(), 2):
@@ -46,11 +59,73 @@ def check_outputs(places: Mapping[str, Path | None], *, inputs: Iterable[str | P
     for option, place in given.items():
         if place.resolve() in read:
             raise FFGymError(f"{option} {place}: is read by this command and would be lost; choose another name.")
-        if place.suffix != _SUFFIXES.get(option, place.suffix):
-            raise FFGymError(f"{option} {place}: the name must end in {_SUFFIXES[option]}.")
+        if place.suffix != suffixes.get(option, place.suffix):
+            raise FFGymError(f"{option} {place}: the name must end in {suffixes[option]}.")
 
 
-def provenance(command: str, config: Any, robot: str, fingerprint: str | None, seed: int | None) -> dict[str, Any]:
+def check_new(path: Path, kind: str, *, force: bool) -> None:
+    """Check that a .toml file that people work on can be written, and is written over only by `force`.
+
+    Raises:
+        FFGymError: if it is there, cannot be written, or has another suffix.
+    """
+    if path.suffix != ".toml":
+        raise FFGymError(f"{path}: the suffix is {path.suffix!r}, {kind} must end in .toml.")
+    if path.exists() and not force:
+        raise FFGymError(f"{path} is there already, and may hold your work; --force writes over it.")
+    check_writable(path)
+
+
+def given_folder(path: Path | None, what: str) -> Path:
+    """The folder of `--out`.
+
+    Raises:
+        FFGymError: if it is not given, or a file.
+    """
+    if path is None:
+        raise FFGymError(f"Say where {what}: --out FOLDER.")
+    if path.exists() and not path.is_dir():
+        raise FFGymError(f"--out {path}: is a file, must be a folder; choose another name.")
+    return path
+
+
+def file_of_each(out: Path, names: Sequence[str]) -> dict[str, Path]:
+    """A file for each of some names, which may hold anything: with the name before the suffix, if there are several.
+
+    Raises:
+        FFGymError: if two would be the same.
+    """
+    if len(names) == 1:
+        return {names[0]: out}
+    plain = {name: re.sub(r"[^\w.-]", "_", name) for name in names}
+    files = {name: out.with_stem(f"{out.stem}_{word}") for name, word in plain.items()}
+    if len(set(files.values())) < len(names):
+        raise FFGymError(f"{', '.join(names)} need names that make different file names.")
+    return files
+
+
+def write_numbers(config: Any, numbers: Mapping[str, Any]) -> None:
+    """Write the file of `--json`, if it is given."""
+    if config.json is not None:
+        write_json(config.json, numbers)
+
+
+def print_places(**places: Path | str | None) -> None:
+    """Print where files are that were written, a line for each; None is none."""
+    for what, place in places.items():
+        if place is not None:
+            print(f"{what}: {place}")
+
+
+def provenance(
+    command: str,
+    config: Any,
+    robot: str,
+    fingerprint: str | None,
+    seed: int | None,
+    *,
+    passing: Sequence[str] = (),
+) -> dict[str, Any]:
     """Origin of numbers, for JSON.
 
     Args:
@@ -59,10 +134,11 @@ def provenance(command: str, config: Any, robot: str, fingerprint: str | None, s
         robot: name.
         fingerprint: of the simulated physics; None where nothing can be simulated.
         seed: None where nothing is random.
+        passing: options that only say where results go and how they are made, and are left out.
     """
     return {
         "command": command,
-        "config": {name: _plain(value) for name, value in asdict(config).items()},
+        "config": {name: _plain(value) for name, value in asdict(config).items() if name not in passing},
         "robot": robot,
         "seed": seed,
         "versions": versions(),

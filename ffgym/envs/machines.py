@@ -49,6 +49,22 @@ def is_workcell(name: str | Path) -> bool:
     return str(name).startswith(WORKCELL)
 
 
+def described_robot(name: str) -> RobotDescription:
+    """The built-in robot of a name, or that of a description's path, for what needs a description.
+
+    Raises:
+        FFGymError: if there is none of that name, or it is a workcell or a machine file.
+    """
+    if is_workcell(name):
+        from ffgym.envs.workcell_circles import CONTROLLER
+
+        raise FFGymError(
+            f"{name} has no description: nothing of it is known but what it measures (ffgym simulate, ffgym record). "
+            f"What its controller knows is {CONTROLLER}; give that, or another robot."
+        )
+    return load_robot(name)
+
+
 def workcell_named(name: str) -> "Workcell":
     """The workcell called workcell:<name>, or workcell:<seed> for one that is drawn.
 

@@ -6,9 +6,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from ffgym.cli.main import run_command
-from ffgym.cli.outputs import check_outputs, provenance
+from ffgym.cli.outputs import check_outputs, given_options, provenance
 from ffgym.cli.progress import progress_bar
-from ffgym.cli.unused import given_options
 from ffgym.core.errors import FFGymError, check_whole
 from ffgym.core.files import write_json
 from ffgym.report import check_figure, save_figure

@@ -7,14 +7,19 @@ from dataclasses import replace
 
 import pytest
 
-from ffgym.cli.demo import Demo
-from ffgym.cli.export import Export
-from ffgym.cli.main import _MOVED, COMMANDS, _command, main
+from ffgym.cli.learning_options import Leaderboard
+from ffgym.cli.log_options import Diagnose
+from ffgym.cli.main import _MOVED, COMMANDS, loaded, main
+from ffgym.cli.motion_options import Demo, Export
 from ffgym.core.errors import FFGymError
 from ffgym.core.version import __version__
 from ffgym.diagnosis import Examined
 from ffgym.diagnosis.document import diagnosis_document
+from ffgym.diagnosis.search.search import MOST
+from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
+from ffgym.leaderboard.tasks import THESIS
 from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
+from ffgym.simulation import RECORD_DT
 from tests.diagnosis.result_samples import full_diagnosis
 
 ROW_KEYS = {
@@ -94,20 +99,20 @@ def test_a_missing_tyro_is_named(monkeypatch, capsys):
 
 
 def test_an_interrupt_is_exit_code_130(monkeypatch, capsys):
-    def interrupt(self):
+    def interrupt(config):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Export, "run", interrupt)
+    monkeypatch.setattr("ffgym.cli.export.run", interrupt)
     assert main(["export", "one_axis"]) == 130
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("ffgym: interrupted")
 
 
 def test_an_error_of_several_lines_becomes_one(monkeypatch, capsys):
-    def fail(self):
+    def fail(config):
         raise FFGymError("first\n  second\tthird")
 
-    monkeypatch.setattr(Export, "run", fail)
+    monkeypatch.setattr("ffgym.cli.export.run", fail)
     assert main(["export", "one_axis"]) == 1
     assert capsys.readouterr().err == "ffgym: error: first second third\n"
 
@@ -275,11 +280,29 @@ def test_agents_and_parameters_that_are_not_there_are_one_line(arguments, messag
     assert message in line
 
 
-def test_every_subcommand_is_found_and_only_the_one_that_runs_is_imported():
-    assert all(_command(name).__name__ == COMMANDS[name].place.split(":")[1] for name in COMMANDS)
+def test_every_subcommand_has_options_and_a_function_that_takes_them():
+    for command in COMMANDS.values():
+        options, work = loaded(command.options), loaded(command.work)
+        assert work.__annotations__ == {"config": options, "return": None}
+
+
+def test_help_of_every_command_loads_next_to_nothing_of_the_package_and_no_library_that_computes():
     script = (
-        "import sys; from ffgym.cli.main import main; assert main(['diagnose', '--seed', '-1']) == 1; "
-        "print([name for name in sys.modules if name in ('ffgym.cli.train_bspline', 'ffgym.cli.play')])"
+        "import sys; from ffgym.cli.main import COMMANDS, main\n"
+        "for name in COMMANDS:\n"
+        "    try: main([*name.split(), '--help'])\n"
+        "    except SystemExit: pass\n"
+        "print(*sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    loaded_modules = done.stdout.splitlines()[-1].split()
+    computing = {"mujoco", "scipy", "torch", "stable_baselines3", "matplotlib", "jinja2", "rich", "imageio", "lark"}
+    assert not computing & set(loaded_modules)
+    assert len([name for name in loaded_modules if name.startswith("ffgym")]) <= 25
+
+
+def test_defaults_of_options_that_the_library_has_too_are_the_same():
+    assert Export(robot="r").record_dt_ms == RECORD_DT * 1e3
+    assert Diagnose().most_causes == MOST
+    assert Leaderboard().plants == (NOMINAL, THESIS_WORKCELL)
+    assert Leaderboard().splits == THESIS

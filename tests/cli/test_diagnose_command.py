@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ffgym.cli.diagnose import Diagnose
+from ffgym.cli.diagnose import next_step
+from ffgym.cli.log_options import Diagnose
 from ffgym.cli.main import main
 from ffgym.diagnosis.document import read_diagnosis
 from ffgym.effects import EFFECTS
@@ -196,8 +197,8 @@ def test_the_next_step_is_a_command_wherever_there_is_one():
     from ffgym.diagnosis import Diagnosis
 
     def after(verdict):
-        return Diagnose(logs=(), robot="one_axis")._next(
-            Diagnosis(verdict=verdict, sentence="", robot="one_axis", motions=())
+        return next_step(
+            Diagnose(logs=(), robot="one_axis"), Diagnosis(verdict=verdict, sentence="", robot="one_axis", motions=())
         )
 
     assert "ffgym diagnose OTHER_LOGS" in after("named")

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 import tyro
 
-from ffgym.cli import _movie
+from ffgym.cli import play
 from ffgym.cli.main import main
-from ffgym.cli.play import Play
+from ffgym.cli.motion_options import Play
 from ffgym.envs.machines import rig_of
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 
@@ -117,7 +117,7 @@ def test_a_video_that_cannot_be_made_is_one_line_and_exit_code_1(arguments, mess
 
 
 def test_a_missing_package_is_named(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(_movie, "installed", lambda name: name != "imageio-ffmpeg")
+    monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "imageio-ffmpeg")
     assert main(["play", "--out", str(tmp_path / "a.mp4")]) == 1
     assert "needs imageio-ffmpeg; pip install 'ffgym[video]'" in capsys.readouterr().err
 
@@ -126,10 +126,10 @@ def test_a_missing_package_is_named(monkeypatch, capsys, tmp_path):
 def test_an_interrupt_leaves_no_half_file_and_the_old_one(suffix, needs_gl, monkeypatch, tmp_path):
     out = tmp_path / f"old{suffix}"
     out.write_bytes(b"old")
-    made = Play._make
+    made = play.make
 
-    def make(self):
-        env = made(self)
+    def make(config):
+        env = made(config)
         step, count = env.step, iter(range(100))
 
         def interrupted(action):
@@ -140,7 +140,7 @@ def test_an_interrupt_leaves_no_half_file_and_the_old_one(suffix, needs_gl, monk
         monkeypatch.setattr(env, "step", interrupted)
         return env
 
-    monkeypatch.setattr(Play, "_make", make)
+    monkeypatch.setattr(play, "make", make)
     assert main(["play", "--out", str(out), *CIRCLE]) == 130
     assert [p.name for p in tmp_path.iterdir()] == [out.name]
     assert out.read_bytes() == b"old"
@@ -151,4 +151,4 @@ def test_the_commands_of_the_documentation_parse():
     commands = re.findall(r"^ffgym play (.*)$", text, flags=re.M)
     assert len(commands) == 2
     for command in commands:
-        tyro.cli(Play, args=command.split())._check()
+        play.check(tyro.cli(Play, args=command.split()))

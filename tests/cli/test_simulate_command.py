@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.cli.simulate import Simulate
+from ffgym.cli.outputs import file_of_each
+from ffgym.core.errors import FFGymError
 from ffgym.recordings import read_recording
 from ffgym.robot import ModelOptions, compile_model, load_robot, physics_fingerprint
 from ffgym.simulation import Run, simulate
@@ -194,10 +195,11 @@ def test_a_missing_extra_is_named_only_where_a_page_is_wanted(here, monkeypatch,
 
 
 def test_recordings_of_laws_with_odd_names_get_plain_file_names():
-    one = Simulate(robot="r", path="p", out=Path("a.csv"))
-    assert one._recordings(["none"]) == {"none": Path("a.csv")}
-    both = one._recordings(["none", "my law/2"])
+    assert file_of_each(Path("a.csv"), ["none"]) == {"none": Path("a.csv")}
+    both = file_of_each(Path("a.csv"), ["none", "my law/2"])
     assert both == {"none": Path("a_none.csv"), "my law/2": Path("a_my_law_2.csv")}
+    with pytest.raises(FFGymError, match="need names that make different file names"):
+        file_of_each(Path("a.csv"), ["my law", "my/law"])
 
 
 def test_every_option_is_on_the_page_and_its_commands_parse():

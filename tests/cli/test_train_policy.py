@@ -7,9 +7,8 @@ import sys
 import pytest
 
 from ffgym.agents.residual.policy import load_policy
-from ffgym.cli import train_policy as under_test
+from ffgym.cli.learning_options import Policy
 from ffgym.cli.main import main
-from ffgym.cli.train_policy import Policy
 
 FEW = ["--set", "n_envs=2", "n_steps=8", "batch_size=8", "segment_steps=16", "n_epochs=2"]
 
@@ -82,7 +81,7 @@ def test_what_cannot_be_trained_is_refused_and_nothing_is_left(options, message,
 
 
 def test_what_is_missing_is_named_with_the_way_to_get_it(monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(under_test, "installed", lambda name: name != "sb3-contrib")
+    monkeypatch.setattr("ffgym.cli.outputs.installed", lambda name: name != "sb3-contrib")
     assert main(["train", "policy", "--out", str(tmp_path / "new")]) == 1
     assert "needs sb3-contrib; pip install 'ffgym[rl]'" in capsys.readouterr().err
 

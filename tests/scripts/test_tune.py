@@ -10,7 +10,7 @@ import sys
 import pytest
 import tyro
 
-from ffgym.cli.train_policy import Policy
+from ffgym.cli.learning_options import Policy
 from ffgym.core.claims import claimed
 from ffgym.core.errors import FFGymError
 from ffgym.core.files import write_bytes

@@ -1,0 +1,207 @@
+"""Options of the commands that learn and compare: train, leaderboard."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import tyro
+
+from ffgym.cli.options import RECORD_DT_MS, TEST_SPEEDS_MM_S, Numbers, Threads
+
+if TYPE_CHECKING:
+    from ffgym.agents.residual.plan import Training
+
+
+@dataclass(frozen=True)
+class PolicyOptions:
+    """What decides a policy, but its seed."""
+
+    algorithm: Literal["ppo", "sac", "tqc", "recurrent_ppo"] = "ppo"
+    """Of stable-baselines3 and sb3-contrib."""
+    base: str = "elastic"
+    """Law below the policy: none, lugre_static, lugre_dynamic, elastic, or model:machine.toml."""
+    robot: str = "irb4600_60_205"
+    """Built-in robot with a work area."""
+    steps: int | None = None
+    """Control steps of all robots together, rounded up to whole updates; none given is 983040 for ppo and
+    recurrent_ppo, 196608 for sac and tqc."""
+    joint: bool = False
+    """One network that sees all motors, in place of one that serves each of them; recurrent_ppo always has it."""
+    memory: int = 1
+    """Samples of errors and residuals that the policy sees."""
+    bound: float = 0.6
+    """Largest residual torque, in breakaway torques of each joint."""
+    reward: str = "relative_path_error"
+    """Reward of the environment."""
+    nominal: bool = False
+    """Train on the nominal robot alone, with nothing drawn."""
+    set: tuple[str, ...] = ()
+    """Hyper-parameters in place of those of the algorithm's file, e.g. gamma=0.95 hidden=[64,64]."""
+
+    def with_seed(self, seed: int) -> "Training":
+        """What these options ask for.
+
+        Raises:
+            FFGymError: if they make no training.
+        """
+        from ffgym.agents.residual.bases import base_named
+        from ffgym.agents.residual.hyperparameters import hyperparameters
+        from ffgym.agents.residual.plan import Training
+
+        base, machine = base_named(self.base)
+        return Training(
+            algorithm=self.algorithm,
+            base=base,
+            machine=machine,
+            robot=self.robot,
+            factored=not (self.joint or self.algorithm == "recurrent_ppo"),
+            memory=self.memory,
+            bound=self.bound,
+            reward=self.reward,
+            randomization=not self.nominal,
+            seed=seed,
+            steps=self.steps,
+            hyperparameters=hyperparameters(self.algorithm, self.set),
+        )
+
+
+@dataclass(frozen=True)
+class Policy(PolicyOptions):
+    """Train a residual policy at position p1, on robots drawn around the nominal one; go on where it was stopped."""
+
+    seed: int = 0
+    """Of everything that is random."""
+    out: Path | None = None
+    """Folder for policy.npz, training.json and TensorBoard's files; a training that was stopped in it goes on."""
+    json: Numbers = None
+
+
+@dataclass(frozen=True)
+class NetworkOptions:
+    """What is learned, on which motions, and how."""
+
+    network: Literal["static", "extended"] = "extended"
+    """One B-spline network per motor, or two by the sign of the acceleration."""
+    robot: str = "irb4600_60_205"
+    """Built-in robot, a path to a description that ends in .toml, or, to train, workcell:<name or seed>."""
+    positions: tuple[str, ...] = ("p1",)
+    """Positions of the circles to learn on (robots with a work area)."""
+    speeds_mm_s: tuple[float, ...] = (10.0,)
+    """TCP speeds of the circles to learn on (robots with a work area)."""
+    frequencies_hz: tuple[float, ...] = (1.0,)
+    """Frequencies of the sines to learn on (robots with one axis)."""
+    gamma: float | None = None
+    """Learning rate; none given is the thesis', 0.95, or 0.8 on one axis."""
+    iterations: int | None = None
+    """Updates at most; none given is the thesis', 10, or 15 on one axis."""
+    signal: Literal["u_p", "u_c", "e_p"] = "u_p"
+    """Learning signal."""
+    record_dt_ms: float = RECORD_DT_MS
+    """Time between the rows that are learned from. 4 is the samples of the reference, where the law acts: steadier at
+    high speeds, see docs/agents/learning_stability.md."""
+    threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class BSpline(NetworkOptions):
+    """Train a network on test motions, trial by trial; print how errors fall; write the law that was learned."""
+
+    order: int = 2
+    """Order of the splines; 2 is hats."""
+    prior: bool = False
+    """Begin with a Coulomb torque, estimated from one more trial, instead of zero weights."""
+    out: Path = Path("network.npz")
+    """Law to write; its name is that of the file without .npz."""
+    resume: bool = False
+    """Go on where an interrupted training with the same options stopped; begin if there is none."""
+    seed: int = 0
+    """Of the noise of a workcell's sensors."""
+    json: Numbers = None
+
+
+@dataclass(frozen=True)
+class Stability(NetworkOptions):
+    """Print the largest stable learning rate per motion and joint, and what is left of the signal at a chosen rate."""
+
+    speeds_mm_s: tuple[float, ...] = TEST_SPEEDS_MM_S
+    """TCP speeds of the circles to learn on (robots with a work area)."""
+    frequencies_hz: tuple[float, ...] = (1.0, 3.0)
+    """Frequencies of the sines to learn on (robots with one axis)."""
+    figure: Path | None = None
+    """Also simulate learning along the first motion, and draw it beside the prediction, in this file."""
+    figure_rates: tuple[float, ...] = (0.4, 0.95, 1.6, 2.2)
+    """Learning rates of the figure, ascending."""
+    figure_joints: tuple[str, ...] = ()
+    """Joints of the figure; none given is all."""
+
+
+@dataclass(frozen=True)
+class Leaderboard:
+    """Run agents on the circles of the thesis and on held-out ones; print standings; write results and a page."""
+
+    agents: tuple[str, ...] = ("fixed",)
+    """Names; or fixed, all laws but those that practise on every task first; or all; and submissions, files .zip."""
+    plants: tuple[str, ...] = ("nominal", "workcell:thesis")
+    """nominal, workcell:<name or seed>, draw:<number>."""
+    draws: int = 0
+    """Drawn plants beside these: draw:0 to one less than this number."""
+    splits: tuple[str, ...] = ("train", "positions")
+    """Circles: train and positions are the 36 of the thesis; radii and speeds are others; or all."""
+    seeds: int = 1
+    """Trainings of each row that a seed changes; five ship."""
+    out: Path | None = None
+    """Folder of result files, one per row. What is complete in it is not run again."""
+    page: Path | None = None
+    """Page to write, one file with tables, pictures and cards."""
+    json: Path | None = None
+    """Also write every circle to this file."""
+    executor: Literal["local", "ray"] = "local"
+    """Where the work is done: on this machine, or on a Ray cluster."""
+    address: str | None = None
+    """Of a running Ray cluster; none begins one on this machine."""
+    jobs: int = 0
+    """Processes, or pieces that a cluster works on at once; 0 is one per core. Results are the same at any number."""
+
+
+@dataclass(frozen=True)
+class Submit:
+    """Run an agent where it sees observations only, and pack it with its logged actions and what came out."""
+
+    agent: tyro.conf.Positional[str]
+    """Law of docs/agents that needs no learning, model:machine.toml, a file .npz of a learned law or a residual policy,
+    or a Python file of your own (docs/leaderboard/submissions.md)."""
+    name: str
+    """Short name, as in tables."""
+    author: str
+    """Who made it."""
+    track: Literal["causal", "causal, nominal parameters", "per task"]
+    """What it may know, see docs/agents."""
+    title: str | None = None
+    """What it is, in a line; none is the name."""
+    out: Path = Path("agent.zip")
+    """File to write."""
+    seed: int = 0
+    """Of the agent's randomness and the sensors' noise."""
+    env_steps: int = 0
+    """Control steps of simulated training that it took; a claim that nobody can check."""
+    robot_seconds: float = 0.0
+    """Time that a machine moved while it learned; a claim that nobody can check."""
+    inference_us: float | None = None
+    """Time of one decision to claim; none claims nothing. It is measured when a submission is verified."""
+    json: Path | None = None
+    """Also write the manifest and where it comes from to this file."""
+    threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class Verify:
+    """Check a submission: replay its actions, while its agent is asked for them where it sees observations only.
+
+    Bubblewrap isolates foreign code if it is installed; docs/leaderboard/submissions.md has a container for others.
+    """
+
+    submission: tyro.conf.Positional[Path]
+    """File of ffgym leaderboard submit."""
+    json: Path | None = None
+    """Also write the verdict to this file, accepted or refused."""
+    threads: Threads = 0

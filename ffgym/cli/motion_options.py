@@ -1,0 +1,180 @@
+"""Options of the commands that run motions: demo, simulate, play, export, record."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from ffgym.cli.options import (
+    RECORD_DT_MS,
+    TEST_SPEEDS_MM_S,
+    Elastic,
+    Friction,
+    Gravity,
+    Numbers,
+    PageFile,
+    Procedure,
+    RowPeriod,
+    Springs,
+    Threads,
+)
+
+
+@dataclass(frozen=True)
+class Demo:
+    """Run the 36 circles with feed-forward agents, and diagnose the example logs; print the tables; write the pages."""
+
+    agents: tuple[str, ...] = ("none", "lugre_static", "lugre_dynamic")
+    """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on
+    their standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the agents' model of the robot; the simulated machine keeps its own numbers."""
+    robot: str = "irb4600_60_205"
+    """Built-in robot, a path to a description that ends in .toml, or workcell:<name or seed>."""
+    report: Path = Path("report.html")
+    """Report page to write; that of the diagnosis is beside it, its name ends in _diagnosis.html."""
+    json: Numbers = None
+    positions: tuple[str, ...] = ()
+    """Positions of the work area; none given is all."""
+    speeds_mm_s: tuple[float, ...] = TEST_SPEEDS_MM_S
+    """TCP speeds."""
+    threads: Threads = 0
+    diagnosis: bool = True
+    """End with a diagnosis of the example logs: those of a machine that has two faults."""
+
+
+@dataclass(frozen=True)
+class Simulate:
+    """Run a motion on a simulated robot with feed-forward laws; print errors and how much of the limits is used."""
+
+    robot: tyro.conf.Positional[str]
+    """Built-in robot, a path that ends in .toml to a description or a machine file, or workcell:<name or seed>."""
+    path: tyro.conf.Positional[str]
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID)."""
+    entry: Procedure = None
+    feedforward: tuple[str, ...] = ("none", "lugre_dynamic")
+    """Names of docs/agents, model:<machine file>, or files of learned laws. Those that learn are trained first, on
+    their standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the laws' model of the robot; the simulated machine keeps its own numbers."""
+    sensors: bool = False
+    """Record what resolvers and laser tracker measure, instead of the exact state; a workcell is always measured."""
+    seed: int = 0
+    """Of the sensors' noise."""
+    record_dt_ms: RowPeriod = RECORD_DT_MS
+    flexible: Elastic = True
+    friction: Friction = True
+    gravity: Gravity = True
+    springs: Springs = True
+    out: Path | None = None
+    """Recording to write, .csv or .npz; with several laws each has its own file, and its name before the suffix."""
+    report: PageFile = None
+    json: Numbers = None
+    threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class Play:
+    """Film one episode under a feed-forward law; the error is drawn magnified, the picture says how much."""
+
+    out: Path = Path("episode.mp4")
+    """Video to write, .mp4 or .gif."""
+    env: str = "ffgym/CirclePath-v0"
+    """Id of the environment."""
+    robot: str | None = None
+    """Built-in robot, a path that ends in .toml to a description or a machine file, or workcell:<name or seed>; none
+    given is the environment's own."""
+    law: Literal["none", "lugre_static", "lugre_dynamic"] = "none"
+    """Feed-forward law, with the friction parameters that the robot's controller knows."""
+    path: str | None = None
+    """Motion to follow, a name or a file as for `ffgym simulate` (ffgym/FollowPath-v0 only); none given is circles."""
+    position: str | None = None
+    """Position in the work area (circles only); none given is p1."""
+    speed_mm_s: float | None = None
+    """TCP speed (circles only); none given is 40 mm/s."""
+    radii_mm: tuple[float, ...] = ()
+    """Circle radii (circles only); none given is all of the test."""
+    frequency_hz: float | None = None
+    """Frequency of the sine (one axis only); none given is 1 Hz."""
+    magnify: float | None = None
+    """Factor on the drawn error; none given is one that suits the motion."""
+    playback: float = 0.5
+    """Speed of the video: 1 is real time, 0.1 ten times slower."""
+    fps: float = 25.0
+    """Pictures per second of the video."""
+    width: int = 960
+    """Of the picture [pixel]."""
+    height: int = 540
+    """Of the picture [pixel]."""
+    seed: int = 0
+    """Of everything that the environment draws."""
+    json: Path | None = None
+    """Also write return, length, errors and origin to this file."""
+
+
+@dataclass(frozen=True)
+class Export:
+    """Write a folder with the robot's model as MJCF; with a motion, also its set-points, reference and recording."""
+
+    robot: tyro.conf.Positional[str]
+    """Built-in robot, or a path that ends in .toml to a description or a machine file."""
+    path: tyro.conf.Positional[str | None] = None
+    """Built-in motion, or a file: .toml (motion), .csv (poses or joint positions), .mod (RAPID); none is the model."""
+    entry: Procedure = None
+    out: Path = Path("export")
+    """Folder to write; it must be empty or not exist."""
+    feedforward: str = "none"
+    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the law's model of the robot; the exported machine keeps its own numbers."""
+    sides: Literal["both", "motor", "link"] = "both"
+    """Side of the gearbox of the quantities in reference.csv."""
+    angles: Literal["rad", "deg", "turn"] = "rad"
+    """Unit of angles in reference.csv."""
+    binary: bool = False
+    """Also write model.mjb, which loads faster, in this version of MuJoCo only."""
+    record_dt_ms: RowPeriod = RECORD_DT_MS
+    flexible: Elastic = True
+    friction: Friction = True
+    gravity: Gravity = True
+    springs: Springs = True
+    json: Path | None = None
+    """Also write where the files come from to this file."""
+    threads: Threads = 0
+
+
+@dataclass(frozen=True)
+class Record:
+    """Run measurement protocols on a machine; write one recording for each motion, and an index of them."""
+
+    robot: tyro.conf.Positional[str | None] = None
+    """Built-in robot, a path that ends in .toml to a description or a machine file, or workcell:<name or seed>."""
+    protocols: tyro.conf.Positional[tuple[str, ...]] = ()
+    """Names of protocols, motion files (.toml, .csv, .mod), or .toml files that list steps (docs/protocols.md)."""
+    listing: Annotated[bool, tyro.conf.arg(name="list")] = False
+    """Show the protocols, how long they take and what they serve, and record nothing."""
+    out: Path | None = None
+    """Folder for the recordings; it is made if there is none. What is complete in it is not made again."""
+    joints: tuple[str, ...] = ()
+    """Joints that the protocols move; none given is all."""
+    feedforward: str = "none"
+    """Name of docs/agents, or file of a learned law. One that learns is trained first, on its standard motions."""
+    parameters: Path | None = None
+    """Parameter file for the law's model of the robot; the machine keeps its own numbers."""
+    seed: int = 0
+    """Of the sensors' noise."""
+    exact: bool = False
+    """Record the exact state of a simulated robot, with what no machine knows, instead of what sensors measure."""
+    torque_noise_percent: float = 0.0
+    """White noise of the measured torque, in percent of each drive's peak torque."""
+    later_min: float = 0.0
+    """How much later in the day the session begins than the machine is set up for; one that warms up is warmer then."""
+    record_dt_ms: RowPeriod = RECORD_DT_MS
+    format: Literal["npz", "csv"] = "npz"
+    """Format of the recordings."""
+    force: bool = False
+    """Make recordings again that are complete, and write over those of another session."""
+    json: Path | None = None
+    """Also write what was recorded to this file."""
+    threads: Threads = 0

@@ -1,0 +1,59 @@
+"""Options that several commands have; a command's own stand in `motion_options`, `log_options`, `learning_options`.
+
+These modules import nothing that computes, so that `--help` is quick; defaults that the library has too are compared
+with it by a test.
+"""
+
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from ffgym.paths import SPEEDS
+
+Numbers = Annotated[Path | None, tyro.conf.arg(help="Also write every number to this file.")]
+"""Of `--json`."""
+
+PageFile = Annotated[
+    Path | None, tyro.conf.arg(help="Page with pictures to write, .html, in one file that can be sent.")
+]
+"""Of `--report`."""
+
+Threads = Annotated[
+    int, tyro.conf.arg(help="Threads of the simulation, 0 for all cores; results are the same at any number.")
+]
+"""Of `--threads`."""
+
+ColumnMap = Annotated[
+    str | None,
+    tyro.conf.arg(help="Column map for files of other tools: a built-in name, or a file that ends in .toml."),
+]
+"""Of `--columns`."""
+
+RowPeriod = Annotated[float, tyro.conf.arg(help="Time between the rows of a recording.")]
+"""Of `--record-dt-ms`."""
+
+Procedure = Annotated[
+    str | None, tyro.conf.arg(help="Procedure of a RAPID program to run; none is main, or the only one.")
+]
+"""Of `--entry`."""
+
+Elastic = Annotated[bool, tyro.conf.arg(help="Elastic joints; no-flexible makes them rigid.")]
+"""Of `--flexible`."""
+
+Friction = Annotated[bool, tyro.conf.arg(help="Friction; no-friction leaves it out.")]
+"""Of `--friction`."""
+
+Gravity = Annotated[bool, tyro.conf.arg(help="Gravity; no-gravity leaves it out.")]
+"""Of `--gravity`."""
+
+Springs = Annotated[
+    bool, tyro.conf.arg(help="Springs between links, e.g. a counterbalance; no-springs leaves them out.")
+]
+"""Of `--springs`."""
+
+RECORD_DT_MS = 1.0
+"""Time between the rows of a recording [ms], as the library has it."""
+
+TEST_SPEEDS_MM_S = tuple(speed * 1e3 for speed in SPEEDS)
+"""Speeds of the circles of the thesis [mm/s]."""
