@@ -57,7 +57,6 @@ MODULES = (
     "core.files",
     "core.provenance",
     "cli",
-    "cli.demo",
     "effects",
     "diagnosis.identification",
     "logs",

@@ -301,6 +301,17 @@ def test_help_of_every_command_loads_next_to_nothing_of_the_package_and_no_libra
     assert len([name for name in loaded_modules if name.startswith("ffgym")]) <= 25
 
 
+def test_modules_of_commands_load_no_library_that_only_some_of_their_options_need():
+    script = (
+        "import sys; from ffgym.cli.main import COMMANDS, loaded\n"
+        "for command in COMMANDS.values(): loaded(command.work)\n"
+        "print([name for name in ('torch', 'stable_baselines3', 'matplotlib', 'jinja2', 'rich', 'imageio', 'ray') "
+        "if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-W", "error", "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
 def test_defaults_of_options_that_the_library_has_too_are_the_same():
     assert Export(robot="r").record_dt_ms == RECORD_DT * 1e3
     assert Diagnose().most_causes == MOST
