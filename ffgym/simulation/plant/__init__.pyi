@@ -3,9 +3,9 @@ from .draws import LogUniform as LogUniform
 from .draws import PlantDistribution as PlantDistribution
 from .draws import Uniform as Uniform
 from .draws import with_payload as with_payload
+from .engine_state import PlantState as PlantState
 from .machine import Climate as Climate
 from .machine import Machine as Machine
 from .machine_file import load_machine as load_machine
 from .machine_text import save_machine as save_machine
 from .plant import Plant as Plant
-from .plant_state import PlantState as PlantState

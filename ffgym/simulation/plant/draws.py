@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields, replace
 from types import MappingProxyType
-from typing import Any, final
+from typing import final
 
 import numpy as np
 
@@ -97,10 +97,13 @@ class PlantDistribution:
             FFGymError: if a drawn number is not physical, for example a negative factor.
         """
         n = robot.n_joints
-        factor = {field.name: _factor(getattr(self, field.name), rng, n) for field in fields(self)[:-1]}
+        groups = {field.name: getattr(self, field.name) for field in fields(self)[:-1]}
+        factor = {name: np.ones(n) if group is None else group.draw(rng, n) for name, group in groups.items()}
         level = factor.pop("friction_level")
         stiffness, links, rotor = (factor.pop(name) for name in ("joint_stiffness", "link_inertia", "rotor_inertia"))
-        _check_positive(stiffness=stiffness, links=links, rotor=rotor)
+        for name, values in {"stiffness": stiffness, "links": links, "rotor": rotor}.items():
+            if np.any(values <= 0):
+                raise FFGymError(f"The drawn factors of {name} = {values} must be > 0; use a distribution above 0.")
         tool = robot.tool
         if tool is not None and self.payload is not None:
             tool = with_payload(robot, float(self.payload.draw(rng, 1)[0])).tool
@@ -118,13 +121,3 @@ class PlantDistribution:
             tool=tool,
             quantities=MappingProxyType({}),  # origins of the numbers that were just changed
         )
-
-
-def _factor(distribution: Distribution | None, rng: np.random.Generator, n: int) -> Array:
-    return np.ones(n) if distribution is None else distribution.draw(rng, n)
-
-
-def _check_positive(**factors: Any) -> None:
-    for name, values in factors.items():
-        if np.any(values <= 0):
-            raise FFGymError(f"The drawn factors of {name} = {values} must be > 0; use a distribution above 0.")

@@ -14,9 +14,9 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.effects import ResolverEffect, ResolverError, State, TorqueEffect, Torques
 from ffgym.effects.leads import Leads
 from ffgym.effects.stack import by_kind, stacked
-from ffgym.simulation.plant.engine_state import Addresses, EngineState
+from ffgym.simulation.plant.engine_state import Addresses
 from ffgym.simulation.plant.machine import Machine
-from ffgym.simulation.plant.numbers import Numbers
+from ffgym.simulation.plant.reading import EngineState, Reading, numbers_of
 
 _ROUNDS = 20
 """Of the search for the angle that a resolver reads as a given one; errors change by less than 0.1 of the angle."""
@@ -30,7 +30,7 @@ class Chosen:
     """Which; a slice is all of them."""
     everyone: IntArray
     """The same as numbers, shape (B', 1)."""
-    numbers: Numbers
+    numbers: dict[str, Array]
     torque: tuple[TorqueEffect, ...]
     present: tuple[BoolArray | None, ...]
     """Who has each of them, shape (B', 1); None is everyone."""
@@ -47,7 +47,7 @@ class Forces:
         self._n = n = machines[0].robot.n_joints
         self._engine_state = EngineState(engine, at, self._drive)
         self._controls, self._applied = engine.bind("ctrl"), engine.bind("qfrc_applied")
-        self._numbers = Numbers.of(machines, n)
+        self._numbers = numbers_of(machines, n)
         self._torque = [
             (stacked(kind, members, n), np.array([m is not None for m in members]))
             for kind, members in by_kind([machine.torque_effects for machine in machines])
@@ -74,7 +74,7 @@ class Forces:
         return Chosen(
             rows=rows,
             everyone=np.arange(self._n_robots)[rows][:, None],
-            numbers=self._numbers.rows(rows),
+            numbers={name: values[rows] for name, values in self._numbers.items()},
             torque=tuple(_rows_of(effect, rows) for effect, _ in self._torque),
             present=tuple(None if have.all() else have[rows, None] for _, have in self._torque),
             resolver=tuple(_rows_of(effect, rows) for effect in self._resolver),
@@ -129,7 +129,7 @@ class Forces:
 
     def state(self, chosen: Chosen) -> State:
         """State of simulations now, (B', N) each."""
-        return self._engine_state.read(chosen.rows, chosen.numbers, self._motor[chosen.rows])
+        return Reading(self._engine_state, chosen.rows, chosen.numbers, self._motor[chosen.rows])
 
     def apply(self, chosen: Chosen, dt: float) -> None:
         """Set the engine's applied torques and resolver readings for the physics step of `dt` [s] that comes next."""

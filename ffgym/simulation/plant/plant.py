@@ -9,15 +9,18 @@ from mujoco import batch
 from ffgym.core.errors import FFGymError, check_shape, check_whole
 from ffgym.core.types import Array, IntArray
 from ffgym.robot import ModelOptions, RobotDescription, physics_fingerprint
-from ffgym.simulation.plant.engine_state import Addresses, ServoReading
+from ffgym.simulation.plant.engine_state import Addresses, PlantState, servo_reader
 from ffgym.simulation.plant.forces import Forces
 from ffgym.simulation.plant.machine import Machine, check_same_controller
-from ffgym.simulation.plant.plant_state import PlantState, SavedPlant
 from ffgym.simulation.plant.settling import Settling, bent_by_load
 from ffgym.simulation.plant.stepping import check_same_make, check_stable, give_model, stepped, unprinted_warnings
 
 MAX_THREADS = 1024
 """More threads than any machine has cores; a larger number is a slip."""
+
+
+SavedPlant = tuple[list[Machine], Array, Forces | None, list[Array]]
+"""Machines, state of the engine, forces, and what these remember."""
 
 
 class Plant:
@@ -58,7 +61,7 @@ class Plant:
             )
         self.addresses = Addresses.of(self.model, robot)
         self._has_springs = bool(robot.springs) and options.springs
-        self._servo = ServoReading.of(self.batch, self.addresses, robot.drive)
+        self._read_servo = servo_reader(self.batch, self.addresses, robot.drive)
         self._forces = self._make_forces()
 
     @property
@@ -98,7 +101,11 @@ class Plant:
         if len(machines) != len(ids):
             raise FFGymError(f"There are {len(machines)} robots for {len(ids)} simulations; give one each.")
         changed = [(i, m) for i, m in zip(ids, machines, strict=True) if not m.is_as(self.machines[i])]
-        models = [self._model_of(machine) for _, machine in changed]  # all of them before any is given
+        models = []  # all of them before any is given
+        for _, machine in changed:
+            self.check_controller(machine.robot)
+            models.append(machine.spec(self._options).compile())
+            check_same_make(models[-1], self.model, machine.robot.name)
         for (i, machine), model in zip(changed, models, strict=True):
             give_model(self.batch, self.model, i, model)
             self.machines[i] = machine
@@ -107,13 +114,6 @@ class Plant:
             if before is not None and self._forces is not None:
                 others = np.setdiff1d(np.arange(self.n_robots), [i for i, _ in changed])
                 self._forces.go_on_from(before, others)
-
-    def _model_of(self, machine: Machine) -> mujoco.MjModel:
-        """Model of a machine that has a place in this batch."""
-        self.check_controller(machine.robot)
-        model = machine.spec(self._options).compile()
-        check_same_make(model, self.model, machine.robot.name)
-        return model
 
     def _make_forces(self) -> Forces | None:
         """What acts beside the engine's own physics; None for nothing, which costs nothing."""
@@ -143,7 +143,11 @@ class Plant:
         self._warned[rows] = self._warnings[rows]
         self._qpos[np.ix_(rows, at.motor_qpos)] = motor_q
         robots = [self.machines[i].physical for i in rows]
-        load = self._bend(rows, robots)
+        bends = self._forces is not None and self._forces.bends.any()
+        load = np.zeros_like(motor_q)
+        if np.any(self.model.opt.gravity) or self._has_springs or bends:
+            effects = self._settling if bends else None
+            load = bent_by_load(engine, at, rows, robots, has_springs=self._has_springs, effects=effects)
         settling = None if self._forces is None else self._settling(rows)
         held = self.robot.drive.motor_torque(load) if settling is None else settling.servo_torque(load)
         self._qvel[np.ix_(rows, at.motor_qpos)] = speed
@@ -153,35 +157,22 @@ class Plant:
         if settling is not None:
             settling.begin()
 
-    def _bend(self, rows: IntArray, robots: Sequence[RobotDescription]) -> Array:
-        """Bend joints until they carry the load; returns its torque, link side [N m], (B, N)."""
-        effects = self._settling if self._forces is not None and self._forces.bends.any() else None
-        if not np.any(self.model.opt.gravity) and not self._has_springs and effects is None:
-            return np.zeros((len(rows), self.robot.n_joints))
-        has_springs = self._has_springs
-        return bent_by_load(self.batch, self.addresses, rows, robots, has_springs=has_springs, effects=effects)
-
     def _settling(self, rows: IntArray) -> Settling:
         assert self._forces is not None
         return Settling(self._forces, rows, self.robot.drive)
 
     def save(self) -> SavedPlant:
         """All that may change, to go back to it."""
-        forces = self._forces
-        return SavedPlant(
-            machines=self.machines.copy(),
-            engine=self.batch.state.copy(),
-            forces=forces,
-            remembered=[] if forces is None else forces.remembered(),
-        )
+        remembered = [] if self._forces is None else self._forces.remembered()
+        return self.machines.copy(), self.batch.state.copy(), self._forces, remembered
 
     def restore(self, saved: SavedPlant) -> None:
         """Go back, to the bit."""
-        self.become(range(self.n_robots), saved.machines)
-        self.batch.state[:] = saved.engine
-        self._forces = saved.forces
-        if self._forces is not None:
-            self._forces.remember(saved.remembered)
+        machines, engine, forces, remembered = saved
+        self.become(range(self.n_robots), machines)
+        self.batch.state[:], self._forces = engine, forces
+        if forces is not None:
+            forces.remember(remembered)
 
     def state(self) -> PlantState:
         """State of all robots now, arrays of shape (B, N), copies."""
@@ -192,7 +183,7 @@ class Plant:
 
         Position and speed are those that the resolver reads, if the machine has a resolver with an error.
         """
-        state, n = self._servo.now(), self.robot.n_joints
+        state, n = self._read_servo(), self.robot.n_joints
         if self._forces is not None:
             error = self._forces.resolver_error(state[:, :n], state[:, n : 2 * n])
             state[:, :n] += error.angle
