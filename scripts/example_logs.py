@@ -21,7 +21,7 @@ from ffgym.recordings.npz import HEADER_KEY
 from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation.plant import Climate
 from ffgym.simulation.protocols import plan_session, record
-from ffgym.simulation.protocols.diagnosis import Diagnosis
+from ffgym.simulation.protocols.mixtures import Diagnosis
 from ffgym.workcell import SealedMachine, Workcell, workcell
 from ffgym.workcell.equations import GearLosses, TorqueRipple
 from scripts.exam.draw import TOOL_OFFSET, TORQUE_OFFSET, miscalibrated

@@ -10,7 +10,7 @@ from ffgym.improvement.contenders import BASELINE, Contender
 from ffgym.paths import RADII, SPEEDS
 from ffgym.robot import RobotDescription
 from ffgym.simulation import Rig
-from ffgym.simulation.protocols.diagnosis import CIRCLE
+from ffgym.simulation.protocols.mixtures import CIRCLE
 from ffgym.simulation.run import Progress
 from ffgym.studies import CircleStudy, circle_study
 

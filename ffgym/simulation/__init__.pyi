@@ -22,8 +22,8 @@ from .protocols import plan_session as plan_session
 from .protocols import record as record
 from .protocols import record_into as record_into
 from .protocols import usual_sensors as usual_sensors
-from .protocols.speed_ladder import SpeedLadder as SpeedLadder
-from .protocols.table_6_1 import Table61 as Table61
+from .protocols.one_by_one import SpeedLadder as SpeedLadder
+from .protocols.one_by_one import Table61 as Table61
 from .rig import Rig as Rig
 from .rig import SimulatedRig as SimulatedRig
 from .run import RECORD_DT as RECORD_DT

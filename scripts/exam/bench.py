@@ -12,8 +12,7 @@ from ffgym.robot import RigidArm
 from ffgym.simulation import LaserTracker, Resolver, Sensor, SimulatedRig, TorqueSensor
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import Protocol, plan_session, record, usual_sensors
-from ffgym.simulation.protocols.circles import Circles
-from ffgym.simulation.protocols.diagnosis import Diagnosis
+from ffgym.simulation.protocols.mixtures import Circles, Diagnosis
 
 RESOLVER_NOISE = 2e-5
 """Standard deviation of the resolver's angle, motor side [rad]; chosen: about its step of 16 bit over sqrt 12."""

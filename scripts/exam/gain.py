@@ -12,8 +12,8 @@ from ffgym.recordings import Recording
 from ffgym.robot import RigidArm
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import Protocol
-from ffgym.simulation.protocols.circles import Circles
-from ffgym.simulation.protocols.excitation import Excitation
+from ffgym.simulation.protocols.mixtures import Circles
+from ffgym.simulation.protocols.together import Excitation
 from scripts.exam.draw import Case
 from scripts.exam.marks import Gain
 

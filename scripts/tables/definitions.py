@@ -21,7 +21,7 @@ from ffgym.robot import RigidArm, load_robot
 from ffgym.robot.reading.quantity import OTHER_UNITS
 from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES, Capability
 from ffgym.simulation.protocols import PROTOCOLS, Protocol
-from ffgym.simulation.protocols.motion_file import MotionFile
+from ffgym.simulation.protocols.load import MotionFile
 from ffgym.simulation.protocols.protocol import settings
 from ffgym.simulation.protocols.stage import Stage
 from scripts.tables.page import WHOLE, Contents, markdown

@@ -18,8 +18,7 @@ from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, load_robot
 from ffgym.simulation import Resolver, SimulatedRig, TorqueSensor
 from ffgym.simulation.protocols import Protocol, plan_session, record
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
 from ffgym.simulation.sensors import measure
 from scripts.tables.page import Contents, markdown
 from scripts.thesis.narx import (

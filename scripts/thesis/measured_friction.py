@@ -16,8 +16,7 @@ from ffgym.published import ESTIMATION_RECORDS, FRICTION_RECORDS
 from ffgym.robot.friction import LuGreParameters
 from ffgym.simulation import Rig
 from ffgym.simulation.protocols import Protocol, plan_session, record
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
 from ffgym.simulation.run import Progress
 
 LADDERS = ((0.02,), (0.04,), (0.07,), (0.1,), (0.15,), (0.22,), (0.4, 0.7, 1.5), (3.0, 6.0, 10.0, 14.0))

@@ -11,8 +11,7 @@ from ffgym.recordings import read_recording, write_recording
 from ffgym.robot import RigidArm, load_robot, with_parameters
 from ffgym.simulation import Resolver, SimulatedRig
 from ffgym.simulation.protocols import plan_session, record
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,7 @@ from ffgym.recordings.metrics import motor_error_rms
 from ffgym.robot import ModelOptions
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.protocols import plan_session, record
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
 from ffgym.studies import circle_study
 from ffgym.workcell import workcell
 

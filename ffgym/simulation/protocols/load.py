@@ -1,26 +1,60 @@
 """Protocols by name, from motion files, and from files that list them."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, final
 
-from ffgym.core.errors import FFGymError, check_choice
+from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.files import read_text
 from ffgym.core.toml import parse_toml
+from ffgym.paths.motions import load_motion
 from ffgym.paths.motions.load import READERS
-from ffgym.simulation.protocols.circles import Circles
-from ffgym.simulation.protocols.diagnosis import Diagnosis
-from ffgym.simulation.protocols.dwell_restart import DwellRestart
-from ffgym.simulation.protocols.excitation import Excitation
-from ffgym.simulation.protocols.holds import Holds
-from ffgym.simulation.protocols.motion_file import MotionFile
-from ffgym.simulation.protocols.protocol import Protocol
-from ffgym.simulation.protocols.slow_triangles import SlowTriangles
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
-from ffgym.simulation.protocols.warm_up import WarmUp
+from ffgym.paths.motions.part import entry
+from ffgym.simulation.protocols.mixtures import Circles, Diagnosis
+from ffgym.simulation.protocols.one_by_one import SlowTriangles, SpeedLadder, Table61
+from ffgym.simulation.protocols.protocol import Protocol, Scheduled
+from ffgym.simulation.protocols.rests import DwellRestart, Holds
+from ffgym.simulation.protocols.stage import Stage
+from ffgym.simulation.protocols.together import Excitation, WarmUp
+
+MOST_REPEATS = 1000
+"""Most repeats of a motion; more are surely a slip."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionFile(Protocol):
+    """A built-in motion, or one from a motion file, a table or a RAPID program."""
+
+    name = "motion"
+    purpose = "any motion of one's own"
+
+    file: str | Path = entry("built-in name, or a file: .toml, .csv, .mod")
+    procedure: str | None = entry("of a RAPID program; absent is main, or the only one", default=None)
+    repeats: int = entry("how often", default=1)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not isinstance(self.file, str | Path):
+            raise FFGymError(f"motion = {self.file!r} must be the name of a motion or a file.")
+        if not isinstance(self.procedure, str | None):
+            raise FFGymError(f"procedure = {self.procedure!r} must be the name of a procedure.")
+
+    def motions(self, stage: Stage) -> list[Scheduled]:
+        """The motion, as often as asked for."""
+        repeats = check_whole("repeats", self.repeats, low=1, high=MOST_REPEATS)
+        reference = load_motion(stage.arm, self.file, entry=self.procedure).reference
+        if reference.robot is not stage.robot:
+            raise FFGymError(
+                f"{self.file} brings its own tool, which the other motions do not have. Give the tool to the robot's "
+                f"description, and leave it out of the program."
+            )
+        if repeats == 1:
+            return self.paused([reference])
+        return self.paused([replace(reference, name=f"{reference.name}.{i}") for i in range(1, repeats + 1)])
+
 
 PROTOCOLS: Mapping[str, type[Protocol]] = MappingProxyType(
     {

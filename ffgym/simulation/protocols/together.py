@@ -1,15 +1,19 @@
-"""Motions of several joints at once, each in its own rhythm, so that what one does is not taken for another's."""
+"""Motions of several joints at once, each in its own rhythm, and the protocols that are made of one of them."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
+from ffgym.core.errors import FFGymError, check_number, check_shape, check_whole
 from ffgym.core.types import Array
 from ffgym.paths import JointPath, Reference, multisine, triangle
 from ffgym.paths.circles import DWELL
 from ffgym.paths.excitations import PEAK
+from ffgym.paths.motions.part import entry
 from ffgym.recordings import Phase
+from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
 from ffgym.simulation.protocols.stage import Stage, shrunk
 
 FEWEST_PERIODS = 3
@@ -101,3 +105,83 @@ def fade_of(frequencies: Array) -> float:
 def _ratio(most: Array, has: Array) -> Array:
     """How far a joint's motion may be enlarged; zero for one that does not move."""
     return np.divide(most, has, out=np.zeros_like(has), where=has > 0)
+
+
+MOST = 100
+"""Most motions, sines and periods; more are surely a slip."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Excitation(JointProtocol):
+    """Harmonics with random phases on all joints at once, as large as joint ranges, speeds and torques allow.
+
+    Reference:
+        Swevers, Ganseman, Tukel, De Schutter, Van Brussel (1997), IEEE Trans. Robotics and Automation 13(5), 730-740:
+        periodic excitation by a sum of harmonics.
+    """
+
+    name = "excitation"
+    purpose = "inertial parameters of the links; the last motion may validate"
+
+    count: int = entry("how many motions, with different phases", default=3)
+    base: float = entry("lowest frequency, of which the others are multiples", "Hz", default=0.1)
+    harmonics: int = entry("how many sines on each joint", default=10)
+    periods: int = entry("how many periods of the lowest frequency", default=2)
+    reach: float = entry("farthest way of a joint to either side, as a share of its range", default=0.15)
+    seed: int = entry("of the phases", default=0)
+
+    def motions(self, stage: Stage) -> list[Scheduled]:
+        """One for each set of phases."""
+        count = check_whole("count", self.count, low=1, high=MOST)
+        harmonics = check_whole("harmonics", self.harmonics, low=1, high=MOST)
+        periods = check_whole("periods", self.periods, low=1, high=MOST)
+        base = check_number("base", self.base, unit="Hz", low=0.0, open_low=True)
+        reach = check_number("reach", self.reach, low=0.0, high=0.5, open_low=True)
+        frequencies = base * np.arange(1, harmonics + 1, dtype=np.float64)
+        joints, duration = stage.moved(self.joints), periods / base + 2 * fade_of(frequencies)
+        shape = (harmonics, stage.robot.n_joints)
+        generators = np.random.default_rng(check_whole("seed", self.seed, low=0)).spawn(count)
+        return self.paused(
+            [
+                large_multisine(
+                    stage, joints, frequencies, rng.uniform(0, 2 * np.pi, shape), reach, duration, name=f"phases_{i}"
+                )
+                for i, rng in enumerate(generators, start=1)
+            ]
+        )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class WarmUp(JointProtocol):
+    """The same sines of all joints at times that double, while the machine works in between and warms up."""
+
+    name = "warm_up"
+    purpose = "change of friction with temperature; let the machine work between the recordings"
+
+    times: Sequence[float] = entry(
+        "starts of the motion, since the first one", "s", default=(0.0, 300.0, 600.0, 1200.0, 2400.0, 4800.0, 9600.0)
+    )
+    speed: float = entry("largest speed of the motors", "rad/s", default=60.0)
+    frequency: float = entry("of the first joint's sine", "Hz", default=0.3)
+    duration: float = entry("of the motion", "s", default=10.0)
+
+    def motions(self, stage: Stage) -> list[Scheduled]:
+        """One for each time."""
+        times = check_shape("times", self.times, (None,))
+        joints = stage.moved(self.joints)
+        speed = check_number("speed", self.speed, unit="rad/s", low=0.0, open_low=True)
+        frequency = check_number("frequency", self.frequency, unit="Hz", low=0.0, open_low=True)
+        path = own_sines(stage, joints, speed, frequency, self.duration, name="0")
+        reference = shrunk(stage, path)
+        if not len(times) or times[0] != 0 or (np.diff(times) < reference.duration).any():
+            raise FFGymError(
+                f"times = {times.tolist()} s must begin with 0 and lie at least {reference.duration:g} s apart, as the "
+                f"motion takes so long."
+            )
+        pauses = [self.pause, *(np.diff(times) - reference.duration)]
+        return [
+            Scheduled(reference=replace(reference, name=f"at_{time:g}_s"), pause=pause)
+            for time, pause in zip(times, pauses, strict=True)
+        ]

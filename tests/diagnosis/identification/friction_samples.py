@@ -6,8 +6,7 @@ from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions
 from ffgym.simulation import Resolver, SimulatedRig, TorqueSensor
 from ffgym.simulation.protocols import plan_session, record
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
 from ffgym.simulation.sensors import measure
 
 FINE_DT = 6.25e-5

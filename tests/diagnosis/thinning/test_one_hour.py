@@ -15,7 +15,7 @@ from ffgym.recordings.npz import HEADER_KEY
 from ffgym.simulation import Run, simulate
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import plan_session, usual_sensors
-from ffgym.simulation.protocols.diagnosis import Diagnosis
+from ffgym.simulation.protocols.mixtures import Diagnosis
 
 HOUR, DT = 3600.0, 0.001
 

@@ -13,10 +13,8 @@ from ffgym.robot import RigidArm, load_robot
 from ffgym.simulation import Resolver, SimulatedRig, TorqueSensor
 from ffgym.simulation.plant import Machine
 from ffgym.simulation.protocols import PROTOCOLS, plan_session, record
-from ffgym.simulation.protocols.holds import Holds
-from ffgym.simulation.protocols.slow_triangles import SlowTriangles
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.one_by_one import SlowTriangles, SpeedLadder, Table61
+from ffgym.simulation.protocols.rests import Holds
 
 ROBOT = "irb4600_60_205"
 NOISE = 0.005

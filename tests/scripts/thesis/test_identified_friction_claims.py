@@ -9,8 +9,7 @@ from ffgym.diagnosis.identification import friction_torques, identify_friction
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.protocols import plan_session, record
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
 from scripts.thesis import ITEMS
 from scripts.thesis.claims import judge
 from scripts.thesis.measured_friction import LADDERS, MeasuredFriction

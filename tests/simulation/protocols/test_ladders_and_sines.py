@@ -5,10 +5,8 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.published import FRICTION_RECORDS
-from ffgym.simulation.protocols.slow_triangles import SlowTriangles
-from ffgym.simulation.protocols.speed_ladder import RAMP, SHORTEST, SPEEDS, TURNS, SpeedLadder
+from ffgym.simulation.protocols.one_by_one import RAMP, SHORTEST, SPEEDS, TURNS, SlowTriangles, SpeedLadder, Table61
 from ffgym.simulation.protocols.stage import Stage
-from ffgym.simulation.protocols.table_6_1 import Table61
 from tests.simulation.protocols.protocol_samples import ROBOTS, arm_of, schedule_of
 
 every_robot = pytest.mark.parametrize("robot", ROBOTS)

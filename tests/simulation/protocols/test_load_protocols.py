@@ -9,7 +9,7 @@ import pytest
 
 from ffgym.core.errors import FFGymError
 from ffgym.simulation.protocols import PROTOCOLS, load_protocols, plan_session
-from ffgym.simulation.protocols.motion_file import MotionFile
+from ffgym.simulation.protocols.load import MotionFile
 from tests.simulation.protocols.protocol_samples import arm_of
 
 STEPS = """

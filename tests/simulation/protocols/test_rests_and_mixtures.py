@@ -8,13 +8,10 @@ import pytest
 from ffgym.core.errors import FFGymError
 from ffgym.paths.motions.part import resting_position
 from ffgym.robot import RigidArm
-from ffgym.simulation.protocols.circles import Circles
-from ffgym.simulation.protocols.diagnosis import Diagnosis
-from ffgym.simulation.protocols.dwell_restart import DwellRestart
-from ffgym.simulation.protocols.excitation import Excitation
-from ffgym.simulation.protocols.holds import Holds
+from ffgym.simulation.protocols.mixtures import Circles, Diagnosis
+from ffgym.simulation.protocols.rests import DwellRestart, Holds
 from ffgym.simulation.protocols.stage import LARGE_TORQUE, TOOL_DROP, TOOL_NEARBY, Stage, spread_poses, torque_use
-from ffgym.simulation.protocols.warm_up import WarmUp
+from ffgym.simulation.protocols.together import Excitation, WarmUp
 from tests.simulation.protocols.protocol_samples import ROBOTS, arm_of, schedule_of
 
 every_robot = pytest.mark.parametrize("robot", ROBOTS)

@@ -13,13 +13,11 @@ from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.plant import Climate, Machine
 from ffgym.simulation.protocols import plan_session, record, usual_sensors
-from ffgym.simulation.protocols.circles import Circles
-from ffgym.simulation.protocols.diagnosis import Diagnosis
-from ffgym.simulation.protocols.dwell_restart import DwellRestart
-from ffgym.simulation.protocols.motion_file import MotionFile
-from ffgym.simulation.protocols.slow_triangles import SlowTriangles
-from ffgym.simulation.protocols.table_6_1 import Table61
-from ffgym.simulation.protocols.warm_up import WarmUp
+from ffgym.simulation.protocols.load import MotionFile
+from ffgym.simulation.protocols.mixtures import Circles, Diagnosis
+from ffgym.simulation.protocols.one_by_one import SlowTriangles, Table61
+from ffgym.simulation.protocols.rests import DwellRestart
+from ffgym.simulation.protocols.together import WarmUp
 from tests.simulation.protocols.protocol_samples import arm_of
 
 WARM = WarmUp(times=(0.0, 600.0, 2400.0), duration=2.0)

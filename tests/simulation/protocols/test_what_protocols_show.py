@@ -5,10 +5,8 @@ import pytest
 
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.protocols import plan_session, record
-from ffgym.simulation.protocols.holds import Holds
-from ffgym.simulation.protocols.slow_triangles import SlowTriangles
-from ffgym.simulation.protocols.speed_ladder import SpeedLadder
-from ffgym.simulation.protocols.table_6_1 import Table61
+from ffgym.simulation.protocols.one_by_one import SlowTriangles, SpeedLadder, Table61
+from ffgym.simulation.protocols.rests import Holds
 from tests.simulation.protocols.protocol_samples import arm_of
 
 

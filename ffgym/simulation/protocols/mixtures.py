@@ -1,13 +1,16 @@
-"""A minute and a half that shows every regime: the first recording to diagnose a machine from."""
+"""The first recording of a machine, which shows every regime, and the circle test of the thesis."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
-from ffgym.paths import Reference, cartesian_reference, circle_test, joint_reference, schroeder_phases
-from ffgym.simulation.protocols.dwell_restart import dwell_path
-from ffgym.simulation.protocols.protocol import JointProtocol, Scheduled
+from ffgym.core.errors import FFGymError, check_choice, check_shape
+from ffgym.paths import RADII, Reference, cartesian_reference, circle_test, joint_reference, schroeder_phases
+from ffgym.paths.motions.part import entry
+from ffgym.simulation.protocols.protocol import JointProtocol, Protocol, Scheduled, check_names
+from ffgym.simulation.protocols.rests import dwell_path
 from ffgym.simulation.protocols.stage import Stage
 from ffgym.simulation.protocols.together import large_multisine, own_sines, own_triangles
 
@@ -40,8 +43,8 @@ SWEEP = np.array([0.1, 0.2])
 class Diagnosis(JointProtocol):
     """Eight short motions of all joints: rest, presliding, dwell, reversals, a ladder of speeds and of loads."""
 
-    name: ClassVar[str] = "diagnosis"
-    purpose: ClassVar[str] = "first recording of a machine: every regime in a minute and a half"
+    name = "diagnosis"
+    purpose = "first recording of a machine: every regime in a minute and a half"
 
     def motions(self, stage: Stage) -> list[Scheduled]:
         """Eight motions."""
@@ -77,3 +80,42 @@ def _small_motions(stage: Stage, joints: tuple[int, ...]) -> list[Reference]:
         for name, speed, count in CIRCLES
     ]
     return [cartesian_reference(stage.arm, path) for path in paths]
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Circles(Protocol):
+    """Circles of the tool, thesis 2.2.5: one motion for each position and speed, with all radii."""
+
+    name = "circles"
+    purpose = "path error of the tool on small circles; to test a feed-forward, not to identify one"
+
+    positions: Sequence[str] = entry("points of the work area; absent is all", default=())
+    speeds: Sequence[float] = entry("of the tool", "m/s", default=(0.010, 0.040))
+    radii: Sequence[float] = entry("of the circles", "m", default=RADII)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_names("positions", self.positions)
+
+    def motions(self, stage: Stage) -> list[Scheduled]:
+        """One for each position and speed."""
+        area = stage.robot.work_area
+        if area is None or stage.robot.tool is None:
+            raise FFGymError("it has no work area for a tool. Its joints can be moved: take another protocol.")
+        for position in self.positions:
+            check_choice("position", position, [*area.positions])
+        speeds = check_shape("speeds", self.speeds, (None,))
+        references = []
+        for position in self.positions or area.positions:
+            for speed in speeds:
+                path = circle_test(
+                    area.positions[position],
+                    speed,
+                    radii=self.radii,
+                    normal=area.normal,
+                    dt=stage.dt,
+                    name=f"{position}.{speed * 1e3:g}_mm_s",
+                )
+                references.append(cartesian_reference(stage.arm, path))
+        return self.paused(references)
