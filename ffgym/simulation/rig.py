@@ -1,6 +1,5 @@
 """A machine under its controller, as one can use it: motions in, recordings out."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -15,13 +14,20 @@ from ffgym.simulation.run import RECORD_DT, Progress, Run, simulate
 from ffgym.simulation.sensors import Sensor
 
 
-class Rig(ABC):
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rig:
     """Where motions are run. What stands on it may be known or not; its controller is known."""
 
-    name: str
-    """As in tables."""
     arm: RigidArm
     """Rigid dynamics of the robot that the controller was made for."""
+    machine: Machine | None = None
+    """What is simulated; None is the controller's robot itself."""
+    options: ModelOptions | None = None
+    """What to leave out of it."""
+    sensors: Sequence[Sensor] = ()
+    """What measures; none gives the exact state."""
+    name: str = "nominal"
+    """As in tables."""
 
     @property
     def robot(self) -> RobotDescription:
@@ -29,11 +35,10 @@ class Rig(ABC):
         return self.arm.robot
 
     @property
-    @abstractmethod
     def fingerprint(self) -> str:
         """Of the physics, which says no more than whether two are the same."""
+        return Machine.of(self.machine or self.robot).physics(self.options or ModelOptions(looks=False))
 
-    @abstractmethod
     def run(
         self,
         runs: Sequence[Run],
@@ -58,43 +63,17 @@ class Rig(ABC):
         Raises:
             FFGymError: if there is nothing to run, a run does not fit, or a simulation becomes unstable.
         """
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SimulatedRig(Rig):
-    """A machine that is known."""
-
-    arm: RigidArm
-    machine: Machine | None = None
-    """What is simulated; None is the controller's robot itself."""
-    options: ModelOptions | None = None
-    """What to leave out of it."""
-    sensors: Sequence[Sensor] = ()
-    """What measures; none gives the exact state."""
-    name: str = "nominal"
-
-    @property
-    def fingerprint(self) -> str:
-        """See base class."""
-        return Machine.of(self.machine or self.robot).physics(self.options or ModelOptions(looks=False))
-
-    def run(
-        self,
-        runs: Sequence[Run],
-        *,
-        seed: int | Sequence[np.random.Generator] = 0,
-        started: Sequence[float] | None = None,
-        record_dt: float = RECORD_DT,
-        n_threads: int = 0,
-        progress: Progress | None = None,
-    ) -> list[Recording]:
-        """See base class."""
-        machine = self.machine or Machine.of(self.robot)
+        if started is not None and len(started) != len(runs):
+            raise FFGymError(f"There are {len(started)} times at which motions begin, for {len(runs)} runs.")
+        machine, robot = self.machine or Machine.of(self.robot), self.robot
         return simulate(
-            [_on(self.robot, run) for run in runs],
+            # a reference names the model that it was made with, which need not be that of this controller
+            [
+                r if r.reference.robot is robot else replace(r, reference=replace(r.reference, robot=robot))
+                for r in runs
+            ],
             arm=self.arm,
-            machine=machine if started is None else _at(machine, started, len(runs)),
+            machine=machine if started is None else [machine.later(since) for since in started],
             options=self.options,
             sensors=self.sensors,
             seed=seed,
@@ -104,13 +83,7 @@ class SimulatedRig(Rig):
         )
 
 
-def _on(robot: RobotDescription, run: Run) -> Run:
-    """The run under the controller of `robot`: a reference names the model that it was made with."""
-    reference = run.reference
-    return run if reference.robot is robot else replace(run, reference=replace(reference, robot=robot))
-
-
-def _at(machine: Machine, started: Sequence[float], n_runs: int) -> list[Machine]:
-    if len(started) != n_runs:
-        raise FFGymError(f"There are {len(started)} times at which motions begin, for {n_runs} runs.")
-    return [machine.later(since) for since in started]
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SimulatedRig(Rig):
+    """A machine that is known."""

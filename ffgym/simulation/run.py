@@ -70,9 +70,20 @@ def simulate(
         FFGymError: if there is nothing to simulate, robots differ, times do not fit, or a simulation becomes unstable.
     """
     robot = one_robot(runs)
-    generators = _generators(seed, len(runs))
+    generators = (
+        seed if isinstance(seed, Sequence) else np.random.default_rng(check_whole("seed", seed, low=0)).spawn(len(runs))
+    )
+    if len(generators) != len(runs):
+        raise FFGymError(
+            f"There are {len(generators)} generators for {len(runs)} runs; give a seed, or one generator each."
+        )
+    each = list(machine) if isinstance(machine, Sequence) else [machine or robot] * len(runs)
+    if len(each) != len(runs):
+        raise FFGymError(f"There are {len(each)} machines for {len(runs)} runs; give one for all, or one each.")
     arm = arm or RigidArm(robot)
-    plant = _plant(robot, machine, len(runs), options, n_threads)
+    plant = Plant(each[0], len(runs), options=options, n_threads=n_threads)
+    plant.check_controller(robot)
+    plant.become(range(len(runs)), each)
     stride = record_stride(plant, record_dt)
     shared = {
         id(run.reference): ReferenceRows.of(arm, run.reference, plant.n_substeps // stride)
@@ -88,32 +99,6 @@ def simulate(
         exact = to_recording(trace, rows, law=run.law.name, u_lff=u_lff, arm=arm, plant=plant, index=i, seed=named)
         recordings.append(measure(plant.machines[i].seen(exact), sensors, rng))
     return recordings
-
-
-def _generators(seed: int | Sequence[np.random.Generator], n_runs: int) -> Sequence[np.random.Generator]:
-    """Randomness of each run."""
-    if not isinstance(seed, Sequence):
-        return np.random.default_rng(check_whole("seed", seed, low=0)).spawn(n_runs)
-    if len(seed) != n_runs:
-        raise FFGymError(f"There are {len(seed)} generators for {n_runs} runs; give a seed, or one generator each.")
-    return seed
-
-
-def _plant(
-    robot: RobotDescription,
-    machine: Machine | RobotDescription | Sequence[Machine | RobotDescription] | None,
-    n_runs: int,
-    options: ModelOptions | None,
-    n_threads: int,
-) -> Plant:
-    """The machines that are simulated, under the controller of `robot`."""
-    each = [machine or robot] * n_runs if machine is None or not isinstance(machine, Sequence) else list(machine)
-    if len(each) != n_runs:
-        raise FFGymError(f"There are {len(each)} machines for {n_runs} runs; give one for all, or one each.")
-    plant = Plant(each[0], n_runs, options=options, n_threads=n_threads)
-    plant.check_controller(robot)
-    plant.become(range(n_runs), each)
-    return plant
 
 
 def one_robot(runs: Sequence[Run]) -> RobotDescription:

@@ -15,7 +15,7 @@ from ffgym.core.version import __version__
 from ffgym.paths import Reference
 from ffgym.recordings import Header, Recording, clipped
 from ffgym.robot import RigidArm
-from ffgym.simulation.plant import Machine, Plant, PlantState
+from ffgym.simulation.plant import Plant, PlantState
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -125,7 +125,9 @@ def to_recording(
     columns: dict[str, Array] = {"timestamp": np.arange(len(trace.qpos), dtype=np.float64) * trace.dt}
     for family, values in _signals(state, rows, u_lff, plant, index).items():
         columns |= {f"{family}.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
-    columns |= _temperatures(plant, index, columns["timestamp"])
+    if (climate := plant.machines[index].climate) is not None:
+        warm = climate.temperature(columns["timestamp"], plant.robot.n_joints)
+        columns |= {f"temperature.{joint}": warm[:, j] for j, joint in enumerate(plant.robot.joints)}
     if rows.tcp is not None:
         moved = plant.tcp_position(index, trace.qpos)
         position = arm.tcp_position(state.link_position) if moved is None else moved
@@ -145,7 +147,10 @@ def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant,
     compensation = torque_at_rows(u_lff, rows.rows_per_step)
     feedback = servo_torque(robot.servo, rows.position - position, rows.velocity - velocity, state.integral)
     command = feedback.u_fb + rows.feedforward + compensation
-    peak = robot.drive.peak_torque
+    peak, friction = robot.drive.peak_torque, {}
+    if not machine.torque_effects:  # with effects that add to it, a part would be taken for all of it
+        bristles = robot.friction.torque(state.bristle, state.motor_velocity)
+        friction["friction.effort"] = bristles if plant.addresses.has_bristle.all() else np.zeros_like(bristles)
     return {
         "motor.position": position,
         "motor.velocity": velocity,
@@ -157,27 +162,10 @@ def _signals(state: PlantState, rows: ReferenceRows, u_lff: Array, plant: Plant,
         "feedback.integral": feedback.u_i,
         "compensation.effort": compensation,
         "command.effort": command,
-        **_friction(state, plant, machine),
+        **friction,
         "link.position": state.link_position,
         "link.velocity": state.link_velocity,
     }
-
-
-def _friction(state: PlantState, plant: Plant, machine: Machine) -> dict[str, Array]:
-    """True friction; none if effects add to it, as a part of it would be taken for all of it."""
-    if machine.torque_effects:
-        return {}
-    friction = machine.physical.friction.torque(state.bristle, state.motor_velocity)
-    return {"friction.effort": friction if plant.addresses.has_bristle.all() else np.zeros_like(friction)}
-
-
-def _temperatures(plant: Plant, index: int, time: Array) -> dict[str, Array]:
-    """Temperature columns of a machine that has a climate of its own."""
-    climate = plant.machines[index].climate
-    if climate is None:
-        return {}
-    values = climate.temperature(time, plant.robot.n_joints)
-    return {f"temperature.{joint}": values[:, j] for j, joint in enumerate(plant.robot.joints)}
 
 
 def _header(reference: Reference, meta: dict[str, Any], plant: Plant, index: int, seed: int | None) -> Header:

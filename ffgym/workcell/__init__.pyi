@@ -1,5 +1,5 @@
 from .cell import SealedMachine as SealedMachine
 from .cell import Workcell as Workcell
 from .draws import draw as draw
-from .instances import INSTANCES as INSTANCES
-from .instances import workcell as workcell
+from .reading import INSTANCES as INSTANCES
+from .reading import workcell as workcell

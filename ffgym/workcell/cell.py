@@ -1,17 +1,13 @@
 """A workcell: a machine whose truth is shut away, the model its controller has of it, and its sensors."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import NoReturn, Self, final
 
-import numpy as np
-
 from ffgym.core.errors import FFGymError
 from ffgym.recordings import Recording
-from ffgym.robot import ModelOptions, RigidArm, RobotDescription
-from ffgym.simulation import RECORD_DT, Rig, Run, Sensor, SimulatedRig
+from ffgym.robot import RigidArm, RobotDescription
+from ffgym.simulation import Rig, Sensor
 from ffgym.simulation.plant import Machine
-from ffgym.simulation.run import Progress
 
 _HIDDEN = ("friction.effort.", "link.position.", "link.velocity.")
 """Columns that no sensor of the workcell measures."""
@@ -66,25 +62,6 @@ class Workcell(Rig):
     sensors: tuple[Sensor, ...] = field(repr=False)
     """What measures."""
 
-    @property
-    def fingerprint(self) -> str:
-        """See base class."""
-        return self.machine.physics(ModelOptions(looks=False))
-
     def at(self, running_since: float) -> Self:
         """The same day, when it has run for so long [s]."""
         return replace(self, machine=self.machine.at(running_since))
-
-    def run(
-        self,
-        runs: Sequence[Run],
-        *,
-        seed: int | Sequence[np.random.Generator] = 0,
-        started: Sequence[float] | None = None,
-        record_dt: float = RECORD_DT,
-        n_threads: int = 0,
-        progress: Progress | None = None,
-    ) -> list[Recording]:
-        """See base class."""
-        rig = SimulatedRig(arm=self.arm, machine=self.machine, sensors=self.sensors, name=self.name)
-        return rig.run(runs, seed=seed, started=started, record_dt=record_dt, n_threads=n_threads, progress=progress)

@@ -23,7 +23,7 @@ from ffgym.workcell.equations import (
     SmoothHysteresis,
     TorqueRipple,
 )
-from ffgym.workcell.instances import workcell
+from ffgym.workcell.reading import workcell
 
 NUMBERS = PlantDistribution(
     friction_level=LogUniform(0.75, 1.35),
@@ -57,20 +57,15 @@ def draw(seed: int) -> Workcell:
         label=f"seed {seed}",
         robot=robot,
         effects=tuple(effect for chance, effect in drawn if chance < PRESENT),
-        climate=_climate(rng, robot.n_joints),
+        climate=Climate(  # from a cold hall to a hot one, from just switched on to the end of a shift
+            ambient=rng.uniform(10.0, 30.0),
+            rise=rng.uniform(8.0, 22.0, size=robot.n_joints),
+            time_constant=rng.uniform(900.0, 2400.0),
+            running_since=rng.uniform(0.0, 4 * 3600.0),
+        ),
     )
     title = f"a machine of the same kind, drawn with seed {seed}"
     return Workcell(name=f"seed-{seed}", title=title, arm=like.arm, machine=machine, sensors=like.sensors)
-
-
-def _climate(rng: np.random.Generator, n: int) -> Climate:
-    """From a cold hall to a hot one, from just switched on to the end of a shift."""
-    return Climate(
-        ambient=rng.uniform(10.0, 30.0),
-        rise=rng.uniform(8.0, 22.0, size=n),
-        time_constant=rng.uniform(900.0, 2400.0),
-        running_since=rng.uniform(0.0, 4 * 3600.0),
-    )
 
 
 def _shares(rng: np.random.Generator, robot: RobotDescription, low: float, high: float) -> Array:
@@ -78,51 +73,9 @@ def _shares(rng: np.random.Generator, robot: RobotDescription, low: float, high:
     return robot.friction.coulomb * rng.uniform(low, high, size=robot.n_joints)
 
 
-def _phases(rng: np.random.Generator, robot: RobotDescription) -> Array:
-    return rng.uniform(-np.pi, np.pi, size=robot.n_joints)
-
-
-def _lost(rng: np.random.Generator, robot: RobotDescription) -> Effect:
+def _gear_losses(rng: np.random.Generator, robot: RobotDescription) -> Effect:
     driving = rng.uniform(0.005, 0.05, size=robot.n_joints)
     return GearLosses.on(robot, driving=driving, driven=driving * rng.uniform(1.0, 2.0, size=robot.n_joints))
-
-
-def _oil(rng: np.random.Generator, robot: RobotDescription) -> Effect:
-    share = rng.uniform(0.5, 0.95)
-    return ColdOil.on(robot, viscous=share * robot.friction.viscous, vogel=rng.uniform(600.0, 1200.0), reference=38.0)
-
-
-def _hysteresis(rng: np.random.Generator, robot: RobotDescription) -> Effect:
-    lost = rng.uniform(5e-6, 4e-5, size=robot.n_joints)  # of an arc minute, 2.9e-4 rad, at the upper end a seventh
-    return SmoothHysteresis.on(
-        robot,
-        level=lost * robot.drive.joint_stiffness,
-        yielding=rng.uniform(5e-5, 2e-4),
-        exponent=rng.uniform(1.0, 2.5),
-    )
-
-
-def _gear_error(rng: np.random.Generator, robot: RobotDescription) -> Effect:
-    amplitude = rng.uniform(2e-6, 3e-5, size=robot.n_joints)
-    return GearError.on(robot, amplitude=amplitude, cycles=float(rng.integers(1, 4)), phase=_phases(rng, robot))
-
-
-def _ripple(rng: np.random.Generator, robot: RobotDescription) -> Effect:
-    cycles = float(rng.choice([1, 2, 3, 6]))
-    return TorqueRipple.on(
-        robot, share=rng.uniform(0.003, 0.03, size=robot.n_joints), cycles=cycles, phase=_phases(rng, robot)
-    )
-
-
-def _resolver(rng: np.random.Generator, robot: RobotDescription) -> Effect:
-    return ResolverEccentricity.on(
-        robot, amplitude=rng.uniform(1e-4, 1.5e-3, size=robot.n_joints), phase=_phases(rng, robot)
-    )
-
-
-def _tracker(rng: np.random.Generator, robot: RobotDescription) -> Effect:
-    shift, turn = rng.uniform(-1e-3, 1e-3, size=3), rng.uniform(-5e-4, 5e-4, size=3)
-    return TrackerFrame.on(robot, shift=shift, turn=turn, scale=rng.uniform(-5e-5, 5e-5))
 
 
 EFFECT_DRAWS: Mapping[str, Draw] = MappingProxyType(
@@ -136,13 +89,43 @@ EFFECT_DRAWS: Mapping[str, Draw] = MappingProxyType(
         OneWayFriction.name: lambda rng, robot: OneWayFriction.on(
             robot, level=_shares(rng, robot, -0.15, 0.15), speed=rng.uniform(2.0, 20.0)
         ),
-        GearLosses.name: _lost,
-        ColdOil.name: _oil,
-        SmoothHysteresis.name: _hysteresis,
-        GearError.name: _gear_error,
-        TorqueRipple.name: _ripple,
-        ResolverEccentricity.name: _resolver,
-        TrackerFrame.name: _tracker,
+        GearLosses.name: _gear_losses,
+        ColdOil.name: lambda rng, robot: ColdOil.on(
+            robot,
+            viscous=rng.uniform(0.5, 0.95) * robot.friction.viscous,
+            vogel=rng.uniform(600.0, 1200.0),
+            reference=38.0,
+        ),
+        SmoothHysteresis.name: lambda rng, robot: SmoothHysteresis.on(
+            robot,  # of an arc minute, 2.9e-4 rad, what is lost is a seventh at the upper end
+            level=rng.uniform(5e-6, 4e-5, size=robot.n_joints) * robot.drive.joint_stiffness,
+            yielding=rng.uniform(5e-5, 2e-4),
+            exponent=rng.uniform(1.0, 2.5),
+        ),
+        GearError.name: lambda rng, robot: GearError.on(
+            robot,
+            amplitude=rng.uniform(2e-6, 3e-5, size=robot.n_joints),
+            cycles=float(rng.integers(1, 4)),
+            phase=rng.uniform(-np.pi, np.pi, size=robot.n_joints),
+        ),
+        TorqueRipple.name: lambda rng, robot: TorqueRipple.on(
+            robot,
+            cycles=float(rng.choice([1, 2, 3, 6])),
+            share=rng.uniform(0.003, 0.03, size=robot.n_joints),
+            phase=rng.uniform(-np.pi, np.pi, size=robot.n_joints),
+        ),
+        ResolverEccentricity.name: lambda rng, robot: ResolverEccentricity.on(
+            robot,
+            amplitude=rng.uniform(1e-4, 1.5e-3, size=robot.n_joints),
+            phase=rng.uniform(-np.pi, np.pi, size=robot.n_joints),
+        ),
+        TrackerFrame.name: lambda rng, robot: TrackerFrame.on(
+            robot,
+            shift=rng.uniform(-1e-3, 1e-3, size=3),
+            turn=rng.uniform(-5e-4, 5e-4, size=3),
+            scale=rng.uniform(-5e-5, 5e-5),
+        ),
     }
 )
-"""How each effect is drawn; sizes are within the ranges of the literature that `ffgym.effects` gives."""
+"""How each effect is drawn, in the order of its arguments; sizes are within the ranges of the literature that
+`ffgym.effects` gives."""

@@ -10,6 +10,7 @@ Every number has its value, unit and source; the source begins with sourced, der
 
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -19,7 +20,7 @@ from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
 from ffgym.effects import EFFECTS
 from ffgym.robot import RigidArm, load_robot
-from ffgym.simulation import LaserTracker, Resolver, Sensor, Thermometer, TorqueSensor
+from ffgym.simulation import LaserTracker, Resolver, Thermometer, TorqueSensor
 from ffgym.simulation.plant import with_payload
 from ffgym.simulation.plant.machine_file import parse_machine
 from ffgym.workcell.cell import SealedMachine, Workcell
@@ -38,6 +39,19 @@ _UNITS = {
 """Numbers that are not of the machine alone."""
 
 Tree = dict[str, Any]
+
+INSTANCES = ("thesis", "cold", "worn", "heavy_tool")
+"""Workcells that ship with the package, each a file in `data`."""
+
+
+@cache
+def workcell(name: str) -> Workcell:
+    """A workcell by its name.
+
+    Raises:
+        FFGymError: if there is none of that name.
+    """
+    return build(check_choice("workcell", name, INSTANCES), read_tree(name))
 
 
 def file_text(name: str) -> str:
@@ -76,6 +90,7 @@ def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Wo
     tables = {key: value for key, value in tree.items() if key not in own}
     machine = parse_machine(tables, where=f"Workcell {name}", known=dict(EFFECTS) | dict(EQUATIONS))
     payload = _number("payload.mass", tree["payload"]["mass"])
+    seen = {key: _number(f"sensors.{key}", table) for key, table in tree["sensors"].items()}
     sealed = SealedMachine(
         label=name,
         robot=with_payload(machine.robot, payload),
@@ -87,18 +102,12 @@ def build(name: str, tree: Mapping[str, Any], arm: RigidArm | None = None) -> Wo
         title=tree["machine"]["title"],
         arm=arm or RigidArm(load_robot(tree["workcell"]["controller"])),
         machine=sealed,
-        sensors=_sensors(tree["sensors"]),
-    )
-
-
-def _sensors(tables: Mapping[str, Any]) -> tuple[Sensor, ...]:
-    """Resolvers, torque sensors, the laser tracker and thermometers."""
-    values = {key: _number(f"sensors.{key}", table) for key, table in tables.items()}
-    return (
-        Resolver(bits=int(values["resolver_bits"]), noise=values["resolver_noise"]),
-        TorqueSensor(noise=values["torque_noise"]),
-        LaserTracker(noise=values["tracker_noise"], period=values["tracker_period"]),
-        Thermometer(noise=values["thermometer_noise"], resolution=values["thermometer_resolution"]),
+        sensors=(
+            Resolver(bits=int(seen["resolver_bits"]), noise=seen["resolver_noise"]),
+            TorqueSensor(noise=seen["torque_noise"]),
+            LaserTracker(noise=seen["tracker_noise"], period=seen["tracker_period"]),
+            Thermometer(noise=seen["thermometer_noise"], resolution=seen["thermometer_resolution"]),
+        ),
     )
 
 

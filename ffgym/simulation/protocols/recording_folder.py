@@ -79,8 +79,13 @@ def record_into(
         motions, rig, law=law, seed=seed, record_dt=record_dt, n_threads=n_threads, progress=progress, only=todo
     )
     first = list(islice(made, 1))
-    if force:
-        _remove(places)
+    for place in places if force else ():  # so that an interrupted session is not taken for a mixture of two
+        try:
+            place.unlink(missing_ok=True)
+        except OSError as error:
+            raise FFGymError(
+                f"{place}: cannot be removed: {error.strerror}; move it away, or choose another place."
+            ) from error
     write_json(folder / INDEX, index)
     for i, recording in zip(todo, chain(first, made), strict=True):
         provenance = recording.header.provenance | {"session": index["session"]}
@@ -136,13 +141,8 @@ def _prepare(folder: Path, index: dict[str, Any], *, force: bool) -> None:
     except OSError as error:
         raise FFGymError(f"{folder}: cannot be made a folder: {error.strerror}; choose another place.") from error
     check_writable(folder / INDEX)
-    holds_recordings = any(file.suffix.lower() in FORMATS for file in folder.iterdir())
-    if holds_recordings and not force:
-        _check_session(folder, index)
-
-
-def _check_session(folder: Path, index: dict[str, Any]) -> None:
-    """Refuse a folder with recordings that are not of the session of `index`."""
+    if force or not any(file.suffix.lower() in FORMATS for file in folder.iterdir()):
+        return
     try:
         found = read_index(folder)
     except FFGymError as error:
@@ -157,17 +157,6 @@ def _check_session(folder: Path, index: dict[str, Any]) -> None:
             f"{folder}: holds a session of other motions, options or versions; choose another place, or say --force "
             f"to write over its recordings."
         )
-
-
-def _remove(places: Sequence[Path]) -> None:
-    """Remove old recordings, so that an interrupted session is not taken for a mixture of two."""
-    for place in places:
-        try:
-            place.unlink(missing_ok=True)
-        except OSError as error:
-            raise FFGymError(
-                f"{place}: cannot be removed: {error.strerror}; move it away, or choose another place."
-            ) from error
 
 
 def _is_complete(place: Path, session: str) -> bool:

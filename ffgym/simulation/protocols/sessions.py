@@ -3,6 +3,7 @@
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -126,6 +127,11 @@ def record(
     wanted = [i for i in range(len(motions)) if only is None or i in only]
     total, before = sum(motions[i].reference.duration for i in wanted), 0.0
     longest = BATCH * min(1.0, check_number("record_dt", record_dt, unit="s", low=0.0, open_low=True) / RECORD_DT)
+
+    def shifted(before: float, done: float, _: float) -> None:
+        assert progress is not None
+        progress(before + done, total)
+
     for batch in _batches(motions, wanted, longest):
         recordings = rig.run(
             [Run(reference=motions[i].reference, law=law) for i in batch],
@@ -133,11 +139,14 @@ def record(
             started=[motions[i].start for i in batch],
             record_dt=record_dt,
             n_threads=n_threads,
-            progress=None if progress is None else _shifted(progress, before, total),
+            progress=None if progress is None else partial(shifted, before),
         )
         before += sum(motions[i].reference.duration for i in batch)
         for i, recording in zip(batch, recordings, strict=True):
-            yield _labelled(recording, motions[i], seed)
+            header = recording.header
+            meta = header.meta | {"protocol": motions[i].protocol, "session_start": motions[i].start}
+            header = replace(header, meta=meta, provenance=header.provenance | {"seed": seed})
+            yield Recording(recording.columns, header)
 
 
 def _batches(motions: Sequence[SessionMotion], wanted: Sequence[int], longest: float) -> Iterator[list[int]]:
@@ -150,15 +159,3 @@ def _batches(motions: Sequence[SessionMotion], wanted: Sequence[int], longest: f
             batch = []
     if batch:
         yield batch
-
-
-def _shifted(progress: Progress, before: float, total: float) -> Progress:
-    return lambda done, _: progress(before + done, total)
-
-
-def _labelled(recording: Recording, motion: SessionMotion, seed: int) -> Recording:
-    """The recording with its place in the session."""
-    header = recording.header
-    meta = header.meta | {"protocol": motion.protocol, "session_start": motion.start}
-    provenance = header.provenance | {"seed": seed}
-    return Recording(recording.columns, replace(header, meta=meta, provenance=provenance))
