@@ -2,9 +2,6 @@
 
 import os
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from ffgym.cli.log_options import CheckRobot, FillRobot, NewRobot
 from ffgym.cli.outputs import check_new, check_outputs, print_places, provenance, write_numbers
@@ -62,17 +59,8 @@ def check(config: CheckRobot) -> None:
     info = provenance("ffgym robot check", config, draft.name, fingerprint, None)
     if config.report is not None:
         write_text(config.report, render_robot_page(result, info))
-    write_numbers(config, info | _plain(result.numbers()))
+    write_numbers(config, info | result.numbers())
     print(format_check(result))
     if proposals := [proposal.path for proposal in propose(result.draft)]:
         print(f"ffgym robot fill {config.robot} would fill in {', '.join(proposals)}.")
     print_places(report=config.report, numbers=config.json)
-
-
-def _plain(value: Any) -> Any:
-    """A value as JSON has it."""
-    if isinstance(value, dict):
-        return {name: _plain(entry) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    return value.tolist() if isinstance(value, np.ndarray) else value

@@ -149,7 +149,7 @@ def test_an_arm_without_drives_still_has_reach_gravity_and_resonances_of_nothing
     assert found.reach is not None
     assert found.gravity.worst[1] > 1000
     assert found.gravity.motor_worst is None
-    assert (found.margin, found.inertia, found.servo, found.circles, found.resonances) == (None,) * 5
+    assert (found.margin, found.inertia, found.servo, found.resonances) == (None,) * 4
     assert "drive.gear_ratio" in found.lacks["motor_torque"]
 
 
@@ -233,9 +233,3 @@ def test_any_numbers_and_any_gaps_are_checked(powers, gaps):
     found = check_robot(draft)
     assert set(found.draft.missing) == gaps
     assert (found.servo is None) == bool(gaps)
-
-
-def test_circles_that_cannot_be_followed_are_said_and_not_raised():
-    found = check_robot(changed({"kinematics.max_speed": 1e-3}))
-    assert found.circles.torque is None
-    assert "must stay below" in found.circles.problem

@@ -185,17 +185,11 @@ def _motors(check: RobotCheck) -> Table:
         columns["breakaway"] = _shares(margin.breakaway / margin.peak)
         columns["friction at speed limit"] = _shares(margin.friction_at_speed / margin.peak)
         columns |= {"left at start": _shares(margin.at_start), "acceleration": _numbers(margin.acceleration)}
-    circles = check.circles
-    if circles is not None and circles.torque is not None and circles.joint_speed is not None:
-        columns |= {"circles: torque": _shares(circles.torque), "circles: speed": _shares(circles.joint_speed)}
     note = (
         "Links / rotor: inertia at the motor. Shares are of the peak torque, gravity in its worst pose; friction at "
         "the speed limit by the viscous line, which overstates it. Acceleration: of one joint alone at home "
         "[rad/s^2, m/s^2]."
     )
-    if circles is not None:
-        note += f" Circles: 1, 3 and 5 mm at all positions at {circles.speed * 1e3:g} mm/s"
-        note += f": cannot be followed. {circles.problem}" if circles.problem else ", rigid arm."
     return _table("motors", "Motors", columns, note)
 
 

@@ -1,4 +1,4 @@
-from .servo_loop import ServoLoop as ServoLoop
+from .loads import ServoLoop as ServoLoop
 from .shape import POSES as POSES
 from .shape import Place as Place
 from .shape import Skeleton as Skeleton

@@ -44,35 +44,21 @@ def _per_joint(robot: RobotDescription, values: Array, **words: Array) -> Found:
         yield float(values[j]), {"joint": joint, **{name: float(each[j]) for name, each in words.items()}}
 
 
-def _longest_link(robot: RobotDescription) -> float:
-    """Longest distance between neighbouring joints, or the last one and the TCP [m]; 0 for one joint without tool."""
+def _over_longest_link(robot: RobotDescription, sizes: dict[str, float]) -> Found:
+    """Sizes [m] by name in lengths of the longest link: from joint to joint, or from the last one to the TCP."""
     steps = [*robot.kinematics.position[1:]]
     if robot.tool is not None:
         steps.append(robot.tool.position + robot.tool.rotation @ robot.tool.tcp)
-    return max((float(np.linalg.norm(step)) for step in steps), default=0.0)
-
-
-def _mass_distances(robot: RobotDescription) -> Found:
-    """Distances of centres of mass from their joints, in lengths of the longest link."""
-    longest = _longest_link(robot)
-    for link, com in zip(robot.links, robot.bodies.com, strict=True):
-        if longest > 0:
-            distance = float(np.linalg.norm(com))
-            yield distance / longest, {"link": link, "distance": distance, "longest": longest}
+    longest = max((float(np.linalg.norm(step)) for step in steps), default=0.0)
+    for name, size in sizes.items():
+        if longest > 0:  # one joint without tool has no length
+            yield size / longest, {"name": name, "size": size, "longest": longest}
 
 
 def _ellipsoids(robot: RobotDescription) -> list[tuple[str, float, float]]:
     """Name, mass [kg] and largest half axis of the inertia ellipsoid [m] of each body."""
     bones = skeleton(robot, np.clip(0.0, *robot.kinematics.range.T))
     return list(zip(bones.bodies, bones.mass.tolist(), bones.half_axes.max(axis=1).tolist(), strict=True))
-
-
-def _body_sizes(robot: RobotDescription) -> Found:
-    """Half axes of bodies in lengths of the longest link."""
-    longest = _longest_link(robot)
-    for body, _, half_axis in _ellipsoids(robot):
-        if longest > 0:
-            yield half_axis / longest, {"body": body, "size": 2 * half_axis, "longest": longest}
 
 
 def _densities(robot: RobotDescription) -> Found:
@@ -112,16 +98,18 @@ _STEP = 1.0
 QUESTIONS = (
     Question(  # beyond it the centre of mass lies outside any usual link
         needs=("link_torque",),
-        measure=_mass_distances,
+        measure=lambda robot: _over_longest_link(
+            robot, dict(zip(robot.links, np.linalg.norm(robot.bodies.com, axis=1).tolist(), strict=True))
+        ),
         high=1.5,
-        doubt="links.com: the centre of mass of {link} is {distance:.3g} m from its joint, while the longest link "
+        doubt="links.com: the centre of mass of {name} is {size:.3g} m from its joint, while the longest link "
         "has {longest:.3g} m. Is it in the link frame, and in m?",
     ),
-    Question(  # a thin rod has 0.65 of its own length
+    Question(  # a thin rod has 1.3 of its own length
         needs=("link_torque",),
-        measure=_body_sizes,
-        high=2.0,
-        doubt="links.inertia: mass and inertia of {body} belong to a body of {size:.3g} m, while the longest link has "
+        measure=lambda robot: _over_longest_link(robot, {body: 2 * half for body, _, half in _ellipsoids(robot)}),
+        high=4.0,
+        doubt="links.inertia: mass and inertia of {name} belong to a body of {size:.3g} m, while the longest link has "
         "{longest:.3g} m. Is the inertia about the centre of mass, and in kg m^2?",
     ),
     Question(  # gold and tungsten have 19.3e3

@@ -44,8 +44,7 @@ def skeleton(robot: RobotDescription, q: Array) -> Skeleton:
     data = mujoco.MjData(model)
     data.qpos[:] = q
     mujoco.mj_kinematics(model, data)
-    has_heavy_tool = robot.tool is not None and robot.tool.mass > 0
-    bodies = (*robot.links, *(["tool"] if has_heavy_tool else []))
+    bodies = (*robot.links, "tool") if robot.tool is not None and robot.tool.mass > 0 else robot.links
     ids = [model.body(name).id for name in bodies]
     mass, inertia = model.body_mass[ids], model.body_inertia[ids]
     squares = 2.5 * (inertia.sum(axis=1, keepdims=True) - 2 * inertia) / mass[:, None]
@@ -114,8 +113,7 @@ class Place:
 def reach_of(robot: RobotDescription) -> Reach:
     """Reach of a robot; needs kinematics only."""
     poses = poses_in_range(robot)
-    points = tips(robot, poses)
-    first = skeleton(robot, poses[0]).joints[0]
+    points, first = tips(robot, poses), skeleton(robot, poses[0]).joints[0]
     return Reach(
         distance=float(np.linalg.norm(points - first, axis=1).max()),
         low=points.min(axis=0),

@@ -1,22 +1,23 @@
 """What a robot description says, lacks, allows and amounts to."""
 
-from dataclasses import asdict, dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Any
+
+import numpy as np
 
 from ffgym.core.types import Array
 from ffgym.robot import CAPABILITIES, Capability, RigidArm, RobotDescription, RobotDraft, resonances
 from ffgym.studies.robot_check.doubts import doubts_about
 from ffgym.studies.robot_check.loads import (
-    CircleUse,
     Gravity,
     Inertia,
     Margin,
-    circle_use,
+    ServoLoop,
     gravity_of,
     inertia_of,
     margin_of,
+    servo_loop,
 )
-from ffgym.studies.robot_check.servo_loop import ServoLoop, servo_loop
 from ffgym.studies.robot_check.shape import Place, Reach, places_of, reach_of, rest_place
 
 _SMALL_MARGIN = 2.0
@@ -52,7 +53,6 @@ class RobotCheck:
     gravity: Gravity | None
     inertia: Inertia | None
     margin: Margin | None
-    circles: CircleUse | None
     servo: ServoLoop | None
     doubts: tuple[str, ...]
 
@@ -61,18 +61,21 @@ class RobotCheck:
         return not self.lacks[capability.name]
 
     def numbers(self) -> dict[str, Any]:
-        """All that was found but the cloud of points, by name, in SI units; arrays as they are."""
-        found = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("draft", "resonances")}
-        numbers = {
-            name: asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
-            for name, value in found.items()
-        }
-        numbers["places"] = [asdict(place) for place in self.places]
-        if self.reach is not None:
-            del numbers["reach"]["points"]
-        numbers["resonances"] = {name: asdict(entry) for name, entry in (self.resonances or {}).items()} or None
+        """All that was found but the cloud of points, by name, in SI units, as JSON has it."""
+        numbers = {f.name: _plain(getattr(self, f.name)) for f in fields(self) if f.name != "draft"}
         origins = {path: list(quantity.origin) for path, quantity in self.draft.quantities.items()}
-        return numbers | {"missing": self.draft.missing, "origins": origins}
+        return numbers | {"missing": list(self.draft.missing), "origins": origins}
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it."""
+    if is_dataclass(value):
+        return {f.name: _plain(getattr(value, f.name)) for f in fields(value) if f.name != "points"}
+    if isinstance(value, dict):
+        return {name: _plain(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def check_robot(draft: RobotDraft) -> RobotCheck:
@@ -81,53 +84,49 @@ def check_robot(draft: RobotDraft) -> RobotCheck:
     def known(*needs: str) -> RobotDescription | None:
         return draft.description_for(*needs) if draft.can(*needs) else None
 
-    shape, masses, links = known("kinematics"), known("kinematics", "links.mass"), known("link_torque")
+    # where the arm is
+    shape = known("kinematics")
     rest = None if shape is None else rest_place(shape)
     places = () if shape is None else tuple(places_of(shape))
     reached = {place.name: place.q for place in places if place.q is not None}
-    at = None if rest is None else rest.q
-    driven, strong, whole = (
-        None if at is None else known(needs) for needs in ("motor_torque", "torque_margin", "simulation")
-    )
+    home = None if rest is None else rest.q
+    # how it bends, and what it weighs
+    masses, links, elastic = known("kinematics", "links.mass"), known("link_torque"), known("locked_resonances")
+    modes = None
+    if elastic is not None:
+        arm, with_rotors = RigidArm(elastic), draft.can("resonances")
+        modes = {
+            name: Resonances(locked=resonances(arm, q), free=resonances(arm, q, "free") if with_rotors else None)
+            for name, q in reached.items()
+        }
+    weight = None
+    if masses is not None:
+        weight = float(masses.bodies.mass.sum()) + (0.0 if masses.tool is None else masses.tool.mass)
     with_gears = draft.can("link_torque", "drive.gear_ratio")
-    servo = servo_loop(draft.complete(), rest.name, at) if whole and rest is not None and at is not None else None
+    # what its motors and servos have to do with that at rest
+    inertia = margin = servo = None
+    if home is not None and rest is not None:
+        driven, strong, whole = known("motor_torque"), known("torque_margin"), known("simulation")
+        inertia = None if driven is None else inertia_of(driven, home)
+        margin = None if strong is None else margin_of(strong, home)
+        servo = None if whole is None else servo_loop(draft.complete(), rest.name, home)
+    unreachable = [
+        f"work_area.positions.{place.name} cannot be worked at: {place.problem}" for place in places if place.problem
+    ]
     return RobotCheck(
         draft=draft,
         lacks={entry.name: draft.lacks(entry.name) for entry in CAPABILITIES},
         reach=None if shape is None else reach_of(shape),
         rest=rest,
         places=places,
-        mass=None if masses is None else _mass(masses),
-        resonances=_resonances(known("locked_resonances"), reached, free=draft.can("resonances")),
+        mass=weight,
+        resonances=modes or None,
         gravity=None if links is None else gravity_of(links, reached, with_gears=with_gears),
-        inertia=None if driven is None or at is None else inertia_of(driven, at),
-        margin=None if strong is None or at is None else margin_of(strong, at),
-        circles=circle_use(draft.complete()) if draft.can("circles") else None,
+        inertia=inertia,
+        margin=margin,
         servo=servo,
-        doubts=(*doubts_about(draft), *_place_doubts(places), *_servo_doubts(servo)),
+        doubts=(*doubts_about(draft), *unreachable, *_servo_doubts(servo)),
     )
-
-
-def _mass(robot: RobotDescription) -> float:
-    return float(robot.bodies.mass.sum()) + (0.0 if robot.tool is None else robot.tool.mass)
-
-
-def _resonances(
-    robot: RobotDescription | None, places: dict[str, Array], *, free: bool
-) -> dict[str, Resonances] | None:
-    if robot is None:
-        return None
-    arm = RigidArm(robot)
-    return {
-        name: Resonances(locked=resonances(arm, q), free=resonances(arm, q, "free") if free else None)
-        for name, q in places.items()
-    }
-
-
-def _place_doubts(places: tuple[Place, ...]) -> list[str]:
-    return [
-        f"work_area.positions.{place.name} cannot be worked at: {place.problem}" for place in places if place.problem
-    ]
 
 
 def _servo_doubts(servo: ServoLoop | None) -> list[str]:
