@@ -71,7 +71,16 @@ def read_table(lines: list[str], first: int) -> tuple[list[str], Array]:
                 continue
             line = first + reader.line_num
             if not names:
-                names = _checked_names([name.strip() for name in row], line)
+                names = [name.strip() for name in row]
+                if len(names) == 1 and any(separator in names[0] for separator in ";\t"):
+                    raise FFGymError(
+                        f"Line {line}: columns are separated by semicolons or tabs, must be by commas. Convert the "
+                        "file."
+                    )
+                if twice := sorted({name for name in names if names.count(name) > 1}):
+                    raise FFGymError(
+                        f"Line {line} names {', '.join(map(repr, twice))} more than once. Rename or drop the copies."
+                    )
             elif len(row) != len(names):
                 raise FFGymError(f"Line {line} has {len(row)} cells, must have {len(names)}, one per column.")
             else:
@@ -102,14 +111,3 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return "_" not in cell
-
-
-def _checked_names(names: list[str], line: int) -> list[str]:
-    if len(names) == 1 and any(separator in names[0] for separator in ";\t"):
-        raise FFGymError(
-            f"Line {line}: columns are separated by semicolons or tabs, must be by commas. Convert the file."
-        )
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise FFGymError(f"Line {line} names {', '.join(map(repr, twice))} more than once. Rename or drop the copies.")
-    return names

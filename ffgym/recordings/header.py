@@ -58,11 +58,7 @@ class Phase:
 
     @classmethod
     def from_dict(cls, values: Any) -> Self:
-        """Return the phase with the fields `values`.
-
-        Raises:
-            FFGymError: if `values` is not a dict with exactly the fields of a phase, all valid.
-        """
+        """Return the phase with exactly the fields `values`."""
         names = {"label", "kind", "start", "end"}
         if not isinstance(values, dict) or set(values) != names:
             raise FFGymError(f"A phase must be an object with {', '.join(sorted(names))}, got {values!r}.")
@@ -126,24 +122,28 @@ class Header:
             )
         for name, choices in _CHOICES.items():
             check_choice(f"header {name}", getattr(self, name), get_args(choices))
+        for name, empty in (("robot", False), ("segment", True)):
+            value = getattr(self, name)
+            if not isinstance(value, str) or not (value or empty):
+                raise FFGymError(f"header {name} must be {'text' if empty else 'non-empty text'}, got {value!r}.")
+        bits = self.encoder_bits
+        if bits is not None and (isinstance(bits, bool) or not isinstance(bits, int) or not 1 <= bits <= 64):
+            raise FFGymError(f"header encoder_bits = {bits!r} must be an integer in [1, 64], or None.")
+        joints = _as_joints(self.joints)
         checked = {
-            "robot": as_text("robot", self.robot),
-            "segment": as_text("segment", self.segment, empty=True),
-            "joints": as_joints(self.joints),
-            "filters": as_texts("filters", self.filters),
-            "encoder_bits": as_bits(self.encoder_bits),
-            "phases": as_phases(self.phases),
-            "payload": None if self.payload is None else as_payload(self.payload),
-            "units": as_units(self.units),
-            "provenance": as_json("provenance", self.provenance),
-            "meta": as_json("meta", self.meta),
+            "joints": joints,
+            "filters": _as_texts("filters", self.filters),
+            "phases": _as_phases(self.phases),
+            "payload": None if self.payload is None else _as_payload(self.payload),
+            "units": _as_units(self.units),
+            "provenance": _as_json("provenance", self.provenance),
+            "meta": _as_json("meta", self.meta),
+            "gear_ratio": _as_ratios(self.gear_ratio, len(joints)),
+            "coupling": None if self.coupling is None else _as_coupling(self.coupling, len(joints)),
+            "joint_types": _as_joint_types(self.joint_types, len(joints)),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
-        n = len(self.joints)
-        object.__setattr__(self, "gear_ratio", as_ratios(self.gear_ratio, n))
-        object.__setattr__(self, "coupling", as_coupling(self.coupling, n))
-        object.__setattr__(self, "joint_types", as_joint_types(self.joint_types, n))
 
     def to_json(self, indent: int | None = None) -> str:
         """Return the header as ASCII JSON, from which `from_json` makes an equal header."""
@@ -151,18 +151,22 @@ class Header:
 
     @classmethod
     def from_json(cls, text: str) -> Self:
-        """Return the header that `to_json` wrote.
-
-        Raises:
-            FFGymError: if `text` is not JSON, or its fields are not those of a valid header.
-        """
+        """Return the header that `to_json` wrote; text that is no valid header is an error."""
         try:
             values = json.loads(text)
         except (ValueError, RecursionError) as error:
             raise FFGymError(f"The header is not valid JSON: {error}.") from error
         if not isinstance(values, dict):
             raise FFGymError(f"The header must be a JSON object, got {type(values).__name__}.")
-        cls._check_fields(values)
+        version = values.get("schema_version")
+        if version != SCHEMA_VERSION:  # first, because another version may have other fields
+            raise FFGymError(f"header schema_version = {version!r} is not readable, must be {SCHEMA_VERSION}.")
+        missing = [name for name in cls.required() if name not in values]
+        if missing:
+            raise FFGymError(f"The header lacks {', '.join(missing)}. Required: {', '.join(cls.required())}.")
+        known = [f.name for f in fields(cls)]
+        for name in values:
+            check_choice("header field", name, known)
         phases = values.get("phases", [])
         if not isinstance(phases, list):
             raise FFGymError(f"header phases must be a list, got {phases!r}.")
@@ -183,36 +187,17 @@ class Header:
             "column map: ffgym.logs.read_log, `ffgym log columns`."
         )
 
-    @classmethod
-    def _check_fields(cls, values: dict[str, Any]) -> None:
-        version = values.get("schema_version")
-        if version != SCHEMA_VERSION:  # first, because another version may have other fields
-            raise FFGymError(f"header schema_version = {version!r} is not readable, must be {SCHEMA_VERSION}.")
-        missing = [name for name in cls.required() if name not in values]
-        if missing:
-            raise FFGymError(f"The header lacks {', '.join(missing)}. Required: {', '.join(cls.required())}.")
-        known = [f.name for f in fields(cls)]
-        for name in values:
-            check_choice("header field", name, known)
 
-
-def as_text(name: str, value: Any, *, empty: bool = False) -> str:
-    """Text, not empty unless `empty` allows it."""
-    if not isinstance(value, str) or not (value or empty):
-        raise FFGymError(f"header {name} must be {'text' if empty else 'non-empty text'}, got {value!r}.")
-    return value
-
-
-def as_texts(name: str, value: Any) -> tuple[str, ...]:
+def _as_texts(name: str, value: Any) -> tuple[str, ...]:
     """Tuple of text."""
     if not isinstance(value, tuple | list) or not all(isinstance(item, str) for item in value):
         raise FFGymError(f"header {name} must be a tuple of text, got {value!r}.")
     return tuple(str(item) for item in value)
 
 
-def as_joints(value: Any) -> tuple[str, ...]:
+def _as_joints(value: Any) -> tuple[str, ...]:
     """Joint names: distinct, safe in column names and files."""
-    joints = as_texts("joints", value)
+    joints = _as_texts("joints", value)
     if not joints or len(set(joints)) < len(joints):
         raise FFGymError(f"header joints = {joints} must be at least one name, each once.")
     for joint in joints:
@@ -221,7 +206,7 @@ def as_joints(value: Any) -> tuple[str, ...]:
     return joints
 
 
-def as_ratios(value: Any, n_joints: int) -> tuple[float, ...]:
+def _as_ratios(value: Any, n_joints: int) -> tuple[float, ...]:
     """Gear ratios, one per joint, not zero."""
     ratios = check_shape("header gear_ratio", value, (n_joints,))
     if np.any(ratios == 0):
@@ -229,19 +214,17 @@ def as_ratios(value: Any, n_joints: int) -> tuple[float, ...]:
     return tuple(ratios.tolist())
 
 
-def as_coupling(value: Any, n_joints: int) -> tuple[tuple[float, ...], ...] | None:
-    """Matrix of couplings between axes, zero on its diagonal; None if there are none."""
-    if value is None:
-        return None
+def _as_coupling(value: Any, n_joints: int) -> tuple[tuple[float, ...], ...]:
+    """Matrix of couplings between axes, zero on its diagonal."""
     coupling = check_shape("header coupling", value, (n_joints, n_joints))
     if np.any(np.diag(coupling)):
         raise FFGymError(f"header coupling has {np.diag(coupling)} on its diagonal, must be 0; see gear_ratio.")
     return tuple(tuple(row) for row in coupling.tolist())
 
 
-def as_joint_types(value: Any, n_joints: int) -> tuple[str, ...]:
+def _as_joint_types(value: Any, n_joints: int) -> tuple[str, ...]:
     """'hinge' or 'slide' for each joint; nothing is all hinges."""
-    types = as_texts("joint_types", value) or ("hinge",) * n_joints
+    types = _as_texts("joint_types", value) or ("hinge",) * n_joints
     for kind in types:
         check_choice("header joint_types entry", kind, ("hinge", "slide"))
     if len(types) != n_joints:
@@ -249,14 +232,7 @@ def as_joint_types(value: Any, n_joints: int) -> tuple[str, ...]:
     return types
 
 
-def as_bits(value: Any) -> int | None:
-    """Encoder resolution [bit], or None."""
-    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= 64):
-        raise FFGymError(f"header encoder_bits = {value!r} must be an integer in [1, 64], or None.")
-    return value
-
-
-def as_phases(value: Any) -> tuple[Phase, ...]:
+def _as_phases(value: Any) -> tuple[Phase, ...]:
     """Phases in order, without overlap."""
     if not isinstance(value, tuple | list) or not all(isinstance(phase, Phase) for phase in value):
         raise FFGymError(f"header phases must be a tuple of Phase, got {value!r}.")
@@ -269,10 +245,10 @@ def as_phases(value: Any) -> tuple[Phase, ...]:
     return tuple(value)
 
 
-def as_payload(value: Any) -> dict[str, Any]:
+def _as_payload(value: Any) -> dict[str, Any]:
     """Payload with its mass [kg] and, where known, `com` [m] and `inertia` [kg m^2]."""
     known = ("mass", "com", "inertia")
-    payload = as_json("payload", value)
+    payload = _as_json("payload", value)
     for name in payload:
         check_choice("header payload entry", name, known)
     if "mass" not in payload:
@@ -284,28 +260,28 @@ def as_payload(value: Any) -> dict[str, Any]:
     return payload
 
 
-def as_units(value: Any) -> dict[str, str]:
+def _as_units(value: Any) -> dict[str, str]:
     """Units of user columns."""
-    units = as_json("units", value)
+    units = _as_json("units", value)
     for name, unit in units.items():
         if not name.startswith(USER_PREFIX) or not isinstance(unit, str) or not unit:
             raise FFGymError(f"header units: {name!r} = {unit!r} must be a user.<name> column with its unit as text.")
     return units
 
 
-def as_json(name: str, value: Any) -> dict[str, Any]:
+def _as_json(name: str, value: Any) -> dict[str, Any]:
     """Return `value` as it will be after a round trip through JSON; NumPy numbers and arrays become lists."""
     if not isinstance(value, dict):
         raise FFGymError(f"header {name} must be a dict, got {value!r}.")
+
+    def plain(other: Any) -> Any:
+        if isinstance(other, np.generic | np.ndarray):
+            return other.tolist()
+        raise TypeError(f"{other!r} is not JSON")
+
     try:
-        text = json.dumps(value, allow_nan=False, default=_plain)
+        text = json.dumps(value, allow_nan=False, default=plain)
     except (TypeError, ValueError, RecursionError) as error:
         raise FFGymError(f"header {name} must be JSON (no NaN, no objects): {error}.") from error
     copy: dict[str, Any] = json.loads(text)
     return copy
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    raise TypeError(f"{value!r} is not JSON")

@@ -60,10 +60,10 @@ def read_recording(path: str | os.PathLike[str], header: Header | None = None) -
     Raises:
         FFGymError: if the file cannot be read, or is not a valid recording; the message begins with the path.
     """
-    decode = _format_of(path).decode
-    data = read_bytes(path)
+    file_format, data = _format_of(path), read_bytes(path)
     try:
-        return decode(data, header)
+        return file_format.decode(data, header)
+
     except FFGymError as error:
         raise FFGymError(f"{os.fspath(path)}: {error}") from error
 
@@ -80,11 +80,7 @@ class Stored:
     """A recording in a file. Only columns that are asked for are read, each time anew."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        """Open a file and read its header and the names of its columns.
-
-        Raises:
-            FFGymError: if it is no NPZ file with a header.
-        """
+        """Open a file and read its header; one that is no NPZ file with a header is an error."""
         self._path, self._segment = Path(path), ""
         arrays = self._read((HEADER_KEY,))
         try:
@@ -109,11 +105,7 @@ class Stored:
         return self["timestamp"]
 
     def __getitem__(self, column: str) -> Array:
-        """Samples of one column, shape (T,).
-
-        Raises:
-            FFGymError: if the file has no such column, it is no column of numbers, or it is damaged.
-        """
+        """Samples of one column, shape (T,)."""
         values = self._read((column,))[column]
         if values.ndim != 1 or values.dtype.kind not in "biuf":
             raise FFGymError(f"{self._path}: {column!r} must be real numbers, one for each row.")
@@ -126,11 +118,7 @@ class Stored:
         return other
 
     def whole(self) -> Recording:
-        """The recording with all its columns.
-
-        Raises:
-            FFGymError: if the file cannot be read, or is no valid recording.
-        """
+        """The recording with all its columns."""
         recording = read_recording(self._path)
         return recording.renamed(self._segment) if self._segment else recording
 
@@ -146,11 +134,7 @@ class Stored:
 
 
 def read_folder(folder: str | os.PathLike[str]) -> list[Recording]:
-    """Recordings in a folder, see `recording_files`.
-
-    Raises:
-        FFGymError: as `recording_files`, or if one cannot be read.
-    """
+    """Recordings in a folder, as `recording_files` finds them."""
     return [read_recording(file) for file in recording_files(folder)]
 
 
@@ -167,7 +151,15 @@ def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
     if index is None:
         files = sorted(file for file in place.iterdir() if file.suffix.lower() in FORMATS)
     else:
-        files = [place / name for name in listed_files(index, place)]
+        motions = index.get("motions")
+        entries = motions if isinstance(motions, list) else []
+        names = [entry.get("file") if isinstance(entry, dict) else None for entry in entries]
+        files = [place / name for name in names if isinstance(name, str) and Path(name).name == name]
+        if not files or len(files) < len(names):
+            raise FFGymError(
+                f"{place / INDEX} must list motions, each with the name of a file beside it. Remove it to read all "
+                f"recordings that are there."
+            )
         missing = [file.name for file in files if not file.exists()]
         if missing:
             raise FFGymError(
@@ -180,11 +172,7 @@ def recording_files(folder: str | os.PathLike[str]) -> list[Path]:
 
 
 def read_index(folder: Path) -> dict[str, Any] | None:
-    """What the index of a folder says; None if it has none.
-
-    Raises:
-        FFGymError: if the index cannot be read, or is none.
-    """
+    """What the index of a folder says; None if it has none, an error if it cannot be read."""
     path = folder / INDEX
     if not path.exists():
         return None
@@ -196,21 +184,3 @@ def read_index(folder: Path) -> dict[str, Any] | None:
     if not isinstance(index, dict):
         raise FFGymError(f"{path} must be a JSON object. Remove it to read all recordings beside it.")
     return index
-
-
-def listed_files(index: dict[str, Any], folder: Path) -> list[str]:
-    """Names of the files that an index lists, in order.
-
-    Raises:
-        FFGymError: if it lists none, or something else.
-    """
-    motions = index.get("motions")
-    entries = motions if isinstance(motions, list) else []
-    names = [entry.get("file") if isinstance(entry, dict) else None for entry in entries]
-    files = [name for name in names if isinstance(name, str) and Path(name).name == name]
-    if not files or len(files) < len(names):
-        raise FFGymError(
-            f"{folder / INDEX} must list motions, each with the name of a file beside it. Remove it to read all "
-            f"recordings that are there."
-        )
-    return files

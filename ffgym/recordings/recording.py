@@ -44,9 +44,16 @@ class Recording:
             raise FFGymError(f"header must be a Header, got {type(self.header).__name__}.")
         if not isinstance(self.columns, Mapping):
             raise FFGymError(f"columns must map names to arrays, got {type(self.columns).__name__}.")
-        columns = checked_columns(self.columns, self.header)
-        check_phases(self.header.phases, columns["timestamp"])
+        columns = _checked_columns(self.columns, self.header)
         object.__setattr__(self, "columns", MappingProxyType(columns))
+        # phases lie within [t_0, t_last + dt], up to rounding
+        first, last = float(self.t[0]), float(self.t[-1]) + self.dt
+        for phase in self.header.phases:
+            if phase.start < first - 1e-3 * self.dt or phase.end > last + 1e-3 * self.dt:
+                raise FFGymError(
+                    f"Phase {phase.label!r} [{phase.start}, {phase.end}] s lies outside the recording, [{first}, "
+                    f"{last}] s."
+                )
 
     def __getitem__(self, column: str) -> Array:
         """Samples of one column, shape (T,).
@@ -55,7 +62,10 @@ class Recording:
             FFGymError: if the recording has no such column.
         """
         if column not in self.columns:
-            raise FFGymError(f"No column {column!r} in this recording. {self._available()}")
+            raise FFGymError(
+                f"No column {column!r} in this recording. Available: {', '.join(self.families)} with joints "
+                f"{', '.join(self.header.joints)}."
+            )
         return self.columns[column]
 
     def __len__(self) -> int:
@@ -111,7 +121,9 @@ class Recording:
     def unit(self, column: str) -> str:
         """Unit of a column that is present."""
         self[column]
-        return unit_of(column, self.header.units)
+        units = self.header.units
+        family = family_of(column)
+        return units[column] if family is None else family.unit
 
     def joint_array(self, family: str) -> Array:
         """Columns of a per-joint `family` side by side, shape (T, N), in the order of `header.joints`.
@@ -121,23 +133,15 @@ class Recording:
         Raises:
             FFGymError: if the family is not per joint, or the recording does not have it.
         """
-        return self._stacked(family_named(family), "joint")
+        return self._stacked(family, "joint")
 
     def vector(self, family: str) -> Array:
-        """Columns x, y, z of a Cartesian `family` side by side, shape (T, 3).
-
-        Raises:
-            FFGymError: if the family is not Cartesian, or the recording does not have it.
-        """
-        return self._stacked(family_named(family), "xyz")
+        """Columns x, y, z of a Cartesian `family` side by side, shape (T, 3); errors as `joint_array`."""
+        return self._stacked(family, "xyz")
 
     def quaternion(self, family: str) -> Array:
-        """Columns qw, qx, qy, qz of an orientation `family` side by side, shape (T, 4).
-
-        Raises:
-            FFGymError: if the family is not an orientation, or the recording does not have it.
-        """
-        return self._stacked(family_named(family), "quaternion")
+        """Columns qw, qx, qy, qz of an orientation `family` side by side, shape (T, 4); errors as `joint_array`."""
+        return self._stacked(family, "quaternion")
 
     def phases_of(self, kind: PhaseKind) -> tuple[Phase, ...]:
         """Phases of that `kind`, in order; none is an empty tuple."""
@@ -156,8 +160,12 @@ class Recording:
             phases = tuple(phase for phase in phases if phase.label == label)
         inside = np.zeros(len(self), dtype=np.bool_)
         for phase in phases:
-            inside |= (self.t >= phase.start) & (self.t < phase.end)
+            inside |= self.during(phase)
         return inside
+
+    def during(self, phase: Phase) -> BoolArray:
+        """Rows of one phase, shape (T,): start <= t < end."""
+        return np.asarray((self.t >= phase.start) & (self.t < phase.end))
 
     def slice(self, start: float | None = None, end: float | None = None) -> "Recording":
         """Rows with start <= t < end [s]; None leaves that side open. Phases are cut to what remains.
@@ -199,7 +207,8 @@ class Recording:
             and all(values.tobytes() == other.columns[name].tobytes() for name, values in self.columns.items())
         )
 
-    def _stacked(self, family: Family, parts: str) -> Array:
+    def _stacked(self, name: str, parts: str) -> Array:
+        family = family_named(name)
         if family.parts != parts:
             raise FFGymError(f"{family.name} is read with {_READERS[family.parts].format(family.name)}.")
         columns = family.columns(self.header.joints)
@@ -208,18 +217,11 @@ class Recording:
             return np.stack([self.columns.get(column, nowhere) for column in columns], axis=1)
         return np.stack([self[column] for column in columns], axis=1)
 
-    def _available(self) -> str:
-        return f"Available: {', '.join(self.families)} with joints {', '.join(self.header.joints)}."
 
-
-def checked_columns(columns: Mapping[str, Any], header: Header) -> dict[str, Array]:
-    """Return read-only float64 copies of `columns`, checked against the schema and `header`.
+def _checked_columns(columns: Mapping[str, Any], header: Header) -> dict[str, Array]:
+    """Read-only float64 copies of `columns`, checked against the schema and `header`.
 
     Every NaN becomes the one NaN that NumPy writes, so that files in every format keep each bit.
-
-    Raises:
-        FFGymError: if a column is unknown, missing, not one-dimensional numbers, of another length or not finite,
-            or the timestamps do not increase.
     """
     check_columns(columns, header.joints, header.units)
     if "timestamp" not in columns:
@@ -232,43 +234,10 @@ def checked_columns(columns: Mapping[str, Any], header: Header) -> dict[str, Arr
     if n_rows < 2:
         raise FFGymError(f"A recording needs at least 2 rows, got {n_rows}.")
     for name, array in arrays.items():
-        _check_finite(name, array)
-        _check_mask(name, array)
+        _check_values(name, array)
         array.flags.writeable = False
     _check_time(arrays["timestamp"])
     return arrays
-
-
-def check_phases(phases: tuple[Phase, ...], t: Array) -> None:
-    """Check that `phases` lie within [t_0, t_last + dt], up to rounding.
-
-    Args:
-        phases: phases [s], on the clock of `t`.
-        t: timestamps [s], shape (T,); dt is their median period.
-
-    Raises:
-        FFGymError: if one starts before or ends after it.
-    """
-    dt = float(np.median(np.diff(t)))
-    first, last = float(t[0]), float(t[-1]) + dt
-    for phase in phases:
-        if phase.start < first - 1e-3 * dt or phase.end > last + 1e-3 * dt:
-            raise FFGymError(
-                f"Phase {phase.label!r} [{phase.start}, {phase.end}] s lies outside the recording, [{first}, {last}] s."
-            )
-
-
-def may_miss(column: str) -> bool:
-    """Whether NaN in `column` stands for a missing sample."""
-    family = family_of(column)
-    return family is not None and family.may_miss
-
-
-def unit_of(column: str, units: Mapping[str, str]) -> str:
-    """Unit of a valid `column`, with `units` for the user's own."""
-    if column in units:
-        return units[column]
-    return family_named(column if column in FAMILIES else column.rpartition(".")[0]).unit
 
 
 def _as_column(name: str, value: Any) -> Array:
@@ -286,23 +255,17 @@ def _as_column(name: str, value: Any) -> Array:
     return copy
 
 
-def _check_finite(name: str, array: Array) -> None:
-    good = ~np.isinf(array) if may_miss(name) else np.isfinite(array)
+def _check_values(name: str, array: Array) -> None:
+    """Check that numbers are finite, unless the family may miss samples, and those of a mask 0 or 1."""
+    family = family_of(name)
+    may_miss = family is not None and family.may_miss
+    good = ~np.isinf(array) if may_miss else np.isfinite(array)
     if not good.all():
         row = int(np.argmin(good))
-        hint = (
-            "must be finite"
-            if may_miss(name)
-            else "must be finite; only tcp.* and temperature.* may miss samples (NaN)"
-        )
-        raise FFGymError(f"Column {name!r} row {row} is {array[row]}, {hint}. Drop or repair the row.")
-
-
-def _check_mask(name: str, array: Array) -> None:
-    if not name.startswith(f"{VALID}."):
-        return
+        hint = "" if may_miss else "; only tcp.* and temperature.* may miss samples (NaN)"
+        raise FFGymError(f"Column {name!r} row {row} is {array[row]}, must be finite{hint}. Drop or repair the row.")
     other = (array != 0.0) & (array != 1.0)
-    if other.any():
+    if name.startswith(f"{VALID}.") and other.any():
         row = int(np.argmax(other))
         raise FFGymError(f"Column {name!r} row {row} is {array[row]}, must be 1 where the row counts, or 0.")
 

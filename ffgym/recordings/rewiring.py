@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array, BoolArray
-from ffgym.recordings.header import Phase, clipped
+from ffgym.recordings.header import clipped
 from ffgym.recordings.recording import Recording
 from ffgym.recordings.schema import FAMILIES
 
@@ -61,12 +61,7 @@ class Rewire:
 
     def permuted(self, order: Sequence[int]) -> "Rewire":
         """Part p is what part `order[p]` was until now."""
-        return Rewire(
-            source=tuple(self.source[p] for p in order),
-            factor=tuple(self.factor[p] for p in order),
-            offset=tuple(self.offset[p] for p in order),
-            delay=tuple(self.delay[p] for p in order),
-        )
+        return Rewire(**{name: tuple(values[p] for p in order) for name, values in vars(self).items()})
 
     def then(self, later: "Rewire") -> "Rewire":
         """Both corrections in one, `later` after this."""
@@ -135,20 +130,21 @@ class Rewiring:
             for part, column in enumerate(names):
                 given = recording.columns[names[rewire.source[part]]]
                 samples, reached = earlier(given, t, rewire.delay[part] * self.clock)
-                table[column] = _corrected(samples, rewire.factor[part], rewire.offset[part])
+                factor, offset = rewire.factor[part], rewire.offset[part]
+                numbers = samples if factor == 1.0 else samples * factor
+                table[column] = numbers if offset == 0.0 else numbers + offset
                 within &= reached
         table["timestamp"] = t
         if "tcp.timestamp" in table:
             table["tcp.timestamp"] = table["tcp.timestamp"] * self.clock
         kept = {name: values[within] for name, values in table.items()}
-        return Recording(kept, replace(recording.header, phases=self._phases(recording, kept["timestamp"])))
-
-    def _phases(self, recording: Recording, t: Array) -> tuple[Phase, ...]:
-        """Phases on the corrected clock, cut to the rows that are left."""
-        phases = recording.header.phases
+        # phases on the corrected clock, cut to the rows that are left
+        t, phases = kept["timestamp"], recording.header.phases
         if self.clock != 1.0:
             phases = tuple(replace(p, start=p.start * self.clock, end=p.end * self.clock) for p in phases)
-        return clipped(phases, float(t[0]), float(t[-1] + np.median(np.diff(t)))) if len(t) > 1 else phases
+        if len(t) > 1:
+            phases = clipped(phases, float(t[0]), float(t[-1] + np.median(np.diff(t))))
+        return Recording(kept, replace(recording.header, phases=phases))
 
 
 def earlier(samples: Array, t: Array, delay: float) -> tuple[Array, BoolArray]:
@@ -169,8 +165,3 @@ def earlier(samples: Array, t: Array, delay: float) -> tuple[Array, BoolArray]:
         return np.interp(wanted, t, samples), reached
     flat = samples.reshape(len(t), -1)
     return np.stack([np.interp(wanted, t, column) for column in flat.T], axis=1).reshape(samples.shape), reached
-
-
-def _corrected(samples: Array, factor: float, offset: float) -> Array:
-    numbers = samples if factor == 1.0 else samples * factor
-    return numbers if offset == 0.0 else numbers + offset

@@ -72,12 +72,7 @@ def started(header: Header) -> float:
 
 
 def stretches_of(source: Source, spans: Sequence[Span]) -> list[Recording]:
-    """Stretches of a recording, each with a name that says when it begins; columns are read one after the other.
-
-    Args:
-        source: the recording.
-        spans: where the stretches lie; each has 2 rows at least.
-    """
+    """Stretches of a recording, of 2 rows at least, each named by when it begins; columns are read one by one."""
     t = source.t
     rows = [slice(*np.searchsorted(t, (span.start, span.end)).tolist()) for span in spans]
     parts: list[dict[str, Array]] = [{} for _ in spans]
@@ -106,11 +101,6 @@ def _stretch(header: Header, t: Array, columns: dict[str, Array], span: Span) ->
             mask = columns.get(f"{VALID}.{joint}", np.ones(len(own)))
             columns[f"{VALID}.{joint}"] = np.where(unsettled, 0.0, mask)
     phases = clipped(header.phases, first, float(own[-1]) + period)
-    segment = f"{header.segment} {_clock(since)}".strip()
-    return Recording(columns, replace(header, segment=segment, phases=phases, meta=meta))
-
-
-def _clock(seconds: float) -> str:
-    """Time in hours, minutes and seconds, such as 0:57:20."""
-    whole = int(seconds + 1e-6)
-    return f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"
+    whole = int(since + 1e-6)
+    clock = f"{whole // 3600}:{whole // 60 % 60:02d}:{whole % 60:02d}"  # such as 0:57:20
+    return Recording(columns, replace(header, segment=f"{header.segment} {clock}".strip(), phases=phases, meta=meta))

@@ -8,7 +8,7 @@ import scipy
 
 from ffgym.core.errors import FFGymError, check_number
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, IntArray
 from ffgym.recordings import Phase, Recording
 from ffgym.recordings.metrics.path_error import standstill_offset
 
@@ -107,14 +107,27 @@ def contour_errors(recording: Recording, window: float = WINDOW) -> list[Contour
         raise FFGymError(
             f"Recording {recording.header.segment!r} shows no TCP in motion, so it has no path error to score."
         )
-    t, phases = recording.t, [phase for phase in recording.header.phases if phase.kind != "standstill"]
-    stretches = [(phase, (t >= phase.start) & (t < phase.end)) for phase in phases]
-    whole = Phase(label=WHOLE, kind="motion", start=float(t[0]), end=float(t[-1]))
-    return [
-        _figures(contour, phase, within[contour.rows])
-        for phase, within in [(whole, moving), *stretches]
-        if within[contour.rows].any()
-    ]
+    whole = Phase(label=WHOLE, kind="motion", start=float(recording.t[0]), end=float(recording.t[-1]))
+    stretches = [(whole, moving)]
+    stretches += [(phase, recording.during(phase)) for phase in recording.header.phases if phase.kind != "standstill"]
+    errors = []
+    for phase, rows in stretches:
+        within = rows[contour.rows]
+        if not within.any():
+            continue
+        distance, lag = contour.distance[within], np.abs(contour.lag[within])
+        errors.append(
+            ContourError(
+                label=phase.label,
+                start=phase.start,
+                end=phase.end,
+                rms=rms(distance),
+                max=float(distance.max()),
+                lag_rms=rms(lag),
+                lag_max=float(lag.max()),
+            )
+        )
+    return errors
 
 
 def start_offset(recording: Recording) -> Array:
@@ -169,16 +182,3 @@ def nearest_on_polylines(points: Array, corners: Array) -> Array:
     best = ((points[:, None] - feet) ** 2).sum(axis=2).argmin(axis=1)
     nearest: Array = feet[np.arange(len(points)), best]
     return nearest
-
-
-def _figures(contour: Contour, phase: Phase, within: BoolArray) -> ContourError:
-    distance, lag = contour.distance[within], np.abs(contour.lag[within])
-    return ContourError(
-        label=phase.label,
-        start=phase.start,
-        end=phase.end,
-        rms=rms(distance),
-        max=float(distance.max()),
-        lag_rms=rms(lag),
-        lag_max=float(lag.max()),
-    )

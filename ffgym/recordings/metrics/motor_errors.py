@@ -53,5 +53,4 @@ def friction_miss(recording: Recording, rows: BoolArray | None = None) -> Array:
 def relative_rms(difference: Array, whole: Array) -> Array:
     """RMS of `difference` over RMS of `whole`, both shape (T, N), per column, shape (N,); 0 where `whole` is zero."""
     size = rms(whole, 0)
-    error = rms(difference, 0)
-    return np.asarray(np.divide(error, size, out=np.zeros_like(size), where=size > 0))
+    return np.asarray(np.divide(rms(difference, 0), size, out=np.zeros_like(size), where=size > 0))

@@ -60,8 +60,22 @@ def path_errors(recording: Recording) -> list[PathError]:
     circles = recording.phases_of("circle")
     if not circles:
         raise FFGymError(f"Recording {recording.header.segment!r} has no phase of kind 'circle' to score.")
-    tcp = recording.vector("tcp.position") - standstill_offset(recording)
-    return [_on_circle(recording, phase, tcp) for phase in circles]
+    tcp, errors = recording.vector("tcp.position") - standstill_offset(recording), []
+    for phase in circles:
+        circle, outward, height = _deviations(recording, phase, tcp)
+        distance = np.hypot(outward, height)
+        errors.append(
+            PathError(
+                label=phase.label,
+                radius=circle.radius,
+                speed=2 * np.pi * circle.radius / (phase.end - phase.start),
+                rms=rms(outward),
+                max=float(np.abs(outward).max()),
+                rms_3d=rms(distance),
+                max_3d=float(distance.max()),
+            )
+        )
+    return errors
 
 
 def standstill_offset(recording: Recording) -> Array:
@@ -77,18 +91,12 @@ def standstill_offset(recording: Recording) -> Array:
             f"Recording {recording.header.segment!r} has no standstill before its first circle, so the offset of the "
             f"TCP cannot be removed. Record at least 0.1 s of rest first and mark it as a phase of kind 'standstill'."
         )
-    rows = (recording.t >= rests[0].start) & (recording.t < rests[0].end)
-    away = (recording.vector("tcp.position") - recording.vector("tcp_reference.position"))[rows]
+    away = (recording.vector("tcp.position") - recording.vector("tcp_reference.position"))[recording.during(rests[0])]
     return np.asarray(_seen(away, rests[0], recording).mean(axis=0))
 
 
 def circle_deviation(points: Array, circle: Circle) -> tuple[Array, Array]:
-    """Signed deviation in the plane (outward > 0) and out of it (along the normal) [m], shape (T,) each.
-
-    Args:
-        points: shape (T, 3) [m].
-        circle: the reference.
-    """
+    """Signed deviation of points (T, 3) in the plane (outward > 0) and along the normal of a circle [m], (T,) each."""
     arms = points - circle.centre
     height = arms @ circle.normal
     outward = np.linalg.norm(arms - height[:, None] * circle.normal, axis=1) - circle.radius
@@ -104,11 +112,7 @@ def _seen(points: Array, phase: Phase, recording: Recording) -> Array:
 
 
 def deviation_along(recording: Recording, phase: Phase, n: int) -> Array:
-    """Signed deviation in the plane (outward > 0) at `n` even times of a circle [m], shape (n,).
-
-    Raises:
-        FFGymError: as `path_errors`.
-    """
+    """Signed deviation in the plane (outward > 0) at `n` even times of a circle [m], (n,); errors as `path_errors`."""
     tcp = recording.vector("tcp.position") - standstill_offset(recording)
     _, outward, _ = _deviations(recording, phase, tcp)
     return outward[np.linspace(0, len(outward) - 1, n).round().astype(np.int64)]
@@ -116,23 +120,9 @@ def deviation_along(recording: Recording, phase: Phase, n: int) -> Array:
 
 def _deviations(recording: Recording, phase: Phase, tcp: Array) -> tuple[Circle, Array, Array]:
     """Circle of a phase, and deviation in its plane and out of it [m] at the samples that were seen."""
-    rows = (recording.t >= phase.start) & (recording.t < phase.end)
+    rows = recording.during(phase)
     circle = fit_circle(recording.vector("tcp_reference.position")[rows])
     return circle, *circle_deviation(_seen(tcp[rows], phase, recording), circle)
-
-
-def _on_circle(recording: Recording, phase: Phase, tcp: Array) -> PathError:
-    circle, outward, height = _deviations(recording, phase, tcp)
-    distance = np.hypot(outward, height)
-    return PathError(
-        label=phase.label,
-        radius=circle.radius,
-        speed=2 * np.pi * circle.radius / (phase.end - phase.start),
-        rms=rms(outward),
-        max=float(np.abs(outward).max()),
-        rms_3d=rms(distance),
-        max_3d=float(distance.max()),
-    )
 
 
 def fit_circle(points: Array) -> Circle:
@@ -145,8 +135,11 @@ def fit_circle(points: Array) -> Circle:
     if len(points) < 4:
         raise FFGymError(f"A circle needs at least 4 points, got {len(points)}; record faster than the circle runs.")
     middle = points.mean(axis=0)
-    normal = _normal(points - middle)
-    first, second = _basis(normal)
+    centred = points - middle
+    normal = np.linalg.eigh(centred.T @ centred)[1][:, 0]  # the direction of least spread
+    first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    first /= np.linalg.norm(first)
+    second = np.cross(normal, first)
     flat = np.stack([(points - middle) @ first, (points - middle) @ second], axis=1)
     system = np.column_stack([2 * flat, np.ones(len(flat))])
     (x, y, rest), *_ = np.linalg.lstsq(system, (flat**2).sum(axis=1), rcond=None)
@@ -159,15 +152,3 @@ def fit_circle(points: Array) -> Circle:
             f"The reference is no circle: it deviates by {worst:.3g} m from the best one, of radius {radius:.3g} m."
         )
     return Circle(centre=centre, normal=normal, radius=radius)
-
-
-def _normal(centred: Array) -> Array:
-    """Direction of least spread."""
-    return np.linalg.eigh(centred.T @ centred)[1][:, 0]
-
-
-def _basis(normal: Array) -> tuple[Array, Array]:
-    guide = np.eye(3)[int(np.argmin(np.abs(normal)))]
-    first = np.cross(normal, guide)
-    first /= np.linalg.norm(first)
-    return first, np.cross(normal, first)
