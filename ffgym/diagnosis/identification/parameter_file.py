@@ -1,7 +1,6 @@
 """What was identified, as a parameter file that every robot of that kind accepts, each number with its source."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -62,20 +61,18 @@ def parameter_text(
         title: of the file.
         description: path of the robot's description from the folder of the file; None for a built-in robot.
     """
-    head = toml_table("parameters", {"robot": robot.name, "title": title, "description": description})
-    entries = [toml_table(path, _entries(quantity)) for path, quantity in quantities.items()]
-    return "\n\n".join("\n".join(lines) for lines in [head, *entries]) + "\n"
-
-
-def _entries(quantity: Quantity) -> dict[str, Any]:
-    has_prior = quantity.prior is not None and quantity.prior_source is not None
-    return {
-        "value": quantity.value,
-        "unit": single(quantity.unit.split(", ")),
-        "side": quantity.side,
-        "origin": single(quantity.origin),
-        "source": quantity.source,
-        "prior": quantity.prior if has_prior else None,
-        "prior_source": quantity.prior_source if has_prior else None,
-        "interval": quantity.interval,
-    }
+    tables = [toml_table("parameters", {"robot": robot.name, "title": title, "description": description})]
+    for path, quantity in quantities.items():
+        has_prior = quantity.prior is not None and quantity.prior_source is not None
+        entries = {
+            "value": quantity.value,
+            "unit": single(quantity.unit.split(", ")),
+            "side": quantity.side,
+            "origin": single(quantity.origin),
+            "source": quantity.source,
+            "prior": quantity.prior if has_prior else None,
+            "prior_source": quantity.prior_source if has_prior else None,
+            "interval": quantity.interval,
+        }
+        tables.append(toml_table(path, entries))
+    return "\n\n".join("\n".join(lines) for lines in tables) + "\n"

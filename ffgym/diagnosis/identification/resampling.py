@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -14,9 +14,6 @@ LEVEL = 0.9
 
 RESAMPLES = 400
 """Default number of resamples: the ends of a 90 % interval then scatter by a tenth of its half width."""
-
-Estimator = Callable[[Array], Array]
-"""From how often each block counts, shape (n_blocks,), to parameters, shape (P,). Ones give the estimate itself."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,20 +94,21 @@ class Blocks:
         return counts
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Intervals:
-    """Where parameters lie with probability `level`, shape (P,) each."""
+class Intervals(NamedTuple):
+    """Ends of the intervals of parameters, shape (P,) each."""
 
     low: Array
     high: Array
-    level: float
 
 
-def bootstrap(estimate: Estimator, blocks: Blocks, rng: np.random.Generator, n_resamples: int = RESAMPLES) -> Array:
+def bootstrap(
+    estimate: Callable[[Array], Array], blocks: Blocks, rng: np.random.Generator, n_resamples: int = RESAMPLES
+) -> Array:
     """Estimates from resampled blocks, shape (n_resamples, P).
 
     Args:
-        estimate: from how often each block counts to parameters.
+        estimate: from how often each block counts, shape (n_blocks,), to parameters, shape (P,); ones give the
+            estimate itself.
         blocks: of the rows that were estimated from.
         rng: draws the blocks.
         n_resamples: how many resamples.
@@ -132,7 +130,7 @@ def intervals(estimate: Array, resampled: Array, level: float = LEVEL) -> Interv
     """
     level = check_number("level", level, low=0.0, high=1.0, open_low=True)
     low, high = np.quantile(resampled, [(1 - level) / 2, (1 + level) / 2], axis=0)
-    return Intervals(low=np.minimum(low, estimate), high=np.maximum(high, estimate), level=level)
+    return Intervals(low=np.minimum(low, estimate), high=np.maximum(high, estimate))
 
 
 def runs(rows: BoolArray) -> list[tuple[int, int]]:
@@ -180,15 +178,9 @@ class Estimate:
 def judged(
     value: float, low: float, high: float, *, scale: float, excited: str, at_bound: bool = False
 ) -> tuple[Status, str]:
-    """Status of an estimate, and the reason.
+    """Status of an estimate with its interval, and the reason.
 
-    Args:
-        value: estimate.
-        low: lower end of its interval.
-        high: upper end of its interval.
-        scale: size below which the parameter does not matter, in its unit.
-        excited: what the motions lack to tell it; empty if they have all.
-        at_bound: whether it lies at a bound of the search.
+    A parameter below `scale` does not matter; `excited` says what the motions lack to tell it, '' if nothing.
     """
     if excited:
         return "not excited", excited

@@ -87,11 +87,6 @@ class Signals:
         return float(self.t[-1] - self.t[0]) / (len(self.t) - 1)
 
     @property
-    def motor_q(self) -> Array:
-        """Motor angle [rad], shape (T, N)."""
-        return self.robot.drive.motor_angle(self.q)
-
-    @property
     def motor_dq(self) -> Array:
         """Motor speed [rad/s], shape (T, N)."""
         return self.robot.drive.motor_angle(self.dq)
@@ -124,6 +119,7 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
     valid = np.ones(len(q), dtype=np.bool_)
     ends = low_pass.end_rows(recording.dt)
     valid[:ends], valid[len(q) - ends :] = False, False
+    masked = scipy.ndimage.maximum_filter1d((~recording.valid).astype(np.int8), 2 * ends + 1, axis=0, mode="nearest")
     return Signals(
         robot=robot,
         segment=recording.header.segment,
@@ -133,14 +129,9 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
         ddq=ddq,
         torque=torque,
         valid=valid,
-        unmasked=far_from_masked(recording.valid, 2 * ends + 1),
+        unmasked=masked == 0,
         low_pass=low_pass,
     )
-
-
-def far_from_masked(valid: BoolArray, reach: int) -> BoolArray:
-    """Rows (T, N) with none that does not count within `reach` rows about them."""
-    return np.asarray(scipy.ndimage.minimum_filter1d(valid.astype(np.int8), reach, axis=0, mode="nearest") > 0)
 
 
 def joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:
@@ -194,11 +185,7 @@ def acting_torque(robot: RobotDescription, recording: Recording) -> Array:
 
 
 def check_fits(robot: RobotDescription, recording: Recording) -> None:
-    """Check that a recording can be of a robot.
-
-    Raises:
-        FFGymError: if it has other joints or gear ratios.
-    """
+    """Raise FFGymError if a recording cannot be of a robot, as it has other joints or gear ratios."""
     header = recording.header
     if len(header.joints) != robot.n_joints:
         raise FFGymError(

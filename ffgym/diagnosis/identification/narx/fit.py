@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import scipy
@@ -11,12 +11,11 @@ from ffgym.core.errors import FFGymError, check_choice, check_whole
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
 from ffgym.diagnosis.identification.narx.model import NarxModel, Regressors, joint_models
-from ffgym.diagnosis.identification.narx.problems import Prediction, Samples, Simulation, check_alike, split
+from ffgym.diagnosis.identification.narx.problems import Prediction, Samples, Simulation, split
 
 Focus = Literal["prediction", "simulation"]
 """What errors are minimised: one step ahead, as in the thesis, or in free run."""
 
-FOCUSES: tuple[Focus, ...] = ("prediction", "simulation")
 
 N_EVALUATIONS = 1000
 """Residual evaluations at most; thesis 6.2.3 allows as many iterations."""
@@ -60,9 +59,21 @@ def fitted(
         FFGymError: if there is no record, records do not fit together, they have fewer scored samples than a motor has
             weights, or a number is out of range.
     """
-    check_alike(records)
-    _check_enough(records, structure)
-    check_choice("focus", focus, FOCUSES)
+    if not records:
+        raise FFGymError("There is no motion to fit a NARX network to.")
+    for name, values in {
+        "sample times [s]": {each.dt for each in records},
+        "numbers of motors": {each.motor_dq.shape[1] for each in records},
+    }.items():
+        if len(values) > 1:
+            raise FFGymError(f"Motions for one NARX network have different {name}: {sorted(values)}. Use one of them.")
+    n = sum(int(record.scored.sum()) for record in records)
+    if n < structure.n_weights:
+        raise FFGymError(
+            f"{n} scored samples are too few for a NARX network of {structure.n_weights} weights per motor. Score more "
+            "samples, or take fewer neurons or regressors."
+        )
+    check_choice("focus", focus, get_args(Focus))
     check_whole("n_evaluations", n_evaluations, low=1)
     model = _minimised(_random(records, rng, structure), records, Prediction.of, n_evaluations)
     if focus == "simulation" and structure.regressors.output_lags:
@@ -82,17 +93,11 @@ def best_simulating(
     """Of `n_starts` fits the one that simulates best on `records`, motor by motor: the best in prediction may drift."""
     check_whole("n_starts", n_starts, low=1)
     fits = [fitted(records, structure, rng, focus=focus, n_evaluations=n_evaluations) for _ in range(n_starts)]
-    costs = np.array([_simulation_cost(model, records) for model in fits])
-    return joint_models(fits, costs.argmin(axis=0))
-
-
-def _check_enough(records: Sequence[Samples], structure: Structure) -> None:
-    n = sum(int(record.scored.sum()) for record in records)
-    if n < structure.n_weights:
-        raise FFGymError(
-            f"{n} scored samples are too few for a NARX network of {structure.n_weights} weights per motor. Score more "
-            "samples, or take fewer neurons or regressors."
-        )
+    costs = []
+    for model in fits:
+        errors = [((model.simulated(r.motor_dq) - r.torque)[r.scored] / r.noise) ** 2 for r in records]
+        costs.append(np.concatenate(errors).mean(axis=0))
+    return joint_models(fits, np.array(costs).argmin(axis=0))
 
 
 def _random(records: Sequence[Samples], rng: np.random.Generator, structure: Structure) -> NarxModel:
@@ -122,22 +127,14 @@ def _minimised(
     """The network from `start` with the least squares of a problem, motor by motor."""
     h, found = start.biases.shape[1], []
     for joint, problem in enumerate(problems(start, records)):
-        first = _packed(start, joint)
-        found.append(
-            scipy.optimize.least_squares(
-                problem.residual, first, problem.jacobian, method="lm", max_nfev=n_evaluations
-            ).x
+        fit = scipy.optimize.least_squares(
+            problem.residual, _packed(start, joint), problem.jacobian, method="lm", max_nfev=n_evaluations
         )
-    w, b, c, d = (np.array(part) for part in zip(*(split(parameters, h) for parameters in found), strict=True))
+        found.append(split(fit.x, h))
+    w, b, c, d = (np.array(part) for part in zip(*found, strict=True))
     return replace(start, input_weights=w, biases=b, output_weights=c, offset=d)
 
 
 def _packed(model: NarxModel, joint: int) -> Array:
     parts = (model.input_weights, model.biases, model.output_weights, model.offset)
     return np.concatenate([np.ravel(part[joint]) for part in parts])
-
-
-def _simulation_cost(model: NarxModel, records: Sequence[Samples]) -> Array:
-    """Mean square of the simulation error in units of the noise, shape (N,)."""
-    parts = [((model.simulated(r.motor_dq) - r.torque)[r.scored] / r.noise) ** 2 for r in records]
-    return np.asarray(np.concatenate(parts).mean(axis=0))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import tanh
 from operator import mul
-from typing import Any, final
+from typing import final
 
 import numpy as np
 import scipy
@@ -40,7 +40,15 @@ class Samples:
             object.__setattr__(self, name, check_shape(name, getattr(self, name), wanted))
         if np.any(self.noise <= 0):
             raise FFGymError(f"noise = {self.noise} of samples for a NARX network must be > 0.")
-        object.__setattr__(self, "scored", _checked_marks(self.scored, shape[0]))
+        marks = np.asarray(self.scored)
+        if marks.dtype != np.bool_ or marks.shape != shape[:1]:  # numbers would mean rows as an index
+            raise FFGymError(
+                f"scored has type {marks.dtype} and shape {marks.shape}, must be bool, one for each of {shape[0]} "
+                "samples."
+            )
+        if not marks.any():
+            raise FFGymError(f"scored marks none of the {shape[0]} samples; a fit needs some.")
+        object.__setattr__(self, "scored", marks)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -88,30 +96,6 @@ class Errors:
             prediction=Misfit.of(model.predicted(samples.motor_dq, torque)[rows], torque[rows]),
             simulation=Misfit.of(model.simulated(samples.motor_dq)[rows], torque[rows]),
         )
-
-
-def check_alike(records: Sequence[Samples]) -> None:
-    """Refuse records that cannot be fitted together."""
-    if not records:
-        raise FFGymError("There is no motion to fit a NARX network to.")
-    for name, values in {
-        "sample times [s]": {each.dt for each in records},
-        "numbers of motors": {each.motor_dq.shape[1] for each in records},
-    }.items():
-        if len(values) > 1:
-            raise FFGymError(f"Motions for one NARX network have different {name}: {sorted(values)}. Use one of them.")
-
-
-def _checked_marks(scored: Any, n: int) -> BoolArray:
-    """Truth values, shape (n,), some of them true; numbers are refused, since as an index they mean rows."""
-    marks = np.asarray(scored)
-    if marks.dtype != np.bool_ or marks.shape != (n,):
-        raise FFGymError(
-            f"scored has type {marks.dtype} and shape {marks.shape}, must be bool, one for each of {n} samples."
-        )
-    if not marks.any():
-        raise FFGymError(f"scored marks none of the {n} samples; a fit needs some.")
-    return marks
 
 
 def _over(error: Array, size: Array) -> Array:
@@ -224,7 +208,8 @@ class Simulation:
         parts = []
         for drive in self.drives:
             outputs = self._simulated(parameters, drive.inputs)
-            phi = np.hstack([drive.inputs, _past(outputs, self.lags)])
+            past = [np.concatenate([np.zeros(lag), outputs])[: len(outputs)] for lag in self.lags]
+            phi = np.hstack([drive.inputs, np.stack(past, axis=1)])
             parts.append(drive.weight * self._through_time(parameters, phi)[drive.scored])
         return np.concatenate(parts)
 
@@ -256,11 +241,6 @@ class Simulation:
             bands, direct, uplo="L", diag="U"
         )  # without pivots, so that it may overflow but not fail
         return np.nan_to_num(np.clip(found, -STEEPEST, STEEPEST))
-
-
-def _past(outputs: Array, lags: IntArray) -> Array:
-    """Outputs (T,) at each lag, shape (T, lags); zero before the first."""
-    return np.stack([np.concatenate([np.zeros(lag), outputs])[: len(outputs)] for lag in lags], axis=1)
 
 
 def split(parameters: Array, n_neurons: int) -> tuple[Array, Array, Array, Array]:

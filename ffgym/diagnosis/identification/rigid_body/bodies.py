@@ -188,43 +188,26 @@ def _frames(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> tuple[l
         pull=np.broadcast_to(-robot.gravity, (count, 3)),
     )
     frames, axes = [], []
-    for i in range(robot.n_joints):
-        axes.append(before.rotation @ robot.kinematics.axis[i])
-        before = _next_frame(robot, i, before, axes[-1], q[:, [i]], dq[:, [i]], ddq[:, [i]])
+    for i, (position, own_axis) in enumerate(zip(robot.kinematics.position, robot.kinematics.axis, strict=True)):
+        axis, speed, rise = before.rotation @ own_axis, dq[:, [i]], ddq[:, [i]]
+        spin_push = np.cross(before.spin, axis * speed)  # the joint's own motion, turned by what carries it
+        if robot.kinematics.is_sliding[i]:
+            origin, pull = before.carried(position + q[:, [i]] * own_axis)
+            before = replace(before, origin=origin, pull=pull + 2 * spin_push + axis * rise)
+        else:
+            origin, pull = before.carried(position)
+            cross = _cross_matrix(own_axis)  # turned by Rodrigues' formula
+            sine, cosine = np.sin(q[:, i])[:, None, None], np.cos(q[:, i])[:, None, None]
+            before = _Frame(
+                rotation=before.rotation @ (np.eye(3) + sine * cross + (1 - cosine) * (cross @ cross)),
+                origin=origin,
+                spin=before.spin + axis * speed,
+                spin_rate=before.spin_rate + spin_push + axis * rise,
+                pull=pull,
+            )
+        axes.append(axis)
         frames.append(before)
     return frames, axes
-
-
-def _next_frame(
-    robot: RobotDescription, i: int, before: _Frame, axis: Array, q: Array, dq: Array, ddq: Array
-) -> _Frame:
-    """The frame of link i from that before it; `axis` (T, 3) in the world, joint motion (T, 1)."""
-    position, own_axis = robot.kinematics.position[i], robot.kinematics.axis[i]
-    spin_push = np.cross(before.spin, axis * dq)  # the joint's own motion, turned by what carries it
-    if robot.kinematics.is_sliding[i]:
-        origin, pull = before.carried(position + q * own_axis)
-        return _Frame(
-            rotation=before.rotation,
-            origin=origin,
-            spin=before.spin,
-            spin_rate=before.spin_rate,
-            pull=pull + 2 * spin_push + axis * ddq,
-        )
-    origin, pull = before.carried(position)
-    return _Frame(
-        rotation=before.rotation @ _turned(own_axis, q[:, 0]),
-        origin=origin,
-        spin=before.spin + axis * dq,
-        spin_rate=before.spin_rate + spin_push + axis * ddq,
-        pull=pull,
-    )
-
-
-def _turned(axis: Array, angle: Array) -> Array:
-    """Rotations (T, 3, 3) by `angle` (T,) [rad] about the unit `axis` (3,), Rodrigues' formula."""
-    cross = _cross_matrix(axis)
-    sine, cosine = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
-    return np.eye(3) + sine * cross + (1 - cosine) * (cross @ cross)
 
 
 def _wrench(body: Body, link: _Frame) -> tuple[Array, Array, Array]:
