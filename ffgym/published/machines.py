@@ -25,13 +25,8 @@ class EmpsModel:
     """Forwards and backwards F_c, each without sign [N]."""
 
 
-def _symmetric(mass: float, viscous: float, coulomb: float, offset: float) -> EmpsModel:
-    """A constant offset [N] is Coulomb friction that differs in both directions."""
-    return EmpsModel(mass=mass, viscous=(viscous, viscous), coulomb=(coulomb + offset, coulomb - offset))
-
-
-EMPS_SYMMETRIC = _symmetric(mass=95.1089, viscous=203.5034, coulomb=20.3935, offset=-3.1648)
-"""Published: Simulation_EMPS.m."""
+EMPS_SYMMETRIC = EmpsModel(mass=95.1089, viscous=(203.5034,) * 2, coulomb=(20.3935 - 3.1648, 20.3935 + 3.1648))
+"""Published: Simulation_EMPS.m; its constant offset [N] is Coulomb friction that differs in both directions."""
 
 EMPS_ASYMMETRIC = EmpsModel(mass=95.1540, viscous=(166.7061, 240.4236), coulomb=(20.1440, 20.6277))
 """What Script_IDIM_LS_Asym_Fric.m computes from DATA_EMPS.mat: the script is published, and its steps, repeated with

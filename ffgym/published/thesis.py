@@ -44,13 +44,10 @@ class FrictionRecord:
     """f [Hz]."""
 
 
-_AMPLITUDES = (1.3, 5.0, 10.0)
-_FREQUENCIES = (0.25, 0.5, 1.0, 2.0, 5.0)
-
 FRICTION_RECORDS = tuple(
     FrictionRecord(number=5 * i + j + 1, amplitude=amplitude, frequency=frequency)
-    for i, amplitude in enumerate(_AMPLITUDES)
-    for j, frequency in enumerate(_FREQUENCIES)
+    for i, amplitude in enumerate((1.3, 5.0, 10.0))
+    for j, frequency in enumerate((0.25, 0.5, 1.0, 2.0, 5.0))
 )
 """Table 6.1, the sines from which the friction of joint 1 was identified. Record 11 is printed with A = 5, as record 6;
 here it has A = 10, as the pattern and figure 6.5e say, which shows 10 sin(2 pi 0.25 t) among the validation records."""

@@ -32,11 +32,7 @@ class CircleScore:
 
 
 def circle_scores(recording: Recording, radii: Sequence[float]) -> list[CircleScore]:
-    """Figures of the circles of these radii [m], in the order in which they were run.
-
-    Raises:
-        FFGymError: if the recording lacks a column.
-    """
+    """Figures of the circles of these radii [m], in the order in which they were run."""
     leads = zip(recording.phases_of("lead_in"), recording.phases_of("lead_out"), strict=True)
     scores = []
     for error, radius, (lead_in, lead_out) in zip(path_errors(recording), radii, leads, strict=True):
@@ -60,22 +56,13 @@ def in_mm(length: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cell:
-    """One circle with one law: path error [mm] and motor error [rad]."""
+class Cell(CircleScore):
+    """One circle with one law."""
 
     agent: str
     plant: str
     position: str
-    radius_mm: float
     speed_mm_s: float
-    rms_mm: float
-    """In the plane of the circle, as the thesis."""
-    max_mm: float
-    rms_3d_mm: float
-    """In space."""
-    max_3d_mm: float
-    motor_rms_rad: list[float]
-    """Per joint, motor side, over lead-in, circle and lead-out."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,11 +91,7 @@ class CircleStudy:
         positions: Sequence[str] | None = None,
         speeds: Sequence[float] | None = None,
     ) -> "CircleStudy":
-        """Return the part of the study with these laws, positions and speeds [m/s]; None takes all.
-
-        Raises:
-            FFGymError: if the study lacks one of them.
-        """
+        """Return the part of the study with these laws, positions and speeds [m/s]; None takes all."""
         keys = picked(self.recordings, law=laws, position=positions, speed=speeds)
         return replace(
             self,
@@ -117,11 +100,7 @@ class CircleStudy:
         )
 
     def joined(self, other: "CircleStudy") -> "CircleStudy":
-        """Return the study with the results of another study of the same robot added.
-
-        Raises:
-            FFGymError: if the robots differ, or both have results of one law at one position and speed.
-        """
+        """Return the study with the results of another study of the same robot added, none of them twice."""
         if other.fingerprint != self.fingerprint:
             raise FFGymError(f"Studies of {self.robot.name!r} and {other.robot.name!r} are of unlike robots.")
         if twice := sorted(self.recordings.keys() & other.recordings.keys()):
@@ -159,9 +138,14 @@ def circle_references(
         )
     names = list(robot.work_area.positions) if positions is None else list(positions)
     speeds = check_shape("speeds", list(speeds), (None,)).tolist()
-    _check_distinct("positions", names)
-    _check_distinct("speeds [mm/s]", [in_mm(speed) for speed in speeds])
-    _check_distinct("radii [mm]", [in_mm(radius) for radius in check_shape("radii", radii, (None,))])
+    axes: dict[str, list[object]] = {
+        "positions": [*names],
+        "speeds [mm/s]": [in_mm(speed) for speed in speeds],
+        "radii [mm]": [in_mm(radius) for radius in check_shape("radii", radii, (None,))],
+    }
+    for what, values in axes.items():
+        if not values or len(set(values)) < len(values):
+            raise FFGymError(f"{what} of one study must be at least one, and all different, got {values}.")
     normal, dt = robot.work_area.normal, robot.servo.control_dt
 
     def reference(name: str, speed: float) -> Reference:
@@ -170,11 +154,6 @@ def circle_references(
         return cartesian_reference(arm, path)
 
     return {(name, speed): reference(name, speed) for speed in speeds for name in names}
-
-
-def _check_distinct(what: str, values: Sequence[object]) -> None:
-    if not values or len(set(values)) < len(values):
-        raise FFGymError(f"{what} of one study must be at least one, and all different, got {list(values)}.")
 
 
 def circle_study(

@@ -67,11 +67,15 @@ class MotionStudy:
     @property
     def overloads(self) -> list[str]:
         """One sentence per motion and law that asks drives for more than they can give."""
-        return [
-            f"{result.motion} with law {result.agent!r} asks {', '.join(over)}: the drives cannot follow; slow it down."
-            for result in self.results
-            if (over := _overloaded(self.robot.joints, result.torque_use))
-        ]
+        found = []
+        for result in self.results:
+            uses = zip(self.robot.joints, result.torque_use, strict=True)
+            if over := [f"{use:.0%} of the peak torque of {joint}" for joint, use in uses if use > 1]:
+                found.append(
+                    f"{result.motion} with law {result.agent!r} asks {', '.join(over)}: the drives cannot follow; slow "
+                    "it down."
+                )
+        return found
 
     def results_of(self, motion: str) -> list[MotionResult]:
         """Results of one motion, law by law."""
@@ -125,16 +129,22 @@ def motion_study(
     return MotionStudy(robot=robot, references=motions, results=results, recordings=recordings)
 
 
-def _overloaded(joints: Sequence[str], torque_use: Sequence[float]) -> list[str]:
-    return [
-        f"{use:.0%} of the peak torque of {joint}" for joint, use in zip(joints, torque_use, strict=True) if use > 1
-    ]
-
-
 def _result(agent: str, reference: Reference, recording: Recording) -> MotionResult:
     robot = reference.robot
     error = motor_error(recording)[~recording.mask(kind="standstill")]
     torque = recording.joint_array("command.effort")
+    path = [
+        StretchError(
+            label=stretch.label,
+            start=stretch.start,
+            end=stretch.end,
+            rms_mm=stretch.rms * 1e3,
+            max_mm=stretch.max * 1e3,
+            lag_rms_mm=stretch.lag_rms * 1e3,
+            lag_max_mm=stretch.lag_max * 1e3,
+        )
+        for stretch in (contour_errors(recording) if recording.has("tcp.position") else [])
+    ]
     return MotionResult(
         agent=agent,
         motion=reference.name,
@@ -142,20 +152,5 @@ def _result(agent: str, reference: Reference, recording: Recording) -> MotionRes
         motor_max_rad=np.abs(error).max(axis=0).tolist(),
         torque_use=(np.abs(torque).max(axis=0) / robot.drive.peak_torque).tolist(),
         speed_use=(np.abs(reference.dq).max(axis=0) / robot.kinematics.max_speed).tolist(),
-        path=_path(recording) if recording.has("tcp.position") else [],
+        path=path,
     )
-
-
-def _path(recording: Recording) -> list[StretchError]:
-    return [
-        StretchError(
-            label=error.label,
-            start=error.start,
-            end=error.end,
-            rms_mm=error.rms * 1e3,
-            max_mm=error.max * 1e3,
-            lag_rms_mm=error.lag_rms * 1e3,
-            lag_max_mm=error.lag_max * 1e3,
-        )
-        for error in contour_errors(recording)
-    ]

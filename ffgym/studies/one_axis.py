@@ -48,11 +48,7 @@ class OneAxisStudy:
     """By law and frequency [Hz]."""
 
     def only(self, laws: Sequence[str] | None = None, frequencies: Sequence[float] | None = None) -> "OneAxisStudy":
-        """Return the part of the study with these laws and frequencies [Hz]; None takes all.
-
-        Raises:
-            FFGymError: if the study lacks one of them.
-        """
+        """Return the part of the study with these laws and frequencies [Hz]; None takes all."""
         keys = picked(self.recordings, law=laws, frequency=frequencies)
         return replace(
             self,
@@ -103,22 +99,16 @@ def one_axis_study(
     laws = thesis_laws(robot) if laws is None else laws
     references = sine_references(robot, frequencies)
     recordings = record_all(SimulatedRig(arm=RigidArm(robot)), references, laws)
-    return OneAxisStudy(robot=robot, results=_results(recordings, laws[0].name), recordings=recordings)
-
-
-def _results(recordings: dict[tuple[str, float], Recording], baseline: str) -> list[SineResult]:
-    def settled(recording: Recording) -> np.ndarray:
-        return motor_error(recording)[recording.t >= SETTLED, 0]
-
-    errors = {key: settled(recording) for key, recording in recordings.items()}
+    errors = {key: motor_error(recording)[recording.t >= SETTLED, 0] for key, recording in recordings.items()}
     sizes = {key: rms(error) for key, error in errors.items()}
-    return [
+    results = [
         SineResult(
             agent=agent,
             frequency_hz=f,
             motor_rms_rad=sizes[agent, f],
             motor_max_rad=float(np.abs(errors[agent, f]).max()),
-            reduction=1 - sizes[agent, f] / sizes[baseline, f],
+            reduction=1 - sizes[agent, f] / sizes[laws[0].name, f],
         )
         for agent, f in recordings
     ]
+    return OneAxisStudy(robot=robot, results=results, recordings=recordings)

@@ -57,11 +57,20 @@ class TorquePrediction:
 
     def errors(self, name: str) -> tuple[TorqueError, ...]:
         """Errors of the prediction `name`, joint by joint."""
-        errors = self.measured - self.predicted[name]
-        return tuple(
-            _error(joint, self.measured[self.scored[:, j], j], errors[self.scored[:, j], j])
-            for j, joint in enumerate(self.robot.joints)
-        )
+        found = []
+        for j, joint in enumerate(self.robot.joints):
+            measured = self.measured[self.scored[:, j], j]
+            error = measured - self.predicted[name][self.scored[:, j], j]
+            found.append(
+                TorqueError(
+                    joint=joint,
+                    rms_measured=rms(measured),
+                    rms_error=rms(error),
+                    max_error=float(np.abs(error).max()),
+                    mean_error=float(error.mean()),
+                )
+            )
+        return tuple(found)
 
 
 def predict_torque(
@@ -104,13 +113,3 @@ def predict_torque(
     if robot.springs:
         predicted["without springs"] = torque.total - torque.springs
     return TorquePrediction(robot=robot, t=recording.t, measured=measured, predicted=predicted, scored=scored)
-
-
-def _error(joint: str, measured: Array, error: Array) -> TorqueError:
-    return TorqueError(
-        joint=joint,
-        rms_measured=rms(measured),
-        rms_error=rms(error),
-        max_error=float(np.abs(error).max()),
-        mean_error=float(error.mean()),
-    )
