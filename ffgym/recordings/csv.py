@@ -30,12 +30,8 @@ def encode(recording: Recording) -> bytes:
 def decode(data: bytes, header: Header | None = None) -> Recording:
     """Return the recording in the bytes of a CSV file; a byte order mark and any line ends are accepted.
 
-    Args:
-        data: the whole file.
-        header: replaces the header of the file, or makes up for its lack in a file from another tool.
-
-    Raises:
-        FFGymError: if the text is damaged, has no header, or is not a valid recording. Lines count from 1.
+    A `header` replaces that of the file, or makes up for its lack in a file from another tool. Errors name the line,
+    counted from 1.
     """
     try:
         text = data.decode("utf-8-sig")
@@ -59,8 +55,7 @@ def decode(data: bytes, header: Header | None = None) -> Recording:
 def read_table(lines: list[str], first: int) -> tuple[list[str], Array]:
     """Column names and numbers, shape (T, columns), of the lines from index `first` on; blank lines are skipped.
 
-    Raises:
-        FFGymError: if they are no table of numbers; the message begins with the line, from 1.
+    Errors name the line, counted from 1.
     """
     reader = csv.reader((line + "\n" for line in lines[first:]), strict=True)
     names: list[str] = []

@@ -16,15 +16,7 @@ def encode(recording: Recording) -> bytes:
 
 
 def decode(data: bytes, header: Header | None = None) -> Recording:
-    """Return the recording in the bytes of an NPZ file.
-
-    Args:
-        data: the whole file.
-        header: replaces the header of the file, or makes up for its lack.
-
-    Raises:
-        FFGymError: if the file is damaged, has no header, or is not a valid recording.
-    """
+    """Return the recording in the bytes of an NPZ file; a `header` replaces its own, or makes up for its lack."""
     arrays = decode_arrays(data)
     stored = arrays.pop(HEADER_KEY, None)
     if header is None:

@@ -56,11 +56,7 @@ class Recording:
                 )
 
     def __getitem__(self, column: str) -> Array:
-        """Samples of one column, shape (T,).
-
-        Raises:
-            FFGymError: if the recording has no such column.
-        """
+        """Samples of one column, shape (T,); FFGymError if the recording has none."""
         if column not in self.columns:
             raise FFGymError(
                 f"No column {column!r} in this recording. Available: {', '.join(self.families)} with joints "
@@ -168,11 +164,7 @@ class Recording:
         return np.asarray((self.t >= phase.start) & (self.t < phase.end))
 
     def slice(self, start: float | None = None, end: float | None = None) -> "Recording":
-        """Rows with start <= t < end [s]; None leaves that side open. Phases are cut to what remains.
-
-        Raises:
-            FFGymError: if fewer than 2 rows remain.
-        """
+        """Rows with start <= t < end [s], 2 or more; None leaves that side open. Phases are cut to what remains."""
         low, high = (-np.inf if start is None else start), (np.inf if end is None else end)
         rows = (self.t >= low) & (self.t < high)
         if rows.sum() < 2:
@@ -186,15 +178,9 @@ class Recording:
     def with_columns(
         self, columns: Mapping[str, Any] | None = None, /, *, units: Mapping[str, str] | None = None, **more: Any
     ) -> "Recording":
-        """Return a recording with these columns added or replaced.
+        """Return a recording with these columns (T,) added or replaced, and `units` of new `user.` columns.
 
-        Args:
-            columns: column name -> samples, shape (T,).
-            units: units of new `user.` columns.
-            more: columns too, for names without a dot or as `**{"user.x": x}`.
-
-        Raises:
-            FFGymError: if the result is not a valid recording.
+        Columns may be keywords too, `**{"user.x": x}`.
         """
         header = replace(self.header, units={**self.header.units, **(units or {})})
         return Recording({**self.columns, **(columns or {}), **more}, header)

@@ -109,11 +109,7 @@ class Rewiring:
         return Rewiring(families=families, clock=self.clock * later.clock)
 
     def applied(self, recording: Recording) -> Recording:
-        """The recording as it should have been; rows that a late column does not reach are left out.
-
-        Raises:
-            FFGymError: if it is for another number of joints, or leaves no recording.
-        """
+        """The recording as it should have been; rows that a late column does not reach are left out."""
         if self.is_none:
             return recording
         t = recording.t * self.clock

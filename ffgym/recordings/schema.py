@@ -125,11 +125,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType({family.name: family for famil
 
 
 def family_named(name: str) -> Family:
-    """Return the family called `name`.
-
-    Raises:
-        FFGymError: if there is none; the message lists the closest names.
-    """
+    """Return the family called `name`; an error lists the closest names."""
     if name not in FAMILIES:
         raise FFGymError(f"Unknown column family {short(name)!r}. {closest(name, FAMILIES)}")
     return FAMILIES[name]
@@ -141,16 +137,7 @@ def family_of(column: str) -> Family | None:
 
 
 def check_columns(names: Iterable[str], joints: Sequence[str], units: Mapping[str, str]) -> None:
-    """Check that `names` are columns of the schema and that no family is left half filled.
-
-    Args:
-        names: column names.
-        joints: joint names of the header.
-        units: unit of every `user.` column.
-
-    Raises:
-        FFGymError: if a name is unknown, a user column has no unit, or a family lacks a joint or an axis.
-    """
+    """Check that `names` are columns of the schema, or of the user with a unit, and no family is left half filled."""
     owner = {column: family for family in _FAMILIES for column in family.columns(joints)}
     present = list(names)
     for name in present:

@@ -63,17 +63,7 @@ def sine_references(robot: RobotDescription, frequencies: Sequence[float] = FREQ
 
 
 def sine_reference(robot: RobotDescription, frequency: float, amplitude: float, duration: float) -> Reference:
-    """Sine of one motor.
-
-    Args:
-        robot: a robot with one joint.
-        frequency: [Hz], > 0.
-        amplitude: of the motor [rad].
-        duration: [s], > 0.
-
-    Raises:
-        FFGymError: if the robot has more than one joint, or the sine is beyond a limit.
-    """
+    """Sine of `frequency` [Hz], motor `amplitude` [rad] and `duration` [s] for a robot with one joint."""
     if robot.n_joints != 1:
         raise FFGymError(
             f"Robot {robot.name!r} has {robot.n_joints} joints; the sine test is for one, e.g. 'one_axis'. "

@@ -18,14 +18,7 @@ def record_all(
 ) -> dict[Any, Recording]:
     """Every motion with every law, side by side, filed by the law's name and the parts of the motion's key.
 
-    Args:
-        rig: where they are run.
-        references: motions by key, which may be a tuple.
-        laws: feed-forward laws.
-        options: of `Rig.run`.
-
-    Raises:
-        FFGymError: if two laws share a name, or there is nothing to run.
+    `options` are those of `Rig.run`; laws that share a name are an error.
     """
     names = [law.name for law in laws]
     if len(set(names)) < len(names):
@@ -39,11 +32,7 @@ def record_all(
 
 
 def picked(keys: Iterable[Key], **wanted: Sequence[object] | None) -> list[Key]:
-    """Those of the keys whose parts, one after the other, are among `wanted`, e.g. law=["none"]; None takes all.
-
-    Raises:
-        FFGymError: if a wanted part is in none of the keys.
-    """
+    """Keys whose parts, one after the other, are among `wanted`, e.g. law=["none"]; None takes all."""
     keys = list(keys)
     for place, (what, values) in enumerate(wanted.items()):
         held = list(dict.fromkeys(key[place] for key in keys))

@@ -196,15 +196,9 @@ def fit_bristles(
     .. math:: \min_{\sigma_0, \sigma_1, \epsilon, o} \sum_k
         \left( \hat f_k - \epsilon \tau_{inertia, k} - o - F(v_k | \sigma_0, \sigma_1) \right)^2
 
-    over logarithms of the parameters, within bounds, from the best of random starts. Intervals are those of
-    resampled blocks with one Gauss-Newton step each, together with those of the static parameters.
-
-    Args:
-        data: records with reversals.
-        static: f_c, f_s, f_v, v_s, shape (4,).
-        static_resampled: the same of resampled windows, shape (B, 4).
-        rng: draws starts and blocks.
-        start: sigma_0, sigma_1 of a fit before, to start from alone, shape (2,); None starts at random.
+    over logarithms of the parameters, within bounds, from sigma_0 and sigma_1 of a `start` (2,), or the best of random
+    ones. Intervals are those of resampled blocks with one Gauss-Newton step each, together with those of the `static`
+    parameters f_c, f_s, f_v, v_s, (4,) and resampled (B, 4).
     """
     problem = _Problem(data, static)
     starts = problem.starts(rng) if start is None else [np.array([*np.log(start), 0.0, 0.0])]

@@ -83,19 +83,10 @@ def identify_joint(
     n_resamples: int,
     level: float,
 ) -> JointFriction:
-    """Identify the friction of one joint, twice.
+    """Identify the friction of one `joint` along recordings, twice; no recordings leave it as it is described.
 
     How far bristles bend decides which rows are steady sliding. The first time that is what the description says; the
-    second time what was found, if that is further.
-
-    Args:
-        torques: friction along recordings; none leaves everything as it is described.
-        robot: its description.
-        joint: which joint, 0 is the first.
-        rng: draws starts and resamples.
-        stribeck_velocity: v_s to keep [rad/s], motor side; None estimates it.
-        n_resamples: resamples behind the intervals.
-        level: probability of the intervals.
+    second time what was found, if that is further. A `stribeck_velocity` [rad/s], motor side, is kept as given.
     """
     name, prior = robot.joints[joint], np.array([getattr(robot.friction, parameter)[joint] for parameter in NAMES])
 

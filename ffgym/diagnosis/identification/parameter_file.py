@@ -28,7 +28,7 @@ def fitted_quantity(
         value: SI units, on the side on which descriptions keep it.
         source: what it was fitted to, and how.
         origin: 'fitted', for the whole entry or per joint beside 'derived' ones.
-        interval: where each number is, shape (..., 2), 0 and inf where that is not known; None says nothing.
+        interval: where each number is, shape (..., 2), 0 and inf where that is not known.
     """
     rule, joints = RULES[path], JointFrame(types=robot.kinematics.types, gear_ratio=robot.drive.gear_ratio)
     before = robot.quantities.get(path)
@@ -53,13 +53,9 @@ def entry_of(robot: RobotDescription, path: str) -> Array:
 def parameter_text(
     robot: RobotDescription, quantities: Mapping[str, Quantity], title: str, description: str | None = None
 ) -> str:
-    """Text of a parameter file, TOML; numbers keep every bit.
+    """Text of a parameter file, TOML, with these entries; numbers keep every bit.
 
-    Args:
-        robot: whose numbers they are.
-        quantities: entries of the file.
-        title: of the file.
-        description: path of the robot's description from the folder of the file; None for a built-in robot.
+    `description` is the path of the robot's description from the folder of the file; None for a built-in robot.
     """
     tables = [toml_table("parameters", {"robot": robot.name, "title": title, "description": description})]
     for path, quantity in quantities.items():

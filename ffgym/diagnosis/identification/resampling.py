@@ -42,12 +42,9 @@ class Blocks:
 
     @classmethod
     def cut(cls, strata: Sequence[BoolArray], dt: float, duration: float) -> "Blocks":
-        """Cut runs of rows into blocks.
+        """Cut runs of rows that follow one another into equal blocks of about `duration` [s], at least one each.
 
-        Args:
-            strata: rows of each stratum, shape (T,) each, disjoint; a run is rows that follow one another.
-            dt: sample period [s].
-            duration: of a block [s]; a run is cut into equal blocks of about this, at least one.
+        `strata` are the rows of each stratum, shape (T,), disjoint; rows are `dt` [s] apart.
         """
         length = max(1, round(check_number("block duration", duration, unit="s", low=0.0, open_low=True) / dt))
         of_row: IntArray = np.full(len(strata[0]) if strata else 0, -1, dtype=np.intp)

@@ -157,17 +157,8 @@ def fit_stribeck(
 
     For a given :math:`v_s` the model is linear in :math:`f_c, f_s - f_c, f_v \ge 0`, thesis (6.6)-(6.8), and is solved
     by non-negative least squares; that :math:`f_s \ge f_c` is a property of the model that the thesis leaves open. The
-    best :math:`v_s` is found on top of that, where the speeds can tell it.
-
-    Args:
-        data: friction in windows of constant speed.
-        rng: draws the resamples.
-        stribeck_velocity: v_s [rad/s]; None estimates it.
-        usual_velocity: v_s [rad/s] that is taken where the speeds cannot tell it.
-        n_resamples: how many resamples.
-
-    Raises:
-        FFGymError: if there are too few runs.
+    best :math:`v_s` is found on top of that, unless `stribeck_velocity` [rad/s] gives it; where the speeds cannot tell
+    it, it is `usual_velocity`.
     """
     if data.n_runs < MIN_RUNS:
         raise FFGymError(

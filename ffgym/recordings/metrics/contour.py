@@ -47,13 +47,8 @@ class Contour:
     def of(cls, recording: Recording, window: float = WINDOW) -> Self:
         """Compare TCP and reference of a recording.
 
-        Args:
-            recording: must have `tcp.position` and `tcp_reference.position`.
-            window: how long before and after each instant the nearest point is looked for [s]; a tool that lags by
-                more is charged for it.
-
-        Raises:
-            FFGymError: if the recording has no TCP, or the TCP was never seen.
+        The nearest point is looked for up to `window` [s] before and after each instant; a tool that lags by more is
+        charged for it. A recording in which the TCP was never seen is an error.
         """
         window = check_number("window", window, unit="s", low=0.0)
         reference = recording.vector("tcp_reference.position")

@@ -99,10 +99,7 @@ def base_parameters(robot: RobotDescription, terms: Sequence[Term], seed: int = 
 def condition_number(columns: Array, counts: BoolArray, base: BaseParameters) -> float:
     """Condition number of the equations of a motion for base parameters, columns at unit size; inf if one is silent.
 
-    Args:
-        columns: of all parameters, (R, K, N), each motor's torque in units of its noise or size.
-        counts: rows that count for each motor, (R, N).
-        base: the combinations.
+    `columns` (R, K, N) are each motor's torque in units of its noise or size; rows count as `counts` (R, N) says.
     """
     matrix = columns[:, base.own].swapaxes(1, 2)[counts]
     size = np.linalg.norm(matrix, axis=0)

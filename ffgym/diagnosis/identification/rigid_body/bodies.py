@@ -147,15 +147,9 @@ class _Frame:
 def body_torque_columns(robot: RobotDescription, q: Array, dq: Array, ddq: Array) -> Iterator[Array]:
     """Joint torque of each inertial parameter at 1, gravity included, link side [N m, or N of a slide].
 
-    Args:
-        robot: geometry, gravity and which bodies there are; their masses play no part.
-        q: joint positions, link side [rad or m], shape (T, N).
-        dq: joint speeds, shape (T, N).
-        ddq: joint accelerations, shape (T, N).
-
-    Yields:
-        For each body of `bodies_of` an array (T, 10, N), in the order of `PARAMETERS`; one at a time, since those of a
-        long motion do not fit into memory together.
+    Positions [rad or m], speeds and accelerations of the joints, link side, have shape (T, N). Yields for each body of
+    `bodies_of` an array (T, 10, N), in the order of `PARAMETERS`; one at a time, since those of a long motion do not
+    fit into memory together.
     """
     frames, axes = _frames(robot, q, dq, ddq)
     for body in bodies_of(robot):

@@ -92,12 +92,7 @@ class Coordinates:
         return min((float(np.linalg.eigvalsh(_symmetric(y[body]))[0]) for body in self.bodies), default=np.inf)
 
     def solve(self, normal: Array, right: Array) -> Array:
-        """Solve the least squares y^T A y - 2 b^T y over bodies that exist.
-
-        Args:
-            normal: A, symmetric positive definite, shape (K, K).
-            right: b, shape (K,).
-        """
+        """Minimise y^T A y - 2 b^T y over bodies that exist, with `normal` A (K, K) and `right` b (K,)."""
         try:
             y: Array = scipy.linalg.cho_solve(scipy.linalg.cho_factor(normal), right)
         except np.linalg.LinAlgError as error:

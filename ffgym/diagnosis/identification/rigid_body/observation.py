@@ -76,20 +76,11 @@ def equations_of(
     filtering: Filtering | None = None,
     bodies: Array | None = None,
 ) -> Equations:
-    """Equations of all recordings, one below the other.
+    """Equations of all recordings, one below the other; terms that are left out are as described.
 
     Motor angles are low-passed and differentiated; torque and the columns of all parameters then go through one more
-    filter together, which changes no parameter, and every so many rows are kept.
-
-    Args:
-        robot: the robot that was recorded.
-        recordings: with `motor.position` and `motor.effort`.
-        terms: what the torque is made of; terms that are left out are as described.
-        filtering: None takes the defaults.
-        bodies: inertial parameters that bend elastic joints, shape (10 B,); None takes the description's.
-
-    Raises:
-        FFGymError: if there is no recording, or one does not fit the robot or the filters.
+    filter together, which changes no parameter, and every so many rows are kept. Elastic joints bend under `bodies`,
+    inertial parameters (10 B,), None is the description's.
 
     Reference:
         Gautier (1997), IEEE Int. Conf. on Robotics and Automation, 2278-2283 (filtering in parallel).

@@ -39,12 +39,9 @@ class Problem:
     """Equations that count, of all motors and blocks."""
 
     def solve(self, counts: Array, spread: float, reference: Array | None = None) -> Array:
-        """The best coordinates (K,) near a reference.
+        """The best coordinates (K,), with each block counted as often as `counts` (n_blocks,) says.
 
-        Args:
-            counts: how often each block counts, shape (n_blocks,).
-            spread: how far coordinates that are held may be from the reference: a standard deviation.
-            reference: shape (K,); None is the description.
+        Those that are held are near a `reference` (K,), None is the description, with `spread` as standard deviation.
         """
         reference = self.coordinates.reference if reference is None else reference
         prior = self.coordinates.spreads(spread) ** -2.0
@@ -160,15 +157,10 @@ class TradeOff:
 
 
 def choose_spread(problem: Problem, folds: IntArray, spreads: tuple[float, ...] = SPREADS) -> TradeOff:
-    """Choose by cross-validation: each fold is predicted from the others.
+    """Choose by cross-validation: each of the `folds` (n_blocks,) of blocks is predicted from the others.
 
     The description is left only for a reason: of all spreads whose loss exceeds the least by no more than one standard
     error of their difference over the blocks, the smallest is taken.
-
-    Args:
-        problem: weighted equations.
-        folds: fold of each block, shape (n_blocks,).
-        spreads: what to try.
 
     Reference:
         Hastie, Tibshirani, Friedman (2009), The Elements of Statistical Learning, 7.10 (one-standard-error rule).
