@@ -18,10 +18,12 @@ USER_PREFIX = "user."
 VALID = "valid"
 """Family that says which rows count for which joint."""
 
+_AFTER_GEARBOX = "after the gearbox (arm side); only of joints with an encoder there"
+
 _USER_NAME = re.compile(r"user\.[A-Za-z0-9_./-]+")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Family:
     """Columns that share a name, a unit and a meaning: `<name>`, or `<name>.<part>` for each joint or axis."""
 
@@ -50,74 +52,55 @@ class Family:
         return tuple(f"{self.name}.{part}" for part in parts)
 
 
-def _position(name: str, unit: str, meaning: str) -> Family:
-    return Family(name=name, unit=unit, side="motor", meaning=meaning, decided_by="position_side")
-
-
-def _torque(name: str, meaning: str) -> Family:
-    return Family(name=name, unit="N m", side="motor", meaning=meaning, decided_by="torque_semantics")
-
-
 _FAMILIES = (
+    Family("timestamp", "s", "none", "controller clock, strictly increasing; required", parts="one"),
+    Family("motor.position", "rad", "motor", "measured motor (resolver) angle", decided_by="position_side"),
     Family(
-        name="timestamp", unit="s", side="none", parts="one", meaning="controller clock, strictly increasing; required"
-    ),
-    _position("motor.position", "rad", "measured motor (resolver) angle"),
-    _position(
-        "motor.velocity", "rad/s", "measured motor speed; never a filtered estimate without saying so in `filters`"
-    ),
-    _torque("motor.effort", "motor torque; `torque_semantics` says how it is known"),
-    _position("reference.position", "rad", "set-point that the controller tracked"),
-    _position("reference.velocity", "rad/s", "speed of the set-point"),
-    _position("reference.acceleration", "rad/s^2", "acceleration of the set-point"),
-    _torque("feedforward.effort", "rigid-body feed-forward u_ff"),
-    _torque("feedback.effort", "feedback torque u_c, integral part included"),
-    _torque("feedback.integral", "integral part u_I of the feedback torque"),
-    _torque("compensation.effort", "added feed-forward u_lff"),
-    _torque("command.effort", "total commanded torque"),
-    Family(name="friction.effort", unit="N m", side="motor", meaning="true friction torque, simulation only"),
-    Family(
-        name="link.position",
-        unit="rad",
-        side="link",
-        may_lack=True,
-        meaning="joint angle after the gearbox (arm side); only of joints with an encoder there",
+        "motor.velocity",
+        "rad/s",
+        "motor",
+        "measured motor speed; never a filtered estimate without saying so in `filters`",
+        decided_by="position_side",
     ),
     Family(
-        name="link.velocity",
-        unit="rad/s",
-        side="link",
-        may_lack=True,
-        meaning="joint speed after the gearbox (arm side); only of joints with an encoder there",
+        "motor.effort",
+        "N m",
+        "motor",
+        "motor torque; `torque_semantics` says how it is known",
+        decided_by="torque_semantics",
+    ),
+    Family("reference.position", "rad", "motor", "set-point that the controller tracked", decided_by="position_side"),
+    Family("reference.velocity", "rad/s", "motor", "speed of the set-point", decided_by="position_side"),
+    Family("reference.acceleration", "rad/s^2", "motor", "acceleration of the set-point", decided_by="position_side"),
+    Family("feedforward.effort", "N m", "motor", "rigid-body feed-forward u_ff", decided_by="torque_semantics"),
+    Family(
+        "feedback.effort",
+        "N m",
+        "motor",
+        "feedback torque u_c, integral part included",
+        decided_by="torque_semantics",
     ),
     Family(
-        name="tcp.position", unit="m", side="tool", parts="xyz", may_miss=True, meaning="tool centre point, measured"
+        "feedback.integral", "N m", "motor", "integral part u_I of the feedback torque", decided_by="torque_semantics"
     ),
+    Family("compensation.effort", "N m", "motor", "added feed-forward u_lff", decided_by="torque_semantics"),
+    Family("command.effort", "N m", "motor", "total commanded torque", decided_by="torque_semantics"),
+    Family("friction.effort", "N m", "motor", "true friction torque, simulation only"),
+    Family("link.position", "rad", "link", f"joint angle {_AFTER_GEARBOX}", may_lack=True),
+    Family("link.velocity", "rad/s", "link", f"joint speed {_AFTER_GEARBOX}", may_lack=True),
+    Family("tcp.position", "m", "tool", "tool centre point, measured", parts="xyz", may_miss=True),
     Family(
-        name="tcp.orientation",
-        unit="1",
-        side="tool",
+        "tcp.orientation",
+        "1",
+        "tool",
+        "orientation of tool0 in the world, measured",
         parts="quaternion",
         may_miss=True,
-        meaning="orientation of tool0 in the world, measured",
     ),
-    Family(name="tcp_reference.position", unit="m", side="tool", parts="xyz", meaning="tool centre point, set-point"),
-    Family(
-        name="tcp.timestamp", unit="s", side="tool", parts="one", may_miss=True, meaning="clock of the tool tracker"
-    ),
-    Family(
-        name="temperature",
-        unit="degC",
-        side="none",
-        may_miss=True,
-        meaning="motor or gearbox temperature; say which in `meta`",
-    ),
-    Family(
-        name=VALID,
-        unit="1",
-        side="none",
-        meaning="1 where the row counts for the joint, 0 where it does not, as in a gap or a stop",
-    ),
+    Family("tcp_reference.position", "m", "tool", "tool centre point, set-point", parts="xyz"),
+    Family("tcp.timestamp", "s", "tool", "clock of the tool tracker", parts="one", may_miss=True),
+    Family("temperature", "degC", "none", "motor or gearbox temperature; say which in `meta`", may_miss=True),
+    Family(VALID, "1", "none", "1 where the row counts for the joint, 0 where it does not, as in a gap or a stop"),
 )
 
 FAMILIES: Mapping[str, Family] = MappingProxyType({family.name: family for family in _FAMILIES})
