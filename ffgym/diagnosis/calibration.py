@@ -36,34 +36,25 @@ from ffgym.robot import RobotDescription
 _TERMS = (BODIES, ROTOR_INERTIA)
 
 
-def base_torques(run: Replay) -> dict[str, Parts]:
-    """Motor torque that each base parameter of bodies and rotors adds along a replay, by the parameter's name.
+def _base_columns(run: Replay) -> list[Column]:
+    """One column for each base parameter of bodies and rotors: the motor torque that it adds along a replay.
 
     Together they span all torques that other masses, centres of mass, inertias and rotors would give a rigid arm. Each
     is as large as the torque of the motor on which it is largest, so that one number says how far all are left open.
     """
     robot, log = run.robot, run.log
     motion = rigid_motion(robot, *(x.reshape(-1, robot.n_joints) for x in (log.q, log.dq, log.ddq)))
-    base = base_parameters(robot, _TERMS)
-    own, taken, k = set(base.own.tolist()), rms(run.torque, (0, 1)), 0
-    found: dict[str, Parts] = {}
-    for term in _TERMS:
-        for part in term.columns(robot, motion):
-            for i in range(part.shape[1]):
-                if k + i in own and (parts := _parts(run, part[:, i].reshape(log.q.shape), taken)):
-                    found[base.labels[k + i]] = parts
-            k += part.shape[1]
+    own, taken = base_parameters(robot, _TERMS).own, rms(run.torque, (0, 1))
+    found: list[Column] = []
+    columns = np.concatenate([part for term in _TERMS for part in term.columns(robot, motion)], axis=1)
+    for k in own:
+        torque = columns[:, k].reshape(log.q.shape)
+        size = float(np.max(rms(torque, (0, 1))[taken > 0] / taken[taken > 0], initial=0.0))
+        if size > 0:
+            rows = log.sampling(torque / size)
+            parts: Parts = {("torque", j): rows[..., j] for j in range(robot.n_joints)}
+            found.append(column_of_machine(LinkMass, "change", parts, len(found)))
     return found
-
-
-def _parts(run: Replay, torque: Array, taken: Array) -> Parts:
-    """A column at the size of what motors take; nothing if it is none on all of them."""
-    moved = taken > 0
-    size = float(np.max(rms(torque, (0, 1))[moved] / taken[moved], initial=0.0))
-    if size == 0.0:
-        return {}
-    rows = run.log.sampling(torque / size)
-    return {("torque", j): rows[..., j] for j in range(run.robot.n_joints)}
 
 
 OF_ROW = 0.05
@@ -81,8 +72,9 @@ that were measured are of some milliseconds in thick films, and of none in thin 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Lateness(ClockEffect):
-    """Something of an earlier instant than the row that it stands in; a doubt, no effect to be named."""
+    r"""A signal x of an earlier instant than the row that it stands in, :math:`x(t - d)`; a doubt, not to be named."""
 
+    name: ClassVar[str] = "lateness"
     side: ClassVar[Side] = "controller"
     families: ClassVar[tuple[str, ...]] = ("feedback.effort",)
 
@@ -97,33 +89,6 @@ class RowOffset(Lateness):
     families: ClassVar[tuple[str, ...]] = ("motor.effort",)
 
 
-@final
-class FrictionLag(Lateness):
-    r"""Friction of the speed of an earlier instant, :math:`\tau_f(t) \to \tau_f(t - d)`; most at reversals.
-
-    Reference:
-        Hess, Soom (1990), ASME Journal of Tribology 112(1), 147-152: friction at oscillating sliding velocities.
-    """
-
-    name: ClassVar[str] = "friction_lag"
-    side: ClassVar[Side] = "motor"
-    families: ClassVar[tuple[str, ...]] = ("motor.effort",)
-
-
-@final
-class ServoCycle(Lateness):
-    r"""Feedback torque that its servo computed from an earlier instant, :math:`u_{fb}(t) = u_c(t - d)`."""
-
-    name: ClassVar[str] = "servo_cycle"
-
-
-@final
-class ServoSpeed(Lateness):
-    r"""Feedback torque of a servo that knows speeds late, :math:`K_v (\dot\theta_{ref}(t) - \dot\theta(t - d))`."""
-
-    name: ClassVar[str] = "servo_speed"
-
-
 def is_row_offset(kind: type[Effect], n_joints: int) -> bool:
     """Tell whether an effect makes the torque of all joints late by one time, as `RowOffset` does.
 
@@ -133,17 +98,23 @@ def is_row_offset(kind: type[Effect], n_joints: int) -> bool:
 
 
 def late_columns(run: Replay) -> list[tuple[Column, float]]:
-    """Changes of the predictions per second that signals are late, each with the standard deviation of that time."""
+    """Changes of the predictions per second that signals are late, each with the standard deviation of that time.
+
+    Late are the torque of a row, beside its position; friction, by the speed of an earlier instant, most at reversals;
+    the feedback torque of the servo, and the speeds that the servo knows.
+
+    Reference:
+        Hess, Soom (1990), ASME Journal of Tribology 112(1), 147-152: friction at oscillating sliding velocities.
+    """
     log, drive, servo = run.log, run.robot.drive, run.robot.servo
     signals: list[tuple[type[Lateness], Channel, Array, float]] = [
         (RowOffset, "torque", -np.gradient(run.torque, log.dt, axis=0), OF_ROW * log.dt),
-        (FrictionLag, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), OF_FRICTION),
+        (Lateness, "torque", -np.gradient(run.bristles.torque, log.dt, axis=0), OF_FRICTION),
     ]
     if log.shows_servo:
         computed = -np.gradient(servo_feedback(run.read, run.robot), log.dt, axis=0)
         known = servo.velocity_gain * drive.motor_angle(run.read.ddq)
-        signals.append((ServoCycle, "servo", computed, OF_CYCLE * servo.control_dt))
-        signals.append((ServoSpeed, "servo", known, OF_CYCLE * servo.control_dt))
+        signals += [(Lateness, "servo", rate, OF_CYCLE * servo.control_dt) for rate in (computed, known)]
     found = []
     for effect, channel, rate, sigma in signals:
         rows = log.sampling(rate)
@@ -173,37 +144,33 @@ _TOOL = 20e-6
 """Standard deviation of the tool offset, each axis [m]: that of a laser tracker (thesis 2.2.4)."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class LinkMass(NativeEffect):
-    r"""Masses and inertias of links other than described, :math:`m_i \to (1 + a) m_i, I_i \to (1 + a) I_i`; a doubt."""
+class _OfLinks(NativeEffect):
+    """Numbers of links other than described; a doubt."""
+
+    side: ClassVar[Side] = "link"
+
+    change: Array = parameter("a", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="only a doubt")
+
+    def in_description(self, robot: RobotDescription) -> RobotDescription:
+        """See base class."""
+        factor = 1 + self.change
+        mass = robot.bodies.mass * (factor if isinstance(self, LinkMass) else 1.0)
+        return replace(robot, bodies=replace(robot.bodies, mass=mass, inertia=robot.bodies.inertia * factor[:, None]))
+
+
+@final
+class LinkMass(_OfLinks):
+    r"""Masses and inertias of links other than described, :math:`m_i \to (1 + a) m_i, I_i \to (1 + a) I_i`."""
 
     name: ClassVar[str] = "link_mass"
-    side: ClassVar[Side] = "link"
-
-    change: Array = parameter("a", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="only a doubt")
-
-    def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
-        bodies, factor = robot.bodies, 1 + self.change
-        scaled = replace(bodies, mass=bodies.mass * factor, inertia=bodies.inertia * factor[:, None])
-        return replace(robot, bodies=scaled)
 
 
 @final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LinkInertia(NativeEffect):
-    r"""Inertias of links about their centres of mass other than described, :math:`I_i \to (1 + a) I_i`; a doubt."""
+class LinkInertia(_OfLinks):
+    r"""Inertias of links about their centres of mass other than described, :math:`I_i \to (1 + a) I_i`."""
 
     name: ClassVar[str] = "link_inertia"
-    side: ClassVar[Side] = "link"
-
-    change: Array = parameter("a", unit="1", low=-0.1, high=0.1, minimum=-0.9, source="only a doubt")
-
-    def in_description(self, robot: RobotDescription) -> RobotDescription:
-        """See base class."""
-        inertia = robot.bodies.inertia * (1 + self.change)[:, None]
-        return replace(robot, bodies=replace(robot.bodies, inertia=inertia))
 
 
 @final
@@ -222,8 +189,6 @@ class JointDamping(NativeEffect):
         damping = robot.drive.joint_damping * (1 + self.change)
         return replace(robot, drive=replace(robot.drive, joint_damping=damping))
 
-
-_OF_LINKS: tuple[type[LinkMass] | type[LinkInertia], ...] = (LinkMass, LinkInertia)
 
 Refit = Callable[[Sequence[Recording]], RobotDescription]
 """From recordings, whose torque is without that of causes, to the robot that they are of."""
@@ -294,60 +259,47 @@ class Doubt:
     """Where the nominal machine stands already, in standard deviations from what is described."""
 
     @property
-    def low(self) -> float:
-        """Lowest value, in standard deviations: as far as calibration errors go, and as a machine can be so."""
-        known = self.column.effect.parameters()[self.column.parameter]
-        return max(-BOUND - self.at, (known.minimum - known.neutral) / self.sigma)
+    def per_sigma(self) -> Parts:
+        """The column per standard deviation."""
+        return {key: rows * self.sigma for key, rows in self.column.parts.items()}
 
     @property
-    def high(self) -> float:
-        """Highest value, in standard deviations."""
+    def limits(self) -> tuple[float, float]:
+        """Lowest and highest value, in standard deviations: as far as errors go, and as a machine can be so."""
         known = self.column.effect.parameters()[self.column.parameter]
-        return min(BOUND - self.at, (known.maximum - known.neutral) / self.sigma)
+        low, high = ((end - known.neutral) / self.sigma for end in (known.minimum, known.maximum))
+        return max(-BOUND - self.at, low), min(BOUND - self.at, high)
 
 
 def doubts_of(run: Replay, calibration: Calibration) -> list[Doubt]:
     """Columns of all calibration errors along a nominal replay."""
     robot, share = run.robot, calibration.share
-    plain: list[type[Effect]] = [PreslidingStiffness]
-    if not robot.drive.is_rigid.all():
-        plain += [JointStiffness, JointDamping]
-    levels = columns_of(run, [CoulombLevel, ViscousLevel], {})
-    found = [Doubt(column=column, sigma=calibration.of_levels) for column in levels]
-    found += [Doubt(column=column, sigma=share) for column in columns_of(run, plain, {})]
+    coulomb = dict(zip(robot.joints, robot.friction.coulomb.tolist(), strict=True))
+    static = dict(zip(robot.joints, robot.friction.static.tolist(), strict=True))
+
+    def each(sigma: float, *kinds: type[Effect]) -> list[Doubt]:
+        return [Doubt(column=column, sigma=sigma) for column in columns_of(run, kinds, {})]
+
+    elastic = () if robot.drive.is_rigid.all() else (JointStiffness, JointDamping)
+    found = each(calibration.of_levels, CoulombLevel, ViscousLevel) + each(share, PreslidingStiffness, *elastic)
     if calibration.torque_constant > 0:
-        constants = [column for column in columns_of(run, [TorqueConstant], {}) if column.parameter == "error"]
-        found += [Doubt(column=column, sigma=calibration.torque_constant) for column in constants]
-    found += [_stribeck(column, robot, share) for column in columns_of(run, [StribeckPeak], {})]
+        constants = each(calibration.torque_constant, TorqueConstant)
+        found += [doubt for doubt in constants if doubt.column.parameter == "error"]
+    # breakaway torque is a share of itself off, where the effect's parameter is one of the Coulomb torque
+    for column in columns_of(run, [StribeckPeak], {}):
+        of_level = static[column.joint] / coulomb[column.joint] if column.parameter == "level" else 1.0
+        found.append(Doubt(column=column, sigma=share * of_level))
     if calibration.base > 0:
-        found += [Doubt(column=column, sigma=calibration.base) for column in _base(run)]
+        found += [Doubt(column=column, sigma=calibration.base) for column in _base_columns(run)]
     else:
-        found += [Doubt(column=column, sigma=share) for column in columns_of(run, [RotorInertia], {})]
-        found += [Doubt(column=column, sigma=share) for kind in _OF_LINKS for column in _per_link(run, kind)]
+        found += each(share, RotorInertia)
+        for kind in (LinkMass, LinkInertia):
+            of_link = [kind(change=_MASS_STEP * link) for link in np.eye(robot.n_joints)]
+            columns = machine_columns(run, list(zip(robot.joints, of_link, strict=True)), "change", _MASS_STEP)
+            found += [Doubt(column=column, sigma=share) for column in columns]
     for column in columns_of(run, [TorqueOffset], {}):
-        coulomb = float(robot.friction.coulomb[list(robot.joints).index(column.joint)])
-        found.append(Doubt(column=column, sigma=calibration.offset * coulomb))
+        found.append(Doubt(column=column, sigma=calibration.offset * coulomb[column.joint]))
     found += [Doubt(column=column, sigma=sigma) for column, sigma in late_columns(run)]
     if run.log.tool is not None:
-        found += [Doubt(column=column, sigma=calibration.tool) for column in columns_of(run, [ToolFrame], {})]
+        found += each(calibration.tool, ToolFrame)
     return found
-
-
-def _stribeck(column: Column, robot: RobotDescription, share: float) -> Doubt:
-    """Breakaway torque is a share of itself off, where the effect's parameter is one of the Coulomb torque."""
-    if column.parameter != "level":
-        return Doubt(column=column, sigma=share)
-    j = list(robot.joints).index(column.joint)
-    return Doubt(column=column, sigma=share * float(robot.friction.static[j] / robot.friction.coulomb[j]))
-
-
-def _base(run: Replay) -> list[Column]:
-    """One column for each base parameter of bodies and rotors."""
-    return [column_of_machine(LinkMass, "change", parts, k) for k, parts in enumerate(base_torques(run).values())]
-
-
-def _per_link(run: Replay, kind: type[LinkMass] | type[LinkInertia]) -> Sequence[Column]:
-    """One column for each link."""
-    rows = zip(np.eye(run.robot.n_joints), run.robot.joints, strict=True)
-    effects = [(joint, kind(change=_MASS_STEP * one)) for one, joint in rows]
-    return machine_columns(run, effects, "change", _MASS_STEP)

@@ -19,7 +19,6 @@ from ffgym.diagnosis.push import (
     clock_parts,
     misread_on,
     misread_push,
-    only_joint,
     push_of,
     replayed_parts,
     shown,
@@ -200,7 +199,7 @@ def _pushes(run: Replay, variant: Variant) -> list[tuple[str, Push]]:
         misread = misread_push(run, effect)
         return [(joints[j], misread_on(run, misread, j)) for j in variant.joints]
     push = push_of(run, effect)
-    return [(joints[j], only_joint(push, j)) for j in variant.joints] or [("", push)]
+    return [(joints[j], push.only_joint(j)) for j in variant.joints] or [("", push)]
 
 
 def together(columns: Sequence[Column]) -> list[list[int]]:

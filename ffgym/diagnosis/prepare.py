@@ -120,7 +120,7 @@ def prepared(
         nominal=nominal,
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
         weights=bound_outliers(doubtful, missed),
-        calibration=[{key: rows * d.sigma for key, rows in d.column.parts.items()} for d in known.doubts],
+        calibration=[doubt.per_sigma for doubt in known.doubts],
         doubts=known.doubts if at is None else _standing(known.doubts, at),
         like=like,
         bias=known.bias,

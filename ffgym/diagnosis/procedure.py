@@ -16,9 +16,9 @@ from ffgym.diagnosis.choice import Choice
 from ffgym.diagnosis.computing import on_one_thread
 from ffgym.diagnosis.excitation import FirstLook, first_look, judgeable_kinds, not_excited, with_leads
 from ffgym.diagnosis.extended import fitted_numbers
-from ffgym.diagnosis.fit.fit import loudness, without_calibration
+from ffgym.diagnosis.fit.fit import Trial, loudness, without_calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
-from ffgym.diagnosis.fit.written import Written, written
+from ffgym.diagnosis.fit.written import written
 from ffgym.diagnosis.log import by_content, log_of
 from ffgym.diagnosis.log_columns import beyond_limits
 from ffgym.diagnosis.measured import check_length, residual_of
@@ -190,7 +190,7 @@ class _Look:
             examined = self.conclude(found.without_causes, None)
         return examined, causes
 
-    def conclude(self, found: Found, model: Written | None) -> Examined:
+    def conclude(self, found: Found, model: Trial | None) -> Examined:
         """Turn the outcome of a search into a diagnosis, with what it was made from."""
         ready, setting, log, calibration = self.ready, self.ready.setting, self.ready.setting.log, self.calibration
         not_judgeable = judgeable_kinds(log, setting.nominal, calibration, ready.no_servo)[1]

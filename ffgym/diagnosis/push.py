@@ -11,7 +11,7 @@ which changes the load of the motors and the place of the tool.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.replay.channels import late
 from ffgym.diagnosis.replay.rows import alike, same_links
 from ffgym.diagnosis.replay.springs import COARSE
-from ffgym.diagnosis.replay.states import along_speed
+from ffgym.diagnosis.replay.states import along_speed, plus
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import derivatives_of_motions
 from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
@@ -45,6 +45,23 @@ class Push:
     joint_ddq: Array | None = None
     """Its acceleration."""
 
+    def plus(self, more: "Push", sign: float = 1.0) -> "Push":
+        """This push and another one, or less that one."""
+        found = {}
+        for name in (f.name for f in fields(Push)):
+            other = getattr(more, name)
+            found[name] = plus(getattr(self, name), None if other is None else sign * other)
+        return Push(**found)
+
+    def only_joint(self, joint: int) -> "Push":
+        """Of a push of effects on all joints, that of one of them alone."""
+        found = {}
+        for name, values in ((f.name, getattr(self, f.name)) for f in fields(Push)):
+            if values is not None:
+                found[name] = np.zeros_like(values)
+                found[name][..., joint] = values[..., joint]
+        return Push(**found)
+
 
 def push_of(run: Replay, effect: Effect) -> Push:
     """What `effect` adds along a nominal replay."""
@@ -67,11 +84,14 @@ def of_numbers(run: Replay, other: RobotDescription) -> Push:
         motor = _friction(run, other.friction, 0.0) - run.bristles.torque
     if other.drive is not drive:
         if np.any(other.drive.rotor_inertia != drive.rotor_inertia):
-            more = (other.drive.rotor_inertia - drive.rotor_inertia) * drive.motor_angle(log.ddq)
-            motor = more if motor is None else motor + more
+            motor = plus(motor, (other.drive.rotor_inertia - drive.rotor_inertia) * drive.motor_angle(log.ddq))
+        # rigid joints have infinite stiffness, which does not change
         stiffer, damped = (
-            _more(other.drive.joint_stiffness, drive.joint_stiffness),
-            _more(other.drive.joint_damping, drive.joint_damping),
+            np.subtract(new, old, out=np.zeros_like(old), where=new != old)
+            for new, old in (
+                (other.drive.joint_stiffness, drive.joint_stiffness),
+                (other.drive.joint_damping, drive.joint_damping),
+            )
         )
         if np.any(stiffer) or np.any(damped):
             spring = -(stiffer * run.deflection.angle + damped * run.deflection.rate)
@@ -87,11 +107,6 @@ def _friction(run: Replay, friction: LuGreParameters, faster: Array | float) -> 
     return along_speed(friction, drive.motor_angle(slip), drive.motor_angle(log.dq + faster), log.dt).torque
 
 
-def _more(other: Array, nominal: Array) -> Array:
-    """Difference of two arrays that may have infinite entries where nothing changes."""
-    return np.subtract(other, nominal, out=np.zeros_like(nominal), where=other != nominal)
-
-
 def misread_push(run: Replay, effect: ResolverEffect) -> Push:
     """Of wrong readings at all motors, which truly moved otherwise; what they ask of the links is left to each."""
     drive = run.robot.drive
@@ -101,7 +116,7 @@ def misread_push(run: Replay, effect: ResolverEffect) -> Push:
 
 def misread_on(run: Replay, misread: Push, joint: int) -> Push:
     """Of the wrong reading at one motor alone."""
-    alone = only_joint(misread, joint)
+    alone = misread.only_joint(joint)
     if misread.joint_ddq is None:
         return alone
     return replace(alone, links=run.links.mass[..., joint] * misread.joint_ddq[..., joint, None])
@@ -118,21 +133,6 @@ def moved(run: Replay, further: Array) -> Push:
         links=np.matmul(run.links.mass, joint_ddq[..., None])[..., 0],
         joint_q=joint_q,
         joint_ddq=joint_ddq,
-    )
-
-
-def only_joint(push: Push, joint: int) -> Push:
-    """A push of effects on all joints, that of one of them alone."""
-
-    def kept(values: Array | None) -> Array | None:
-        if values is None:
-            return None
-        alone = np.zeros_like(values)
-        alone[..., joint] = values[..., joint]
-        return alone
-
-    return replace(
-        push, motor=kept(push.motor), links=kept(push.links), spring=kept(push.spring), joint_q=kept(push.joint_q)
     )
 
 
@@ -160,7 +160,9 @@ def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
     """
     if not pushes:
         return {}
-    every, none = _coarseness(run), np.zeros_like(run.log.q)
+    # a divisor of the rows' stride, at most COARSE apart
+    stride, dt, none = run.log.sampling.stride, run.log.dt, np.zeros_like(run.log.q)
+    every = max(n for n in range(1, stride + 1) if stride % n == 0 and (n == 1 or n * dt <= COARSE))
     sampling, springs = run.log.sampling.coarser(every), run.coarse_springs(every)
     load = np.stack(
         [
@@ -177,12 +179,6 @@ def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
         asked = sampling(springs.bending_torque(flown))
         carried = np.where(drive.is_rigid[:, None], asked, carried)
     return {id(push): (angle[..., i], carried[..., i]) for i, push in enumerate(pushes)}
-
-
-def _coarseness(run: Replay) -> int:
-    """Samples from one step of the springs to the next: a divisor of the rows' stride, at most COARSE apart."""
-    stride, dt = run.log.sampling.stride, run.log.dt
-    return max(n for n in range(1, stride + 1) if stride % n == 0 and (n == 1 or n * dt <= COARSE))
 
 
 def _smoothed(values: Array, every: int) -> Array:

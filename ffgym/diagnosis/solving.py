@@ -61,9 +61,8 @@ def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Arra
     for _ in range(_ROUNDS * (len(moment) + 1)):
         held = ~free
         target = moment[free] - (full[np.ix_(free, held)] @ x[held] if held.any() else 0.0)
-        x[free] = (
-            scipy.linalg.cho_solve(scipy.linalg.cho_factor(full[np.ix_(free, free)]), target) if free.any() else x[free]
-        )
+        if free.any():
+            x[free] = scipy.linalg.cho_solve(scipy.linalg.cho_factor(full[np.ix_(free, free)]), target)
         slope = moment - full @ x
         out = free & ((x < low) | (x > high))
         back = held & (low < high) & (((x <= low) & (slope > 0)) | ((x >= high) & (slope < 0)))
@@ -74,15 +73,11 @@ def bounded(gram: Array, moment: Array, precision: Array, low: Array, high: Arra
         exchanged = at_fault if patience >= 0 else at_fault[-1:]
         x[exchanged] = np.clip(x[exchanged], low[exchanged], high[exchanged])
         free[exchanged] = ~free[exchanged]
-    return _one_by_one(full, moment, low, high)
-
-
-def _one_by_one(full: Array, moment: Array, low: Array, high: Array) -> Array:
-    """The same minimum, by a method that always ends."""
+    # the same minimum, by a method that always ends
     root = scipy.linalg.cholesky(full)
     target = scipy.linalg.solve_triangular(root, moment, trans="T")
-    x: Array = scipy.optimize.lsq_linear(root, target, (low, high), method="bvls", max_iter=_ONE_BY_ONE * len(moment)).x
-    return x
+    x = scipy.optimize.lsq_linear(root, target, (low, high), method="bvls", max_iter=_ONE_BY_ONE * len(moment)).x
+    return np.asarray(x)
 
 
 def left_by_block(
@@ -126,33 +121,25 @@ class Candidate:
     """Whether its single parameter cannot be negative."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Screened:
-    """Gains of C candidates with K residuals, in units of the noise's energy per row."""
-
-    gain: Array
-    """Energy removed from what was left out, shape (C, K)."""
-    left: Array
-    """Energy that the calibration alone leaves in what was left out, shape (K,)."""
-
-
 def screen(
     evidence: Evidence, folds: Sequence[Fold], calibration: IntArray, candidates: Sequence[Candidate], priors: Priors
-) -> Screened:
-    """Held-out gain of every candidate beside the calibration columns."""
+) -> Array:
+    """Energy that each of C candidates, beside the calibration, removes of K residuals where it was not fitted, (C, K).
+
+    In units of the noise's energy per row.
+    """
     n_residuals = evidence.moment.shape[2]
-    gain, left = np.zeros((len(candidates), n_residuals)), np.zeros(n_residuals)
+    gain = np.zeros((len(candidates), n_residuals))
     log, noise = slice(0, 1), slice(1, n_residuals)
     alike = _alike(candidates)
     for train, test in _sums(evidence, folds, calibration, alike):
         known, of_log = priors.precision[calibration], _as_prior(train, calibration, priors)
         apart = ((log, of_log), (noise, known)) if noise.start < noise.stop else ((log, of_log),)
         for residuals, precision in ((slice(None), known),) if np.array_equal(of_log, known) else apart:
-            fitted = _fit(train.of(residuals), test.of(residuals), calibration, precision)
-            left[residuals] += fitted.left
-            for k, group in enumerate(alike):
-                gain[group.places, residuals] += fitted.gains(group, train.within[k], test.within[k])
-    return Screened(gain=gain, left=left)
+            gains = _gains(train.of(residuals), test.of(residuals), calibration, precision, alike)
+            for group, more in zip(alike, gains, strict=True):
+                gain[group.places, residuals] += more
+    return gain
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -168,6 +155,7 @@ class _Alike:
 
 
 def _alike(candidates: Sequence[Candidate]) -> list[_Alike]:
+    """Group candidates by their number of columns."""
     sizes = np.array([len(candidate.columns) for candidate in candidates])
     found = []
     for size in np.unique(sizes):
@@ -189,12 +177,10 @@ class _Sums:
     """G among the columns of each candidate, shape (C, S, S), by size of candidates."""
     moment: Array
     """Shape (P, K)."""
-    energy: Array
-    """Shape (K,)."""
 
     def of(self, residuals: slice) -> "_Sums":
         """Those of some residuals."""
-        return replace(self, moment=self.moment[:, residuals], energy=self.energy[residuals])
+        return replace(self, moment=self.moment[:, residuals])
 
 
 def _sums(
@@ -210,65 +196,38 @@ def _sums(
 
     beside = by_kind(evidence.gram[:, calibration])
     within = [by_kind(evidence.gram[:, one.columns[:, :, None], one.columns[:, None, :]]) for one in alike]
-    moment, energy = by_kind(evidence.moment), by_kind(evidence.energy)
+    moment = by_kind(evidence.moment)
 
     def summed(chosen: BoolArray) -> _Sums:
         return _Sums(
             calibration=beside[chosen].sum(axis=0),
             within=tuple(blocks[chosen].sum(axis=0) for blocks in within),
             moment=moment[chosen].sum(axis=0),
-            energy=energy[chosen].sum(axis=0),
         )
 
     for train, test in zip(kinds[::2], kinds[1::2], strict=True):
         yield summed(train), summed(test)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Fitted:
-    """Calibration fitted to a fold's training blocks; what all columns are beside it, there and in what is left out."""
-
-    v: Array
-    """V, shape (F, P)."""
-    train: Array
-    """G_nc of all columns, shape (F, P)."""
-    test: Array
-    """G'_nc, shape (F, P)."""
-    size: Array
-    """G'_nn V, shape (F, P)."""
-    pull: Array
-    """Shape (P, K)."""
-    held_out: Array
-    """w, shape (P, K)."""
-    left: Array
-
-    def gains(self, group: _Alike, train: Array, test: Array) -> Array:
-        """Energy that candidates remove from the blocks left out, shape (C, K), by their own G and G' (C, S, S)."""
-        columns = group.columns
-        v = self.v[:, columns].transpose(1, 2, 0)
-        inner = train - v @ self.train[:, columns].transpose(1, 0, 2)
-        cross = v @ self.test[:, columns].transpose(1, 0, 2)
-        size = test - cross - cross.transpose(0, 2, 1) + v @ self.size[:, columns].transpose(1, 0, 2)
-        x = np.linalg.solve(inner + _WIDE**-2 * np.eye(columns.shape[1]), self.pull[columns])
-        x[group.one_sided] = np.maximum(x[group.one_sided], 0.0)
-        gained: Array = np.sum(x * (2 * self.held_out[columns] - size @ x), axis=1)
-        return gained
-
-
-def _fit(train: _Sums, test: _Sums, columns: IntArray, precision: Array) -> _Fitted:
+def _gains(train: _Sums, test: _Sums, columns: IntArray, precision: Array, alike: Sequence[_Alike]) -> list[Array]:
+    """Energy that candidates remove outside of a fold, (C, K) by size; symbols are those of the module."""
     factor = scipy.linalg.cho_factor(train.calibration[:, columns] + np.diag(precision))
     x = scipy.linalg.cho_solve(factor, train.moment[columns])
     v = scipy.linalg.cho_solve(factor, train.calibration)
     rest = test.moment - test.calibration.T @ x
-    return _Fitted(
-        v=v,
-        train=train.calibration,
-        test=test.calibration,
-        size=test.calibration[:, columns] @ v,
-        pull=train.moment - v.T @ train.moment[columns],
-        held_out=rest - v.T @ rest[columns],
-        left=test.energy - np.sum(x * (test.moment + rest)[columns], axis=0),
-    )
+    # of all columns, beside the calibration: G'_nn V, residual moments m_c - V^T m_n, and w
+    through, pull = test.calibration[:, columns] @ v, train.moment - v.T @ train.moment[columns]
+    held_out, found = rest - v.T @ rest[columns], []
+    for group, own, own_test in zip(alike, train.within, test.within, strict=True):
+        at = group.columns
+        v_c = v[:, at].transpose(1, 2, 0)
+        inner = own - v_c @ train.calibration[:, at].transpose(1, 0, 2)
+        cross = v_c @ test.calibration[:, at].transpose(1, 0, 2)
+        size = own_test - cross - cross.transpose(0, 2, 1) + v_c @ through[:, at].transpose(1, 0, 2)
+        x_c = np.linalg.solve(inner + _WIDE**-2 * np.eye(at.shape[1]), pull[at])
+        x_c[group.one_sided] = np.maximum(x_c[group.one_sided], 0.0)
+        found.append(np.sum(x_c * (2 * held_out[at] - size @ x_c), axis=1))
+    return found
 
 
 def _as_prior(fold: _Sums, columns: IntArray, priors: Priors) -> Array:

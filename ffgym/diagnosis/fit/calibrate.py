@@ -6,22 +6,20 @@ Numbers are fitted by Gauss-Newton steps in a trust region, each with slopes abo
 stay do not lead to the numbers of an arm that swings, and long steps leave the valley in which those lie.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray
-from ffgym.diagnosis.calibration import Calibration, Doubt, doubts_of
+from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.evidence import Evidence, Stack, stack_of
 from ffgym.diagnosis.fit.fit import Trial, priors_of, priors_of_calibration, trial_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.setting import HELD, Setting, tangents, values_of
 from ffgym.diagnosis.fit.written import possible_numbers
-from ffgym.diagnosis.push import Parts
-from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.solving import bounded
 from ffgym.effects import NativeEffect
 from ffgym.simulation.plant import Machine
@@ -96,14 +94,15 @@ def calibrate(
     for _ in range(_STEPS):
         step = problem.step(now, reach)
         there = problem.move(now, step)
+        length = float(np.max(np.abs(step[: len(at_rest)])))
         # a step that makes things worse was too long
         if there is None or there.cost >= now.cost:
-            reach = min(reach, problem.length(step)) / 3
+            reach = min(reach, length) / 3
             if reach < _LEAST_REACH:
                 break
             continue
         # slopes anew where the step led, unless the search has come to rest
-        is_short = problem.length(step) < 0.99 * reach
+        is_short = length < 0.99 * reach
         is_last = there.cost > (1 - _STAYS) * now.cost and is_short
         slopes = None if is_last else problem.slopes(there.trial, there.machine)
         again = None if slopes is None else problem.place(there.sizes, there.trial, there.machine, slopes)
@@ -135,16 +134,12 @@ class _Problem:
         """Place of the nominal machine from what is described, in standard deviations, shape (K,)."""
         return np.array([doubt.at for doubt in self.setting.doubts])
 
-    def length(self, step: Array) -> float:
-        """Longest way of a number of the robot in a step [standard deviations]."""
-        return float(np.max(np.abs(step[: len(self.of_robot)])))
-
     def slopes(self, trial: Trial, numbers: Machine) -> Stack | None:
         """Columns of all errors and causes about a machine; None if it has others than the described one."""
         doubts = doubts_of(trial.run, self.calibration)
         if len(doubts) != len(self.setting.doubts):
             return None
-        stack = stack_of(self.setting.blocks, [_scale(doubt) for doubt in doubts], self.setting.weights)
+        stack = stack_of(self.setting.blocks, [doubt.per_sigma for doubt in doubts], self.setting.weights)
         try:
             return stack.beside(tangents(trial.run, numbers, trial.hypotheses)) if trial.hypotheses else stack
         except FAILED:
@@ -152,10 +147,8 @@ class _Problem:
 
     def place(self, sizes: Array, trial: Trial, machine: Machine, slopes: Stack) -> _Place | None:
         """A place whose errors that are no numbers are fitted by slopes; None if what it leaves is no number."""
-        evidence, priors = (
-            slopes.evidence(values_of(trial.residual)),
-            priors_of_calibration(self.setting, trial.hypotheses),
-        )
+        evidence = slopes.evidence(values_of(trial.residual))
+        priors = priors_of_calibration(self.setting, trial.hypotheses)
         rest = np.flatnonzero(~self.of_robot)
         gram, pull = evidence.gram.sum(axis=0)[np.ix_(rest, rest)], evidence.moment.sum(axis=0)[rest, 0]
         x = bounded(gram, pull - self.at[rest], np.ones(len(rest)), priors.low[rest], priors.high[rest])
@@ -204,7 +197,12 @@ class _Problem:
         there = self.move(now, step)
         if there is None:
             return True
-        beyond = _beyond(self.setting, step, now.trial.residual, there.trial.residual)
+        # change by the other numbers beyond what their slopes say
+        beyond = {channel: now.trial.residual[channel] - rows for channel, rows in there.trial.residual.items()}
+        for column, size in zip(self.setting.calibration, step.tolist(), strict=True):
+            for (channel, c), rows in column.items():
+                if channel in beyond:
+                    beyond[channel][:, :, c] -= size * rows
         is_used, shares = self.setting.blocks.of_row >= 0, []
         for (channel, c), weight in self.setting.weights.items():
             if channel in beyond:
@@ -212,19 +210,3 @@ class _Problem:
                 energy = float(np.sum((beyond[channel][:, :, c] * counts) ** 2))
                 shares.append(energy / max(int(np.count_nonzero(counts)), 1))
         return max(shares, default=0.0) > _BENT
-
-
-def _scale(doubt: Doubt) -> Parts:
-    return {key: rows * doubt.sigma for key, rows in doubt.column.parts.items()}
-
-
-def _beyond(
-    setting: Setting, sizes: Array, plain: Mapping[Channel, Array], moved: Mapping[Channel, Array]
-) -> dict[Channel, Array]:
-    """Change by other numbers beyond what their slopes say, by what both machines leave, (R, M, C)."""
-    found = {channel: plain[channel] - rows for channel, rows in moved.items()}
-    for column, size in zip(setting.calibration, sizes.tolist(), strict=True):
-        for (channel, c), rows in column.items():
-            if channel in found:
-                found[channel][:, :, c] -= size * rows
-    return found

@@ -82,28 +82,37 @@ class Fit:
 class Trial:
     """Hypotheses with the values that they have, replayed."""
 
-    hypotheses: Sequence[Hypothesis]
+    numbers: Machine
+    """The machine without them: the nominal one, or with other numbers."""
+    hypotheses: tuple[Hypothesis, ...]
     run: Replay
     residual: Mapping[Channel, Array]
-    """(R, M, C)."""
+    """Measured minus predicted, (R, M, C)."""
     left: float
+    """Energy that calibration and hypotheses leave, of all rows."""
+
+    @property
+    def machine(self) -> Machine:
+        """The machine with all hypotheses."""
+        return self.run.machine
 
 
 def trial_of(
-    setting: Setting, hypotheses: Sequence[Hypothesis], nominal: Machine | None = None, beside: Replay | None = None
+    setting: Setting, hypotheses: Sequence[Hypothesis], numbers: Machine | None = None, beside: Replay | None = None
 ) -> Trial | None:
     """Replay the machine with all hypotheses.
 
     Args:
         setting: the log and what all fits share.
         hypotheses: of the machine.
-        nominal: the machine that has them; None is that of the setting.
+        numbers: the machine that has them; None is that of the setting.
         beside: replay of one that differs by errors of calibration, see `replay`.
 
     Returns:
         None if no machine can have them, or what it does cannot be computed.
     """
-    machine = machine_with(nominal or setting.nominal, hypotheses)
+    numbers = numbers or setting.nominal
+    machine = machine_with(numbers, hypotheses)
     if machine is None:
         return None
     try:
@@ -113,18 +122,16 @@ def trial_of(
             residual = {channel: values - setting.bias[channel] for channel, values in rows.items()}
         if not all(np.isfinite(values).all() for values in residual.values()):
             return None
-        left = _left(setting.stack.evidence(values_of(residual)), priors_of_calibration(setting, hypotheses))
+        # energy that the columns of the calibration leave, with what their prior says of them
+        evidence, priors = setting.stack.evidence(values_of(residual)), priors_of_calibration(setting, hypotheses)
+        x = fitted(evidence, np.arange(len(priors.low)), priors)
+        gram, pull = evidence.gram.sum(axis=0), evidence.moment.sum(axis=0)[:, 0]
+        left = float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x + priors.precision @ x**2)
     except FAILED:
         return None
-    return Trial(hypotheses=hypotheses, run=run, residual=residual, left=left) if np.isfinite(left) else None
-
-
-def _left(evidence: Evidence, priors: Priors) -> float:
-    """Energy that the columns of the calibration, which come first, leave, with what their prior says of them."""
-    n = len(priors.low)
-    x = fitted(evidence, np.arange(n), priors)
-    gram, pull = evidence.gram.sum(axis=0)[:n, :n], evidence.moment.sum(axis=0)[:n, 0]
-    return float(evidence.energy.sum() - 2 * x @ pull + x @ gram @ x + priors.precision[:n] @ x**2)
+    if not np.isfinite(left):
+        return None
+    return Trial(numbers=numbers, hypotheses=tuple(hypotheses), run=run, residual=residual, left=left)
 
 
 def evaluated(setting: Setting, hypotheses: Sequence[Hypothesis], like: Fit | None = None) -> Fit:
@@ -142,7 +149,7 @@ def with_tangents(setting: Setting, tried: Trial, like: Fit | None) -> Fit:
     if not all(np.isfinite(rows).all() for column in columns for rows in column.values()):
         raise FFGymError(f"Slopes of {', '.join(h.label for h in tried.hypotheses)} are beyond all numbers.")
     return Fit(
-        hypotheses=tuple(tried.hypotheses),
+        hypotheses=tried.hypotheses,
         run=tried.run,
         residual=tried.residual,
         columns=tuple(columns),

@@ -43,13 +43,6 @@ class Free:
     """Whether it is the time in which a session changes something."""
 
 
-def free_number(p: Parameter, part: int | None, value: float, *, of_session: bool = False) -> Free:
-    """One number of a parameter at a value."""
-    step, low, high = _span(p, value)
-    nudge = _CYCLES_NUDGE * max(abs(value), 1.0) if p.role == "cycles" else _NUDGE * step
-    return Free(name=p.name, part=part, value=value, step=step, low=low, high=high, nudge=nudge, of_session=of_session)
-
-
 def _span(p: Parameter, value: float) -> tuple[float, float, float]:
     """Practical step, lowest and highest value of a number."""
     if p.role == "size":
@@ -109,13 +102,10 @@ class Hypothesis:
 
     def repeats(self, known: "Hypothesis") -> bool:
         """Whether it is `known` once more: a wave of another frequency is not."""
+        if self.place != known.place:
+            return False
         cycles = [name for name, p in self.kind.parameters().items() if p.role == "cycles"]
-        apart = any(
-            abs(self.values[name] / known.values[name] - 1) > _OTHER_WAVE
-            for name in cycles
-            if self.place == known.place
-        )
-        return self.place == known.place and not apart
+        return not any(abs(self.values[name] / known.values[name] - 1) > _OTHER_WAVE for name in cycles)
 
     def is_among(self, others: "Iterable[Hypothesis]") -> bool:
         """Whether it is one of others once more."""
@@ -161,23 +151,22 @@ class Hypothesis:
 
     def on(self, machine: Machine) -> Machine:
         """The machine with the effect."""
-        return Machine(
-            robot=machine.robot, effects=(*machine.effects, self.effect(machine.robot)), climate=machine.climate
-        )
+        return replace(machine, effects=(*machine.effects, self.effect(machine.robot)))
 
     def free(self) -> list[Free]:
-        """All numbers that are fitted: sizes, and shapes that are neither a mere choice nor a scale."""
+        """List all numbers that are fitted: sizes, and shapes that are neither a mere choice nor a scale."""
         found = []
-        for name, value in self.values.items():
-            if name in self.null:
-                continue
+        for name, values in self.values.items():
             p = self.kind.parameters()[name]
-            if p.scale:
+            if name in self.null or p.scale:
                 continue
+            of_session = "running" in self.kind.varies_with and p.unit == "s"
             for part in range(3) if p.per == "vector" else (None,):
-                at = float(value if part is None else value[part])
-                of_session = "running" in self.kind.varies_with and p.unit == "s"
-                found.append(free_number(p, part, at, of_session=of_session))
+                value = float(values if part is None else values[part])
+                step, low, high = _span(p, value)
+                nudge = _CYCLES_NUDGE * max(abs(value), 1.0) if p.role == "cycles" else _NUDGE * step
+                ends = {"step": step, "low": low, "high": high, "nudge": nudge}
+                found.append(Free(name=name, part=part, value=value, of_session=of_session, **ends))
         return found
 
     @property
@@ -194,15 +183,10 @@ class Hypothesis:
 
     def scaled(self, factor: float) -> Self:
         """With all sizes as many times as far from their null values."""
-        known = self.kind.parameters()
-        values = {
-            name: np.clip(
-                known[name].neutral + factor * (value - known[name].neutral), known[name].minimum, known[name].maximum
-            )
-            if known[name].role == "size"
-            else value
-            for name, value in self.values.items()
-        }
+        values = dict(self.values)
+        for name, p in self.kind.parameters().items():
+            if name in values and p.role == "size":
+                values[name] = np.clip(p.neutral + factor * (values[name] - p.neutral), p.minimum, p.maximum)
         return replace(self, values=values)
 
     def moved(self, changes: Sequence[float]) -> Self:
@@ -241,7 +225,7 @@ def machine_with(nominal: Machine, hypotheses: Sequence[Hypothesis]) -> Machine 
 def machine_of(like: Machine, effects: Sequence[Effect]) -> Machine | None:
     """The same robot with other effects; None if it cannot be so."""
     try:
-        machine = Machine(robot=like.robot, effects=tuple(effects), climate=like.climate)
+        machine = replace(like, effects=tuple(effects))
         _ = machine.physical
     except FFGymError:
         return None

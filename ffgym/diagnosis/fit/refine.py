@@ -10,7 +10,6 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
-from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.exact import exact_recordings
 from ffgym.diagnosis.fit.fit import Fit, evaluated, left_by, trial_of, with_tangents
@@ -67,7 +66,7 @@ def refined(setting: Setting, begun: Fit, like: Fit | None = None, *, roughly: b
     """
     best = begun
     for _ in range(_ROUNDS if begun.hypotheses else 0):
-        step, tried = _step(best), None
+        step, tried = fitted(best.evidence, best.everything, best.priors)[best.n_calibration :], None
         for _ in range(_HALVINGS):
             tried = trial_of(setting, moved(best.hypotheses, step))
             if tried is not None and tried.left < best.left:
@@ -129,13 +128,6 @@ def _well_begun(setting: Setting, hypotheses: Sequence[Hypothesis]) -> list[Hypo
             break
         left[largest * _GROWTH] = left_by(setting, sized(largest * _GROWTH))
     return sized(min(left, key=left.__getitem__))
-
-
-def _step(now: Fit) -> Array:
-    """Change of the free numbers, in practical steps."""
-    x = fitted(now.evidence, now.everything, now.priors)
-    step: Array = x[now.n_calibration :]
-    return step
 
 
 def corrected(setting: Setting, found: Fit) -> Fit:

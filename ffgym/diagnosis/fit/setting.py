@@ -13,11 +13,10 @@ from ffgym.diagnosis.calibration import Doubt, RowOffset, is_row_offset
 from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.push import Parts, Push, changes, clock_parts, moved, of_numbers, replayed_parts, shown
+from ffgym.diagnosis.push import Parts, Push, changes, clock_parts, moved, of_numbers, push_of, replayed_parts, shown
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
-from ffgym.effects import ClockEffect, ModelEffect, NativeEffect, TorqueEffect, Torques, TrackerEffect
-from ffgym.effects.along import torques_along
+from ffgym.effects import ClockEffect, ModelEffect, NativeEffect, TorqueEffect, TrackerEffect
 from ffgym.effects.effect import Effect
 from ffgym.simulation.plant import Machine
 
@@ -76,7 +75,7 @@ class Setting:
             return -bound, bound
         n = self.log.robot.n_joints
         is_cause = np.array([any(is_number_of(doubt, one, n) for one in hypotheses) for doubt in self.doubts])
-        low, high = (np.array([getattr(doubt, end) for doubt in self.doubts]) for end in ("low", "high"))
+        low, high = np.array([doubt.limits for doubt in self.doubts]).T
         return np.where(is_cause, -HELD, low), np.where(is_cause, HELD, high)
 
     def as_described(self, hypotheses: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
@@ -121,7 +120,7 @@ def values_of(residual: Mapping[Channel, Array]) -> Values:
 
 def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
     """Change of all predictions for each of several machines in place of that of the replay."""
-    known: dict[TorqueEffect, Torques] = {}
+    known: dict[TorqueEffect, Push] = {}
     pushes = [_push(run, machine, known) for machine in machines]
     found: list[Parts] = []
     for machine, change in zip(machines, changes(run, pushes), strict=True):
@@ -152,8 +151,8 @@ def _exchange(before: Machine, after: Machine) -> tuple[list[Effect], list[Effec
     return gone, [effect for effect in after.effects if effect not in before.effects]
 
 
-def _push(run: Replay, machine: Machine, known: dict[TorqueEffect, Torques]) -> Push:
-    """What the exchange adds to the balance of torques; `known` are those of effects that go, computed once."""
+def _push(run: Replay, machine: Machine, known: dict[TorqueEffect, Push]) -> Push:
+    """What the exchange adds to the balance of torques; `known` are pushes of effects, computed once."""
     gone, come = _exchange(run.machine, machine)
     total = Push()
     if any(isinstance(effect, NativeEffect) for effect in (*gone, *come)):
@@ -162,36 +161,14 @@ def _push(run: Replay, machine: Machine, known: dict[TorqueEffect, Torques]) -> 
         for effect in effects:
             if isinstance(effect, TorqueEffect):
                 if effect not in known:
-                    known[effect] = torques_along(effect, run.state, run.log.dt)
-                added = known[effect]
-                total = Push(
-                    motor=_plus(total.motor, added.motor, -sign),
-                    links=_plus(total.links, added.link, -sign),
-                    spring=_plus(total.spring, added.spring, sign),
-                )
+                    known[effect] = push_of(run, effect)
+                total = total.plus(known[effect], sign)
+    # motors truly were elsewhere, as another resolver read what was read
     if machine.resolver_effects != run.machine.resolver_effects:
-        total = _with_reading(run, machine, total)
+        angle, speed = run.state.motor_angle, run.state.motor_speed
+        was, is_now = run.machine.read_by_resolver(angle, speed), machine.read_by_resolver(angle, speed)
+        total = total.plus(moved(run, run.robot.drive.joint_angle(was[0] - is_now[0])))
     return total
-
-
-def _with_reading(run: Replay, machine: Machine, total: Push) -> Push:
-    """With motors that truly were elsewhere, as another resolver read what was read."""
-    drive = run.robot.drive
-    angle, speed = run.state.motor_angle, run.state.motor_speed
-    was, is_now = run.machine.read_by_resolver(angle, speed), machine.read_by_resolver(angle, speed)
-    other = moved(run, drive.joint_angle(was[0] - is_now[0]))
-    return Push(
-        motor=_plus(total.motor, other.motor, 1.0),
-        links=_plus(total.links, other.links, 1.0),
-        spring=total.spring,
-        joint_q=other.joint_q,
-    )
-
-
-def _plus(total: Array | None, more: Array | None, sign: float) -> Array | None:
-    if more is None:
-        return total
-    return sign * more if total is None else total + sign * more
 
 
 def tangents(

@@ -106,8 +106,8 @@ def candidates_of(doubts: Sequence[Doubt], columns: Sequence[Column], blocks: Bl
         scale=sigma,
         priors=Priors(
             precision=np.ones(len(doubts)),
-            low=np.array([doubt.low for doubt in doubts]),
-            high=np.array([doubt.high for doubt in doubts]),
+            low=np.array([doubt.limits[0] for doubt in doubts]),
+            high=np.array([doubt.limits[1] for doubt in doubts]),
         ),
         stack=stack_of(blocks, [doubt.column.parts for doubt in doubts], weights, sigma),
     )

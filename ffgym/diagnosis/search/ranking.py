@@ -112,7 +112,7 @@ def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray, *,
     folds = motion_folds(evidence.blocks)
     motions = screen(evidence, folds, calibration, candidates.groups, candidates.priors) if folds else halves
     per = float(evidence.rows.sum()) / evidence.n_components
-    score = 0.5 * (halves.gain / per + motions.gain / per)
+    score = 0.5 * (halves / per + motions / per)
     chance = score[:, 1:].max(axis=0) if score.shape[1] > 1 else np.zeros(1)
     return Ranking(
         score=score[:, 0],
