@@ -14,7 +14,7 @@ import numpy as np
 from ffgym.core.errors import check_number
 from ffgym.core.measures import rms
 from ffgym.core.types import Array
-from ffgym.diagnosis.column import Column, column_of_machine, columns_of, machine_columns
+from ffgym.diagnosis.column import Column, columns_of, machine_columns
 from ffgym.diagnosis.identification.rigid_body.base import base_parameters
 from ffgym.diagnosis.identification.rigid_body.terms import BODIES, ROTOR_INERTIA, rigid_motion
 from ffgym.diagnosis.push import Parts
@@ -53,7 +53,7 @@ def _base_columns(run: Replay) -> list[Column]:
         if size > 0:
             rows = log.sampling(torque / size)
             parts: Parts = {("torque", j): rows[..., j] for j in range(robot.n_joints)}
-            found.append(column_of_machine(LinkMass, "change", parts, len(found)))
+            found.append(Column(effect=LinkMass, parameter="change", choice=len(found), parts=parts))
     return found
 
 
@@ -119,7 +119,7 @@ def late_columns(run: Replay) -> list[tuple[Column, float]]:
     for effect, channel, rate, sigma in signals:
         rows = log.sampling(rate)
         parts: Parts = {(channel, j): rows[..., j] for j in range(run.robot.n_joints)}
-        found.append((column_of_machine(effect, "latency", parts), sigma))
+        found.append((Column(effect=effect, parameter="latency", parts=parts), sigma))
     return found
 
 

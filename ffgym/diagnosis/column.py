@@ -6,7 +6,7 @@ about as soft a spring, from where a fit finds the rest.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -41,25 +41,18 @@ class Column:
     """Change of the predictions per unit of a parameter."""
 
     effect: type[Effect]
-    joint: str
+    joint: str = ""
     """Empty for the machine as a whole."""
     parameter: str
-    part: int | None
+    part: int | None = None
     """Which number of a vector, or which other joint of a pair."""
-    choice: int
+    choice: int = 0
     """Columns of one effect, joint and choice belong together."""
-    span: int
+    span: int = 0
     """Which of the values that span a phase or the like."""
-    shape: Mapping[str, Array]
+    shape: Mapping[str, Array] = field(default_factory=dict)
     """Values of the shapes, of this joint or of the machine."""
     parts: Parts
-
-
-def column_of_machine(effect: type[Effect], parameter: str, parts: Parts, choice: int = 0, joint: str = "") -> Column:
-    """A column of one number without shapes, of the machine as a whole or of a joint."""
-    return Column(
-        effect=effect, joint=joint, parameter=parameter, part=None, choice=choice, span=0, shape={}, parts=parts
-    )
 
 
 def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> list[Column]:
@@ -79,7 +72,7 @@ def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> li
                 pushes = [] if at_once is not None else _pushes(run, variant)
             except FAILED:
                 continue  # a machine that cannot have it, or not so much of it, shows nothing of it
-            found += at_once or ()
+            found += [_column(run, variant, joint, parts) for joint, parts in at_once or ()]
             for joint, push in pushes:
                 waiting.append((variant, joint, push))
                 if len(waiting) == _TOGETHER:
@@ -88,31 +81,42 @@ def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> li
     return [column for column in found if all(np.isfinite(rows).all() for rows in column.parts.values())]
 
 
-def _at_once(run: Replay, variant: Variant) -> list[Column] | None:
-    """Columns of a variant that bends no springs of the arm; None if it does."""
-    effect = variant.effect
+def _at_once(run: Replay, variant: Variant) -> list[tuple[str, Parts]] | None:
+    """Change by a variant that bends no springs of the arm, by joint; None if it bends them."""
+    effect, log, joints = variant.effect, run.log, run.robot.joints
     if isinstance(effect, TrackerEffect):
-        return _tracker_columns(run, variant)
+        return _tracked_parts(run, variant) if log.tool is not None else []
     if isinstance(effect, ClockEffect):
-        return _clock_columns(run, variant)
+        written = clock_parts(run, [], [effect])
+        return [("", written)] if written else []
+    # joints of its own swing: a small effect is more like one of any size
     if isinstance(effect, ModelEffect):
-        return [_model_column(run, variant)]
+        values = effect.values()
+        small = type(effect)(**values | {variant.parameter: _SMALL * values[variant.parameter]})
+        parts = replayed_parts(run, with_effect(run.machine, small))
+        return [("", {key: rows / _SMALL for key, rows in parts.items()})]
     if effect.side == "controller":
-        return _servo_columns(run, variant)
+        if not log.shows_servo or not isinstance(effect, NativeEffect):
+            return []
+        rows = log.sampling(servo_feedback(log, effect.in_description(run.robot)) - servo_feedback(log, run.robot))
+        return [(joints[j], {("servo", j): rows[..., j]}) for j in variant.joints]
+    # before the gearbox: torque of its own motor, for all motors at once
     if effect.side == "motor" and not isinstance(effect, ResolverEffect):
-        return _motor_columns(run, variant)
+        motor = push_of(run, effect).motor
+        if motor is None:
+            return []
+        rows = log.sampling(motor)
+        return [(joints[j], {("torque", j): rows[..., j]}) for j in variant.joints]
     return None
 
 
 def machine_columns(run: Replay, effects: Sequence[tuple[str, Effect]], parameter: str, step: float) -> list[Column]:
     """One column for each of several effects that act on the whole arm, per unit of `parameter`, `step` from null."""
-    pushes = [push_of(run, effect) for _, effect in effects]
-    return [
-        column_of_machine(
-            type(effect), parameter, {key: values / step for key, values in shown(run, change).items()}, 0, joint
-        )
-        for (joint, effect), change in zip(effects, changes(run, pushes), strict=True)
-    ]
+    found = []
+    for (joint, effect), change in zip(effects, changes(run, [push_of(run, one) for _, one in effects]), strict=True):
+        parts = {key: values / step for key, values in shown(run, change).items()}
+        found.append(Column(effect=type(effect), joint=joint, parameter=parameter, parts=parts))
+    return found
 
 
 def _column(run: Replay, variant: Variant, joint: str, parts: Parts) -> Column:
@@ -131,65 +135,20 @@ def _column(run: Replay, variant: Variant, joint: str, parts: Parts) -> Column:
     )
 
 
-def _motor_columns(run: Replay, variant: Variant) -> list[Column]:
-    """Of an effect before the gearbox: torque of its own motor, for all motors at once."""
-    push = push_of(run, variant.effect)
-    if push.motor is None:
-        return []
-    torque = run.log.sampling(push.motor)
-    return [_column(run, variant, run.robot.joints[j], {("torque", j): torque[..., j]}) for j in variant.joints]
-
-
-def _servo_columns(run: Replay, variant: Variant) -> list[Column]:
-    """Of an effect in the servo."""
-    effect, log = variant.effect, run.log
-    if not log.shows_servo or not isinstance(effect, NativeEffect):
-        return []
-    more = servo_feedback(log, effect.in_description(run.robot)) - servo_feedback(log, run.robot)
-    rows = log.sampling(more)
-    return [_column(run, variant, run.robot.joints[j], {("servo", j): rows[..., j]}) for j in variant.joints]
-
-
-def _clock_columns(run: Replay, variant: Variant) -> list[Column]:
-    """Of samples that are written late."""
-    parts = clock_parts(run, [], [variant.effect])
-    return [_column(run, variant, "", parts)] if parts else []
-
-
-def _tracker_columns(run: Replay, variant: Variant) -> list[Column]:
-    """Of an effect between the tool and its measurement."""
-    if run.log.tool is None:
-        return []
+def _tracked_parts(run: Replay, variant: Variant) -> list[tuple[str, Parts]]:
+    """Change by an effect between the tool and its measurement, on each joint alone."""
     joints = run.robot.joints
     every = run.log.sampling.stride  # what a tracker errs by changes no faster than the tool moves
-    exact = tracked(run, run.machine, every)
-    found = []
-    for joint in [joints[j] for j in variant.joints] or [""]:
-        effect = variant.effect if not joint else _on_one(variant, joint, run)
-        rows = tracked(run, with_effect(run.machine, effect), every) - exact
-        found.append(_column(run, variant, joint, {("tool", k): rows[..., k] for k in range(3)}))
+    exact, found = tracked(run, every=every), list[tuple[str, Parts]]()
+    for j in variant.joints or (None,):
+        values = variant.effect.values()
+        for name, p in type(variant.effect).parameters().items():
+            if j is not None and p.role == "size" and p.per == "joint":
+                values[name] = np.where(np.arange(len(joints)) == j, values[name], p.neutral)
+        machine = with_effect(run.machine, type(variant.effect)(**values))
+        rows = tracked(run, machine, every) - exact
+        found.append(("" if j is None else joints[j], {("tool", k): rows[..., k] for k in range(3)}))
     return found
-
-
-def _model_column(run: Replay, variant: Variant) -> Column:
-    """Of an effect with joints of its own, which swing: a small one is more like one of any size."""
-    values = variant.effect.values()
-    small = type(variant.effect)(**values | {variant.parameter: _SMALL * values[variant.parameter]})
-    parts = replayed_parts(run, with_effect(run.machine, small))
-    return _column(run, variant, "", {key: rows / _SMALL for key, rows in parts.items()})
-
-
-def _on_one(variant: Variant, joint: str, run: Replay) -> Effect:
-    """The effect of a variant on one joint alone."""
-    at = list(run.robot.joints).index(joint)
-    known = type(variant.effect).parameters()
-    values = variant.effect.values()
-    for name, p in known.items():
-        if p.role == "size" and p.per == "joint":
-            alone = np.full_like(values[name], p.neutral)
-            alone[at] = values[name][at]
-            values[name] = alone
-    return type(variant.effect)(**values)
 
 
 def _pushes(run: Replay, variant: Variant) -> list[tuple[str, Push]]:
@@ -222,9 +181,8 @@ def stiffness_columns(run: Replay, joints: Iterable[int]) -> list[Column]:
     found = []
     for j in joints:
         for choice, change in enumerate(_CHANGES, start=1):
-            alone = np.zeros(run.robot.n_joints)
-            alone[j] = change
-            parts = replayed_parts(run, with_effect(run.machine, JointStiffness(change=alone)))
-            columns = {key: rows / change for key, rows in parts.items()}
-            found.append(column_of_machine(JointStiffness, "change", columns, choice, run.robot.joints[j]))
+            softer = with_effect(run.machine, JointStiffness(change=change * np.eye(run.robot.n_joints)[j]))
+            parts = {key: rows / change for key, rows in replayed_parts(run, softer).items()}
+            joint = run.robot.joints[j]
+            found.append(Column(effect=JointStiffness, joint=joint, parameter="change", choice=choice, parts=parts))
     return found

@@ -194,10 +194,10 @@ def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLoo
     if not len(blocks) or not candidates.groups:
         return FirstLook(effect=None, joint="", share=0.0)
     evidence = candidates.stack.evidence(values)
-    seen = screen(evidence, half_folds(blocks), candidates.calibration, candidates.groups, candidates.priors)
-    best = int(np.argmax(seen.gain[:, 0]))
-    above = float(seen.left[0] - evidence.rows.sum())
-    share = float(seen.gain[best, 0]) / above if above > 0 else 0.0
+    gain, left = screen(evidence, half_folds(blocks), candidates.calibration, candidates.groups, candidates.priors)
+    best = int(np.argmax(gain[:, 0]))
+    above = float(left[0] - evidence.rows.sum())
+    share = float(gain[best, 0]) / above if above > 0 else 0.0
     if share < STANDS_OUT:
         return FirstLook(effect=None, joint="", share=max(share, 0.0))
     first = candidates.first(candidates.groups[best])

@@ -15,7 +15,7 @@ from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.colour import Colour, colour_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
-from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tool_path
+from ffgym.diagnosis.replay import Replay, predicted, replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import white_noise
 from ffgym.recordings import Recording
@@ -117,7 +117,7 @@ def _left(run: Replay) -> dict[str, Array]:
     if read.feedback is not None and read.shows_servo:
         left["feedback.effort"] = read.feedback - servo_feedback(read, run.robot)
     if read.tool is not None:
-        left["tcp.position"] = read.tool - tool_path(run)
+        left["tcp.position"] = read.tool - tracked(run)
     return left
 
 

@@ -19,7 +19,6 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.replay.channels import late
 from ffgym.diagnosis.replay.rows import alike, same_links
-from ffgym.diagnosis.replay.springs import COARSE
 from ffgym.diagnosis.replay.states import along_speed, plus
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import derivatives_of_motions
@@ -160,10 +159,8 @@ def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
     """
     if not pushes:
         return {}
-    # a divisor of the rows' stride, at most COARSE apart
-    stride, dt, none = run.log.sampling.stride, run.log.dt, np.zeros_like(run.log.q)
-    every = max(n for n in range(1, stride + 1) if stride % n == 0 and (n == 1 or n * dt <= COARSE))
-    sampling, springs = run.log.sampling.coarser(every), run.coarse_springs(every)
+    every, springs = run.coarse_springs
+    sampling, none = run.log.sampling.coarser(every), np.zeros_like(run.log.q)
     load = np.stack(
         [
             _smoothed((none if p.spring is None else p.spring) - (0.0 if p.links is None else p.links), every)

@@ -123,23 +123,26 @@ class Candidate:
 
 def screen(
     evidence: Evidence, folds: Sequence[Fold], calibration: IntArray, candidates: Sequence[Candidate], priors: Priors
-) -> Array:
-    """Energy that each of C candidates, beside the calibration, removes of K residuals where it was not fitted, (C, K).
+) -> tuple[Array, Array]:
+    """Held-out gains of C candidates beside the calibration columns, for K residuals.
 
-    In units of the noise's energy per row.
+    Returns:
+        Energy that each removes from what was left out, (C, K), and what the calibration alone leaves there, (K,), in
+        units of the noise's energy per row.
     """
     n_residuals = evidence.moment.shape[2]
-    gain = np.zeros((len(candidates), n_residuals))
+    gain, left = np.zeros((len(candidates), n_residuals)), np.zeros(n_residuals)
     log, noise = slice(0, 1), slice(1, n_residuals)
     alike = _alike(candidates)
     for train, test in _sums(evidence, folds, calibration, alike):
         known, of_log = priors.precision[calibration], _as_prior(train, calibration, priors)
         apart = ((log, of_log), (noise, known)) if noise.start < noise.stop else ((log, of_log),)
         for residuals, precision in ((slice(None), known),) if np.array_equal(of_log, known) else apart:
-            gains = _gains(train.of(residuals), test.of(residuals), calibration, precision, alike)
+            less, gains = _gains(train.of(residuals), test.of(residuals), calibration, precision, alike)
+            left[residuals] += less
             for group, more in zip(alike, gains, strict=True):
                 gain[group.places, residuals] += more
-    return gain
+    return gain, left
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -177,10 +180,12 @@ class _Sums:
     """G among the columns of each candidate, shape (C, S, S), by size of candidates."""
     moment: Array
     """Shape (P, K)."""
+    energy: Array
+    """Shape (K,)."""
 
     def of(self, residuals: slice) -> "_Sums":
         """Those of some residuals."""
-        return replace(self, moment=self.moment[:, residuals])
+        return replace(self, moment=self.moment[:, residuals], energy=self.energy[residuals])
 
 
 def _sums(
@@ -196,25 +201,32 @@ def _sums(
 
     beside = by_kind(evidence.gram[:, calibration])
     within = [by_kind(evidence.gram[:, one.columns[:, :, None], one.columns[:, None, :]]) for one in alike]
-    moment = by_kind(evidence.moment)
+    moment, energy = by_kind(evidence.moment), by_kind(evidence.energy)
 
     def summed(chosen: BoolArray) -> _Sums:
         return _Sums(
             calibration=beside[chosen].sum(axis=0),
             within=tuple(blocks[chosen].sum(axis=0) for blocks in within),
             moment=moment[chosen].sum(axis=0),
+            energy=energy[chosen].sum(axis=0),
         )
 
     for train, test in zip(kinds[::2], kinds[1::2], strict=True):
         yield summed(train), summed(test)
 
 
-def _gains(train: _Sums, test: _Sums, columns: IntArray, precision: Array, alike: Sequence[_Alike]) -> list[Array]:
-    """Energy that candidates remove outside of a fold, (C, K) by size; symbols are those of the module."""
+def _gains(
+    train: _Sums, test: _Sums, columns: IntArray, precision: Array, alike: Sequence[_Alike]
+) -> tuple[Array, list[Array]]:
+    """Energy that calibration leaves outside of a fold, (K,), and that candidates remove there, (C, K) by size.
+
+    Symbols are those of the module.
+    """
     factor = scipy.linalg.cho_factor(train.calibration[:, columns] + np.diag(precision))
     x = scipy.linalg.cho_solve(factor, train.moment[columns])
     v = scipy.linalg.cho_solve(factor, train.calibration)
     rest = test.moment - test.calibration.T @ x
+    left = test.energy - np.sum(x * (test.moment + rest)[columns], axis=0)
     # of all columns, beside the calibration: G'_nn V, residual moments m_c - V^T m_n, and w
     through, pull = test.calibration[:, columns] @ v, train.moment - v.T @ train.moment[columns]
     held_out, found = rest - v.T @ rest[columns], []
@@ -227,7 +239,7 @@ def _gains(train: _Sums, test: _Sums, columns: IntArray, precision: Array, alike
         x_c = np.linalg.solve(inner + _WIDE**-2 * np.eye(at.shape[1]), pull[at])
         x_c[group.one_sided] = np.maximum(x_c[group.one_sided], 0.0)
         found.append(np.sum(x_c * (2 * held_out[at] - size @ x_c), axis=1))
-    return found
+    return left, found
 
 
 def _as_prior(fold: _Sums, columns: IntArray, priors: Priors) -> Array:

@@ -262,7 +262,7 @@ def removed(
     Components in which no more is left than that say nothing of it, unless none says more.
     """
     free = dict.fromkeys(where, 0.0) if allowed is None else {key: allowed[key] for key in where}
-    judged = {key for key in where if before[key] - 1.0 > free[key]} or where
+    judged = sorted(key for key in where if before[key] - 1.0 > free[key]) or sorted(where)
     gone = sum(_beyond(before[key] - after[key], free[key]) for key in judged)
     total = sum(before[key] for key in judged)
     # there may be less noise than the floor allows for: what is left is then all of it

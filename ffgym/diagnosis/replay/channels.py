@@ -24,7 +24,9 @@ def late(values: Array, channel: str, effects: Sequence[Effect], log: Log) -> Ar
     """Values (T, M, N) of a channel as `effects` let them be written; the same array if none concerns it."""
     for effect in effects:
         if isinstance(effect, ClockEffect) and FAMILY.get(channel) in effect.families:
-            values = np.stack([_late(values[:, i], effect, log, len(r)) for i, r in enumerate(log.recordings)], axis=1)
+            values = values.copy()
+            for i, n in enumerate(log.lengths):  # padding stays
+                values[:n, i] = effect.late(values[:n, i], log.dt)
     return values
 
 
@@ -36,20 +38,13 @@ def in_step(values: Array, channel: str, effects: Sequence[Effect], dt: float) -
     return values
 
 
-def _late(values: Array, effect: ClockEffect, log: Log, n: int) -> Array:
-    """One motion, whose padding stays."""
-    written = values.copy()
-    written[:n] = effect.late(values[:n], log.dt)
-    return written
-
-
 def predicted(run: Replay) -> dict[Channel, Array]:
     """What the log's channels would show, R rows each, through the log's low-pass."""
     log, sampling = run.log, run.log.sampling
     effects = run.machine.effects
     found: dict[Channel, Array] = {"torque": sampling(late(run.torque, "torque", effects, log))}
     if log.tool is not None:
-        found["tool"] = sampling(tool_path(run))
+        found["tool"] = sampling(tracked(run))
     if log.link is not None:
         found["link"] = sampling(late(run.link_q, "link", effects, log))
     if log.shows_servo:
@@ -57,17 +52,15 @@ def predicted(run: Replay) -> dict[Channel, Array]:
     return found
 
 
-def tool_path(run: Replay) -> Array:
-    """Tool positions as a tracker would see them [m], (T, M, 3)."""
-    return tracked(run, run.machine)
+def tracked(run: Replay, machine: Machine | None = None, every: int = 1) -> Array:
+    """Tool positions as the tracker of the machine, or of another one, would see them [m], (T, M, 3).
 
-
-def tracked(run: Replay, machine: Machine, every: int = 1) -> Array:
-    """Tool positions of the replay as the tracker of another machine would see them [m], at every n-th sample."""
+    At every n-th sample.
+    """
     q = run.link_q[::every]
     position = run.arm.tcp_position(q.reshape(-1, q.shape[-1])).reshape(*q.shape[:2], 3)
     position = position if run.tilt is None else run.tilt.moved(position, every)
-    effects = [effect for effect in machine.effects if isinstance(effect, TrackerEffect)]
+    effects = [effect for effect in (machine or run.machine).effects if isinstance(effect, TrackerEffect)]
     for i, recording in enumerate(run.log.recordings) if effects else ():
         n = -(-len(recording) // every)
         columns = {"timestamp": recording.t[::every]}

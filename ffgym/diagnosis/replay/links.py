@@ -176,17 +176,11 @@ class BaseTerms:
     """What the joints of the arm take more for each radian that the base leans [N m/rad], shape (T, M, N, 3)."""
 
 
-def base_of(machine: Machine) -> BaseFlexibility | None:
-    """The flexibility of the machine's base, if it has one."""
-    for effect in machine.effects:
-        if isinstance(effect, BaseFlexibility) and not effect.is_null:
-            return effect
-    return None
-
-
 def base_terms(log: Log, robot: RobotDescription) -> BaseTerms:
     """Terms along measured motions; poses are those of the motors: what joints bend hardly loads a base otherwise."""
-    arm = _arm_on_base(robot)
+    # the links on a base that turns about all three axes, whatever holds it
+    anyhow = BaseFlexibility(compliance=np.ones(_AXES), relaxation=np.array(0.0))
+    arm = RigidArm(robot, Machine(robot=robot, effects=(anyhow,)).spec(RIGID).compile())
     q, dq = _beside_base(log.q), _beside_base(log.dq)
     upright, lean = link_terms(arm, q, dq, log.dt), np.empty((*log.q.shape, _AXES))
     for axis in range(_AXES):
@@ -198,7 +192,10 @@ def base_terms(log: Log, robot: RobotDescription) -> BaseTerms:
 
 def tilt_of(log: Log, robot: RobotDescription, base: BaseFlexibility, terms: BaseTerms) -> Tilt:
     """How a base tilts under a robot whose motors move as measured."""
-    stiffness, damping = _springs(base)
+    # stiffness [N m/rad] and damping [N m s/rad] about each axis; inf and 0 where nothing gives way
+    gives_way = base.compliance > 0
+    stiffness = np.divide(1.0, base.compliance, out=np.full(_AXES, np.inf), where=gives_way)
+    damping = np.where(gives_way, float(base.relaxation) * np.where(gives_way, stiffness, 0.0), 0.0)
     springs = Springs(
         mass=terms.upright.mass,
         stiffness=np.concatenate([stiffness, robot.drive.joint_stiffness]),
@@ -209,19 +206,6 @@ def tilt_of(log: Log, robot: RobotDescription, base: BaseFlexibility, terms: Bas
     shaken = np.matmul(terms.upright.mass[..., _AXES:, :_AXES], bent.acceleration[..., :_AXES, :])
     leant = np.matmul(terms.lean, bent.angle[..., :_AXES, :])
     return Tilt(angle=bent.angle[..., :_AXES, 0], torque=(shaken + leant)[..., 0])
-
-
-def _springs(base: BaseFlexibility) -> tuple[Array, Array]:
-    """Stiffness [N m/rad] and damping [N m s/rad] about each axis; inf and 0 where nothing gives way."""
-    gives_way = base.compliance > 0
-    stiffness = np.divide(1.0, base.compliance, out=np.full(_AXES, np.inf), where=gives_way)
-    return stiffness, np.where(gives_way, float(base.relaxation) * np.where(gives_way, stiffness, 0.0), 0.0)
-
-
-def _arm_on_base(robot: RobotDescription) -> RigidArm:
-    """The links on a base that turns about all three axes, whatever holds it."""
-    anyhow = BaseFlexibility(compliance=np.ones(_AXES), relaxation=np.array(0.0))
-    return RigidArm(robot, Machine(robot=robot, effects=(anyhow,)).spec(RIGID).compile())
 
 
 def _beside_base(values: Array) -> Array:

@@ -101,6 +101,8 @@ def cubics(places: IntArray) -> "scipy.sparse.csr_array":
     slowly, and thirty times as fast.
     """
     samples = np.arange(places[-1] + 1)
+    if len(places) == len(samples):
+        return scipy.sparse.eye_array(len(places), format="csr")
     first = np.clip(np.searchsorted(places, samples, side="right") - 2, 0, len(places) - _POINTS)
     near = first[:, None] + np.arange(_POINTS)
     x = places[near]

@@ -20,14 +20,13 @@ from ffgym.diagnosis.replay.links import (
     BaseTerms,
     LinkTerms,
     Tilt,
-    base_of,
     base_terms,
     bending_of,
     link_terms,
     terms_beside,
     tilt_of,
 )
-from ffgym.diagnosis.replay.springs import Deflection, Springs
+from ffgym.diagnosis.replay.springs import COARSE, Deflection, Springs
 from ffgym.diagnosis.replay.states import (
     Bristles,
     along_speed,
@@ -42,6 +41,7 @@ from ffgym.diagnosis.replay.states import (
 from ffgym.diagnosis.sampling import derivatives_of_motions
 from ffgym.effects import State
 from ffgym.effects.along import torques_along
+from ffgym.effects.transmission.base_flexibility import BaseFlexibility
 from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation.plant import Machine
 
@@ -89,14 +89,11 @@ class Replay:
     """Of a base that gives way."""
 
     @cached_property
-    def _coarse(self) -> dict[int, Springs]:
-        return {}
-
-    def coarse_springs(self, every: int) -> Springs:
-        """The springs at every n-th sample, made once."""
-        if every not in self._coarse:
-            self._coarse[every] = self.springs if every == 1 else self.springs.coarser(every)
-        return self._coarse[every]
+    def coarse_springs(self) -> tuple[int, Springs]:
+        """The springs at every n-th sample, which is a divisor of the rows' stride, at most COARSE apart; and n."""
+        stride, dt = self.log.sampling.stride, self.log.dt
+        every = max(n for n in range(1, stride + 1) if stride % n == 0 and (n == 1 or n * dt <= COARSE))
+        return every, self.springs if every == 1 else self.springs.coarser(every)
 
     @cached_property
     def link_q(self) -> Array:
@@ -157,14 +154,21 @@ def replay(
     """
     robot = machine.physical
     read, log = log, _truly(log, machine)
-    flexible_base = base_of(machine)
+    bases = [one for one in machine.effects if isinstance(one, BaseFlexibility) and not one.is_null]
     if like is not None and (like.log is not log or not same_links(like.robot, robot)):
         like = None
     known = like if like is not None else nearby
     if known is not None:
         links, rough = known.links, known.deflection.angle[0]
-    elif beside is not None and beside.log is log and _bends_alike(beside.robot, robot):
-        links, rough = _links_beside(log, robot, beside), beside.deflection.angle[0]
+    elif (
+        beside is not None
+        and beside.log is log
+        and alike(beside.robot.kinematics, robot.kinematics)
+        and np.all(beside.robot.drive.is_rigid == robot.drive.is_rigid)
+    ):
+        elastic = np.flatnonzero(~robot.drive.is_rigid)
+        links = terms_beside(RigidArm(robot), beside.links, log.q, log.dq, log.ddq, log.dt, elastic)
+        rough = beside.deflection.angle[0]
     else:
         links, rough = _links(log, robot)
     springs = Springs(
@@ -182,7 +186,9 @@ def replay(
         bristles = along_speed(robot.friction, slip, speed, log.dt)
     state = state_of(log, machine, bristles)
     on_arm = arm_effects(machine)
-    tilt = None if flexible_base is None else tilt_of(log, robot, flexible_base, _base_terms(log, robot, like))
+    tilt = None
+    if bases:
+        tilt = tilt_of(log, robot, bases[0], base_terms(log, robot) if like is None else like.base_terms)
     rigid_torque = links.torque(log.ddq) + (0.0 if tilt is None else tilt.torque)
     stands_alike = tilt is None and like is not None and like.tilt is None
     if like is not None and same_drive and stands_alike and not on_arm and not arm_effects(like.machine):
@@ -237,10 +243,6 @@ def _beyond_slopes(
     ), beyond
 
 
-def _base_terms(log: Log, robot: RobotDescription, like: Replay | None) -> BaseTerms:
-    return base_terms(log, robot) if like is None else like.base_terms
-
-
 def _truly(log: Log, machine: Machine) -> Log:
     """The log with the motion that the motors made where resolvers err; the error hardly changes over itself.
 
@@ -270,14 +272,3 @@ def _links(log: Log, robot: RobotDescription) -> tuple[LinkTerms, Array]:
     bending = bending_of(arm, log.q + bent, log.dq, log.ddq, log.dt, np.flatnonzero(elastic))
     unbent = links.bias - np.matmul(bending.place, bent[..., None])[..., 0]
     return replace(links, bias=unbent, bending=bending, bent=bent), bent[0]
-
-
-def _links_beside(log: Log, robot: RobotDescription, other: Replay) -> LinkTerms:
-    """Terms of links with other masses than those of a replay of the same motion, about where its links were."""
-    elastic = np.flatnonzero(~robot.drive.is_rigid)
-    return terms_beside(RigidArm(robot), other.links, log.q, log.dq, log.ddq, log.dt, elastic)
-
-
-def _bends_alike(one: RobotDescription, other: RobotDescription) -> bool:
-    """Tell whether robots have the same axes, of which the same bend."""
-    return alike(one.kinematics, other.kinematics) and bool(np.all(one.drive.is_rigid == other.drive.is_rigid))

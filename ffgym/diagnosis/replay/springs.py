@@ -106,47 +106,39 @@ class Springs:
         """Joints that bend."""
         return np.flatnonzero(np.isfinite(self.stiffness))
 
-    @property
-    def finite_stiffness(self) -> Array:
-        """K [N m/rad], shape (N,); 1 for rigid joints, which do not bend whatever it is."""
-        return np.where(np.isfinite(self.stiffness), self.stiffness, 1.0)
-
     def _terms(self, rows: slice | IntArray) -> tuple[Array, Array, Array]:
         """M, D and K of the joints that bend, with what bending adds to the last two; (R, M, E, E) each."""
         e = self.elastic
         here = slice(None), slice(None), e[:, None], e
         mass = self.mass[rows][here]
-        rate, place = (
-            np.zeros((2, *mass.shape))
-            if self.bending is None
-            else (self.bending.rate[rows][here], self.bending.place[rows][here])
-        )
+        rate, place = np.zeros((2, *mass.shape))
+        if self.bending is not None:
+            rate, place = self.bending.rate[rows][here], self.bending.place[rows][here]
         return mass, rate + np.diag(self.damping[e]), place + np.diag(self.stiffness[e])
 
     def _late(self, at: IntArray) -> Array:
-        """Mass by which a mass is less that keeps time, at samples, (R, M, E, E)."""
-        rows, late = self._lateness
+        """Mass by which a mass is less that keeps time, at samples, (R, M, E, E); on straight lines between some."""
+        rows = np.unique(np.append(np.arange(0, len(self.mass), max(1, round(_SLOW / self.dt))), len(self.mass) - 1))
+        mass, _, place = self._terms(rows)
+        phase = np.linalg.solve(mass, self.dt**2 * place)  # its square, of a step
+        full = np.eye(mass.shape[-1]) + phase / 40 + phase @ phase / 144
+        late = mass @ np.linalg.solve(full, phase) / 6
         left = np.clip(np.searchsorted(rows, at, side="right") - 1, 0, max(len(rows) - 2, 0))
         right = np.minimum(left + 1, len(rows) - 1)
         x = (at - rows[left]) / np.maximum(rows[right] - rows[left], 1)
         found: Array = late[left] + x[:, None, None, None] * (late[right] - late[left])
         return found
 
-    @cached_property
-    def _lateness(self) -> tuple[IntArray, Array]:
-        """The same at some samples, between which it goes on straight lines, and which those are."""
-        rows = np.unique(np.append(np.arange(0, len(self.mass), max(1, round(_SLOW / self.dt))), len(self.mass) - 1))
-        mass, _, place = self._terms(rows)
-        phase = np.linalg.solve(mass, self.dt**2 * place)  # its square, of a step
-        full = np.eye(mass.shape[-1]) + phase / 40 + phase @ phase / 144
-        return rows, mass @ np.linalg.solve(full, phase) / 6
+    def _at(self, samples: Callable[[Array], Array], dt: float) -> "Springs":
+        """The same springs at other samples of the same motions."""
+        bending = self.bending
+        if bending is not None:
+            bending = Bending(rate=samples(bending.rate), place=samples(bending.place))
+        return replace(self, mass=samples(self.mass), bending=bending, dt=dt)
 
     def coarser(self, every: int) -> "Springs":
         """The same springs at every n-th sample."""
-        bending = self.bending
-        if bending is not None:
-            bending = Bending(rate=bending.rate[::every], place=bending.place[::every])
-        return replace(self, mass=self.mass[::every], bending=bending, dt=every * self.dt)
+        return self._at(lambda values: values[::every], every * self.dt)
 
     @property
     def substeps(self) -> int:
@@ -156,10 +148,7 @@ class Springs:
     @cached_property
     def finer(self) -> "Springs":
         """The same springs with steps that are short enough."""
-        every, bending = self.substeps, self.bending
-        if bending is not None:
-            bending = Bending(rate=straight(bending.rate, every), place=straight(bending.place, every))
-        return replace(self, mass=straight(self.mass, every), bending=bending, dt=self.dt / every)
+        return self._at(lambda values: straight(values, self.substeps), self.dt / self.substeps)
 
     def bending_torque(self, bent: Deflection) -> Array:
         """Torque that links ask for where joints bend, beside their motion without springs, link side [N m]."""
@@ -170,8 +159,11 @@ class Springs:
         return found
 
     def restoring(self, angle: Array) -> Array:
-        """Torque that deflections (M, N) [rad] take at rest at the first sample, link side [N m]."""
-        stiff: Array = self.finite_stiffness * angle
+        """Torque that deflections (M, N) [rad] take at rest at the first sample, link side [N m].
+
+        Rigid joints do not bend, whatever their stiffness is said to be.
+        """
+        stiff: Array = np.where(np.isfinite(self.stiffness), self.stiffness, 1.0) * angle
         return stiff if self.bending is None else stiff + np.matmul(self.bending.place[0], angle[..., None])[..., 0]
 
     def bent_by(self, torque: Array) -> Deflection:
@@ -183,22 +175,20 @@ class Springs:
         found = Deflection(angle=angle, rate=rate, acceleration=acceleration)
         if not len(e):
             return found
-        rest = np.linalg.solve(self._at_rest, torque[0][:, e])
+        rest = np.linalg.solve(self._terms(slice(0, 1))[2][0], torque[0][:, e])
         if shape[3] <= _FEW:
             for m in range(shape[1]):
-                swung = swing(*self._step_of(m), torque[:, m, e], rest[m], dt)
+                swung = swing(*self._step(motion=m), torque[:, m, e], rest[m], dt)
                 angle[:, m, e], rate[:, m, e], acceleration[:, m, e] = swung
             return found
         n, every = len(e), slice(None) if len(e) == shape[2] else e
-        moved = np.zeros(
-            (shape[1], 4 * n, shape[3])
-        )  # load, deflection, rate and its change, all that a step is made of
+        # load, deflection, rate and its change, all that a step is made of
+        moved = np.zeros((shape[1], 4 * n, shape[3]))
         load, x, speed, change = (moved[:, k * n : (k + 1) * n] for k in range(4))
         x[:] = rest
         angle[0][:, every] = x
         for first in range(1, shape[0], _STEPS):
-            steps = self._steps(first)
-            for k, step in enumerate(steps, start=first):
+            for k, step in enumerate(self._steps(first), start=first):
                 load[:] = torque[k][:, every]
                 after = step @ moved
                 x += dt * speed + dt**2 / 4 * (change + after)
@@ -208,36 +198,29 @@ class Springs:
         return found
 
     def _steps(self, first: int) -> Array:
-        """Steps from sample `first` on, kept for other loads if all of them are few."""
-        rows = slice(first, first + _STEPS)
-        if 32 * self.mass[..., 0].size * len(self.elastic) > _KEPT:
-            return self._made_steps(rows)
-        if first not in self._known_steps:
-            self._known_steps[first] = self._made_steps(rows)
-        return self._known_steps[first]
+        """Accelerations after steps from a sample on, per load after it, and deflection, rate and acceleration before.
+
+        Shape (R, M, E, 4E); they are kept for other loads if all of them are few.
+        """
+        if first in self._known_steps:
+            return self._known_steps[first]
+        dt, (by_load, by_place, by_rate) = self.dt, self._step(slice(first, first + _STEPS))
+        parts = by_load, -by_place, -(by_rate + dt * by_place), -(dt / 2 * by_rate + dt**2 / 4 * by_place)
+        made: Array = np.concatenate(parts, axis=-1)
+        if 32 * self.mass[..., 0].size * len(self.elastic) <= _KEPT:
+            self._known_steps[first] = made
+        return made
 
     @cached_property
     def _known_steps(self) -> dict[int, Array]:
         return {}
 
-    def _made_steps(self, rows: slice) -> Array:
-        """Accelerations after steps, per load after it, and deflection, rate and acceleration before, (R, M, E, 4E)."""
-        dt, (by_load, by_place, by_rate) = self.dt, self._step(rows)
-        parts = by_load, -by_place, -(by_rate + dt * by_place), -(dt / 2 * by_rate + dt**2 / 4 * by_place)
-        return np.concatenate(parts, axis=-1)
-
-    def _step(self, rows: slice) -> tuple[Array, Array, Array]:
+    def _step(self, rows: slice = slice(None), motion: int | slice = slice(None)) -> tuple[Array, Array, Array]:
         """Accelerations per load, and less per deflection and rate that are expected, (R, M, E, E) each."""
-        weights, known = self._known_poses
-        weights = weights[rows]
-        here = (weights @ known.reshape(len(known), -1)).reshape(weights.shape[0], *known.shape[1:])
-        return here[:, :, 0], here[:, :, 1], here[:, :, 2]
-
-    def _step_of(self, motion: int) -> tuple[Array, Array, Array]:
-        """The same of one motion, at all samples, (T, E, E) each."""
-        weights, known = self._known_poses
-        here = (weights @ known[:, motion].reshape(len(known), -1)).reshape(-1, *known.shape[2:])
-        return here[:, 0], here[:, 1], here[:, 2]
+        weights, poses = self._known_poses
+        poses = poses[:, motion]
+        here = (weights[rows] @ poses.reshape(len(poses), -1)).reshape(-1, *poses.shape[1:])
+        return here[..., 0, :, :], here[..., 1, :, :], here[..., 2, :, :]
 
     @cached_property
     def _known_poses(self) -> "tuple[scipy.sparse.csr_array, Array]":
@@ -245,16 +228,7 @@ class Springs:
         dt, places = self.dt, places_of(len(self.mass), max(1, round(_POSES / self.dt)))
         mass, rate, place = self._terms(places)
         inverse = np.linalg.inv(mass - self._late(places) + dt / 2 * rate + dt**2 / 4 * place)
-        known = np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
-        return cubics(places) if len(places) < len(self.mass) else scipy.sparse.eye_array(
-            len(places), format="csr"
-        ), known
-
-    @property
-    def _at_rest(self) -> Array:
-        """Torque per deflection at the first sample, (M, E, E)."""
-        at_rest: Array = self._terms(slice(0, 1))[2][0]
-        return at_rest
+        return cubics(places), np.stack([inverse, np.matmul(inverse, place), np.matmul(inverse, rate)], axis=2)
 
     def pushed_by(self, torque: Array, push: Push, start: Array) -> Deflection:
         """Deflections under `torque` (T, M, N) and a `push` that depends on them, from rest at `start` (M, N).

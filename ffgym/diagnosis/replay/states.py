@@ -89,7 +89,10 @@ def state_of(log: Log, machine: Machine, bristles: Bristles) -> State:
         motor_torque=none,
         peak_torque=drive.peak_torque,
         temperature=_temperature(log, machine),
-        running=_running(log, machine),
+        # time since the machine was switched on, or its session began [s]
+        running=(0.0 if machine.climate is None else machine.climate.running_since)
+        + log.started[:, None]
+        + log.t[:, None, None],
     )
 
 
@@ -116,13 +119,6 @@ def loaded_state(state: State, added: Torques, needed: Array, robot: RobotDescri
     load = state.load if added.spring is None else state.load + added.spring
     load = np.where(rigid, needed, load)
     return replace(state, load=load, load_at_motor=robot.drive.motor_torque(load))
-
-
-def _running(log: Log, machine: Machine) -> Array:
-    """Time since the machine was switched on, or its session began [s], (T, M, 1)."""
-    before = 0.0 if machine.climate is None else machine.climate.running_since
-    times: Array = before + log.started[:, None] + log.t[:, None, None]
-    return times
 
 
 def _temperature(log: Log, machine: Machine) -> Array:
@@ -188,7 +184,13 @@ def flown(
 ) -> Deflection:
     """Deflections with effects that depend on them, from the rest in which they balance the load."""
     every = springs.substeps
-    each = list(samples(state if every == 1 else _finer(state, every)))
+    if every > 1:  # the state at so many steps in each sample, on straight lines
+        n, finer = len(state.motor_angle), {}
+        for name in (f.name for f in fields(State)):
+            if len(values := getattr(state, name)) == n and values.ndim > 1:
+                finer[name] = straight(values, every)
+        state = replace(state, **finer)
+    each = list(samples(state))
     memories: list[Array] = []
 
     def at(k: int, angle: Array, rate: Array) -> State:
@@ -213,13 +215,6 @@ def flown(
     if every == 1:
         return springs.pushed_by(torque, push, rest)
     return springs.finer.pushed_by(between(torque, every), push, rest).at_every(every)
-
-
-def _finer(state: State, every: int) -> State:
-    """The state at so many steps in each sample, on straight lines."""
-    n = len(state.motor_angle)
-    moving = {f.name: values for f in fields(State) if len(values := getattr(state, f.name)) == n and values.ndim > 1}
-    return replace(state, **{name: straight(values, every) for name, values in moving.items()})
 
 
 def _behind(

@@ -108,9 +108,10 @@ def ranked(evidence: Evidence, candidates: Candidates, calibration: IntArray, *,
         calibration: places of columns that are fitted beside each candidate.
         with_most: whether scores at the largest plausible sizes are wanted, too.
     """
-    halves = screen(evidence, half_folds(evidence.blocks), calibration, candidates.groups, candidates.priors)
-    folds = motion_folds(evidence.blocks)
-    motions = screen(evidence, folds, calibration, candidates.groups, candidates.priors) if folds else halves
+    halves, _ = screen(evidence, half_folds(evidence.blocks), calibration, candidates.groups, candidates.priors)
+    motions = halves
+    if folds := motion_folds(evidence.blocks):
+        motions, _ = screen(evidence, folds, calibration, candidates.groups, candidates.priors)
     per = float(evidence.rows.sum()) / evidence.n_components
     score = 0.5 * (halves / per + motions / per)
     chance = score[:, 1:].max(axis=0) if score.shape[1] > 1 else np.zeros(1)

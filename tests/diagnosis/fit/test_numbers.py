@@ -15,7 +15,7 @@ from ffgym.simulation.plant import Machine
 
 def doubt(name, parameter, joint, sigma=0.05):
     kind = EFFECTS[name]
-    column = Column(effect=kind, joint=joint, parameter=parameter, part=None, choice=0, span=0, shape={}, parts={})
+    column = Column(effect=kind, joint=joint, parameter=parameter, parts={})
     return Doubt(column=column, sigma=sigma)
 
 

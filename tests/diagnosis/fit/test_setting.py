@@ -20,7 +20,7 @@ def test_the_instant_of_torque_in_a_row_is_held_where_a_cause_makes_all_torque_l
     kind = EFFECTS[effect]
     values = {p.name: np.array(p.high) for p in kind.parameters().values()}
     cause = Hypothesis(kind=kind, joint="j1", source=None, values=values)
-    column = Column(effect=RowOffset, joint="", parameter="latency", part=None, choice=0, span=0, shape={}, parts={})
+    column = Column(effect=RowOffset, parameter="latency", parts={})
     setting = SimpleNamespace(
         doubts=(Doubt(column=column, sigma=5e-5),), log=SimpleNamespace(robot=SimpleNamespace(n_joints=n_joints))
     )
