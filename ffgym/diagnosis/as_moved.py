@@ -52,31 +52,41 @@ def as_moved(log: Log, run: Replay, *, smooth: bool = False) -> list[Recording]:
     if few == parts or run.machine.resolver_effects:  # friction slips as motors truly move, which replays tell
         fine, few = replay(_finer(log, parts, smooth), run.machine, exact=True), parts
     else:
-        bristles = _bristles(_finer(log, parts, smooth), run, parts // few)
+        finest, drive = _finer(log, parts, smooth), run.robot.drive
+        slip, speed = drive.motor_angle(finest.slip_dq), drive.motor_angle(finest.dq)
+        friction, every = along_speed(run.robot.friction, slip, speed, finest.dt), parts // few
+        bristles = Bristles(torque=friction.torque[::every], sign=friction.sign[::every])
         fine = replay(_finer(log, few, smooth), run.machine, bristles=bristles, exact=True)
     return [_record(log, run, fine, few, i) for i in range(n_motions)]
 
 
-def _bristles(fine: Log, run: Replay, every: int) -> Bristles:
-    """Friction along a fine motion, at every n-th of its samples."""
-    drive = run.robot.drive
-    slip, speed = drive.motor_angle(fine.slip_dq), drive.motor_angle(fine.dq)
-    found = along_speed(run.robot.friction, slip, speed, fine.dt)
-    return Bristles(torque=found.torque[::every], sign=found.sign[::every])
-
-
 def _finer(log: Log, every: int, smooth: bool) -> Log:
     """The log's motion without noise, `every` times as finely, with temperatures and set-points on the way."""
-    dt, still = log.dt, without_trembling(log.q, log.trembling)
-    moved = _smooth if smooth else _sharpen
-    q = np.stack([_held(moved(still[:n, i], log), len(log.q)) for i, n in enumerate(log.lengths)], axis=1)
+    dt, still, low_pass = log.dt, without_trembling(log.q, log.trembling), log.sampling.motion_filter
+    q = np.empty_like(log.q)
+    for i, n in enumerate(log.lengths):
+        measured = still[:n, i]
+        if smooth:
+            found = LowPass(cutoff=min(low_pass.cutoff, CUTOFF))(measured, dt)
+        else:
+            # angles that the low-pass would make into these (van Cittert 1931, Z. Phys. 69): a motion that was smoothed
+            # twice turns back later than the measured one, and bias where friction turns would be told too small
+            found = measured
+            for _ in range(_SHARPER):
+                found = found + measured - low_pass(found, dt)
+        q[:, i] = np.pad(found, ((0, len(log.q) - n), (0, 0)), mode="edge")
     t: Array = dt / every * np.arange((len(q) - 1) * every + 1, dtype=np.float64)
     q, dq, ddq = _along(q, log, t)
-    sampling = replace(log.sampling, dt=dt / every, n_samples=len(t))
+    # recordings say how long each motion is
+    clocks = []
+    for recording, n in zip(log.recordings, log.lengths, strict=True):
+        times = dt / every * np.arange((n - 1) * every + 1, dtype=np.float64)
+        clocks.append(Recording(columns={"timestamp": times}, header=replace(recording.header, phases=())))
+    reference = log.reference
     return replace(
         log,
-        recordings=tuple(_clock(log, i, every) for i in range(len(log.recordings))),
-        sampling=sampling,
+        recordings=tuple(clocks),
+        sampling=replace(log.sampling, dt=dt / every, n_samples=len(t)),
         known=np.ones((len(t), len(log.recordings)), dtype=np.bool_),
         q=q,
         dq=dq,
@@ -87,26 +97,9 @@ def _finer(log: Log, every: int, smooth: bool) -> Log:
         tool=None,
         link=None,
         feedback=None if log.feedback is None else _between(log.feedback, log, t),
-        reference=None if log.reference is None else _reference(log.reference, log, t),
+        reference=None if reference is None else (_along(reference[0], log, t)[0], _between(reference[1], log, t)),
         temperature=None if log.temperature is None else _between(log.temperature, log, t),
     )
-
-
-def _smooth(angle: Array, log: Log) -> Array:
-    """Leave of angles (T, N) what lies in the usual band of what is compared."""
-    return LowPass(cutoff=min(log.sampling.motion_filter.cutoff, CUTOFF))(angle, log.dt)
-
-
-def _sharpen(angle: Array, log: Log) -> Array:
-    """Return angles (T, N) that the low-pass of the motion would make into these, as far as it passes anything.
-
-    A motion that was smoothed twice turns back later than the measured one; what a replay does wrong where friction
-    turns would be told too small. By van Cittert's iteration (1931, Z. Phys. 69).
-    """
-    found = angle
-    for _ in range(_SHARPER):
-        found = found + angle - log.sampling.motion_filter(found, log.dt)
-    return found
 
 
 def _along(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
@@ -114,19 +107,12 @@ def _along(q: Array, log: Log, t: Array) -> tuple[Array, Array, Array]:
     shape = (len(t), *q.shape[1:])
     angle, speed, change = np.empty(shape), np.zeros(shape), np.zeros(shape)
     for i, n in enumerate(log.lengths):
-        curve, within = (
-            scipy.interpolate.CubicSpline(log.t[:n], q[:n, i]),
-            int(np.searchsorted(t, log.t[n - 1], side="right")),
-        )
+        curve = scipy.interpolate.CubicSpline(log.t[:n], q[:n, i])
+        within = int(np.searchsorted(t, log.t[n - 1], side="right"))
         angle[:within, i] = curve(t[:within])
         angle[within:, i] = q[n - 1, i]
         speed[:within, i], change[:within, i] = curve(t[:within], 1), curve(t[:within], 2)
     return angle, speed, change
-
-
-def _held(values: Array, n: int) -> Array:
-    """Rows (T, N) with the last of them held, (n, N)."""
-    return np.pad(values, ((0, n - len(values)), (0, 0)), mode="edge")
 
 
 def _between(values: Array, log: Log, t: Array) -> Array:
@@ -134,18 +120,6 @@ def _between(values: Array, log: Log, t: Array) -> Array:
     flat = values.reshape(len(values), -1)
     found = np.stack([np.interp(t, log.t, column) for column in flat.T], axis=1)
     return found.reshape(len(t), *values.shape[1:])
-
-
-def _reference(reference: tuple[Array, Array], log: Log, t: Array) -> tuple[Array, Array]:
-    position, rate = reference
-    return _along(position, log, t)[0], _between(rate, log, t)
-
-
-def _clock(log: Log, i: int, every: int) -> Recording:
-    """A recording with as many rows as a motion has on the finer clock: those that say how long it is."""
-    n = (log.lengths[i] - 1) * every + 1
-    header = replace(log.recordings[i].header, phases=())
-    return Recording(columns={"timestamp": log.dt / every * np.arange(n, dtype=np.float64)}, header=header)
 
 
 def _record(log: Log, run: Replay, fine: Replay, every: int, i: int) -> Recording:

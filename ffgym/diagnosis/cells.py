@@ -84,7 +84,10 @@ class MotionRegressor:
     @classmethod
     def of(cls, log: Sequence[Coarse]) -> "MotionRegressor":
         """Scale it to all recordings of a log."""
-        speed, acceleration = (_top(np.concatenate([getattr(one, name) for one in log])) for name in ("dq", "ddq"))
+        # sizes that hardly any row exceeds; inf where all are 0
+        rates = [np.concatenate([getattr(one, name) for one in log]) for name in ("dq", "ddq")]
+        tops = [np.quantile(np.abs(values), _TOP, axis=0) for values in rates]
+        speed, acceleration = (np.where(top > 0, top, np.inf) for top in tops)
         low, high = np.quantile(np.concatenate([one.q for one in log]), [1 - _TOP, _TOP], axis=0)
         reach = np.where(high > low, high - low, np.inf)
         rough = cls(speed=speed, acceleration=acceleration, low=low, reach=reach, scale=np.ones(1))
@@ -104,12 +107,6 @@ class MotionRegressor:
         place = np.cos(np.pi * x), np.sin(np.pi * x)
         columns = (sign, u, u * np.abs(u), sign * np.exp(-((u / _SLOW) ** 2)), a, *place, *(sign * p for p in place))
         return np.asarray(np.concatenate([np.ones((len(u), 1)), *columns], axis=1) / self.scale)
-
-
-def _top(values: Array) -> Array:
-    """Size that hardly any row exceeds, shape (N,); inf where all are 0."""
-    top = np.quantile(np.abs(values), _TOP, axis=0)
-    return np.where(top > 0, top, np.inf)
 
 
 CELL = 1.0
@@ -147,7 +144,9 @@ class Cells:
 
 def cells_of(motion: Coarse, regressor: MotionRegressor) -> Cells:
     """Cut a recording into cells, at rest where there is one within half a cell."""
-    period, t = motion.period, _without_pauses(motion.t)
+    # times with pauses of the clock shortened
+    period, pauses = motion.period, np.cumsum(np.maximum(np.diff(motion.t) - _PAUSE, 0.0))
+    t = motion.t - np.concatenate([[0.0], pauses])
     first, last = float(t[0] - period / 2), float(t[-1] + period / 2)
     count = max(1, int((last - first) / CELL))
     rests = regressor.rests(motion)
@@ -163,16 +162,10 @@ def cells_of(motion: Coarse, regressor: MotionRegressor) -> Cells:
     own = [slice(a, b) for a, b in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
     there = period * np.array([cell.stop - cell.start for cell in own]) >= _THERE * np.diff(edges)
     edges[-1] += period  # the last rows may be too few for a coarse one
-    pauses = np.interp(edges, t, motion.t - t)
     return Cells(
-        edges=edges + pauses,
+        edges=edges + np.interp(edges, t, motion.t - t),
         at_rest=at_rest,
         information=period * np.stack([rows[cell].T @ rows[cell] for cell in own]),
         moving=np.array([1.0 - rests[cell].mean() if cell.stop > cell.start else 0.0 for cell in own]),
         there=there,
     )
-
-
-def _without_pauses(t: Array) -> Array:
-    """Times [s] with pauses of the clock shortened."""
-    return np.asarray(t - np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(t) - _PAUSE, 0.0))]))

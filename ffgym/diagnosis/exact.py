@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array
 from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.log import Log
@@ -23,7 +23,6 @@ from ffgym.diagnosis.replay import Replay, servo_feedback
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RobotDescription
 from ffgym.simulation import Run, simulate
-from ffgym.simulation.plant import Machine
 
 _NUMBERS = ("servo.position_gain", "servo.velocity_gain", "servo.integral_gain", "servo.control_dt")
 """Entries of a description without which its servo is a stand-in."""
@@ -47,40 +46,36 @@ def is_foreign(log: Log) -> bool:
     if log.feedback is None or not log.shows_servo:
         return False
     rows, valid = log.sampling, valid_rows(log)
-    measured, foretold = (_about_mean(rows(x), valid) for x in (log.feedback, servo_feedback(log, log.robot)))
-    both, one, other = (
-        np.einsum("sn,sn->n", a, b) for a, b in ((measured, foretold), (measured,) * 2, (foretold,) * 2)
-    )
+
+    def about_mean(values: Array) -> Array:
+        """Valid rows of all motions about the mean of each motion, (S, N)."""
+        parts = [motion[counts] for motion, counts in zip(rows(values).swapaxes(0, 1), valid.T, strict=True)]
+        return np.concatenate([part - part.mean(axis=0) for part in parts if len(part)])
+
+    measured, foretold = about_mean(log.feedback), about_mean(servo_feedback(log, log.robot))
+    pairs = (measured, foretold), (measured, measured), (foretold, foretold)
+    both, one, other = (np.einsum("sn,sn->n", a, b) for a, b in pairs)
     share = np.divide(both**2, one * other, out=np.ones_like(both), where=one * other > 0)
     return bool(np.median(np.where(both > 0, share, 0.0)) < _FORETOLD)
-
-
-def _about_mean(rows: Array, valid: BoolArray) -> Array:
-    """Valid rows of all motions (R, M, N) about the mean of each motion, (S, N)."""
-    parts = [rows[valid[:, m], m] for m in range(rows.shape[1])]
-    return np.concatenate([part - part.mean(axis=0) for part in parts if len(part)])
 
 
 _SAME_TIME = 1e-4
 """Share of a sample period by which times of rows may differ and still be the same."""
 
-_THREADS = 1
-"""Of the engine: a few simulations, one physics step at a time, take twice the CPU on two for a seventh less time."""
-
 _SMOOTH = ("motor.position", "link.position", "reference.position", "tcp.position")
 """Families that are curves between samples, not straight lines: places, which masses move along."""
 
-_LONGER, _SHORTER = (2, 1), (1, 2)
-"""Longest step that is simulated in physics steps, as a ratio: the cheaper pair first, then one for machines that are
-unstable with a step that is twice as long as they were described with."""
+_LONGEST = (2.0, 0.5)
+"""Longest step that is simulated in physics steps: the cheaper pair first, then one for machines that are unstable with
+a step that is twice as long as they were described with."""
 
 
 def own_motion(log: Log, run: Replay) -> list[Recording] | None:
     """What the nominal machine would have recorded; None if it cannot be simulated, as its servo does not hold it."""
-    for times, parts in (_LONGER, _SHORTER):
-        if times == 1 or run.robot.n_substeps % times == 0:
+    for longest in _LONGEST:
+        if longest < 1 or run.robot.n_substeps % longest == 0:
             try:
-                return _simulated(log, run, times / parts)
+                return _simulated(log, run, longest)
             except FAILED:
                 continue  # unstable with such a step
     return None
@@ -89,7 +84,7 @@ def own_motion(log: Log, run: Replay) -> list[Recording] | None:
 def _simulated(log: Log, run: Replay, longest: float) -> list[Recording]:
     """By steps of `longest` physics steps, and of half of it, extrapolated to none."""
     robot = roomy(run.machine.robot, log.recordings)
-    machine = Machine(robot=robot, effects=run.machine.effects, climate=run.machine.climate)
+    machine = replace(run.machine, robot=robot)
     runs = [Run(reference=reference_of(robot, recording)) for recording in log.recordings]
     steps = [share * run.robot.physics_dt for share in (longest, longest / 2)]
     coarse, fine = (
@@ -98,18 +93,16 @@ def _simulated(log: Log, run: Replay, longest: float) -> list[Recording]:
             machine=[machine.later(float(s)) for s in log.started],
             options=ModelOptions(looks=False, physics_dt=step),
             record_dt=_record_dt(robot, max(steps), log.dt),
-            n_threads=_THREADS,
+            n_threads=1,  # a few simulations take twice the processor time on two for a seventh less time
         )
         for step in steps
     )
-    found = [_extrapolated(*pair) for pair in zip(coarse, fine, strict=True)]
-    return [_like(one, recording) for one, recording in zip(found, log.recordings, strict=True)]
-
-
-def _extrapolated(coarse: Recording, fine: Recording) -> Recording:
-    """Recordings by a step and by half of it, extrapolated to no step; their times are the same."""
-    columns = {name: 2 * fine[name] - values for name, values in coarse.columns.items()}
-    return Recording(columns=columns | {"timestamp": coarse["timestamp"]}, header=coarse.header)
+    found = []
+    for one, other, like in zip(coarse, fine, log.recordings, strict=True):
+        columns = {name: 2 * other[name] - values for name, values in one.columns.items()}
+        columns["timestamp"] = one["timestamp"]
+        found.append(_like(Recording(columns=columns, header=one.header), like))
+    return found
 
 
 def _record_dt(robot: RobotDescription, step: float, dt: float) -> float:
@@ -119,36 +112,26 @@ def _record_dt(robot: RobotDescription, step: float, dt: float) -> float:
     """
     n_steps = round(robot.servo.control_dt / step)
     periods = [n * step for n in range(1, n_steps + 1) if n_steps % n == 0]
-    return max((period for period in periods if _divides(period, dt)), default=periods[0])
-
-
-def _divides(period: float, dt: float) -> bool:
-    """Tell whether every sample of a log, `dt` apart, is one of a simulation's."""
-    times = round(dt / period)
-    return times >= 1 and abs(times * period - dt) <= _SAME_TIME * dt
+    having = [one for one in periods if round(dt / one) and abs(round(dt / one) * one - dt) <= _SAME_TIME * dt]
+    return max(having, default=periods[0])
 
 
 def _like(exact: Recording, like: Recording) -> Recording:
     """The rows and columns of another recording: what one must be derived from, the other must, too."""
-    names = [name for name in exact.columns if name in like.columns]
+    columns = {name: values for name, values in exact.columns.items() if name in like.columns}
     since, dt = like.t - like.t[0] + exact.t[0], like.dt
     n = int(np.searchsorted(since, exact.t[-1] + 0.5 * dt))
     if n == len(exact) and np.abs(since[:n] - exact.t).max() <= _SAME_TIME * dt:
-        return Recording(columns={name: exact[name] for name in names}, header=exact.header)
+        return Recording(columns=columns, header=exact.header)
+    # columns at other times, from the rows at which they are known
     t = np.minimum(since[:n], exact.t[-1])
-    columns = {name: _at(exact, name, t) for name in names}
+    for name, values in columns.items():
+        seen = ~np.isnan(values)
+        if name.startswith(_SMOOTH):
+            columns[name] = scipy.interpolate.CubicSpline(exact.t[seen], values[seen])(t)
+        else:
+            columns[name] = np.interp(t, exact.t[seen], values[seen])
     return Recording(columns=columns | {"timestamp": since[:n]}, header=replace(exact.header, phases=()))
-
-
-def _at(recording: Recording, name: str, t: Array) -> Array:
-    """A column at other times, from the rows at which it is known."""
-    values = recording[name]
-    seen = ~np.isnan(values)
-    if name.startswith(_SMOOTH):
-        smooth: Array = scipy.interpolate.CubicSpline(recording.t[seen], values[seen])(t)
-        return smooth
-    straight: Array = np.interp(t, recording.t[seen], values[seen])
-    return straight
 
 
 _SAME_MOTION = 0.03

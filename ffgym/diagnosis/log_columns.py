@@ -19,12 +19,11 @@ _GAP = 5
 
 def padded(arrays: Sequence[Array], n: int, hold: bool) -> Array:
     """Arrays (T_i, ...) side by side, shape (T, M, ...); after its end a motion holds its last row, or is 0."""
-
-    def one(array: Array) -> Array:
+    found = []
+    for array in arrays:
         width = ((0, n - len(array)), *((0, 0) for _ in array.shape[1:]))
-        return np.pad(array, width, mode="edge") if hold else np.pad(array, width)
-
-    return np.stack([one(array) for array in arrays], axis=1)
+        found.append(np.pad(array, width, mode="edge") if hold else np.pad(array, width))
+    return np.stack(found, axis=1)
 
 
 def tool_columns(recording: Recording) -> Array:

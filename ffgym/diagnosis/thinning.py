@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.types import Array, BoolArray, IntArray
-from ffgym.diagnosis.cells import CELL, Cells, Coarse, MotionRegressor, cells_of, coarse
+from ffgym.diagnosis.cells import CELL, Cells, MotionRegressor, cells_of, coarse
 from ffgym.diagnosis.computing import on_one_thread
 from ffgym.diagnosis.sampling import Sampling
 from ffgym.recordings import Recording
@@ -41,20 +41,8 @@ _MOVING = 0.25
 """Share of a stretch in which a joint moves, at least."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Selection:
-    """A stretch that was chosen."""
-
-    recording: int
-    """Number of the recording."""
-    first: int
-    """Its first cell."""
-    stop: int
-    """The cell after its last one."""
-
-
-def choose(log: Sequence[Cells], seconds: float) -> list[Selection]:
-    r"""Choose stretches of recordings that last `seconds` at most, in their order.
+def choose(log: Sequence[Cells], seconds: float) -> list[tuple[int, int, int]]:
+    r"""Choose stretches of recordings that last `seconds` at most.
 
     Stretches are chosen one after the other (D-optimality, greedy): the next one is that with which
 
@@ -63,16 +51,21 @@ def choose(log: Sequence[Cells], seconds: float) -> list[Selection]:
     grows most, with the regressor X in units of a typical second. First one stretch is chosen in each of as many parts
     of the log as make up half of the time, then others anywhere. Of a part those count that begin and end at rest, if
     there are any: a replay begins at rest.
+
+    Returns:
+        Number of the recording, its first cell and the cell after the last one, in the order of the log.
     """
     windows = _Windows.of(log)
-    left, chosen_at = seconds, np.zeros(len(windows.length), dtype=np.bool_)
-    free, used = windows.usable.copy(), np.zeros(windows.n_cells, dtype=np.bool_)
+    left, free = seconds, windows.usable.copy()
+    chosen_at, used = np.zeros_like(free), np.zeros(windows.n_cells, dtype=np.bool_)
     parts = max(1, round(_SPREAD * seconds / (CELL * LENGTH)))
     part_of = (2 * windows.begin + windows.length) * parts // (2 * windows.n_cells)
     served = np.zeros(parts, dtype=np.bool_)
     known = np.eye(windows.information.shape[1])
     while True:
-        free &= (windows.lasting <= left) & ~windows.touches(used)
+        # windows that are short enough and have no cell that is used
+        count = np.concatenate([[0], np.cumsum(used)])
+        free &= (windows.lasting <= left) & (count[windows.begin + windows.length] == count[windows.begin])
         wanted = _best_ends(windows, free & ~served[part_of], part_of)
         if not wanted.any():
             wanted = _best_ends(windows, free, np.zeros_like(part_of))
@@ -84,7 +77,8 @@ def choose(log: Sequence[Cells], seconds: float) -> list[Selection]:
         left -= float(windows.lasting[best])
         used[windows.begin[best] : windows.begin[best] + windows.length[best]] = True
         chosen_at[best], served[int(part_of[best])] = True, True
-    return windows.choices(chosen_at)
+    cells = np.stack([windows.recording, windows.first, windows.first + windows.length], axis=1)[chosen_at]
+    return [(i, first, stop) for i, first, stop in cells.tolist()]
 
 
 def _best_ends(windows: "_Windows", allowed: BoolArray, part_of: IntArray) -> BoolArray:
@@ -121,44 +115,31 @@ class _Windows:
     @classmethod
     def of(cls, log: Sequence[Cells]) -> "_Windows":
         """All windows of a log."""
-        rows, information, before = list[tuple[Any, ...]](), list[Array](), 0
+        whole, flags = list[list[int]](), list[Any]()
+        lasting, information, before = list[float](), list[Array](), 0
         for i, cells in enumerate(log):
             n = len(cells) if len(cells) <= _WHOLE * LENGTH else LENGTH
             total = np.cumsum(np.concatenate([np.zeros_like(cells.information[:1]), cells.information]), axis=0)
             for k in range(len(cells) - n + 1):
-                lasting, rests = cells.edges[k + n] - cells.edges[k], int(cells.at_rest[k]) + int(cells.at_rest[k + n])
-                inside = slice(k, k + n)
-                usable = cells.there[inside].all(), cells.moving[inside].mean() >= _MOVING
-                rows.append((i, before + k, k, n, rests, lasting, *usable))
+                rests, inside = int(cells.at_rest[k]) + int(cells.at_rest[k + n]), slice(k, k + n)
+                whole.append([i, before + k, k, n, rests])
+                lasting.append(cells.edges[k + n] - cells.edges[k])
+                flags.append([cells.there[inside].all(), cells.moving[inside].mean() >= _MOVING])
             information.append(total[n:] - total[:-n])
             before += len(cells)
-        recording, begin, first, length, rest_ends, seconds, there, moves = np.array(rows).T
-        usable_rows = (there > 0) & (moves > 0)
+        recording, begin, first, length, rest_ends = np.array(whole, dtype=np.intp).T
+        there, moves = np.array(flags, dtype=np.bool_).T
         return cls(
             n_cells=before,
-            recording=recording.astype(np.intp),
-            begin=begin.astype(np.intp),
-            first=first.astype(np.intp),
-            length=length.astype(np.intp),
-            lasting=seconds,
-            rests=rest_ends.astype(np.intp),
-            usable=usable_rows if usable_rows.any() else there > 0,
+            recording=recording,
+            begin=begin,
+            first=first,
+            length=length,
+            lasting=np.array(lasting),
+            rests=rest_ends,
+            usable=there & moves if (there & moves).any() else there,
             information=np.concatenate(information),
         )
-
-    def touches(self, used: BoolArray) -> BoolArray:
-        """Windows that have a cell that is `used` (n_cells,), shape (W,)."""
-        count = np.concatenate([[0], np.cumsum(used)])
-        return np.asarray(count[self.begin + self.length] > count[self.begin])
-
-    def choices(self, chosen_at: BoolArray) -> list[Selection]:
-        """The windows that were chosen, in the order of the log."""
-        return [
-            Selection(
-                recording=int(self.recording[w]), first=int(self.first[w]), stop=int(self.first[w] + self.length[w])
-            )
-            for w in np.flatnonzero(chosen_at).tolist()
-        ]
 
 
 SAMPLES = 540_000
@@ -196,36 +177,23 @@ def thin(sources: Sequence[Recording | Stored]) -> list[Recording]:
     """
     lasting = [float(source.t[-1] - source.t[0]) for source in sources]
     names = [source.header.segment for source in sources]
-    if len(set(names)) < len(names) or not (bool(sources) and sum(lasting) > _affordable(sources)):
+    # time that all may last together: that of the fastest sample rate and the most joints
+    periods, joints = [float(np.median(np.diff(one.t))) for one in sources], [len(one.header.joints) for one in sources]
+    most = affordable(min(periods), max(joints)) if sources else np.inf
+    if len(set(names)) < len(names) or not sum(lasting) > most:
         return [source.whole() if isinstance(source, Stored) else source for source in sources]
     motions = [coarse(source) for source in sources]
-    order = sorted(range(len(sources)), key=lambda i: (started(sources[i].header), names[i], _digest(motions[i])))
+
+    digests = [hashlib.sha256(b"".join(np.ascontiguousarray(x).tobytes() for x in (one.t, one.q))) for one in motions]
+    order = sorted(range(len(sources)), key=lambda i: (started(sources[i].header), names[i], digests[i].digest()))
     regressor = MotionRegressor.of([motions[i] for i in order])
     cells = [cells_of(motions[i], regressor) for i in order]
     spans: list[list[Span]] = [[] for _ in sources]
-    for one in choose(cells, _affordable(sources)):
-        own = cells[one.recording]
-        ends = slice(one.first, one.stop + 1, one.stop - one.first)
-        (start, end), (first, last) = own.edges[ends].tolist(), own.at_rest[ends].tolist()
-        spans[order[one.recording]].append(Span(start=start, end=end, at_rest=(first, last)))
+    for i, first, stop in choose(cells, most):
+        (start, end), (begins, ends) = cells[i].edges[[first, stop]].tolist(), cells[i].at_rest[[first, stop]].tolist()
+        spans[order[i]].append(Span(start=start, end=end, at_rest=(begins, ends)))
     found = [part for source, own in zip(sources, spans, strict=True) if own for part in stretches_of(source, own)]
-    return _with_note(found, lasting)
-
-
-def _affordable(sources: Sequence[Recording | Stored]) -> float:
-    """Time that all may last together [s]: that of the fastest sample rate and the most joints."""
-    period = min(float(np.median(np.diff(source.t))) for source in sources)
-    return affordable(period, max(len(source.header.joints) for source in sources))
-
-
-def _digest(motion: Coarse) -> bytes:
-    digest = hashlib.sha256(np.ascontiguousarray(motion.t).tobytes())
-    digest.update(np.ascontiguousarray(motion.q).tobytes())
-    return digest.digest()
-
-
-def _with_note(found: Sequence[Recording], lasting: Sequence[float]) -> list[Recording]:
-    """Stretches with a sentence on how the log was thinned."""
+    # a sentence on how the log was thinned
     used, total = sum(float(one.t[-1] - one.t[0]) for one in found), sum(lasting)
     whole = "1 recording" if len(lasting) == 1 else f"{len(lasting)} recordings"
     text = (
