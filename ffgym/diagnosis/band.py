@@ -55,8 +55,16 @@ def comparison_cutoff(log: Log, machine: Machine) -> float:
     if NARROWER * narrow > usual:
         return usual
     run = replay(log.torque_alone, machine)
-    above = _above(run, narrow)
-    return usual if _is_noise(run, above) or _is_ripple(run, above) else narrow
+    # what the model leaves of the torque above the narrow band, rows (R, M, N)
+    rest = residual_rows(run.log, predicted(run))["torque"]
+    width = _TO_HALF / (narrow * run.log.sampling.row_dt)
+    above = rest - scipy.ndimage.gaussian_filter1d(rest, width, axis=0, mode="nearest")
+    # noise of torque and angle makes as much, at most, where nothing else is there
+    floor, counting, ratio = torque_noise(run), counting_rows(run.log), []
+    for j in range(above.shape[2]):
+        over = (above[..., j] / floor[:, j])[counting["torque", j]]
+        ratio.append(rms(over) if over.size else 0.0)
+    return usual if max(ratio) < _ABOVE_NOISE or _is_ripple(run, above) else narrow
 
 
 def motion_bandwidth(log: Log) -> float:
@@ -80,26 +88,8 @@ def motion_bandwidth(log: Log) -> float:
     return float(frequency[np.argmax(share > _MOTION, axis=0)].max())
 
 
-def _above(run: Replay, narrow: float) -> Array:
-    """What the model leaves of the torque above a lower cut-off, rows (R, M, N)."""
-    rest = residual_rows(run.log, predicted(run))["torque"]
-    width = _TO_HALF / (narrow * run.log.sampling.row_dt)
-    return np.asarray(rest - scipy.ndimage.gaussian_filter1d(rest, width, axis=0, mode="nearest"))
-
-
-def _is_noise(run: Replay, above: Array) -> bool:
-    """Whether what is there is no more than what noise of torque and angle makes."""
-    floor, counting = torque_noise(run), counting_rows(run.log)
-    ratio = []
-    for j in range(above.shape[2]):
-        rows = counting["torque", j]
-        over = (above[..., j] / floor[:, j])[rows]
-        ratio.append(rms(over) if over.size else 0.0)
-    return max(ratio) < _ABOVE_NOISE
-
-
 def _is_ripple(run: Replay, above: Array) -> bool:
-    """Whether it repeats with the turns of a motor, on halves of motions that were not used."""
+    """Tell whether torque (R, M, N) repeats with the turns of a motor, on halves of motions that were not used."""
     residual = residual_of(run.log, run, {"torque": above}, {"torque": torque_noise(run)})
     rows = rows_of(residual, "torque", np.random.default_rng(0))
     if rows is None:

@@ -131,7 +131,9 @@ def colour_of(
     above, inside, known = (_energies(rows, dt) for rows in (fast, left, white))
     if above is None or inside is None or known is None:
         return none
-    frequency = _frequencies(above.shape[1], dt)
+    # middles of the groups [Hz]
+    groups = np.arange(above.shape[1], dtype=np.float64)
+    frequency: Array = (_LOWEST + (groups + 0.5) * _GROUP - 0.5) / (round(_BLOCK / dt) * dt)
     high = (frequency > _ABOVE * low_pass.cutoff) & (frequency < _BELOW / dt)
     low = frequency < cutoff
     if not high.any() or not low.any():
@@ -212,40 +214,22 @@ def _shape(stays: float, frequency: Array, dt: float) -> Array:
 
 
 def _energies(rows: Sequence[Array], dt: float) -> Array | None:
-    """Energy per Hz (B, G, N) of all parts of motions, in groups of frequencies; None if there are too few parts."""
-    width = round(_BLOCK / dt)
-    parts = [part for values in rows for part in _parts(values, width)] if width > 4 * _GROUP else []
-    if len(parts) < _FEWEST:
-        return None
-    energy: Array = np.stack([_spectrum(part, dt) for part in parts])[:, _LOWEST:]
-    n = energy.shape[1] // _GROUP
-    groups: Array = energy[:, : n * _GROUP].reshape(len(parts), n, _GROUP, -1).mean(axis=2)
-    return groups
-
-
-def _frequencies(n: int, dt: float) -> Array:
-    """Middles of so many groups [Hz]."""
-    width = round(_BLOCK / dt)
-    middles: Array = (_LOWEST + (np.arange(n, dtype=np.float64) + 0.5) * _GROUP - 0.5) / (width * dt)
-    return middles
-
-
-def _parts(rows: Array, width: int) -> list[Array]:
-    """Rows (T, N) in parts of so many, about their straight lines."""
-    n = len(rows) // width
+    """One-sided energy per Hz (B, G, N) of all parts of motions, in groups of frequencies; None of too few parts."""
+    width, spectra = round(_BLOCK / dt), []
+    window = scipy.signal.windows.hann(width, sym=False)[:, None]
     time: Array = np.linspace(-1.0, 1.0, width, dtype=np.float64)[:, None]
-    found = []
-    for part in rows[: n * width].reshape(n, width, rows.shape[1]):
-        about = part - part.mean(axis=0)
-        found.append(about - time * np.sum(about * time, axis=0) / np.sum(time**2))
-    return found
-
-
-def _spectrum(part: Array, dt: float) -> Array:
-    """One-sided energy per Hz (F, N) of a part (W, N)."""
-    window = scipy.signal.windows.hann(len(part), sym=False)[:, None]
-    energy: Array = 2 * dt / float(np.sum(window**2)) * np.abs(np.fft.rfft(part * window, axis=0)) ** 2
-    return energy
+    for values in rows if width > 4 * _GROUP else ():
+        n = len(values) // width
+        for part in values[: n * width].reshape(n, width, values.shape[1]):
+            about = part - part.mean(axis=0)
+            about = about - time * np.sum(about * time, axis=0) / np.sum(time**2)  # its straight line
+            spectra.append(2 * dt / float(np.sum(window**2)) * np.abs(np.fft.rfft(about * window, axis=0)) ** 2)
+    if len(spectra) < _FEWEST:
+        return None
+    energy: Array = np.stack(spectra)[:, _LOWEST:]
+    n_groups = energy.shape[1] // _GROUP
+    groups: Array = energy[:, : n_groups * _GROUP].reshape(len(energy), n_groups, _GROUP, -1).mean(axis=2)
+    return groups
 
 
 def _quiet(energy: Array) -> Array:

@@ -6,8 +6,9 @@ half a gigabyte of a long log, which counts towards the 3 GB that a diagnosis ma
 
 import ctypes
 from collections.abc import Callable
-from functools import cache, wraps
-from typing import Any, ParamSpec, TypeVar
+from contextlib import suppress
+from functools import wraps
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
@@ -21,18 +22,8 @@ numbers beyond those that a computer has."""
 
 def trim_heap() -> None:
     """Give freed memory back to the system where its C library can, as that of GNU does; it changes nothing else."""
-    trim = _trim()
-    if trim is not None:
-        trim(0)
-
-
-@cache
-def _trim() -> Any:
-    """The function of the C library; None if it has none."""
-    try:
-        return ctypes.CDLL(None).malloc_trim
-    except (OSError, TypeError, AttributeError):  # no such library, or none that is found so
-        return None
+    with suppress(OSError, TypeError, AttributeError):  # no such library, or none that is found so
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 P = ParamSpec("P")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array
 from ffgym.diagnosis.colour import Colour, colour_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import measured_rows, residual_rows, valid_rows
@@ -35,7 +35,7 @@ _FORETOLD = 2e-3
 """What is added to the noise of torques, as a share of the RMS of their changes: no model foretells torque better than
 to some per mille, however quiet the sensors; chosen."""
 
-_TORQUES: tuple[Channel, ...] = ("torque", "servo")
+_TORQUES: frozenset[Channel] = frozenset({"torque", "servo"})
 
 DRAWS = 2
 """Draws of the noise; an RMS over thousands of rows is known to some per cent from two."""
@@ -70,43 +70,42 @@ def noise_of(run: Replay) -> Noise:
     """
     log, left = run.read, _left(run)
     low_pass = log.sampling.motion_filter
-    raw = [_angles(log, recording) for recording in log.recordings]
 
     def each(values: Array) -> Array:
         return np.stack([white_noise(values[:n, i], low_pass, log.dt) for i, n in enumerate(log.lengths)])
 
-    def least(values: Array, family: str) -> Array:
+    def least(values: Array | None, family: str) -> Array | None:
+        if values is None:
+            return None
         return np.minimum(each(values), each(left[family])) if family in left else each(values)
 
     return Noise(
-        angle=np.stack([white_noise(angle, low_pass, log.dt) for angle in raw]),
+        angle=np.stack([white_noise(_angles(log, recording), low_pass, log.dt) for recording in log.recordings]),
         step=encoder_steps(log),
-        torque=least(log.torque, "motor.effort"),
-        tool=None if log.tool is None else least(log.tool, "tcp.position"),
-        link=None if log.link is None else each(log.link),
-        feedback=None if log.feedback is None else least(log.feedback, "feedback.effort"),
+        torque=np.minimum(each(log.torque), each(left["motor.effort"])),
+        tool=least(log.tool, "tcp.position"),
+        link=least(log.link, "link.position"),
+        feedback=least(log.feedback, "feedback.effort"),
     )
 
 
 def _with_colours(noise: Noise, log: Log, like: Replay, own: Replay) -> Noise:
     """Noise with what torques and trackers have beside white noise."""
-    left, white = _left(like), _left(own)
-    measured = {"motor.effort": log.torque, "feedback.effort": log.feedback, "tcp.position": log.tool}
-    cutoff, low_pass, n = log.sampling.cutoff, log.sampling.motion_filter, range(len(log.recordings))
-
-    def of(values: Array | None) -> list[Array]:
-        return [] if values is None else [values[log.known[:, i], i] for i in n]
-
-    names = {"motor.effort": "torque", "feedback.effort": "feedback", "tcp.position": "tool"}
-    above = {family: getattr(noise, name) for family, name in names.items()}  # white, if it were
-    colours = {}
-    for family, rest in left.items():
-        rows = of(measured[family]), of(rest), of(white[family])
-        if all(np.isfinite(values).all() for values in rows[0]):
-            level = np.median(above[family], axis=0)
-            colours[family] = colour_of(*rows, cutoff, low_pass, log.dt, level=level, alike=family == "tcp.position")
-    colours = {family: colour for family, colour in colours.items() if not colour.is_white}
-    less: dict[str, Any] = {names[family]: colour.beside(above[family]) for family, colour in colours.items()}
+    left, white, colours, less = _left(like), _left(own), dict[str, Colour](), dict[str, Any]()
+    for family, name in (("motor.effort", "torque"), ("feedback.effort", "feedback"), ("tcp.position", "tool")):
+        if family not in left:
+            continue
+        known, signals = log.known.T, (getattr(log, name), left[family], white[family])
+        seen, rest, own_rest = ([values[rows, i] for i, rows in enumerate(known)] for values in signals)
+        if not all(np.isfinite(values).all() for values in seen):
+            continue
+        # standard deviation above the band, where all of it is white
+        above, sampling = getattr(noise, name), log.sampling
+        level, alike = np.median(above, axis=0), family == "tcp.position"
+        bands = sampling.cutoff, sampling.motion_filter, log.dt
+        colour = colour_of(seen, rest, own_rest, *bands, level=level, alike=alike)
+        if not colour.is_white:
+            colours[family], less[name] = colour, colour.beside(above)
     return replace(noise, colours=colours, **less)
 
 
@@ -123,7 +122,13 @@ def _left(run: Replay) -> dict[str, Array]:
 
 def encoder_steps(log: Log) -> Array:
     """Steps of the encoders in each motion, shape (M, N), motor side [rad]; 0 where there are none."""
-    return np.stack([_steps(_angles(log, recording), recording) for recording in log.recordings])
+    found = []
+    for recording in log.recordings:
+        if (bits := recording.header.encoder_bits) is not None:
+            found.append(np.full(log.robot.n_joints, 2 * np.pi / 2**bits))
+        else:
+            found.append(np.array([_step(angle) for angle in _angles(log, recording).T]))
+    return np.stack(found)
 
 
 def _angles(log: Log, recording: Recording) -> Array:
@@ -131,14 +136,8 @@ def _angles(log: Log, recording: Recording) -> Array:
     return log.robot.drive.motor_angle(angle) if recording.header.position_side == "link" else angle
 
 
-def _steps(angle: Array, recording: Recording) -> Array:
-    """Steps of the encoders: as the header says, else the smallest change if all changes are multiples of it."""
-    if recording.header.encoder_bits is not None:
-        return np.full(angle.shape[1], 2 * np.pi / 2**recording.header.encoder_bits)
-    return np.array([_step(angle[:, j]) for j in range(angle.shape[1])])
-
-
 def _step(angle: Array) -> float:
+    """Smallest change of a reading (T,) if all changes are multiples of it, else 0."""
     changes = np.abs(np.diff(angle))
     changes = changes[changes > _ROUNDING * max(1.0, float(np.abs(angle).max()))]
     if not len(changes):
@@ -153,34 +152,30 @@ def noisy(exact: Recording, noise: Noise, i: int, rng: np.random.Generator) -> R
 
     Angles are rounded to the steps of the encoder, which is no white noise where a motor stands.
     """
-    header, joints = exact.header, exact.header.joints
-    columns = {}
-    for j, joint in enumerate(joints):
-        name = f"motor.position.{joint}"
-        columns[name] = _read(exact[name], float(noise.angle[i, j]), float(noise.step[i, j]), rng)
+    header, columns, n = exact.header, dict(exact.columns), len(exact)
+
+    for j, joint in enumerate(header.joints):
+        # noise that is more than that of rounding comes before it
+        step, angle = float(noise.step[i, j]), exact[f"motor.position.{joint}"]
+        more = np.sqrt(max(float(noise.angle[i, j]) ** 2 - step**2 / 12, 0.0))
+        seen = angle + rng.normal(scale=more, size=n) if more > 0 else angle
+        columns[f"motor.position.{joint}"] = np.round(seen / step) * step if step > 0 else seen
         for family, size in (("motor.effort", noise.torque), ("feedback.effort", noise.feedback)):
             if size is not None and exact.has(family):
-                drawn = rng.normal(scale=size[i, j], size=len(exact))
+                drawn = rng.normal(scale=size[i, j], size=n)
                 if family in noise.colours:
-                    drawn = drawn + noise.colours[family].drawn(j, len(exact), rng)
+                    drawn = drawn + noise.colours[family].drawn(j, n, rng)
                 columns[f"{family}.{joint}"] = exact[f"{family}.{joint}"] + drawn
         if noise.link is not None:
-            name = f"link.position.{joint}"
-            columns[name] = exact[name] + rng.normal(scale=noise.link[i, j], size=len(exact))
+            drawn = rng.normal(scale=noise.link[i, j], size=n)
+            columns[f"link.position.{joint}"] = exact[f"link.position.{joint}"] + drawn
     if noise.tool is not None:
         for k, axis in enumerate("xyz"):
-            name = f"tcp.position.{axis}"
-            columns[name] = exact[name] + rng.normal(scale=noise.tool[i, k], size=len(exact))
+            seen = exact[f"tcp.position.{axis}"] + rng.normal(scale=noise.tool[i, k], size=n)
             if "tcp.position" in noise.colours:
-                columns[name] = columns[name] + noise.colours["tcp.position"].drawn(k, len(exact), rng)
-    return Recording(columns=dict(exact.columns) | columns, header=header)
-
-
-def _read(angle: Array, white: float, step: float, rng: np.random.Generator) -> Array:
-    """An angle as an encoder with steps reads it; white noise that is more than that of rounding comes before."""
-    more = np.sqrt(max(white**2 - step**2 / 12, 0.0))
-    seen = angle + rng.normal(scale=more, size=len(angle)) if more > 0 else angle
-    return np.round(seen / step) * step if step > 0 else seen
+                seen = seen + noise.colours["tcp.position"].drawn(k, n, rng)
+            columns[f"tcp.position.{axis}"] = seen
+    return Recording(columns=columns, header=header)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -231,22 +226,13 @@ def faultless_residuals(
     for run in runs:
         for channel, rows in residual_rows(run.read, predicted(run)).items():
             draws.setdefault(channel, []).append(rows - bias[channel])
-    return Faultless(
-        draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()},
-        least={
-            channel: _FORETOLD * _rms(measured_rows(log)[channel], valid_rows(log))
-            for channel in draws
-            if channel in _TORQUES
-        },
-    )
-
-
-def _rms(rows: Array, valid: BoolArray) -> Array:
-    """RMS of each component (C,) of rows (R, M, C) that are valid (R, M), about its mean in a motion: weights stay."""
-    weight = valid.astype(np.float64)
-    about = rows - np.einsum("rmc,rm->mc", rows, weight) / np.maximum(weight.sum(axis=0), 1.0)[:, None]
-    rms: Array = np.sqrt(np.einsum("rmc,rm->c", about**2, weight) / max(weight.sum(), 1.0))
-    return rms
+    # RMS of torques that count, about their means in a motion: weights stay
+    least, weight = {}, valid_rows(log).astype(np.float64)
+    for channel in draws.keys() & _TORQUES:
+        rows = measured_rows(log)[channel]
+        about = rows - np.einsum("rmc,rm->mc", rows, weight) / np.maximum(weight.sum(axis=0), 1.0)[:, None]
+        least[channel] = _FORETOLD * np.sqrt(np.einsum("rmc,rm->c", about**2, weight) / max(weight.sum(), 1.0))
+    return Faultless(draws={channel: np.stack(each, axis=-1) for channel, each in draws.items()}, least=least)
 
 
 def torque_noise(run: Replay) -> Array:

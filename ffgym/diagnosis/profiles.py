@@ -84,13 +84,11 @@ def profiles(rows: LogRows, component: int, joint: int, variable: Variable) -> d
     usable = np.isfinite(rows.residual[:, component]) & np.isfinite(values)
     if variable.logarithmic:
         usable = usable & (values > 0)
-    edges = _edges(values[usable])
+    # bins that hold about equally many rows, ascending
+    edges = np.zeros(0)
+    if usable.any():
+        edges = np.unique(np.quantile(values[usable], np.linspace(0.0, 1.0, BINS + 1)))
     return {name: _profile(rows, component, values, usable & rows_of, edges) for name, rows_of in directions.items()}
-
-
-def _edges(values: Array) -> Array:
-    """Edges of bins that hold about equally many rows, ascending."""
-    return np.unique(np.quantile(values, np.linspace(0.0, 1.0, BINS + 1))) if values.size else np.zeros(0)
 
 
 def _profile(rows: LogRows, component: int, values: Array, usable: BoolArray, edges: Array) -> Profile:
@@ -98,18 +96,14 @@ def _profile(rows: LogRows, component: int, values: Array, usable: BoolArray, ed
         return Profile(centre=np.zeros(0), mean=np.zeros(0), error=np.zeros(0))
     value, residual = values[usable], rows.residual[usable, component]
     bins = np.clip(np.searchsorted(edges, value, side="right") - 1, 0, len(edges) - 2)
-    blocks = _blocks(rows)[usable]
-    kept = [b for b in range(len(edges) - 1) if np.count_nonzero(bins == b) >= FEW]
-    means = [(value[bins == b].mean(), residual[bins == b].mean()) for b in kept]
-    errors = [_standard_error(residual[bins == b], blocks[bins == b]) for b in kept]
+    # number of the block of each row, none of which reaches from one motion into the next
+    place = np.stack([rows.motion, np.floor(rows.time / BLOCK).astype(np.intp)], axis=1)
+    block = np.unique(place, axis=0, return_inverse=True)[1].ravel()[usable]
+    kept = [bins == b for b in range(len(edges) - 1) if np.count_nonzero(bins == b) >= FEW]
+    means = [(value[own].mean(), residual[own].mean()) for own in kept]
+    errors = [_standard_error(residual[own], block[own]) for own in kept]
     centre, mean = np.array(means).reshape(-1, 2).T
     return Profile(centre=centre, mean=mean, error=np.array(errors))
-
-
-def _blocks(rows: LogRows) -> IntArray:
-    """Number of the block that each row belongs to; a block does not reach from one motion into the next."""
-    blocks = np.stack([rows.motion, np.floor(rows.time / BLOCK).astype(np.intp)], axis=1)
-    return np.unique(blocks, axis=0, return_inverse=True)[1].ravel()
 
 
 def _standard_error(values: Array, blocks: IntArray) -> float:

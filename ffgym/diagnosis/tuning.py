@@ -23,7 +23,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import BOUND, LinkMass
 from ffgym.diagnosis.column import columns_of
 from ffgym.diagnosis.evidence import BLOCK, blocks_of
-from ffgym.diagnosis.fit.fit import Fit, evaluated, left_by
+from ffgym.diagnosis.fit.fit import evaluated, left_by
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, moved
 from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.log import Log, log_of
@@ -87,38 +87,20 @@ NUMBERS: tuple[type[Effect], ...] = (
 recordings tell it only at resonance."""
 
 
-def as_described(robot: RobotDescription) -> tuple[Hypothesis, ...]:
-    """All numbers as a description has them."""
-    rigid = robot.drive.is_rigid
-    return tuple(
-        Hypothesis(
-            kind=kind,
-            joint=joint,
-            source=None,
-            values={name: np.array(p.neutral) for name, p in kind.parameters().items()},
-        )
-        for kind in NUMBERS
-        for j, joint in enumerate(robot.joints)
-        if not (kind.needs_elasticity and rigid[j])
-    )
-
-
-def distance(numbers: Iterable[Hypothesis]) -> Array:
-    """How far all numbers are from the description, in practical steps."""
-    return np.array(
-        [
-            (free.value - number.kind.parameters()[free.name].neutral) / free.step
-            for number in numbers
-            for free in number.free()
-        ]
-    )
-
-
 PRECISION = (STEP / SPREAD) ** 2
-"""Of that distance, before any recording."""
+"""Of the distance of all numbers from the description, in practical steps, before any recording."""
 
 
-def with_numbers(robot: RobotDescription, numbers: Iterable[Hypothesis]) -> RobotDescription:
+def _distance(numbers: Iterable[Hypothesis]) -> Array:
+    """How far all numbers are from the description, in practical steps."""
+    found = []
+    for number in numbers:
+        known = number.kind.parameters()
+        found += [(free.value - known[free.name].neutral) / free.step for free in number.free()]
+    return np.array(found)
+
+
+def _with_numbers(robot: RobotDescription, numbers: Iterable[Hypothesis]) -> RobotDescription:
     """The description with other numbers."""
     for number in numbers:
         effect = number.effect(robot)
@@ -160,25 +142,41 @@ def tuned(machine: Machine, recordings: Sequence[Recording]) -> Machine:
     Raises:
         FFGymError: if recordings do not fit the robot.
     """
-    log = replace(log_of(machine.physical, recordings), feedback=None)  # the servo knows nothing of these numbers
-    numbers = as_described(machine.physical)
+    robot = machine.physical
+    log = replace(log_of(robot, recordings), feedback=None)  # the servo knows nothing of these numbers
+    # all numbers as the description has them
+    numbers: tuple[Hypothesis, ...] = ()
+    for kind in NUMBERS:
+        neutral = {name: np.array(p.neutral) for name, p in kind.parameters().items()}
+        for joint, is_rigid in zip(robot.joints, robot.drive.is_rigid, strict=True):
+            if not (kind.needs_elasticity and is_rigid):
+                numbers += (Hypothesis(kind=kind, joint=joint, source=None, values=neutral),)
     for cutoff in CUTOFFS:
         sampling = replace(log.sampling, cutoff=min(cutoff, log.sampling.cutoff))
         setting = _setting(replace(log, sampling=sampling), machine)
         for _ in range(PASSES):
             numbers = _fitted(_weighed(setting, numbers), numbers)
-    return replace(machine, robot=with_numbers(machine.robot, numbers))
+    return replace(machine, robot=_with_numbers(machine.robot, numbers))
 
 
 def _fitted(setting: Setting, numbers: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     """Numbers that leave least, by Gauss-Newton steps from the given ones."""
-    now = evaluated(setting, numbers)
-    cost = _cost(setting, numbers)
+
+    def cost_of(tried: Sequence[Hypothesis]) -> float:
+        """What numbers leave, and how far they are from the description."""
+        return left_by(setting, tried) + PRECISION * float(np.sum(_distance(tried) ** 2))
+
+    now, cost = evaluated(setting, numbers), cost_of(numbers)
     for _ in range(_ROUNDS):
-        step, better = _step(now), np.inf
+        # change of all numbers, in practical steps
+        off, n, priors = _distance(now.hypotheses), now.n_calibration, now.priors
+        precision = np.concatenate([priors.precision[:n], np.full(len(off), PRECISION)])
+        pull = now.evidence.moment.sum(axis=0)[:, 0] - np.concatenate([np.zeros(n), PRECISION * off])
+        step = bounded(now.evidence.gram.sum(axis=0), pull, precision, priors.low, priors.high)[n:]
+        better = np.inf
         for _ in range(_HALVINGS):
             tried = moved(now.hypotheses, step)
-            better = _cost(setting, tried)
+            better = cost_of(tried)
             if better < cost:
                 break
             step = 0.5 * step
@@ -186,21 +184,6 @@ def _fitted(setting: Setting, numbers: Sequence[Hypothesis]) -> tuple[Hypothesis
             break
         now, cost = evaluated(setting, tried), better
     return now.hypotheses
-
-
-def _cost(setting: Setting, numbers: Sequence[Hypothesis]) -> float:
-    """What numbers leave, and how far they are from the description."""
-    return left_by(setting, numbers) + PRECISION * float(np.sum(distance(numbers) ** 2))
-
-
-def _step(now: Fit) -> Array:
-    """Change of all numbers, in practical steps."""
-    off, n = distance(now.hypotheses), now.n_calibration
-    evidence, priors = now.evidence, now.priors
-    precision = np.concatenate([priors.precision[:n], np.full(len(off), PRECISION)])
-    pull = evidence.moment.sum(axis=0)[:, 0] - np.concatenate([np.zeros(n), PRECISION * off])
-    step: Array = bounded(evidence.gram.sum(axis=0), pull, precision, priors.low, priors.high)[n:]
-    return step
 
 
 def _setting(log: Log, machine: Machine) -> Setting:
@@ -240,7 +223,7 @@ def _weighed(setting: Setting, numbers: Sequence[Hypothesis]) -> Setting:
 
     What a model lacks goes on for a while, so that all rows of a block count as much as one.
     """
-    machine = replace(setting.nominal, robot=with_numbers(setting.nominal.robot, numbers))
+    machine = replace(setting.nominal, robot=_with_numbers(setting.nominal.robot, numbers))
     residual = evaluated(replace(setting, nominal=machine), ()).residual
     counting, alike = counting_rows(setting.log), BLOCK / setting.log.sampling.row_dt
     weights = {}

@@ -31,7 +31,7 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.noise import Noise, noisy
-from ffgym.diagnosis.push import Parts, Push, changes, shown
+from ffgym.diagnosis.push import Push, changes, shown
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
@@ -62,8 +62,12 @@ def unknown_torque(run: Replay, bias: Mapping[Channel, Array]) -> Array:
             that is made up between the samples.
     """
     log = run.read
+    # the motion in half its band
+    low_pass, slower = LowPass(cutoff=_HALF * log.sampling.motion_filter.cutoff), log.q.copy()
+    for i, n in enumerate(log.lengths):
+        slower[:n, i] = low_pass(log.q[:n, i], log.dt)
     narrow = _friction(run, log.q, _HALF * log.trembling)
-    slow = _friction(run, _slower(run), log.trembling)
+    slow = _friction(run, slower, log.trembling)
     begun = _friction(run, log.q, log.trembling, load=1.0)
     changes = [log.sampling(friction - run.bristles.torque) for friction in (narrow, slow, begun)]
     # share of what replays do wrong that is not known, as the motion between the samples is not, `dt` [s] apart
@@ -80,16 +84,6 @@ def _friction(run: Replay, angle: Array, band: Array, load: float = 0.0) -> Arra
     log, drive = run.read, run.robot.drive
     slip = np.gradient(without_trembling(angle, band), log.dt, axis=0)
     return along_speed(run.robot.friction, drive.motor_angle(slip), drive.motor_angle(run.log.dq), log.dt, load).torque
-
-
-def _slower(run: Replay) -> Array:
-    """The motion (T, M, N) in half its band, link side [rad]."""
-    log = run.read
-    low_pass = LowPass(cutoff=_HALF * log.sampling.motion_filter.cutoff)
-    angle = log.q.copy()
-    for i, n in enumerate(log.lengths):
-        angle[:n, i] = low_pass(log.q[:n, i], log.dt)
-    return angle
 
 
 def doubt_rows(weights: Values, unknown: Mapping[Channel, Array]) -> Values:
@@ -152,21 +146,15 @@ def bound_outliers(weights: Values, residual: Mapping[Channel, Array]) -> Values
         weights: one over the noise of each row, 0 for rows that do not count; (M,) or (R, M).
         residual: of the nominal model, (R, M, C) by channel.
     """
-    return {key: _bound(rows, residual[key[0]][:, :, key[1]]) for key, rows in weights.items()}
-
-
-def _bound(weight: Array, residual: Array) -> Array:
-    usual = _usual(weight, residual)
-    if usual < EVERYWHERE:
-        return weight
-    return weight * np.minimum(1.0, USUAL * usual / np.maximum(np.abs(weight * residual), 1e-300))
-
-
-def _usual(weight: Array, residual: Array) -> float:
-    """Usual misfit of rows that count, in standard deviations of the noise."""
-    size = np.abs(weight * residual)
-    counting = size[np.broadcast_to(weight, size.shape) > 0]
-    return _NORMAL * float(np.median(counting)) if counting.size else 0.0
+    found = dict(weights)
+    for (channel, c), weight in weights.items():
+        size = np.abs(weight * residual[channel][:, :, c])
+        # usual misfit of rows that count, in standard deviations of the noise
+        counting = size[np.broadcast_to(weight, size.shape) > 0]
+        usual = _NORMAL * float(np.median(counting)) if counting.size else 0.0
+        if usual >= EVERYWHERE:
+            found[channel, c] = weight * np.minimum(1.0, USUAL * usual / np.maximum(size, 1e-300))
+    return found
 
 
 _CLEAR = 0.7
@@ -186,32 +174,24 @@ def first_swing(setting: Setting) -> dict[Channel, Array]:
     if run is None or run.robot.drive.is_rigid.all():
         return {}
     rest = without_calibration(setting, evaluated(setting, ()))
-    free = _free_motions(run)
-    keys = [key for key in free[0] if key in setting.weights]
-    found = {channel: np.zeros_like(rest[channel]) for channel in dict.fromkeys(channel for channel, _ in keys)}
-    for m in range(len(setting.log.recordings)):
-        weights = {key: np.broadcast_to(setting.weights[key], free[0][key].shape)[:, m] for key in keys}
-        columns = np.stack([_stacked({k: one[k][:, m] for k in keys}, weights) for one in free], axis=1)
-        target = _stacked({(channel, c): rest[channel][:, m, c] for channel, c in keys}, weights)
-        sizes = np.linalg.lstsq(columns, target, rcond=_INDEPENDENT)[0]
-        if np.sum((target - columns @ sizes) ** 2) > _CLEAR * np.sum(target**2):
-            continue
-        for channel, c in keys:
-            found[channel][:, m, c] = sum(size * one[channel, c][:, m] for size, one in zip(sizes, free, strict=True))
-    return found
-
-
-def _free_motions(run: Replay) -> list[Parts]:
-    """What arms show that are let go or knocked at the first sample: one of each for every elastic joint."""
+    # what arms show that are let go or knocked at the first sample: of each elastic joint one of both
     pushes = []
     for j in run.springs.elastic.tolist():
         for sample in (0, 1):  # a load that is gone after the first sample, and one that comes and goes after it
             load = np.zeros_like(run.log.q)
             load[sample, :, j] = run.springs.stiffness[j] * _BEND
             pushes.append(Push(links=load))
-    return [shown(run, change) for change in changes(run, pushes)]
-
-
-def _stacked(rows: Mapping[tuple[Channel, int], Array], weights: Mapping[tuple[Channel, int], Array]) -> Array:
-    """Weighted rows (R,) of all components, one after the other."""
-    return np.concatenate([rows[key] * weights[key] for key in rows])
+    free = [shown(run, change) for change in changes(run, pushes)]
+    keys = [key for key in free[0] if key in setting.weights]
+    found = {channel: np.zeros_like(rest[channel]) for channel in dict.fromkeys(channel for channel, _ in keys)}
+    # weighted rows of all components of a motion, one after the other, as far as free motions explain them
+    for m in range(len(setting.log.recordings)):
+        weights = {key: np.broadcast_to(setting.weights[key], free[0][key].shape)[:, m] for key in keys}
+        columns = np.stack([np.concatenate([one[k][:, m] * weights[k] for k in keys]) for one in free], axis=1)
+        target = np.concatenate([rest[channel][:, m, c] * weights[channel, c] for channel, c in keys])
+        sizes = np.linalg.lstsq(columns, target, rcond=_INDEPENDENT)[0]
+        if np.sum((target - columns @ sizes) ** 2) > _CLEAR * np.sum(target**2):
+            continue
+        for channel, c in keys:
+            found[channel][:, m, c] = sum(size * one[channel, c][:, m] for size, one in zip(sizes, free, strict=True))
+    return found

@@ -7,15 +7,7 @@ import pytest
 from ffgym.diagnosis import computing
 
 
-@pytest.fixture(autouse=True)
-def forgotten():
-    """The function is looked for anew."""
-    computing._trim.cache_clear()
-    yield
-    computing._trim.cache_clear()
-
-
-def test_the_c_library_is_asked_once_to_keep_nothing(monkeypatch):
+def test_the_c_library_is_asked_to_keep_nothing(monkeypatch):
     asked = []
 
     class Library:

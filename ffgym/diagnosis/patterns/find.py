@@ -1,7 +1,7 @@
 """What residuals depend on, strongest first: each pattern is what the stronger ones leave."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
@@ -20,9 +20,9 @@ from ffgym.diagnosis.patterns.forms import (
 )
 from ffgym.diagnosis.patterns.periodic import Amplitude, Line, PerTurn
 from ffgym.diagnosis.patterns.rows import Rows, rows_of, without_slow
-from ffgym.diagnosis.patterns.significance import Dependence, best_of, dependence, tried, wandering
+from ffgym.diagnosis.patterns.significance import Dependence, Trial, best_of, dependence, tried, wandering
 from ffgym.diagnosis.residual import UNITS, Residual
-from ffgym.diagnosis.result import Pattern
+from ffgym.diagnosis.result import Pattern, PatternKind
 
 _VARIABLES: dict[Variable, str] = {
     "angle": "motor angle",
@@ -47,43 +47,6 @@ _AMPLITUDES: dict[Amplitude, str] = {
 }
 
 
-def variable_of(form: Candidate | Dependence, joints: tuple[str, ...], component: str) -> str:
-    """What a residual depends on; of which joint is said if that is not the component's own."""
-    if form.joint is None:
-        return "time"
-    words = "motor angle" if isinstance(form, PerTurn) else "time"
-    if isinstance(form, Function | Dependence):
-        words = _VARIABLES[form.variable]
-    return words if joints[form.joint] == component else f"{words} of {joints[form.joint]}"
-
-
-def message(pattern: Pattern, form: Candidate | Dependence, joints: tuple[str, ...]) -> str:
-    """One sentence: what depends on what, how large that is, and how much of the residual it explains."""
-    size = f"{pattern.amplitude:.3g} {UNITS[pattern.channel]}"
-    known = "" if isinstance(form, Dependence) else f", {pattern.share:.0%} of the residual"
-    return f"{pattern.channel} of {pattern.component}: {_depends(pattern, form, joints)} ({size}{known})"
-
-
-def _depends(pattern: Pattern, form: Candidate | Dependence, joints: tuple[str, ...]) -> str:
-    if pattern.kind == "line":
-        how = "whatever moves" if form.joint is None else f"turned over with the direction of {joints[form.joint]}"
-        return f"vibration at {pattern.frequency:.2f} Hz, {how}"
-    joint = "" if form.joint is None else joints[form.joint]
-    if isinstance(form, PerTurn):
-        cycles = f"{pattern.frequency:.1f} cycles per turn"
-        return f"periodic in the motor angle of {joint}, {cycles}, {_AMPLITUDES[form.amplitude]}"
-    named = variable_of(form, joints, "")
-    if isinstance(form, Dependence) and form.joint is None:
-        return "wanders with time, whatever moves"
-    if isinstance(form, Dependence):
-        return f"depends on the {named}, in none of the forms that are known"
-    if not isinstance(form, Function) or form.signed is None:
-        return f"a function of the {named}"
-    if form.variable == "none":
-        return f"goes with the sign of the {named}"
-    return f"a function of the {named}, times the sign of the motor speed of {joints[form.signed]}"
-
-
 FALSE_ALARMS = 0.01
 """Probability that noise alone gives any pattern in any channel."""
 
@@ -98,12 +61,8 @@ _CUTS = 3
 stretches alone, which may all come to lie in one half; chosen."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Found:
-    """A pattern, and how much energy above the noise it stands for."""
-
-    pattern: Pattern
-    strength: float
+_Found = tuple[float, Pattern]
+"""How much energy above the noise a pattern stands for, and the pattern."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,7 +86,7 @@ def find_patterns(residual: Residual, rng: np.random.Generator) -> tuple[Pattern
         dependence=FALSE_ALARMS / 4 / max(sum(len(rows.components) for rows in enough), 1),
     )
     found = [one for rows in enough for one in _of_channel(rows, forms, levels, rng)]
-    return tuple(one.pattern for one in sorted(found, key=lambda one: -one.strength))
+    return tuple(pattern for _, pattern in sorted(found, key=lambda one: -one[0]))
 
 
 def candidates(n_joints: int) -> list[Fixed | Periodic]:
@@ -147,44 +106,45 @@ def _of_channel(
     rows: Rows, forms: Sequence[Fixed | Periodic], levels: _Levels, rng: np.random.Generator
 ) -> list[_Found]:
     """Patterns of one channel: the best form of each component, then the best of what that leaves, and so on."""
-    left, found = rows.values.copy(), []
-    energy, noise = np.sum(left**2, axis=0), np.sum(rows.noise, axis=0)
+    left, found, energy = rows.values.copy(), list[_Found](), np.sum(rows.values**2, axis=0)
     without = active = rows.loud(left)
     for _ in range(MOST):
         trials = [tried(form, rows, left, active) for form in forms] if active else []
         chosen = {c: best_of(trials, rows, c, least=LEAST_SHARE * float(energy[c]), level=levels.form) for c in active}
         for c, trial in chosen.items():
             if trial is not None:
-                gain = float(trial.gain[:, c].sum())
-                pattern, fitted = _pattern(trial.candidate, rows, left[:, c], c, gain / float(energy[c]))
-                left[:, c] -= fitted
-                found.append(_Found(pattern=pattern, strength=gain / float(noise[c])))
+                left[:, c] -= _adopt(trial, rows, left[:, c], c, energy, found)
         without = [c for c in without if chosen.get(c) is None]
         active = [c for c in rows.loud(left) if chosen.get(c) is not None]
-    found += _ripple(rows, left, found, energy, levels.ripple, rng.spawn(1)[0])
-    others = [_catch_all(rows, left[:, c], c, levels.dependence, rng) for c in without]
-    return found + [one for one in others if one is not None]
+    _find_ripple(rows, left, found, energy, levels.ripple, rng.spawn(1)[0])
+    # what a component depends on that no form explains
+    for c in without:
+        values = left[:, c]
+        form = wandering(rows, values, levels.dependence) or dependence(rows, values, levels.dependence, rng)
+        if form is not None:
+            strength = form.correlation * float(values @ values / rows.noise[:, c].sum())
+            found.append((strength, _pattern(form, rows, c, values)))
+    return found
 
 
-def _ripple(
-    rows: Rows, left: Array, found: Sequence[_Found], energy: Array, level: float, rng: np.random.Generator
-) -> list[_Found]:
-    """What torque repeats with the turns of its motor, where slow misfits hide it; `left` (R, C) is lessened by it.
+def _find_ripple(
+    rows: Rows, left: Array, found: list[_Found], energy: Array, level: float, rng: np.random.Generator
+) -> None:
+    """Find what torque repeats with the turns of its motor, where slow misfits hide it.
 
     Ripple of a fast motor lies above most of what else a model lacks, and is a small share of that.
 
     Args:
         rows: of a channel.
-        left: what the patterns that were found leave of them.
-        found: these patterns.
+        left: what the patterns that were found leave of them, (R, C); lessened by ripple.
+        found: these patterns, to which ripple is added.
         energy: of each component before them, (C,).
         level: largest probability that a test may have by chance.
         rng: cuts the rows into other halves.
     """
     if rows.channel != "torque":
-        return []
-    known, more = {one.pattern.component for one in found if one.pattern.kind == "periodic"}, list[_Found]()
-    fast, noise = without_slow(rows, left), np.sum(rows.noise, axis=0)
+        return
+    known, fast = {one.component for _, one in found if one.kind == "periodic"}, without_slow(rows, left)
     cuts = [rows, *(rows.redrawn(rng) for _ in range(_CUTS - 1))]
     for c in rows.loud(left):
         if rows.components[c] in known:
@@ -193,56 +153,62 @@ def _ripple(
         trials = [tried(form, cut, fast, [c]) for cut in cuts for form in forms]
         trial = best_of(trials, rows, c, least=LEAST_SHARE * float(np.sum(fast[:, c] ** 2)), level=level)
         if trial is not None:
-            gain = float(trial.gain[:, c].sum())
-            pattern, fitted = _pattern(trial.candidate, rows, fast[:, c], c, gain / float(energy[c]))
-            left[:, c] -= fitted
-            more.append(_Found(pattern=pattern, strength=gain / float(noise[c])))
-    return more
+            left[:, c] -= _adopt(trial, rows, fast[:, c], c, energy, found)
 
 
-def _pattern(candidate: Fixed | Periodic, rows: Rows, values: Array, c: int, share: float) -> tuple[Pattern, Array]:
-    """The pattern as fitted to all rows, and its part of the residual (R,)."""
-    frequency, fitted = _part(candidate, rows, values)
-    pattern = Pattern(
+def _adopt(trial: Trial, rows: Rows, values: Array, c: int, energy: Array, found: list[_Found]) -> Array:
+    """Part of `values` (R,) that a form explains, fitted to all rows; its pattern joins those that were `found`."""
+    form, frequency, fitted = trial.candidate, None, np.zeros_like(values)
+    if isinstance(form, Fixed):
+        columns = rows.centred(form.columns(rows))
+        fitted = columns @ fit(columns, values)
+    elif peaks := form.search(rows, values[:, None], np.ones(len(values), dtype=np.bool_)):
+        frequency = form.refine(rows, values, peaks[0])
+        columns = rows.centred(form.columns(rows, frequency))
+        fitted = columns @ fit(columns, values)
+    gain = float(trial.gain[:, c].sum())
+    pattern = _pattern(form, rows, c, fitted, gain / float(energy[c]), frequency)
+    found.append((gain / float(np.sum(rows.noise, axis=0)[c]), pattern))
+    return fitted
+
+
+def _pattern(
+    form: Candidate | Dependence, rows: Rows, c: int, part: Array, share: float = 0.0, frequency: float | None = None
+) -> Pattern:
+    """Tell what a component depends on, how large that `part` (R,) of it is, and how much of it that explains."""
+    component, joint = rows.components[c], "" if form.joint is None else rows.joints[form.joint]
+    words = "motor angle" if isinstance(form, PerTurn) else "time"
+    if isinstance(form, Function | Dependence) and joint:
+        words = _VARIABLES[form.variable]
+    named = f"{words} of {joint}" if joint else words
+    kind: PatternKind = "dependence"
+    match form:
+        case Line():
+            how = f"turned over with the direction of {joint}" if joint else "whatever moves"
+            kind, says = "line", f"vibration at {frequency:.2f} Hz, {how}"
+        case PerTurn():
+            how = f"{frequency:.1f} cycles per turn, {_AMPLITUDES[form.amplitude]}"
+            kind, says = "periodic", f"periodic in the {named}, {how}"
+        case Function(signed=None):
+            kind, says = "function", f"a function of the {named}"
+        case Function(variable="none"):
+            kind, says = "sign-locked function", f"goes with the sign of the {named}"
+        case Function(signed=int(other)):
+            kind = "sign-locked function"
+            says = f"a function of the {named}, times the sign of the motor speed of {rows.joints[other]}"
+        case Dependence(joint=None):
+            says = "wanders with time, whatever moves"
+        case _:
+            says = f"depends on the {named}, in none of the forms that are known"
+    amplitude = float(np.sqrt(2 * np.mean(part**2)))
+    size = f"{amplitude:.3g} {UNITS[rows.channel]}" + ("" if kind == "dependence" else f", {share:.0%} of the residual")
+    return Pattern(
         channel=rows.channel,
-        component=rows.components[c],
-        variable=variable_of(candidate, rows.joints, rows.components[c]),
-        kind=candidate.kind,
+        component=component,
+        variable=words if joint in ("", component) else named,
+        kind=kind,
         frequency=frequency,
-        amplitude=float(np.sqrt(2 * np.mean(fitted**2))),
+        amplitude=amplitude,
         share=share,
-        message="",
+        message=f"{rows.channel} of {component}: {says} ({size})",
     )
-    return replace(pattern, message=message(pattern, candidate, rows.joints)), fitted
-
-
-def _part(candidate: Fixed | Periodic, rows: Rows, values: Array) -> tuple[float | None, Array]:
-    """Frequency, if any, and the part of values (R,) that a form explains, fitted to all rows."""
-    if isinstance(candidate, Fixed):
-        columns = rows.centred(candidate.columns(rows))
-        return None, columns @ fit(columns, values)
-    peaks = candidate.search(rows, values[:, None], np.ones(len(values), dtype=np.bool_))
-    if peaks is None:
-        return None, np.zeros_like(values)
-    frequency = candidate.refine(rows, values, peaks[0])
-    columns = rows.centred(candidate.columns(rows, frequency))
-    return frequency, columns @ fit(columns, values)
-
-
-def _catch_all(rows: Rows, values: Array, c: int, level: float, rng: np.random.Generator) -> _Found | None:
-    """What a component depends on that no form explains."""
-    form = wandering(rows, values, level) or dependence(rows, values, level, rng)
-    if form is None:
-        return None
-    pattern = Pattern(
-        channel=rows.channel,
-        component=rows.components[c],
-        variable=variable_of(form, rows.joints, rows.components[c]),
-        kind="dependence",
-        frequency=None,
-        amplitude=float(np.sqrt(2 * np.mean(values**2))),
-        share=0.0,
-        message="",
-    )
-    pattern = replace(pattern, message=message(pattern, form, rows.joints))
-    return _Found(pattern=pattern, strength=form.correlation * float(values @ values / rows.noise[:, c].sum()))

@@ -8,7 +8,6 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.patterns.rows import Rows
-from ffgym.diagnosis.result import PatternKind
 
 PRIOR_ROWS = 3.0
 """Rows of zero that are added to the fit of each column, so that one seen in few rows says little; chosen: far less
@@ -26,11 +25,6 @@ class Candidate(ABC):
     def may_act_on(self, rows: Rows, component: int) -> bool:
         """Whether a component of a channel may depend on it."""
         return not self.own_only or rows.channel == "tool" or self.joint == component
-
-    @property
-    @abstractmethod
-    def kind(self) -> PatternKind:
-        """What kind of pattern it is."""
 
     @abstractmethod
     def complexity(self, rows: Rows) -> int:
@@ -109,11 +103,6 @@ class Function(Fixed):
             return rows.channel != "tool" and component == self.signed
         return super().may_act_on(rows, component)
 
-    @property
-    def kind(self) -> PatternKind:
-        """See base class."""
-        return "function" if self.signed is None else "sign-locked function"
-
     def columns(self, rows: Rows) -> Array:
         """See base class."""
         hats = hat_columns(self._values(rows), self.knots, evenly=self.evenly)
@@ -127,18 +116,14 @@ class Function(Fixed):
         if self.variable == "time" or self.joint is None:
             return rows.did.t
         j, did = self.joint, rows.did
-        match self.variable:
-            case "none":
-                return np.zeros(len(did.t))
-            case "size of speed":
-                return np.abs(did.speed[:, j])
-            case "power":
-                return did.speed[:, j] * did.torque[:, j]
-            case "load" if self.signed is not None:  # friction grows with the size of a load
-                return np.abs(did.load[:, j])
-            case other:
-                values: Array = getattr(did, other)[:, j]
-                return values
+        if self.variable == "none":
+            return np.zeros(len(did.t))
+        if self.variable == "power":
+            return did.speed[:, j] * did.torque[:, j]
+        values: Array = getattr(did, "speed" if self.variable == "size of speed" else self.variable)[:, j]
+        # friction grows with the size of a load
+        is_size = self.variable == "size of speed" or (self.variable == "load" and self.signed is not None)
+        return np.abs(values) if is_size else values
 
 
 def hat_columns(values: Array, knots: int, *, evenly: bool) -> Array:

@@ -14,7 +14,6 @@ from ffgym.core.types import Array, BoolArray, IntArray
 from ffgym.diagnosis.patterns.forms import PRIOR_ROWS, Periodic, fit
 from ffgym.diagnosis.patterns.rows import Rows, rows_of
 from ffgym.diagnosis.residual import Channel, Residual, components
-from ffgym.diagnosis.result import PatternKind
 
 PADDING = 4
 """Transforms are so much longer than the data; a peak between two frequencies then keeps 0.95 of its energy."""
@@ -169,11 +168,6 @@ class PerTurn(Periodic):
         """Whether a component of a channel may depend on it; a gear that errs moves the tool as it turns, no more."""
         return super().may_act_on(rows, component) and (rows.channel != "tool" or self.amplitude == "constant")
 
-    @property
-    def kind(self) -> PatternKind:
-        """See base class."""
-        return "periodic"
-
     def spectra(self, rows: Rows, values: Array, train: BoolArray) -> list[Spectrum] | None:
         """Periodograms of values (R, C) over the angle; None where the motor turns too little."""
         j, did = self.joint, rows.did
@@ -240,11 +234,6 @@ class Line(Periodic):
     def may_act_on(self, rows: Rows, component: int) -> bool:
         """Whether a component of a channel may depend on it; what drags at a motor takes torque."""
         return super().may_act_on(rows, component) and (self.joint is None or rows.channel != "tool")
-
-    @property
-    def kind(self) -> PatternKind:
-        """See base class."""
-        return "line"
 
     def search(self, rows: Rows, values: Array, train: BoolArray) -> list[float] | None:
         """See base class."""

@@ -1,6 +1,6 @@
 """Tests of dependence: forms on halves of the rows, any dependence at all, and wandering with time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,23 +33,22 @@ def tried(candidate: Fixed | Periodic, rows: Rows, values: Array, active: Sequen
     if not open_to:
         return Trial(candidate=candidate, gain=gain, p=p[0])
     measured = values[:, open_to]
-    foretell = _foretelling(candidate, rows, measured)
+    columns = rows.centred(candidate.columns(rows)) if isinstance(candidate, Fixed) else np.zeros((0, 0))
     for judged in (0, 1):
         train, blocks = rows.half != judged, rows.block_half == judged
         if train.any() and blocks.any():
-            foretold = foretell(train)
+            if isinstance(candidate, Fixed):
+                foretold = columns @ fit(columns[train], measured[train])
+            else:
+                foretold = _waves(candidate, rows, measured, train)
             agreement, size = (rows.by_block(foretold * other)[blocks] for other in (measured, foretold))
             gain[np.ix_(blocks, open_to)] = 2 * agreement - size
-            p[judged, open_to] = symmetric_test(_bounded(agreement, size, rows.by_block(measured**2)[blocks]))
+            # bounded by 1, so that a few large blocks are not the only ones that are heard: a block in which something
+            # is foretold counts by its correlation, one in which little is, or little happens, less
+            energy = rows.by_block(measured**2)[blocks]
+            scale = np.sqrt(size * energy) + np.median(energy, axis=0) + np.finfo(np.float64).tiny
+            p[judged, open_to] = symmetric_test(agreement / scale)
     return Trial(candidate=candidate, gain=gain, p=np.minimum(1.0, 2 * p.min(axis=0)))
-
-
-def _foretelling(candidate: Fixed | Periodic, rows: Rows, values: Array) -> Callable[[BoolArray], Array]:
-    """What a form says of all rows (R, C) when it is fitted to some of them (R,)."""
-    if isinstance(candidate, Fixed):
-        columns = rows.centred(candidate.columns(rows))
-        return lambda train: columns @ fit(columns[train], values[train])
-    return lambda train: _waves(candidate, rows, values, train)
 
 
 def _waves(candidate: Periodic, rows: Rows, values: Array, train: BoolArray) -> Array:
@@ -59,15 +58,6 @@ def _waves(candidate: Periodic, rows: Rows, values: Array, train: BoolArray) -> 
         columns = rows.centred(candidate.columns(rows, frequency))
         foretold[:, c] = columns @ fit(columns[train], values[train, c])
     return foretold
-
-
-def _bounded(agreement: Array, size: Array, energy: Array) -> Array:
-    """Agreement of each block (B, C), bounded by 1, so that a few large blocks are not the only ones that are heard.
-
-    A block in which something is foretold counts by its correlation, one in which little is, or little happens, less.
-    """
-    bounded: Array = agreement / (np.sqrt(size * energy) + np.median(energy, axis=0) + np.finfo(np.float64).tiny)
-    return bounded
 
 
 def symmetric_test(agreement: Array) -> Array:
@@ -99,14 +89,11 @@ def best_of(trials: Sequence[Trial], rows: Rows, c: int, *, least: float, level:
     if not sure:
         return None
     best = max(sure, key=lambda trial: float(trial.gain[:, c].sum()))
-    equal = [trial for trial in sure if _as_good(trial.gain[:, c], best.gain[:, c])]
+    # forms that lose less than one standard error to the best one are as good
+    less = [best.gain[:, c] - trial.gain[:, c] for trial in sure]
+    error = [float(np.sqrt(np.sum((of_block - of_block.mean()) ** 2))) for of_block in less]
+    equal = [trial for trial, lost, sigma in zip(sure, less, error, strict=True) if float(lost.sum()) <= sigma]
     return min(equal, key=lambda trial: (trial.candidate.complexity(rows), -float(trial.gain[:, c].sum())))
-
-
-def _as_good(gain: Array, best: Array) -> bool:
-    """Whether blocks (B,) do not tell a form from the best one: it loses less than one standard error."""
-    less = best - gain
-    return float(less.sum()) <= float(np.sqrt(np.sum((less - less.mean()) ** 2)))
 
 
 MOST_ROWS = 400
@@ -147,29 +134,20 @@ def dependence(rows: Rows, values: Array, level: float, rng: np.random.Generator
     kinds = np.stack([_distances(values[kept]), _distances(np.abs(values[kept]))])
     # order of rows in which those of each motion are shuffled among themselves
     orders = [np.arange(len(kept)), *(np.lexsort([rng.random(len(motion)), motion]) for _ in range(DRAWS))]
-    covariance = np.stack([_covariances(distances, kinds[:, order][:, :, order]) for order in orders])
+    covariance = np.stack([kinds[:, order][:, :, order].reshape(len(kinds), -1) @ distances.T for order in orders])
     null = covariance[1:]
     spread = null.std(axis=0)
     score = np.divide(covariance - null.mean(axis=0), spread, out=np.zeros_like(covariance), where=spread > 0)
-    if scipy.stats.gumbel_r.sf(score[0].max(), *_gumbel(score[1:].max(axis=(1, 2)))) > level:
+    largest = score[1:].max(axis=(1, 2))
+    scale = float(largest.std()) * np.sqrt(6.0) / np.pi
+    place = float(largest.mean()) - np.euler_gamma * scale
+    if scipy.stats.gumbel_r.sf(score[0].max(), place, max(scale, np.finfo(np.float64).tiny)) > level:
         return None
     kind, best = np.unravel_index(np.argmax(score[0]), score[0].shape)
     size = float(np.linalg.norm(distances[best]) * np.linalg.norm(kinds[kind]))
     return Dependence(
         variable=names[best][0], joint=names[best][1], correlation=float(np.sqrt(covariance[0, kind, best] / size))
     )
-
-
-def _gumbel(largest: Array) -> tuple[float, float]:
-    """Place and scale of a Gumbel distribution by mean and spread of its values (D,)."""
-    scale = float(largest.std()) * np.sqrt(6.0) / np.pi
-    return float(largest.mean()) - np.euler_gamma * scale, max(scale, np.finfo(np.float64).tiny)
-
-
-def _covariances(distances: Array, kinds: Array) -> Array:
-    """Covariances (2, V) of the distances (V, R^2) of variables with those of the residual (2, R, R)."""
-    covariances: Array = kinds.reshape(len(kinds), -1) @ distances.T
-    return covariances
 
 
 def _ranks(values: Array, motion: IntArray) -> Array:
