@@ -218,8 +218,8 @@ class Springs:
     def _step(self, rows: slice = slice(None), motion: int | slice = slice(None)) -> tuple[Array, Array, Array]:
         """Accelerations per load, and less per deflection and rate that are expected, (R, M, E, E) each."""
         weights, poses = self._known_poses
-        poses = poses[:, motion]
-        here = (weights[rows] @ poses.reshape(len(poses), -1)).reshape(-1, *poses.shape[1:])
+        weights, poses = weights[rows], poses[:, motion]
+        here = (weights @ poses.reshape(len(poses), -1)).reshape(weights.shape[0], *poses.shape[1:])
         return here[..., 0, :, :], here[..., 1, :, :], here[..., 2, :, :]
 
     @cached_property
