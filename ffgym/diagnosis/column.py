@@ -6,7 +6,7 @@ about as soft a spring, from where a fit finds the rest.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,11 +17,9 @@ from ffgym.diagnosis.push import (
     Push,
     changes,
     clock_parts,
-    misread_on,
-    misread_push,
+    moved,
     push_of,
     replayed_parts,
-    shown,
 )
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.variant import Cycles, Variant, variants, with_effect
@@ -61,8 +59,8 @@ def columns_of(run: Replay, kinds: Iterable[type[Effect]], cycles: Cycles) -> li
     waiting: list[tuple[Variant, str, Push]] = []
 
     def solve() -> None:
-        for (variant, joint, _), change in zip(waiting, changes(run, [push for _, _, push in waiting]), strict=True):
-            found.append(_column(run, variant, joint, shown(run, change)))
+        for (variant, joint, _), parts in zip(waiting, changes(run, [push for _, _, push in waiting]), strict=True):
+            found.append(_column(run, variant, joint, parts))
         waiting.clear()
 
     for kind in kinds:
@@ -114,7 +112,7 @@ def machine_columns(run: Replay, effects: Sequence[tuple[str, Effect]], paramete
     """One column for each of several effects that act on the whole arm, per unit of `parameter`, `step` from null."""
     found = []
     for (joint, effect), change in zip(effects, changes(run, [push_of(run, one) for _, one in effects]), strict=True):
-        parts = {key: values / step for key, values in shown(run, change).items()}
+        parts = {key: values / step for key, values in change.items()}
         found.append(Column(effect=type(effect), joint=joint, parameter=parameter, parts=parts))
     return found
 
@@ -155,8 +153,15 @@ def _pushes(run: Replay, variant: Variant) -> list[tuple[str, Push]]:
     """Pushes on the arm, one per joint that has the effect, or one of the whole machine."""
     effect, joints = variant.effect, run.robot.joints
     if isinstance(effect, ResolverEffect):
-        misread = misread_push(run, effect)
-        return [(joints[j], misread_on(run, misread, j)) for j in variant.joints]
+        # wrong readings at all motors, which truly moved otherwise; what they ask of the links is left to each
+        error = effect.error(run.state.motor_angle, run.state.motor_speed)
+        misread, found = moved(run, -run.robot.drive.joint_angle(error.angle)), []
+        for j in variant.joints:
+            alone = misread.only_joint(j)
+            if misread.joint_ddq is not None:
+                alone = replace(alone, links=run.links.mass[..., j] * misread.joint_ddq[..., j, None])
+            found.append((joints[j], alone))
+        return found
     push = push_of(run, effect)
     return [(joints[j], push.only_joint(j)) for j in variant.joints] or [("", push)]
 

@@ -158,7 +158,7 @@ def within_calibration(
         if found is None or np.max(np.abs(found.sizes)) < _CENTRED:
             break
         at = at + found.sizes
-        again = prepared(first.setting.log, found.machine, calibration, rng, at=at)
+        again = prepared(first.setting.log, found.trial.numbers, calibration, rng, at=at)
         if len(again.setting.doubts) != len(at):
             break
         ready = again

@@ -11,7 +11,7 @@ which changes the load of the motors and the place of the tool.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from ffgym.diagnosis.replay.rows import alike, same_links
 from ffgym.diagnosis.replay.states import along_speed, plus
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.sampling import derivatives_of_motions
-from ffgym.effects import Effect, NativeEffect, ResolverEffect, TorqueEffect
+from ffgym.effects import Effect, NativeEffect, TorqueEffect
 from ffgym.effects.along import torques_along
 from ffgym.robot import RobotDescription
 from ffgym.robot.friction import LuGreParameters
@@ -106,21 +106,6 @@ def _friction(run: Replay, friction: LuGreParameters, faster: Array | float) -> 
     return along_speed(friction, drive.motor_angle(slip), drive.motor_angle(log.dq + faster), log.dt).torque
 
 
-def misread_push(run: Replay, effect: ResolverEffect) -> Push:
-    """Of wrong readings at all motors, which truly moved otherwise; what they ask of the links is left to each."""
-    drive = run.robot.drive
-    error = effect.error(run.state.motor_angle, run.state.motor_speed)
-    return moved(run, -drive.joint_angle(error.angle))
-
-
-def misread_on(run: Replay, misread: Push, joint: int) -> Push:
-    """Of the wrong reading at one motor alone."""
-    alone = misread.only_joint(joint)
-    if misread.joint_ddq is None:
-        return alone
-    return replace(alone, links=run.links.mass[..., joint] * misread.joint_ddq[..., joint, None])
-
-
 def moved(run: Replay, further: Array) -> Push:
     """Of motors that truly were `further` [rad] than read, behind the gearbox; it goes through the motion's filter."""
     drive, log = run.robot.drive, run.log
@@ -135,24 +120,17 @@ def moved(run: Replay, further: Array) -> Push:
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Change:
-    """What a push changes in what is compared, at R rows."""
-
-    torque: Array
-    """Of the motors, motor side [N m], shape (R, M, N)."""
-    link: Array
-    """Of the links, link side [rad], shape (R, M, N)."""
+Parts = Mapping[tuple[Channel, int], Array]
+"""By channel and component, shape (R, M) each; what is not there does not change."""
 
 
-def changes(run: Replay, pushes: list[Push]) -> list[Change]:
-    """What each of several pushes changes; those behind the gearbox are solved for together."""
-    behind = [push for push in pushes if push.links is not None or push.spring is not None]
-    bent = _bent(run, behind)
+def changes(run: Replay, pushes: Sequence[Push]) -> list[Parts]:
+    """What each of several pushes changes in the channels that the log has; springs are solved for all together."""
+    bent = _bent(run, [push for push in pushes if push.links is not None or push.spring is not None])
     return [_change(run, push, bent.get(id(push))) for push in pushes]
 
 
-def _bent(run: Replay, pushes: list[Push]) -> dict[int, tuple[Array, Array]]:
+def _bent(run: Replay, pushes: Sequence[Push]) -> dict[int, tuple[Array, Array]]:
     """How pushes bend the springs: rows of the deflection (R, M, N) [rad] and of the torque that the joints then carry.
 
     Solved at coarser samples than the replay: what is compared has no faster parts.
@@ -189,7 +167,8 @@ def _smoothed(values: Array, every: int) -> Array:
     return means
 
 
-def _change(run: Replay, push: Push, bent: tuple[Array, Array] | None) -> Change:
+def _change(run: Replay, push: Push, bent: tuple[Array, Array] | None) -> Parts:
+    """What a push changes, with how it bends the springs."""
     sampling, drive = run.log.sampling, run.robot.drive
     rows = (len(sampling.at), *run.log.q.shape[1:])
     torque = np.zeros(rows) if push.motor is None else sampling(push.motor)
@@ -202,22 +181,13 @@ def _change(run: Replay, push: Push, bent: tuple[Array, Array] | None) -> Change
             carried = carried + np.where(drive.is_rigid, sampling(push.links), 0.0)
         torque = torque + drive.motor_torque(carried)
         link = link + angle
-    return Change(torque=torque, link=link)
-
-
-Parts = Mapping[tuple[Channel, int], Array]
-"""By channel and component, shape (R, M) each; what is not there does not change."""
-
-
-def shown(run: Replay, change: Change) -> Parts:
-    """What a change shows in each channel that the log has."""
     parts: dict[tuple[Channel, int], Array] = {}
     for j in range(run.robot.n_joints):
-        parts["torque", j] = change.torque[..., j]
+        parts["torque", j] = torque[..., j]
         if run.log.link is not None:
-            parts["link", j] = change.link[..., j]
+            parts["link", j] = link[..., j]
     if run.log.tool is not None:
-        tool = np.matmul(run.tool_jacobian, change.link[..., None])[..., 0]
+        tool = np.matmul(run.tool_jacobian, link[..., None])[..., 0]
         parts |= {("tool", k): tool[..., k] for k in range(3)}
     return parts
 

@@ -31,7 +31,7 @@ from ffgym.diagnosis.fit.setting import Setting
 from ffgym.diagnosis.identification import LowPass
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.noise import Noise, noisy
-from ffgym.diagnosis.push import Push, changes, shown
+from ffgym.diagnosis.push import Push, changes
 from ffgym.diagnosis.replay import Replay
 from ffgym.diagnosis.replay.states import along_speed
 from ffgym.diagnosis.residual import Channel
@@ -181,7 +181,7 @@ def first_swing(setting: Setting) -> dict[Channel, Array]:
             load = np.zeros_like(run.log.q)
             load[sample, :, j] = run.springs.stiffness[j] * _BEND
             pushes.append(Push(links=load))
-    free = [shown(run, change) for change in changes(run, pushes)]
+    free = changes(run, pushes)
     keys = [key for key in free[0] if key in setting.weights]
     found = {channel: np.zeros_like(rest[channel]) for channel in dict.fromkeys(channel for channel, _ in keys)}
     # weighted rows of all components of a motion, one after the other, as far as free motions explain them

@@ -22,7 +22,6 @@ from ffgym.diagnosis.fit.setting import HELD, Setting, tangents, values_of
 from ffgym.diagnosis.fit.written import possible_numbers
 from ffgym.diagnosis.solving import bounded
 from ffgym.effects import NativeEffect
-from ffgym.simulation.plant import Machine
 
 _STEPS = 25
 """Steps at most; chosen: a six-axis arm whose numbers are off by 5 % takes about ten."""
@@ -48,20 +47,11 @@ from what slopes say of it, from which on slopes do not do; chosen: chance comes
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Calibrated:
-    """A nominal machine with other numbers."""
+    """A nominal machine with other numbers, and what they leave."""
 
-    machine: Machine
     sizes: Array
     """By which they differ, in standard deviations of the doubts; 0 for those that are no numbers of the robot."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Place:
-    """A machine with numbers of its own, and what they leave."""
-
-    sizes: Array
     trial: Trial
-    machine: Machine
     evidence: Evidence
     cost: float
     """Energy that is left beside errors that are no numbers of the robot, and the squares of all errors."""
@@ -85,9 +75,9 @@ def calibrate(
     if not setting.doubts or described is None:
         return None
     problem = _Problem(setting=setting, calibration=calibration)
-    slopes = problem.slopes(described, setting.nominal) if causes else setting.stack
+    slopes = problem.slopes(described) if causes else setting.stack
     at_rest = np.zeros(len(setting.doubts))
-    now = None if slopes is None else problem.place(at_rest, described, setting.nominal, slopes)
+    now = None if slopes is None else problem.place(at_rest, described, slopes)
     if now is None or not (causes or problem.is_bent(now)):
         return None
     reach, first = _REACH, problem.predict_energy(now)
@@ -104,17 +94,15 @@ def calibrate(
         # slopes anew where the step led, unless the search has come to rest
         is_short = length < 0.99 * reach
         is_last = there.cost > (1 - _STAYS) * now.cost and is_short
-        slopes = None if is_last else problem.slopes(there.trial, there.machine)
-        again = None if slopes is None else problem.place(there.sizes, there.trial, there.machine, slopes)
+        slopes = None if is_last else problem.slopes(there.trial)
+        again = None if slopes is None else problem.place(there.sizes, there.trial, slopes)
         now, reach = again or there, min(2 * reach, _REACH)
         if again is None:
             break
         # what is due to something else than numbers stays, whatever slopes there are
         if not thoroughly and problem.predict_energy(now) > _PROMISES * first:
             return None
-    if not now.sizes.any():
-        return None
-    return Calibrated(machine=now.machine, sizes=now.sizes)
+    return now if now.sizes.any() else None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -134,18 +122,18 @@ class _Problem:
         """Place of the nominal machine from what is described, in standard deviations, shape (K,)."""
         return np.array([doubt.at for doubt in self.setting.doubts])
 
-    def slopes(self, trial: Trial, numbers: Machine) -> Stack | None:
+    def slopes(self, trial: Trial) -> Stack | None:
         """Columns of all errors and causes about a machine; None if it has others than the described one."""
         doubts = doubts_of(trial.run, self.calibration)
         if len(doubts) != len(self.setting.doubts):
             return None
         stack = stack_of(self.setting.blocks, [doubt.per_sigma for doubt in doubts], self.setting.weights)
         try:
-            return stack.beside(tangents(trial.run, numbers, trial.hypotheses)) if trial.hypotheses else stack
+            return stack.beside(tangents(trial.run, trial.numbers, trial.hypotheses)) if trial.hypotheses else stack
         except FAILED:
             return None
 
-    def place(self, sizes: Array, trial: Trial, machine: Machine, slopes: Stack) -> _Place | None:
+    def place(self, sizes: Array, trial: Trial, slopes: Stack) -> Calibrated | None:
         """A place whose errors that are no numbers are fitted by slopes; None if what it leaves is no number."""
         evidence = slopes.evidence(values_of(trial.residual))
         priors = priors_of_calibration(self.setting, trial.hypotheses)
@@ -156,11 +144,9 @@ class _Problem:
         errors = self.at + sizes
         errors[rest] += x
         cost = left + float(errors @ errors)
-        if not np.isfinite(cost):
-            return None
-        return _Place(sizes=sizes, trial=trial, machine=machine, evidence=evidence, cost=cost)
+        return Calibrated(sizes=sizes, trial=trial, evidence=evidence, cost=cost) if np.isfinite(cost) else None
 
-    def step(self, now: _Place, reach: float) -> Array:
+    def step(self, now: Calibrated, reach: float) -> Array:
         """Step of the numbers of the robot, each within a reach, and of the causes, beside all other errors."""
         priors, n = priors_of(self.setting, now.trial.hypotheses), len(self.of_robot)
         there, low, high = np.zeros(len(priors.low)), priors.low.copy(), priors.high.copy()
@@ -174,24 +160,22 @@ class _Problem:
         step[:n] *= self.of_robot
         return step
 
-    def predict_energy(self, now: _Place) -> float:
+    def predict_energy(self, now: Calibrated) -> float:
         """Predict the least energy by slopes about a place, however far numbers move."""
         step = self.step(now, np.inf)
         gram, pull = now.evidence.gram.sum(axis=0), now.evidence.moment.sum(axis=0)[:, 0]
         return float(now.evidence.energy.sum() - 2 * step @ pull + step @ gram @ step)
 
-    def move(self, now: _Place, step: Array) -> _Place | None:
+    def move(self, now: Calibrated, step: Array) -> Calibrated | None:
         """Move to the place after a step, with the slopes of the place before; None if no machine can be so."""
         n, causes = len(self.of_robot), now.trial.hypotheses
         sizes = np.clip(now.sizes + step[:n], *self.setting.calibration_limits(causes))
         sizes[np.abs(sizes) <= HELD] = 0.0
         machine = possible_numbers(self.setting, sizes)
         trial = None if machine is None else trial_of(self.setting, moved(causes, step[n:]), machine)
-        if machine is None or trial is None:
-            return None
-        return self.place(sizes, trial, machine, now.evidence.stack)
+        return None if trial is None else self.place(sizes, trial, now.evidence.stack)
 
-    def is_bent(self, now: _Place) -> bool:
+    def is_bent(self, now: Calibrated) -> bool:
         """Tell whether a replay with the numbers that slopes give differs from what slopes say of it."""
         step = self.step(now, np.inf)
         there = self.move(now, step)

@@ -26,20 +26,33 @@ _WIDE = 10.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Fit:
-    """Hypotheses as the log has them."""
+class Trial:
+    """Hypotheses with the values that they have, replayed."""
 
+    numbers: Machine
+    """The machine without them: the nominal one, or with other numbers."""
     hypotheses: tuple[Hypothesis, ...]
     run: Replay
     residual: Mapping[Channel, Array]
-    """(R, M, C), calibration not taken off."""
+    """Measured minus predicted, (R, M, C)."""
+    left: float
+    """Energy that calibration and hypotheses leave, of all rows."""
+
+    @property
+    def machine(self) -> Machine:
+        """The machine with all hypotheses."""
+        return self.run.machine
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit(Trial):
+    """Hypotheses as the log has them; calibration is not taken off the residual."""
+
     columns: tuple[Parts, ...]
     """Tangents of all free numbers, per practical step, in the order of the hypotheses."""
     evidence: Evidence
     """Of calibration columns, then tangents."""
     priors: Priors
-    left: float
-    """Energy that calibration and hypotheses leave, of all rows."""
 
     @property
     def n_calibration(self) -> int:
@@ -76,25 +89,6 @@ class Fit:
     def calibration_only(self) -> IntArray:
         """Places of the calibration's columns."""
         return np.arange(self.n_calibration)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Trial:
-    """Hypotheses with the values that they have, replayed."""
-
-    numbers: Machine
-    """The machine without them: the nominal one, or with other numbers."""
-    hypotheses: tuple[Hypothesis, ...]
-    run: Replay
-    residual: Mapping[Channel, Array]
-    """Measured minus predicted, (R, M, C)."""
-    left: float
-    """Energy that calibration and hypotheses leave, of all rows."""
-
-    @property
-    def machine(self) -> Machine:
-        """The machine with all hypotheses."""
-        return self.run.machine
 
 
 def trial_of(
@@ -149,13 +143,10 @@ def with_tangents(setting: Setting, tried: Trial, like: Fit | None) -> Fit:
     if not all(np.isfinite(rows).all() for column in columns for rows in column.values()):
         raise FFGymError(f"Slopes of {', '.join(h.label for h in tried.hypotheses)} are beyond all numbers.")
     return Fit(
-        hypotheses=tried.hypotheses,
-        run=tried.run,
-        residual=tried.residual,
+        **vars(tried),
         columns=tuple(columns),
         evidence=setting.stack.beside(columns).evidence(values_of(tried.residual)),
         priors=priors_of(setting, tried.hypotheses),
-        left=tried.left,
     )
 
 

@@ -13,7 +13,7 @@ from ffgym.diagnosis.calibration import Doubt, RowOffset, is_row_offset
 from ffgym.diagnosis.evidence import Blocks, Stack, Values, stack_of
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, machine_of
 from ffgym.diagnosis.log import Log
-from ffgym.diagnosis.push import Parts, Push, changes, clock_parts, moved, of_numbers, push_of, replayed_parts, shown
+from ffgym.diagnosis.push import Parts, Push, changes, clock_parts, moved, of_numbers, push_of, replayed_parts
 from ffgym.diagnosis.replay import Replay, servo_feedback, tracked
 from ffgym.diagnosis.residual import Channel
 from ffgym.effects import ClockEffect, ModelEffect, NativeEffect, TorqueEffect, TrackerEffect
@@ -123,13 +123,13 @@ def exchanged(run: Replay, machines: Sequence[Machine]) -> list[Parts]:
     known: dict[TorqueEffect, Push] = {}
     pushes = [_push(run, machine, known) for machine in machines]
     found: list[Parts] = []
-    for machine, change in zip(machines, changes(run, pushes), strict=True):
+    for machine, pushed in zip(machines, changes(run, pushes), strict=True):
         gone, come = _exchange(run.machine, machine)
         both = (*gone, *come)
         if any(isinstance(effect, ModelEffect) for effect in both):
             found.append(replayed_parts(run, machine))
             continue
-        parts = dict(shown(run, change))
+        parts = dict(pushed)
         if run.log.tool is not None and any(isinstance(effect, TrackerEffect) for effect in both):
             every = run.log.sampling.stride
             seen = tracked(run, machine, every) - tracked(run, run.machine, every)

@@ -56,6 +56,7 @@ def test_calibration_explains_what_it_can_beside_hypotheses_as_they_are():
     stack = stack_of(blocks, [calibration], {key: np.ones(1)}).beside([{key: rows}])
     priors = Priors(precision=np.array([1e-6, 1e-9]), low=np.full(2, -9.0), high=np.full(2, 9.0))
     found = Fit(
+        numbers=None,
         hypotheses=(),
         run=None,
         residual=residual,
