@@ -27,11 +27,7 @@ class Board:
     rows: dict[str, Row] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
-        """Read what the folder holds.
-
-        Raises:
-            FFGymError: if it is no folder, or a file in it cannot be read.
-        """
+        """Read what the folder holds; FFGymError if it is no folder, or a file in it cannot be read."""
         try:
             is_other = self.folder is not None and self.folder.exists() and not self.folder.is_dir()
         except OSError as error:

@@ -100,11 +100,7 @@ class Registry:
 
 
 def entrants_in(registry: Registry) -> Mapping[str, Entrant]:
-    """Everybody in a registry.
-
-    Raises:
-        FFGymError: if the entrant of a file cannot be made, or has the name of another.
-    """
+    """Everybody in a registry; FFGymError if the entrant of a file cannot be made, or has the name of another."""
     found: dict[str, Entrant] = dict(_at(registry.known))
     for file in registry.files:
         entrant = _made(registry.maker, file)
@@ -126,10 +122,6 @@ def _at(place: str) -> Any:
 
 
 def entrant_named(registry: Registry, name: str) -> Entrant:
-    """One of them.
-
-    Raises:
-        FFGymError: if there is none of that name.
-    """
+    """Find one by its name."""
     every = entrants_in(registry)
     return every[check_choice("agent", name, list(every))]

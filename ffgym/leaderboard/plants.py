@@ -70,11 +70,7 @@ def draw_number(name: str) -> int | None:
 
 @cache
 def plant_named(name: str) -> TestPlant:
-    """A plant by its name: 'nominal', 'workcell:<name or seed>' or 'draw:<number>'.
-
-    Raises:
-        FFGymError: if there is none of that name.
-    """
+    """Find a plant by its name: 'nominal', 'workcell:<name or seed>' or 'draw:<number>'."""
     if is_workcell(name):
         cell = rig_of(name)
         return TestPlant(

@@ -150,11 +150,7 @@ def read_row(path: Path) -> Row:
 
 
 def decode_row(text: str, path: str) -> Row:
-    """The row in the text of a file; `path` is for errors.
-
-    Raises:
-        FFGymError: if it is damaged, or of another format.
-    """
+    """The row in the text of a file; FFGymError that names the path if it is damaged, or of another format."""
     try:
         tree = json.loads(text, parse_constant=_no_number)
     except ValueError as error:

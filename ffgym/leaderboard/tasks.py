@@ -38,15 +38,7 @@ class Task:
 
 
 def tasks_of(splits: Sequence[str], positions: Sequence[str]) -> list[Task]:
-    """Motions of splits, in the order of SPLITS.
-
-    Args:
-        splits: names in SPLITS.
-        positions: names in the robot's work area, among them TRAIN_POSITION.
-
-    Raises:
-        FFGymError: if a split is unknown, or the work area has no TRAIN_POSITION.
-    """
+    """Motions of splits, in the order of SPLITS; `positions` are those of the robot's work area."""
     check_choice("position", TRAIN_POSITION, positions)
     for split in splits:
         check_choice("split", split, SPLITS)

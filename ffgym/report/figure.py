@@ -89,11 +89,7 @@ class ReportFigure:
 
 
 def require_matplotlib() -> ModuleType:
-    """Return matplotlib.
-
-    Raises:
-        FFGymError: if it is not installed.
-    """
+    """Return matplotlib; FFGymError if it is not installed."""
     try:
         import matplotlib
         import matplotlib.figure

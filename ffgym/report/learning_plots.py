@@ -147,12 +147,7 @@ _LOOKS = (("#009E73", "o"), ("#E69F00", "s"), ("#D55E00", "^"))
 
 
 def agents_figure(errors: Mapping[str, Sequence[float]], speeds_mm_s: Sequence[float]) -> "Figure":
-    """One line per law, one dot per speed.
-
-    Args:
-        errors: mean RMS path error [mm] at each speed, by the law's words.
-        speeds_mm_s: TCP speeds, at most three.
-    """
+    """One line per law, one dot per TCP speed, at most three: mean RMS path errors [mm] by the law's words."""
     with panels(size=(10.0, 0.32 * len(errors) + 1.3)) as (figure, grid):
         axes = grid[0, 0]
         for k, (speed, (colour, marker)) in enumerate(zip(speeds_mm_s, _LOOKS, strict=False)):
@@ -166,12 +161,9 @@ def agents_figure(errors: Mapping[str, Sequence[float]], speeds_mm_s: Sequence[f
 
 
 def forgetting_figure(speed: Array, curves: Mapping[str, tuple[Array, Array]], *, seen_from: float) -> "Figure":
-    """One panel per network: torque [N m] before and after, over motor speed [rad/s]; what came again is shaded.
+    """One panel per network: torque [N m] before and after, (T,) each, over motor speed [rad/s], ascending, (T,).
 
-    Args:
-        speed: ascending, shape (T,).
-        curves: torque before and after by the name of the network, shape (T,) each.
-        seen_from: speed from which on the motor ran again [rad/s].
+    Speeds that came again, from `seen_from` on, are shaded.
     """
     with panels(1, len(curves), size=(4.2 * len(curves), 3.2), sharey=True) as (figure, grid):
         for axes, (name, (before, after)) in zip(grid[0], curves.items(), strict=True):

@@ -103,11 +103,7 @@ class Page:
 
 
 def render(name: str, **context: Any) -> str:
-    """HTML of the template of that name, for pages that need more than `Page` has.
-
-    Raises:
-        FFGymError: if matplotlib or jinja2 is missing.
-    """
+    """HTML of the template of that name, for pages that need more than `Page` has."""
     require_matplotlib()
     return _environment().get_template(name).render(next_number=count(1).__next__, **context)
 

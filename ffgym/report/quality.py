@@ -21,9 +21,7 @@ _SMALLEST, _LARGEST = 1e-3, 1e3
 def format_quality(report: QualityReport, *, figures: bool = False) -> str:
     """The verdict and what could not be judged in a line, what conditioning did, every problem, of several joints once.
 
-    Args:
-        report: what was found.
-        figures: also list every figure beside its limit, and the checks that were not judged.
+    With `figures` also every figure beside its limit, and the checks that were not judged.
     """
     unknown = dict.fromkeys(finding.check for finding in report.findings if finding.verdict == "not judged")
     lines = [_verdict(report) + (f" {len(unknown)} checks not judged." if unknown else "")]
@@ -37,14 +35,9 @@ def format_quality(report: QualityReport, *, figures: bool = False) -> str:
 
 
 def render_quality_page(reports: Sequence[tuple[str, QualityReport]], info: Mapping[str, Any]) -> str:
-    """HTML of the page.
+    """HTML of the page on reports, each with the name of its log; `info` is its provenance by name.
 
-    Args:
-        reports: what was found, each with the name of its log.
-        info: provenance by name; a dict in it gives a line per entry.
-
-    Raises:
-        FFGymError: if matplotlib or jinja2 is missing.
+    FFGymError if matplotlib or jinja2 is missing.
     """
     return Page(
         title="Quality of logs",

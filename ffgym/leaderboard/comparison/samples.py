@@ -82,9 +82,6 @@ def grid_of(row: Row, group: str, splits: Sequence[str]) -> Grid:
     """All circles of some splits that a row ran on, and the plants where it ran on all of them.
 
     It is empty if the row has nothing of one of the splits. Order of results in the row does not matter.
-
-    Raises:
-        FFGymError: if a split is unknown.
     """
     for split in splits:
         check_choice("split", split, SPLITS)
@@ -118,11 +115,7 @@ def lacking(row: Row, grid: Grid) -> str | None:
 
 
 def sample_of(row: Row, grid: Grid) -> Sample:
-    """Errors of a row on a grid.
-
-    Raises:
-        FFGymError: if the row lacks anything, or an error is not above 0, so that it has no logarithm.
-    """
+    """Errors of a row on a grid; FFGymError if it lacks anything, or an error is not above 0 and has no logarithm."""
     why = lacking(row, grid)
     if why is not None:
         raise FFGymError(f"Row {row.name!r} cannot be compared: {why}. Run `ffgym leaderboard` for it again.")

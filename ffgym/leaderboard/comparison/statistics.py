@@ -71,13 +71,7 @@ def resamples(name: str, n_seeds: int, n_plants: int, count: int = RESAMPLES) ->
     """Resamples of a row.
 
     Rows of any name share the plants of a resample, so that differences between rows are paired by plant; seeds of two
-    rows are independent trainings, and are drawn independently.
-
-    Args:
-        name: of the row; the same name gives the same resamples.
-        n_seeds: S.
-        n_plants: P.
-        count: R.
+    rows are independent trainings, and are drawn independently. The same name gives the same resamples.
     """
     return Resamples(
         seeds=_drawn(n_seeds, count, np.random.default_rng([_SEED, 1, crc32(name.encode())])),
@@ -86,11 +80,7 @@ def resamples(name: str, n_seeds: int, n_plants: int, count: int = RESAMPLES) ->
 
 
 def interquartile_mean(values: Array) -> float:
-    """Mean of the values without the lowest and the highest quarter; NaN counts as the worst, infinity.
-
-    Raises:
-        FFGymError: if there are no values.
-    """
+    """Mean of the values without the lowest and the highest quarter; NaN counts as the worst, infinity."""
     flat = np.sort(_worst(values), axis=None)
     if not len(flat):
         raise FFGymError("An interquartile mean needs at least one value, got none.")
@@ -138,14 +128,9 @@ def difference(first: Array, second: Array) -> Array:
 
 
 def interval(samples: Array, levels: int) -> Interval | None:
-    """Expanded percentile interval of a statistic.
+    """Expanded percentile interval of a statistic in every resample, shape (R,); None if it is exact.
 
-    Args:
-        samples: the statistic in every resample, shape (R,).
-        levels: how many seeds or plants were resampled, the smaller number if both were.
-
-    Returns:
-        None if nothing is random: the statistic is then exact.
+    `levels` is how many seeds or plants were resampled, the smaller number if both were.
     """
     if levels < 2:
         return None

@@ -144,11 +144,7 @@ def trails_of(task: Task, recording: Recording) -> list[Trail]:
 
 
 def cells_of(task: Task, recording: Recording) -> list[Cell]:
-    """Cells of a task that ran to its end.
-
-    Raises:
-        FFGymError: if the recording lacks a column.
-    """
+    """Cells of a task that ran to its end."""
     return [
         Cell(
             split=task.split,

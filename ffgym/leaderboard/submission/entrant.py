@@ -19,14 +19,9 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 
 
 def entrant_of(path: Path, loaders: Mapping[str, str]) -> Entrant:
-    """Entrant of a submission; what it claims is left to `ffgym leaderboard verify`.
+    """Entrant of a file of `ffgym leaderboard submit`; what it claims is left to `ffgym leaderboard verify`.
 
-    Args:
-        path: file of `ffgym leaderboard submit`.
-        loaders: modules that load agents, by kind.
-
-    Raises:
-        FFGymError: if it cannot be read, is damaged, or has a name that no file may have.
+    FFGymError if it cannot be read, is damaged, or has a name that no file may have.
     """
     try:
         data = read_archive(path)

@@ -190,11 +190,9 @@ class Judge:
 
 
 class Replay:
-    """Logged actions as an agent, which asks agents what they decide on the same observations and compares.
+    """Logged actions (T, N) of each robot as an agent, which asks agents what they decide on the same observations.
 
-    Args:
-        logs: actions of each robot, shape (T, N) each; nothing is added where a log has ended.
-        plant: name, for messages.
+    It compares; nothing is added where a log has ended.
     """
 
     def __init__(self, logs: Sequence[Array], plant: str) -> None:
@@ -214,11 +212,7 @@ class Replay:
     def predict(
         self, observation: Array, state: Any = None, episode_start: Any = None, deterministic: bool = True
     ) -> tuple[Array, Any]:
-        """See `ffgym.control.Agent`; the state counts decisions.
-
-        Raises:
-            Refused: if an agent fails, or decides otherwise.
-        """
+        """See `ffgym.control.Agent`; the state counts decisions. Refused if an agent fails, or decides otherwise."""
         step = 0 if state is None else int(state)
         for robots, agent in self.asked.items():
             rows = list(robots)

@@ -133,8 +133,7 @@ class AgentProcess:
     ) -> tuple[Array, Any]:
         """Actions (B, N) for observations (B, D), and a state that says that there is one; it stays with the agent.
 
-        Raises:
-            Refused: if the agent fails, takes too long, or answers with something else.
+        Refused if the agent fails, takes too long, or answers with something else.
         """
         began, rows = time.perf_counter(), len(observation)
         starts = np.zeros(rows) if episode_start is None else np.asarray(episode_start)

@@ -23,11 +23,7 @@ class View:
     """None if its agent is given to whom it concerns in another way."""
 
     def agent(self, robot: RobotDescription, layout: ObservationLayout) -> Agent:
-        """See `ffgym.control.Policy`.
-
-        Raises:
-            FFGymError: if what the file makes has no `predict`.
-        """
+        """See `ffgym.control.Policy`; FFGymError if what the file makes has no `predict`."""
         agent = self.make and self.make(robot, layout)
         if not callable(getattr(agent, "predict", None)):
             raise FFGymError(f"make_agent returned {type(agent).__name__}, which has no predict.")
@@ -35,11 +31,7 @@ class View:
 
 
 def load(source: Mapping[str, Any], folder: Path, robot: RobotDescription) -> View:
-    """Run the file.
-
-    Raises:
-        FFGymError: if it is no Python, or does not define what it must.
-    """
+    """Run the file; FFGymError if it is no Python, or does not define what it must."""
     place = folder / str(source["file"])
     try:
         code = compile(read_text(place), str(place), "exec")

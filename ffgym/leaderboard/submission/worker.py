@@ -89,11 +89,7 @@ def _seed(seed: int, folder: Path) -> None:
 
 
 def _checked(action: Any, rows: int, robot: RobotDescription) -> Array:
-    """Actions (B, N) in [-1, 1].
-
-    Raises:
-        FFGymError: if they are no finite numbers of the right shape.
-    """
+    """Actions (B, N) in [-1, 1]; FFGymError if they are no finite numbers of the right shape."""
     numbers, shape = np.asarray(action), (rows, robot.n_joints)
     if numbers.dtype.kind not in "fiu":
         raise FFGymError(f"predict returned actions of type {numbers.dtype}, must be numbers.")

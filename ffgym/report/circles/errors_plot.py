@@ -63,11 +63,7 @@ _TICKS = tuple(digit * 10.0**power for power in range(-4, 4) for digit in (1, 2,
 
 
 def ratios_figure(study: CircleStudy) -> ReportFigure:
-    """One panel per speed with published numbers, one dot per circle and law; the band is a factor of FACTOR.
-
-    Raises:
-        FFGymError: if nothing was published for the circles of the study.
-    """
+    """One panel per speed with published numbers, one dot per circle and law; the band is a factor of FACTOR."""
     tables = [table for table in circle_tables(study) if table.is_published]
     if not tables:
         raise FFGymError(

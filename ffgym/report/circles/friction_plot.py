@@ -50,9 +50,7 @@ def one_axis_loops_figure(study: OneAxisStudy) -> ReportFigure:
 def joint_loops_figure(study: CircleStudy, *, beside: str | None = None) -> ReportFigure:
     """One panel per joint and law that compensates, laws side by side, at the first position and speed.
 
-    Args:
-        study: the circle test.
-        beside: name of a law whose torque is drawn in every panel instead of the friction of the robot.
+    `beside` names a law whose torque is drawn in every panel instead of the friction of the robot.
     """
     agents, (position, *_), (speed, *_) = (list(dict.fromkeys(part)) for part in zip(*study.recordings, strict=True))
     columns = [law for law in compensated(agents) if law != beside]

@@ -51,9 +51,6 @@ def flat_circles(recording: Recording) -> list[FlatCircle]:
     """Every circle of a recording, without lead-in and lead-out.
 
     They are seen from the side on which the largest part of the first one's normal is positive (from above if level).
-
-    Raises:
-        FFGymError: if the recording has no circle or no standstill before the first one.
     """
     phases = recording.phases_of("circle")
     if not phases:

@@ -31,11 +31,7 @@ class Place:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DiagnosisReport:
-    """Everything that is shown.
-
-    Raises:
-        FFGymError: if there are residuals after but none before, or not of the same motions.
-    """
+    """Everything that is shown; residuals before and after are of the same motions."""
 
     diagnosis: Diagnosis
     before: Residual | None = None

@@ -68,15 +68,7 @@ def format_friction(report: FrictionReport) -> str:
 
 
 def render_friction_page(report: FrictionReport, info: Mapping[str, Any]) -> str:
-    """HTML of the page.
-
-    Args:
-        report: what was found.
-        info: provenance by name; a dict in it gives a line per entry.
-
-    Raises:
-        FFGymError: if matplotlib or jinja2 is missing.
-    """
+    """HTML of the page; `info` is its provenance by name. FFGymError if matplotlib or jinja2 is missing."""
     found = report.identification
     notes = []
     for joint in found.joints:

@@ -117,15 +117,9 @@ def format_rigid_body(report: RigidBodyReport) -> str:
 
 
 def render_rigid_body_page(report: RigidBodyReport, used: Recording, info: Mapping[str, Any]) -> str:
-    """HTML of the page.
+    """HTML of the page; shows `used`, a recording that was fitted, where none was kept out.
 
-    Args:
-        report: what was found.
-        used: a recording that was fitted, which is shown where none was kept out.
-        info: provenance by name; a dict in it gives a line per entry.
-
-    Raises:
-        FFGymError: if matplotlib or jinja2 is missing.
+    `info` is its provenance by name. FFGymError if matplotlib or jinja2 is missing.
     """
     fit = report.fit
     excited = f"Not excited, and so as described: {', '.join(fit.not_excited)}." if fit.not_excited else ""

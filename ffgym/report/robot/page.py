@@ -33,15 +33,7 @@ def format_check(check: RobotCheck) -> str:
 
 
 def render_robot_page(check: RobotCheck, info: Mapping[str, Any]) -> str:
-    """HTML of the page.
-
-    Args:
-        check: what was found.
-        info: provenance by name; a dict in it gives a line per entry.
-
-    Raises:
-        FFGymError: if matplotlib or jinja2 is missing.
-    """
+    """HTML of the page; `info` is its provenance by name. FFGymError if matplotlib or jinja2 is missing."""
     draft, figures = check.draft, robot_figures(check)
     sources = Table(
         columns=[
