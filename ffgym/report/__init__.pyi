@@ -1,5 +1,7 @@
 from .circles.comparison import SpeedTable as SpeedTable
 from .circles.comparison import circle_tables as circle_tables
+from .circles.comparison import format_one_axis as format_one_axis
+from .circles.comparison import format_text as format_text
 from .circles.findings import Finding as Finding
 from .circles.findings import findings as findings
 from .circles.findings import headline as headline
@@ -7,8 +9,6 @@ from .circles.page import circle_figures as circle_figures
 from .circles.page import one_axis_figures as one_axis_figures
 from .circles.page import render_report as render_report
 from .circles.page import write_report as write_report
-from .circles.tables import format_one_axis as format_one_axis
-from .circles.tables import format_text as format_text
 from .diagnosis import DiagnosisReport as DiagnosisReport
 from .diagnosis import format_diagnosis as format_diagnosis
 from .diagnosis import render_diagnosis_page as render_diagnosis_page

@@ -26,7 +26,7 @@ from ffgym.recordings import Recording
 from ffgym.report.diagnosis.evidence import profiles_figure
 from ffgym.report.diagnosis.maps import map_figure
 from ffgym.report.diagnosis.words import by_model
-from ffgym.report.robot.torque_plot import torque_figure
+from ffgym.report.identification.plots import torque_figure
 from ffgym.robot import RobotDescription, compile_model, load_robot, physics_fingerprint
 from ffgym.studies.torque_prediction import CUTOFF, MOVING, TorquePrediction, predict_torque
 from scripts.tables.page import Contents, markdown

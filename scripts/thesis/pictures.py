@@ -15,7 +15,7 @@ from ffgym.report.circles.errors_plot import motor_error_figure
 from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figure, one_axis_loops_figure
 from ffgym.report.circles.paths_plot import paths_figure
 from ffgym.report.identification import friction_loops_figure, friction_over_time_figure
-from ffgym.report.identification.friction_plots import stribeck_figure
+from ffgym.report.identification.plots import stribeck_figure
 from ffgym.report.learning_plots import agents_figure, learning_figure
 from ffgym.robot import RigidArm
 from ffgym.studies import CircleStudy

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ffgym.report import ReportFigure, SpeedTable, Table
-from ffgym.report.circles.tables import speed_table
+from ffgym.report.circles.comparison import speed_table
 from ffgym.report.page import provenance_lines, render, verdict_cell
 from ffgym.robot import ModelOptions, compile_model, physics_fingerprint
 from scripts.thesis.catalogue import Item

@@ -12,7 +12,7 @@ from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS
 from ffgym.leaderboard.plants import NOMINAL, THESIS_WORKCELL
 from ffgym.leaderboard.presentation.page import ToolPath, render_page
 from ffgym.leaderboard.presentation.pictures import number, paths_of, tool_pictures
-from ffgym.leaderboard.presentation.published_rows import best_reductions, published_rows
+from ffgym.leaderboard.presentation.words import best_reductions, published_rows
 from ffgym.leaderboard.results import Trail
 from tests.leaderboard.conftest import PROVENANCE
 from tests.leaderboard.synthetic_rows import SORTS, row, tracks

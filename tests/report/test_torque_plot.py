@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ffgym.report.robot.torque_plot import torque_figure
+from ffgym.report.identification.plots import torque_figure
 from ffgym.robot import load_robot
 from ffgym.studies.torque_prediction import TorquePrediction
 from scripts.tables.recorded import torque_table

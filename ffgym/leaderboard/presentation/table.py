@@ -19,8 +19,14 @@ from ffgym.leaderboard.presentation.figures import (
     share,
     sortable,
 )
-from ffgym.leaderboard.presentation.published_rows import PublishedRow, published_rows
-from ffgym.leaderboard.presentation.words import SELECTION_TITLES, circles_note, group_title, residual_sentence
+from ffgym.leaderboard.presentation.words import (
+    SELECTION_TITLES,
+    PublishedRow,
+    circles_note,
+    group_title,
+    published_rows,
+    residual_sentence,
+)
 from ffgym.report import table as report
 from ffgym.report.page import resource
 

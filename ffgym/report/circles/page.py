@@ -7,12 +7,19 @@ from typing import Any
 
 from ffgym.core.files import check_writable, write_text
 from ffgym.core.provenance import versions
-from ffgym.report.circles.comparison import FACTOR, SpeedTable, circle_tables, nearness
+from ffgym.report.circles.comparison import (
+    FACTOR,
+    SpeedTable,
+    circle_tables,
+    nearness,
+    sine_table,
+    speed_table,
+    summary_table,
+)
 from ffgym.report.circles.errors_plot import motor_error_figure, ratios_figure
 from ffgym.report.circles.findings import PARTLY, REPRODUCED, findings, headline
 from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figure, one_axis_loops_figure
 from ffgym.report.circles.paths_plot import paths_figure
-from ffgym.report.circles.tables import sine_table, speed_table, summary_table
 from ffgym.report.figure import ReportFigure
 from ffgym.report.laws import law_styles
 from ffgym.report.page import Legend, Note, Page, Part, Section, now, provenance_lines, verdict_cell

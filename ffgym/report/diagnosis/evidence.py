@@ -16,7 +16,7 @@ from ffgym.diagnosis.residual import UNITS, Channel, Residual, components
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place
 from ffgym.report.diagnosis.words import LOOKS, NOMINAL, counting, fine_scale_of, scale_of
 from ffgym.report.figure import ReportFigure, panels, peaks_kept
-from ffgym.report.identification.friction_plots import NEW, OLD
+from ffgym.report.identification.plots import NEW, OLD
 from ffgym.report.table import shortened
 from ffgym.report.tool_path import ToolPath, scale_of_error, tool_path_figure
 

@@ -6,9 +6,10 @@ from ffgym.effects import EFFECTS
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.evidence import place_figures, tool_figures
 from ffgym.report.diagnosis.maps import candidate_figures, level_figures, map_figures
-from ffgym.report.diagnosis.text import compared_table, levels_table
 from ffgym.report.diagnosis.words import (
     VERDICTS,
+    compared_table,
+    levels_table,
     place_of,
     rivals_of,
     size_text,

@@ -1,9 +1,9 @@
 from .friction import FrictionReport as FrictionReport
 from .friction import format_friction as format_friction
 from .friction import render_friction_page as render_friction_page
-from .friction_plots import friction_loops_figure as friction_loops_figure
-from .friction_plots import friction_over_time_figure as friction_over_time_figure
-from .friction_plots import stribeck_figure as stribeck_figure
+from .plots import friction_loops_figure as friction_loops_figure
+from .plots import friction_over_time_figure as friction_over_time_figure
+from .plots import stribeck_figure as stribeck_figure
 from .rigid_body import RigidBodyReport as RigidBodyReport
 from .rigid_body import format_rigid_body as format_rigid_body
 from .rigid_body import render_rigid_body_page as render_rigid_body_page

@@ -8,7 +8,7 @@ import numpy as np
 
 from ffgym.diagnosis.identification import FrictionIdentification, FrictionTorque, Validation
 from ffgym.report.figure import ReportFigure
-from ffgym.report.identification.friction_plots import friction_loops_figure, stribeck_figure
+from ffgym.report.identification.plots import friction_loops_figure, stribeck_figure
 from ffgym.report.page import Note, Page, Part, Section
 from ffgym.report.table import Column, Table, filled, underlined
 

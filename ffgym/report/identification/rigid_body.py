@@ -10,8 +10,8 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.identification.rigid_body import RigidBodyFit, TorqueErrors
 from ffgym.recordings import Recording
 from ffgym.report.figure import ReportFigure
+from ffgym.report.identification.plots import torque_figure
 from ffgym.report.page import Note, Page, Section
-from ffgym.report.robot.torque_plot import torque_figure
 from ffgym.report.table import Column, Kind, Table, filled, underlined
 from ffgym.studies.torque_prediction import TorquePrediction
 

@@ -1,4 +1,4 @@
-"""Friction over constant speed, over motor speed and over time, measured and by models: thesis Figures 6.1 to 6.7."""
+"""Friction and motor torque, measured and by models, over speed and over time: thesis Figures 6.1 to 6.7."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,10 +15,12 @@ from ffgym.diagnosis.identification import (
 )
 from ffgym.report.figure import panels
 from ffgym.robot.friction import LuGreParameters
+from ffgym.studies.torque_prediction import TorquePrediction
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
 
 MEASURED, NEW, OLD = "#999999", "#0072b2", "#d55e00"
 """Colours of what was measured, and of new and old parameters; also told apart by the colour-blind, and by line."""
@@ -135,3 +137,27 @@ def _draw_models(
     for (name, friction), (colour, line) in zip(models.items(), LINES, strict=False):
         model = predicted_friction(friction, torque)[:, joint]
         axes.plot(over[valid], model[valid], color=colour, linestyle=line, linewidth=1.2, label=name)
+
+
+def torque_figure(prediction: TorquePrediction) -> "Figure":
+    """Measured torque and every prediction of it, motor side; grey where a joint rests or the record ends."""
+    joints = prediction.robot.joints
+    with panels(len(joints), 1, size=(7.2, 1.6 * len(joints) + 0.6), sharex=True) as (figure, grid):
+        for j, (joint, axes) in enumerate(zip(joints, grid[:, 0], strict=True)):
+            axes.plot(prediction.t, prediction.measured[:, j], color="#999999", linewidth=0.7, label="measured")
+            for (name, torque), (colour, line) in zip(prediction.predicted.items(), LINES, strict=False):
+                axes.plot(prediction.t, torque[:, j], color=colour, linestyle=line, linewidth=1.2, label=name)
+            axes.fill_between(
+                prediction.t,
+                0,
+                1,
+                where=~prediction.scored[:, j],
+                transform=axes.get_xaxis_transform(),
+                color="#eeeeee",
+                linewidth=0,
+                label="not scored",
+            )
+            axes.set_ylabel(f"{joint} [N m]")
+        axes.set_xlabel("time [s]")
+        figure.align_ylabels()
+    return figure
