@@ -8,7 +8,7 @@ import io
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import ceil
 from pathlib import Path
@@ -73,8 +73,6 @@ class ReportFigure:
     figure: "Figure"
     thesis: str = ""
     """Where the thesis shows the same; empty where the page says it."""
-    kind: str = field(default="figure", init=False)
-    """Kind of part of a page."""
 
     @property
     def width(self) -> int:

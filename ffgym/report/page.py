@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import resources
 from itertools import count
@@ -22,7 +22,6 @@ class Note:
     """A paragraph in small pale letters."""
 
     text: str
-    kind: str = field(default="note", init=False)
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,6 @@ class Legend:
     text: str
     colours: Mapping[str, str]
     """By the words for what has the colour."""
-    kind: str = field(default="legend", init=False)
 
 
 @dataclass(frozen=True)
@@ -40,7 +38,6 @@ class Code:
     """Lines of a program or a file."""
 
     text: str
-    kind: str = field(default="code", init=False)
 
 
 @dataclass(frozen=True)
@@ -48,7 +45,6 @@ class Items:
     """A list with bullets."""
 
     entries: Sequence[str]
-    kind: str = field(default="items", init=False)
 
 
 @dataclass(frozen=True)
@@ -57,7 +53,6 @@ class Details:
 
     summary: str
     parts: "Sequence[Part]"
-    kind: str = field(default="details", init=False)
 
 
 @dataclass(frozen=True)
@@ -70,7 +65,6 @@ class Section:
     """Paragraphs in a box below the heading."""
     is_boxed: bool = False
     """Whether all of it stands in a frame."""
-    kind: str = field(default="section", init=False)
 
 
 Part = str | Note | Legend | Code | Items | Details | Section | Table | ReportFigure
@@ -150,6 +144,7 @@ def _environment() -> "Environment":
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["kind"] = lambda part: type(part).__name__
     environment.filters["prose"] = _prose
     return environment
 

@@ -1,7 +1,7 @@
 """One table for every reader: the same rows as text for a terminal, as Markdown, and as HTML of a page."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import groupby
 from textwrap import wrap
 from typing import Any, Literal
@@ -98,8 +98,6 @@ class Table:
     """Column at whose changes a page draws a line."""
     strong: Sequence[int] = ()
     """Rows that a page emphasises, e.g. means; -1 is the last one."""
-    kind: str = field(default="table", init=False)
-    """Kind of part of a page."""
 
     @classmethod
     def of_rows(cls, headings: Sequence[str], rows: Sequence[Sequence[Any]], **options: Any) -> "Table":

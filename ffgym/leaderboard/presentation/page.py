@@ -10,7 +10,6 @@ from ffgym.leaderboard.comparison.samples import GROUPS, SELECTIONS, grid_of, gr
 from ffgym.leaderboard.comparison.standings import Standing, Standings, standings
 from ffgym.leaderboard.presentation.figures import changed, count, digits, duration, share
 from ffgym.leaderboard.presentation.pictures import (
-    FORMS,
     LearningCurve,
     Picture,
     ToolPaths,
@@ -62,7 +61,6 @@ def render_page(
         residuals=residual_sentence(first),
         table=tables[0],
         glance=glance(first),
-        forms=FORMS,
         overview_circles=f"{group_title(first.group)}, {SELECTION_TITLES[first.selection]}",
         every_column=every_column(),
         cards=_cards(rows, every, paths),

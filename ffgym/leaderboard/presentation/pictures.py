@@ -170,32 +170,6 @@ _TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Form:
-    """Layout of the picture of all standings [px]."""
-
-    width: int
-    left: int
-    """Where the axis begins; titles stand before it, or above their line if there is no place."""
-    right: int
-    """Margin behind the axis."""
-    row: int
-    """Height of a line."""
-    legend: int
-    """Between its entries."""
-
-    def at(self, place: float) -> float:
-        """Where a place along the axis, 0 to 1, is."""
-        return self.left + (self.width - self.left - self.right) * place
-
-
-FORMS = {
-    "desk": Form(width=980, left=290, right=30, row=24, legend=110),
-    "phone": Form(width=350, left=12, right=14, row=38, legend=60),
-}
-"""Layouts by the screen that they are for."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Glance:
     """Share of the zero action's mean error that ranked rows leave at every speed, on a logarithmic axis."""
 
