@@ -115,8 +115,8 @@ class Board:
             made = replace(head, outcomes=tuple(outcome for own, outcome in outcomes if own == name))
             new = decode_row(encode_row(made), name).outcomes  # with the digits of a file
             joined = [_joined(self._known(name, *o.key), o, every[name]) for o in new]
-            row = replace(head, outcomes=before).with_outcomes(joined)
-            self.rows[name] = replace(row, outcomes=tuple(sorted(row.outcomes, key=_order)))
+            every_outcome = {outcome.key: outcome for outcome in (*before, *joined)}
+            self.rows[name] = replace(head, outcomes=tuple(sorted(every_outcome.values(), key=_order)))
             if self.folder is not None:
                 with made_folder(self.folder):
                     write_text(self.folder / f"{name}.json", encode_row(self.rows[name]))

@@ -3,7 +3,7 @@
 import json
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -113,11 +113,6 @@ class Row:
     outcomes: tuple[Outcome, ...]
     learning_curve: tuple[tuple[float, float], ...] = ()
     """Steps of training, mean reward per step over seeds; empty for what is not trained with steps."""
-
-    def with_outcomes(self, new: Sequence[Outcome]) -> "Row":
-        """The row with outcomes added; those of the same seed and plant are replaced."""
-        merged = {outcome.key: outcome for outcome in (*self.outcomes, *new)}
-        return replace(self, outcomes=tuple(merged.values()))
 
 
 def encode_row(row: Row) -> str:

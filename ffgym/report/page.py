@@ -1,11 +1,14 @@
 """One page for every reader: a single HTML file that needs nothing else. This is the one door to jinja2."""
 
 import re
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import cache
 from importlib import resources
 from itertools import count
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ffgym.core.errors import FFGymError
@@ -125,6 +128,13 @@ def verdict_cell(word: str) -> Cell:
     signs = {"reproduced": "good", "holds": "good", "partly reproduced": "partly", "partly": "partly"}
     signs |= {"not reproduced": "bad", "does not hold": "bad"}
     return Cell(word, style=f"verdict {signs.get(word, 'none')}")
+
+
+@cache
+def words_of(page: str) -> Mapping[str, str]:
+    """Texts of a page, see words.toml."""
+    texts: dict[str, str] = tomllib.loads(resource("words.toml"))[page]
+    return MappingProxyType(texts)
 
 
 def resource(name: str) -> str:

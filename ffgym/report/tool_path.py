@@ -12,7 +12,6 @@ from ffgym.recordings.metrics import magnification, magnified
 from ffgym.report.figure import panels
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SHARE = 0.08
@@ -113,27 +112,20 @@ def tool_path_figure(
     sights = sights_of(beside)
     with panels(1, len(sights), size=sizes[len(sights) - 1]) as (figure, grid):
         for axes, sight in zip(grid[0], sights, strict=True):
-            _draw(axes, sight, paths, beside, look, factor)
-            axes.set_title(scale_words(factor, what))
+            for path in paths:
+                drawn = sight.flat(magnified(path.nearest, path.error, factor))
+                axes.plot(*_thinned(drawn).T, label=path.label, **path.look)
+                worst = int(np.argmax(path.distance))
+                axes.plot(*drawn[worst], "o", color=path.look.get("color"), markersize=4.5)
+            axes.plot(*_thinned(sight.flat(beside)).T, **look)
+            axes.set(xlabel=sight.labels[0], ylabel=sight.labels[1], title=scale_words(factor, what))
+            axes.set_aspect("equal", adjustable="datalim")
     return figure
 
 
 def scale_words(factor: float, what: str = "error") -> str:
     """How much an error is enlarged, for titles."""
     return "true scale" if factor == 1 else f"{what} × {factor:g}"
-
-
-def _draw(
-    axes: "Axes", sight: Sight, paths: Sequence[ToolPath], beside: Array, look: Mapping[str, Any], factor: float
-) -> None:
-    for path in paths:
-        drawn = sight.flat(magnified(path.nearest, path.error, factor))
-        axes.plot(*_thinned(drawn).T, label=path.label, **path.look)
-        worst = int(np.argmax(path.distance))
-        axes.plot(*drawn[worst], "o", color=path.look.get("color"), markersize=4.5)
-    axes.plot(*_thinned(sight.flat(beside)).T, **look)
-    axes.set(xlabel=sight.labels[0], ylabel=sight.labels[1])
-    axes.set_aspect("equal", adjustable="datalim")
 
 
 def _thinned(points: Array) -> Array:

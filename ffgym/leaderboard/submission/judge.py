@@ -3,6 +3,7 @@
 An agent lives in a process of its own and sees observations only; the simulation, its truth and all errors are here.
 """
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import asdict, dataclass, field
@@ -21,7 +22,16 @@ from ffgym.leaderboard.evaluation.closed_loop import Flight, fly
 from ffgym.leaderboard.evaluation.jobs import cells_of
 from ffgym.leaderboard.plants import NOMINAL, ROBOT, THESIS_WORKCELL, plant_named
 from ffgym.leaderboard.submission import manifest as files_of
-from ffgym.leaderboard.submission.manifest import ACTIONS, About, AgentSource, Claim, Manifest, Refused, listed
+from ffgym.leaderboard.submission.manifest import (
+    ACTIONS,
+    MANIFEST,
+    About,
+    AgentSource,
+    Claim,
+    Manifest,
+    Refused,
+    listed,
+)
 from ffgym.leaderboard.submission.process import AgentProcess, Limits
 from ffgym.leaderboard.submission.python_agent import View
 from ffgym.leaderboard.tasks import Task
@@ -111,7 +121,8 @@ class Judge:
                 files={name: files_of.sha256_of(data) for name, data in files.items()},
                 claims=tuple(claims),
             )
-            return files_of.encode_submission(manifest, files)
+            text = json.dumps(manifest.tree(), indent=1, allow_nan=False) + "\n"
+            return files_of.encode_archive({MANIFEST: text.encode()} | files)
 
         files_of.decode_submission(packed(View(preview=1, action_scale=1.0)))  # complain now, not after minutes
         for plant in self.plan:

@@ -151,12 +151,6 @@ def sha256_of(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def encode_submission(manifest: Manifest, files: Mapping[str, bytes]) -> bytes:
-    """Bytes of a submission; the same agent gives the same bytes."""
-    text = json.dumps(manifest.tree(), indent=1, allow_nan=False) + "\n"
-    return encode_archive({MANIFEST: text.encode()} | dict(files))
-
-
 def decode_submission(data: bytes) -> tuple[Manifest, dict[str, bytes]]:
     """Manifest and files of a submission; Refused unless the files are those of the manifest, and as it says."""
     files = decode_archive(data)

@@ -144,12 +144,14 @@ class AgentProcess:
         self._spent_s, self._due_s = self._spent_s + time.perf_counter() - began, self._due_s + rows * self._control_dt
         if self._spent_s > self._due_s + self._limits.late_s:
             times = f"{self._spent_s:.1f} s for decisions that the robots had {self._due_s:.1f} s for"
-            raise self._refused("time", f"it took {times}, must be late by at most {self._limits.late_s:g} s.")
+            raise Refused("time", f"it took {times}, must be late by at most {self._limits.late_s:g} s.", self._whose)
         if len(answer) != 4 * rows * self._n_joints:
-            raise self._refused("agent", f"it answered with {len(answer)} bytes, not with actions of {rows} robots.")
+            raise Refused(
+                "agent", f"it answered with {len(answer)} bytes, not with actions of {rows} robots.", self._whose
+            )
         action = np.frombuffer(answer, dtype="<f4").reshape(rows, self._n_joints).astype(np.float64)
         if not np.all(np.isfinite(action)):
-            raise self._refused("agent", "it answered with NaN or infinity.")
+            raise Refused("agent", "it answered with NaN or infinity.", self._whose)
         return action, True
 
     def _ask(self, message: Mapping[str, Any], numbers: bytes, limit: float, what: str) -> tuple[dict[str, Any], bytes]:
@@ -164,23 +166,20 @@ class AgentProcess:
         except (EOFError, OSError):
             late = time.monotonic() >= deadline
             reason = f"it took more than {limit:g} s {what}, and was ended." if late else self._last_words()
-            raise self._refused("agent", reason) from None
+            raise Refused("agent", reason, self._whose) from None
         except (ValueError, RecursionError) as error:
-            raise self._refused("agent", f"it sent no message: {error}") from None
+            raise Refused("agent", f"it sent no message: {error}", self._whose) from None
         finally:
             timer.cancel()
         if "refused" in answer:
-            raise self._refused("agent", str(answer["refused"]))
+            raise Refused("agent", str(answer["refused"]), self._whose)
         return answer, data
 
     def _number(self, name: str, told: Mapping[str, Any], high: float = np.inf) -> float:
         try:
             return check_number(name, told.get(name), low=0.0, high=high)
         except FFGymError as error:
-            raise self._refused("agent", str(error)) from error
-
-    def _refused(self, check: str, reason: str) -> Refused:
-        return Refused(check, reason, self._whose)
+            raise Refused("agent", str(error), self._whose) from error
 
     def _last_words(self) -> str:
         """How the process ended, and the last line that it wrote."""

@@ -22,7 +22,7 @@ from ffgym.report.circles.friction_plot import joint_loops_figure, one_axis_figu
 from ffgym.report.circles.paths_plot import paths_figure
 from ffgym.report.figure import ReportFigure
 from ffgym.report.laws import law_styles
-from ffgym.report.page import Legend, Note, Page, Part, Section, now, provenance_lines, verdict_cell
+from ffgym.report.page import Legend, Note, Page, Part, Section, now, provenance_lines, verdict_cell, words_of
 from ffgym.report.table import Column, Table
 from ffgym.studies import CircleStudy, OneAxisStudy
 
@@ -55,56 +55,33 @@ def render_report(circle_study: CircleStudy, one_axis_study: OneAxisStudy, info:
     """HTML of the report; arguments as `write_report`."""
     tables = circle_tables(circle_study)
     styles = law_styles([*tables[0].agents, *(result.agent for result in one_axis_study.results)])
-    means = (
-        "Mean over all circles of the RMS distance between the tool and the circle, in the plane of the circle, "
-        "simulated here and published for the real robot."
-    )
-    reading = (
-        "**Path error:** distance of the tool from the nearest point of the circle, in the plane of the circle, in mm, "
-        "so that being late on the right path is no error; RMS as in the thesis (2.17), which does not say how it "
-        "measures the distance to the path. The offset at standstill is removed; lead-in and lead-out do not count. "
-        "**Simulated** numbers come from ffgym's model. **Published** numbers were measured on the real robot with a "
-        "laser tracker and are copied from the thesis (Tables 4.1, 4.2, 5.1 and 5.2); “–” means that none was "
-        "published. **Motor error:** reference minus motor angle, motor side. The same law has the same colour "
-        "everywhere:"
-    )
-    sines = (
-        f"{one_axis_study.robot.title}: the motor follows a sine while its friction follows the LuGre model. Motor "
-        "error after the start has settled; “RMS removed” is against the first law. The thesis prints no numbers for "
-        "this test."
-    )
+    words, robot = words_of("circles"), one_axis_study.robot.title
+    shares = {"reproduced": REPRODUCED, "partly reproduced": PARTLY}
+    counted = ", ".join(f"“{word}” if at least {share:.0%}" for word, share in shares.items())
+    found = findings(circle_study)
+    columns = [
+        Column("question", [finding.question for finding in found], kind="prose"),
+        Column("verdict", [verdict_cell(finding.verdict) for finding in found], kind="text"),
+        Column("numbers", [finding.text for finding in found], kind="prose"),
+    ]
+    note = words["verdicts"].format(words=counted, factor=FACTOR)
+    verdicts: list[Part] = [Note(note), Table(columns=columns, name="findings")]
+    sines: list[Part] = [words["sines"].format(robot=robot), sine_table(one_axis_study)]
     return Page(
         title=f"Friction compensation on {circle_study.title}",
         subtitle="Simulated circle test and sine test with feed-forward friction compensation, beside the published "
         "numbers of the real robot.",
         headline=[" ".join(headline(circle_study, one_axis_study))],
         parts=[
-            Section("Mean path error", [means, summary_table(tables)]),
-            Section("How to read this page", [Legend(reading, {s.label: s.colour for s in styles.values()})]),
-            Section("What is and is not reproduced", _findings(circle_study)),
+            Section("Mean path error", [words["means"], summary_table(tables)]),
+            Section("How to read this page", [Legend(words["reading"], {s.label: s.colour for s in styles.values()})]),
+            Section("What is and is not reproduced", verdicts),
             Section("Circle test", [*map(_at_speed, tables), *circle_figures(circle_study)]),
-            Section("Sine test of one axis", [sines, sine_table(one_axis_study), *one_axis_figures(one_axis_study)]),
+            Section("Sine test of one axis", [*sines, *one_axis_figures(one_axis_study)]),
         ],
         provenance=provenance(circle_study, one_axis_study, info),
         is_dated=False,  # its provenance has the date
     ).html()
-
-
-def _findings(study: CircleStudy) -> list[Part]:
-    shares = {"reproduced": REPRODUCED, "partly reproduced": PARTLY}
-    words = ", ".join(f"“{word}” if at least {share:.0%}" for word, share in shares.items())
-    note = (
-        f"Verdicts are counted, not judged: {words} of the circles (or comparisons) agree with the real robot, "
-        f"otherwise “not reproduced”. Two sizes agree within a factor of {FACTOR:g}. Motor errors and friction curves "
-        "were published as figures only, so they can be compared by eye but not counted."
-    )
-    found = findings(study)
-    columns = [
-        Column("question", [finding.question for finding in found], kind="prose"),
-        Column("verdict", [verdict_cell(finding.verdict) for finding in found], kind="text"),
-        Column("numbers", [finding.text for finding in found], kind="prose"),
-    ]
-    return [Note(note), Table(columns=columns, name="findings")]
 
 
 def _at_speed(table: SpeedTable) -> Section:

@@ -17,6 +17,7 @@ from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport, Place
 from ffgym.report.diagnosis.words import LOOKS, NOMINAL, counting, fine_scale_of, scale_of
 from ffgym.report.figure import ReportFigure, panels, peaks_kept
 from ffgym.report.identification.plots import NEW, OLD
+from ffgym.report.page import words_of
 from ffgym.report.table import shortened
 from ffgym.report.tool_path import ToolPath, scale_of_error, tool_path_figure
 
@@ -27,18 +28,11 @@ if TYPE_CHECKING:
 _LOOPS = 3
 """Motions whose friction loops are shown."""
 
-_DEPENDS = (
-    "Mean of measured minus predicted in bins of equally many rows. Bands: two standard errors, with one second of "
-    "the log as one observation."
-)
-_REPEATS = "Amplitude (RMS times the root of two) of the sine of the motor angle that is nearest to the residual."
-_OVER_SPEED = "Motor torque less what the nominal model gives apart from its friction (LuGre without bristle damping)."
-
 
 def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
     """What the residual of one joint looks like."""
     models, channel, j = report.models, place.channel, place.index
-    nominal = models[NOMINAL]
+    nominal, words = models[NOMINAL], words_of("diagnosis_figures")
     ratio = motion_map(nominal, channel).ratio[j]
     order = np.argsort(-np.nan_to_num(ratio, nan=-1.0), kind="stable")
     worst = [int(motion) for motion in order if np.isfinite(ratio[motion])][:_LOOPS]
@@ -47,7 +41,7 @@ def place_figures(report: DiagnosisReport, place: Place) -> list[ReportFigure]:
     figures = [_time_figure(models, place, worst[0])]
     if (depends := profiles_figure(rows, channel, j, j, unit, scale)) is not None:
         title = f"{place.component}, {channel}: what the residual depends on"
-        figures.append(ReportFigure(f"depends-{channel}-{j + 1}", title, _DEPENDS, depends))
+        figures.append(ReportFigure(f"depends-{channel}-{j + 1}", title, words["depends"], depends))
     marked = [
         pattern.frequency
         for pattern in report.diagnosis.patterns
@@ -192,7 +186,7 @@ def _spectrum_figure(models: Mapping[str, Residual], place: Place, marked: Seque
                 axes.axvline(cycles, color="#5a6472", linewidth=0.8, linestyle=":")
                 axes.text(cycles, axes.get_ylim()[1], f" {cycles:.2f}", fontsize=8, va="top")
     title = f"{place.component}, {channel}: what repeats with the motor"
-    return ReportFigure(f"repeats-{channel}-{j + 1}", title, _REPEATS, figure)
+    return ReportFigure(f"repeats-{channel}-{j + 1}", title, words_of("diagnosis_figures")["repeats"], figure)
 
 
 def _amplitudes(models: Mapping[str, Residual], place: Place, form: Amplitude) -> dict[str, tuple[Array, Array]]:
@@ -233,7 +227,8 @@ def _loops_figure(models: Mapping[str, Residual], place: Place, motions: Sequenc
             axes.set_title(shortened(nominal.motion), fontsize=8)
             axes.set_xlabel("motor speed [rad/s]")
         grid[0, 0].set_ylabel(f"friction {'torque' if unit == 'N m' else 'force'} [{unit}]")
-    return ReportFigure(f"loops-{j + 1}", f"{place.component}: friction over speed", _OVER_SPEED, figure)
+    caption = words_of("diagnosis_figures")["over_speed"]
+    return ReportFigure(f"loops-{j + 1}", f"{place.component}: friction over speed", caption, figure)
 
 
 def tool_figures(report: DiagnosisReport) -> list[ReportFigure]:

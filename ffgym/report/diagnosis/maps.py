@@ -11,6 +11,7 @@ from ffgym.diagnosis.result import Level
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.words import EXTENDED, FINE, LOOKS, NOMINAL, place_of, rivals_of
 from ffgym.report.figure import ReportFigure, panels, require_matplotlib
+from ffgym.report.page import words_of
 from ffgym.report.table import shortened
 
 if TYPE_CHECKING:
@@ -30,11 +31,6 @@ _CELL, _ROW = 0.5, 0.32
 _DARK = 0.55
 """Share of the colours from which figures in a cell are white."""
 
-_CELLS = (
-    "RMS of measured minus predicted over the noise floor: 1 is what noise alone leaves. Grey cells: the log has "
-    "too few such rows, or the model claims to know nothing of them."
-)
-
 Panel = tuple[str, ResidualMap]
 """A map with its title."""
 
@@ -44,6 +40,7 @@ def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
     if report.before is None:
         return []
     figures, channels, models = [], report.before.channels, report.models
+    cells = words_of("diagnosis_figures")["cells"]
     standing_out = {place.channel for place in report.places}
     for channel in channels:
         if channel == "torque" or (channel in standing_out and channel != "tool"):
@@ -54,12 +51,12 @@ def map_figures(report: DiagnosisReport) -> list[ReportFigure]:
                 ReportFigure(
                     name=f"regimes-{channel}",
                     title=f"Residual over noise floor by what the joint was doing, {channel}",
-                    caption=f"{_CELLS} The whole log, nominal model: {whole}.",
+                    caption=f"{cells} The whole log, nominal model: {whole}.",
                     figure=map_figure([[(name, regime_map(each, channel))] for name, each in models.items()]),
                 )
             )
     maps = [[(f"{c}, {name}", motion_map(each, c)) for name, each in models.items()] for c in channels]
-    figures.append(ReportFigure("motions", "Residual over noise floor by motion", _CELLS, map_figure(maps)))
+    figures.append(ReportFigure("motions", "Residual over noise floor by motion", cells, map_figure(maps)))
     return figures
 
 
@@ -144,10 +141,7 @@ def level_figures(report: DiagnosisReport) -> list[ReportFigure]:
             units = _draw_levels(axes, own)
             axes.set_ylabel(f"{channel} [{', '.join(units)}]")
         figure.align_ylabels()
-    caption = (
-        "RMS of the residual over all rows that are judged, from the nominal to the extended model, each motion by one "
-        "that was fitted without it."
-    )
+    caption = words_of("diagnosis_figures")["levels"]
     return [ReportFigure("levels", "Residuals before and after", caption, figure)]
 
 
@@ -203,10 +197,5 @@ def candidate_figures(report: DiagnosisReport) -> list[ReportFigure]:
         axes.set_xlim(0.0, max([1.0, *(gain for _, gain, _ in bars)]) + _ROOM)
         axes.grid(axis="y", visible=False)
         axes.set_xlabel("share of the residual explained on rows that were not used")
-    caption = (
-        "Share of the residual's energy above the noise floor that each effect removes on rows that were not used to "
-        "fit it. Only effects are tried whose score on such rows is above what the best of all reaches by chance in "
-        f"one of a thousand logs of a perfect model: {diagnosis.threshold:.2g} times the energy of noise in one "
-        "component."
-    )
+    caption = words_of("diagnosis_figures")["candidates"].format(threshold=diagnosis.threshold)
     return [ReportFigure("candidates", "Causes and rivals", caption, figure)]

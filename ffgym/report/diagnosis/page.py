@@ -1,7 +1,7 @@
 """A diagnosis on a page that can be sent, for readers who do not know the tool."""
 
 from ffgym.diagnosis.regimes import REGIMES
-from ffgym.diagnosis.result import Cause, Diagnosis, SeparatingMotion
+from ffgym.diagnosis.result import Cause, Diagnosis
 from ffgym.effects import EFFECTS
 from ffgym.report.diagnosis.diagnosis_report import DiagnosisReport
 from ffgym.report.diagnosis.evidence import place_figures, tool_figures
@@ -16,7 +16,7 @@ from ffgym.report.diagnosis.words import (
     title_of,
     together,
 )
-from ffgym.report.page import Code, Items, Note, Page, Part, Section
+from ffgym.report.page import Code, Items, Note, Page, Part, Section, words_of
 from ffgym.report.table import Cell, Column, Table
 
 _MOST_RIVALS = 8
@@ -30,6 +30,9 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
         FFGymError: if matplotlib or jinja2 is missing.
     """
     diagnosis = report.in_joint_units
+    words, motions = words_of("diagnosis"), ", ".join(diagnosis.motions) or "none"
+    verdicts = "; ".join(f"**{word}**, {meaning}" for word, meaning in VERDICTS.items())
+    reading: list[Part] = [words["reading"], f"Verdicts: {verdicts}.", Note(f"Motions: {motions}.")]
     sections = [
         *_answer(diagnosis),
         *_gain(report, diagnosis),
@@ -37,12 +40,9 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
         *_patterns(diagnosis),
         *_rivals(report, diagnosis),
         *_limits(diagnosis),
-        _reading(diagnosis),
+        Section("How to read this page", reading),
     ]
-    meaning = (
-        f"“{diagnosis.verdict}”: {VERDICTS[diagnosis.verdict]}. A cause is a hypothesis about the model, no finding of "
-        "a workshop."
-    )
+    meaning = words["meaning"].format(verdict=diagnosis.verdict, meaning=VERDICTS[diagnosis.verdict])
     n = len(diagnosis.motions)
     return Page(
         title=f"Diagnosis of {diagnosis.robot}",
@@ -57,23 +57,28 @@ def render_diagnosis_page(report: DiagnosisReport) -> str:
 
 def _answer(diagnosis: Diagnosis) -> list[Section]:
     """Mistakes of wiring, causes, and what to record next."""
+    words = words_of("diagnosis")
     sections = []
     if diagnosis.wiring:
-        titles = [", ".join([mistake.kind, *mistake.joints]) for mistake in diagnosis.wiring]
         boxes: list[Part] = [
-            Section(title, [mistake.message], is_boxed=True)
-            for title, mistake in zip(titles, diagnosis.wiring, strict=True)
+            Section(", ".join([mistake.kind, *mistake.joints]), [mistake.message], is_boxed=True)
+            for mistake in diagnosis.wiring
         ]
-        note = (
-            "Columns that are not what they are called, by a fit over all logs. With an output folder, `columns.toml` "
-            "in it is a column map that mends them: `ffgym diagnose LOGS --columns columns.toml`."
-        )
-        sections.append(Section("Wiring", [*boxes, Note(note)]))
+        sections.append(Section("Wiring", [*boxes, Note(words["wiring"])]))
     if diagnosis.causes:
-        note = "Sizes with 90 % intervals from resampled blocks of the log; SI units."
-        sections.append(Section("Causes", [*map(_cause, diagnosis.causes), Note(note)]))
+        sections.append(Section("Causes", [*map(_cause, diagnosis.causes), Note(words["causes"])]))
     if diagnosis.separating_motion is not None:
-        sections.append(_next(diagnosis.robot, diagnosis.separating_motion))
+        motion = diagnosis.separating_motion
+        first, second = motion.between
+        commands = f"ffgym record {diagnosis.robot} next.toml --out more_logs\n"
+        commands += f"ffgym diagnose logs more_logs --robot {diagnosis.robot}"
+        parts: list[Part] = [
+            words["record"].format(first=first, second=second),
+            Code(motion.toml.strip()),
+            Code(commands),
+            Note(words["machine"].format(expected=motion.expected)),
+        ]
+        sections.append(Section("Next experiment", parts))
     return sections
 
 
@@ -92,76 +97,34 @@ def _cause(cause: Cause) -> Section:
     return Section(f"{title_of(cause.effect)}{where} ({cause.code}, `{cause.effect}`)", parts, is_boxed=True)
 
 
-def _next(robot: str, motion: SeparatingMotion) -> Section:
-    first, second = motion.between
-    return Section(
-        "Next experiment",
-        [
-            f"To tell **{first}** from **{second}**, save this as `next.toml`, record it, and diagnose again with both "
-            "logs:",
-            Code(motion.toml.strip()),
-            Code(
-                f"ffgym record {robot} next.toml --out more_logs\nffgym diagnose logs more_logs --robot {robot}",
-            ),
-            Note(
-                "On a real machine, run the motions that `ffgym record` makes of it with its simulation. Of the "
-                "protocols that were tried it has the largest expected evidence per second: "
-                f"{motion.expected:.3g} in units of the log-likelihood ratio."
-            ),
-        ],
-    )
-
-
 def _gain(report: DiagnosisReport, diagnosis: Diagnosis) -> list[Section]:
     """What is left, and what is gained on the log, on other recordings, and in closed loop."""
+    words = words_of("diagnosis")
     parts: list[Part] = []
     if diagnosis.levels:
-        note = (
-            "RMS of measured minus predicted over all rows that are judged: of the nominal model as it is, and of the "
-            "extended model as it is written, each motion by one that was fitted without it. Small is what hardly "
-            "exceeds noise, or 5 % of what was measured; allowed for is what errors of calibration, or friction at "
-            "motion that the logs do not show, may come to."
-        )
-        if diagnosis.causes and not diagnosis.gains:
-            note += " **The extended model leaves more than the nominal one, and was not written.**"
-        parts = [levels_table(diagnosis), Note(note), *level_figures(report)]
-    held_out = (
-        "Both models, as their files say them, were replayed along recordings that were not diagnosed; RMS of what was "
-        "measured, and of measured minus predicted."
-    )
-    closed_loop = (
-        "Both models ran the references of recordings that were not diagnosed, under the documented controller; RMS of "
-        "what was measured, and of measured minus simulated."
-    )
+        is_worse = bool(diagnosis.causes and not diagnosis.gains)
+        note = Note(words["levels"] + words["not_written"] * is_worse)
+        parts = [levels_table(diagnosis), note, *level_figures(report)]
     sections = [Section("What is left, and what is gained", parts)]
-    for title, words, name, levels in (
-        ("What is gained on recordings that were not diagnosed", held_out, "held-out", report.held_out),
-        ("What is gained in closed loop", closed_loop, "closed-loop", report.closed_loop),
+    for title, name, levels in (
+        ("What is gained on recordings that were not diagnosed", "held_out", report.held_out),
+        ("What is gained in closed loop", "closed_loop", report.closed_loop),
     ):
         if levels:
-            sections.append(Section(title, [words, compared_table("quantity", levels, name)]))
+            table = compared_table("quantity", levels, name.replace("_", "-"))
+            sections.append(Section(title, [words[name], table]))
     return sections
 
 
 def _evidence(report: DiagnosisReport) -> list[Section]:
     """Where the model is wrong, and what that looks like."""
+    words = words_of("diagnosis")
     motions = "; ".join(f"**{name}**, {meaning}" for name, meaning in REGIMES["motion"].items())
-    where = (
-        f"Rows of the log are sorted by what a joint was doing: {motions}. Load, position, log and temperature are cut "
-        "into thirds."
-    )
-    looks = (
-        "Joints of causes first, then those that stand out most. What the residual **depends on**: a fault that "
-        "depends on a variable alone is the same in both directions of motion, one that has the sign of the speed, as "
-        "friction has, is opposite. What **repeats** with a gear, a motor or a resolver stands up as a narrow peak; "
-        "rhythms of the motions do not. **Friction over speed**: what differs from the line of the nominal model is "
-        "the residual, whatever its cause."
-    )
     maps = map_figures(report)
     evidence = [*(figure for place in report.places for figure in place_figures(report, place)), *tool_figures(report)]
     return [
-        Section("Where the model is wrong", [where, *maps] if maps else []),
-        Section("What it looks like", [looks, *evidence] if evidence else []),
+        Section("Where the model is wrong", [words["maps"].format(motions=motions), *maps] if maps else []),
+        Section("What it looks like", [words["looks"], *evidence] if evidence else []),
     ]
 
 
@@ -169,7 +132,7 @@ def _patterns(diagnosis: Diagnosis) -> list[Section]:
     """What differs between recordings, and what the residual depends on."""
     sections = []
     if diagnosis.drifts:
-        note = "Friction levels of each joint, fitted to each recording alone beside the model of all of them."
+        note = words_of("diagnosis")["drifts"]
         drifts = Items([drift.message for drift in diagnosis.drifts])
         sections.append(Section("What differs between recordings", [drifts, Note(note)]))
     if diagnosis.patterns:
@@ -216,18 +179,3 @@ def _limits(diagnosis: Diagnosis) -> list[Section]:
         Section("What these logs say nothing about", [table] if rows else []),
         Section("What the quality gate says of the logs", [Items(diagnosis.quality)] if diagnosis.quality else []),
     ]
-
-
-def _reading(diagnosis: Diagnosis) -> Section:
-    words = (
-        "The **nominal model** is what the simulation knows of the robot. Its arm is driven by the motor angles that "
-        "were measured, and what it then predicts (torque of each motor, position of the tool, angles behind the "
-        "gearboxes, torque of the servo) is compared with what was measured: the difference is the **residual**. Its "
-        "**noise floor** is what it would be if the model were right, found by replaying the model over itself with "
-        "this log's noise. The **extended model** is the nominal one with the causes. An effect counts only for what "
-        "it explains on motions that were not used to fit it, and only beyond what a perfect model would reach by "
-        "chance. Errors of calibration that any model has are allowed for before anything is named."
-    )
-    verdicts = "; ".join(f"**{word}**, {meaning}" for word, meaning in VERDICTS.items())
-    motions = ", ".join(diagnosis.motions) or "none"
-    return Section("How to read this page", [words, f"Verdicts: {verdicts}.", Note(f"Motions: {motions}.")])
