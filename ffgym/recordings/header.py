@@ -129,18 +129,13 @@ class Header:
         bits = self.encoder_bits
         if bits is not None and (isinstance(bits, bool) or not isinstance(bits, int) or not 1 <= bits <= 64):
             raise FFGymError(f"header encoder_bits = {bits!r} must be an integer in [1, 64], or None.")
-        joints = _as_joints(self.joints)
-        checked = {
-            "joints": joints,
+        checked = _as_axes(self) | {
             "filters": _as_texts("filters", self.filters),
             "phases": _as_phases(self.phases),
             "payload": None if self.payload is None else _as_payload(self.payload),
             "units": _as_units(self.units),
             "provenance": _as_json("provenance", self.provenance),
             "meta": _as_json("meta", self.meta),
-            "gear_ratio": _as_ratios(self.gear_ratio, len(joints)),
-            "coupling": None if self.coupling is None else _as_coupling(self.coupling, len(joints)),
-            "joint_types": _as_joint_types(self.joint_types, len(joints)),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -195,41 +190,29 @@ def _as_texts(name: str, value: Any) -> tuple[str, ...]:
     return tuple(str(item) for item in value)
 
 
-def _as_joints(value: Any) -> tuple[str, ...]:
-    """Joint names: distinct, safe in column names and files."""
-    joints = _as_texts("joints", value)
+def _as_axes(header: "Header") -> dict[str, Any]:
+    """Joint names, distinct and safe in column names, with gear ratios, couplings and types as many as joints."""
+    joints = _as_texts("joints", header.joints)
     if not joints or len(set(joints)) < len(joints):
         raise FFGymError(f"header joints = {joints} must be at least one name, each once.")
     for joint in joints:
         if not JOINT_NAME.fullmatch(joint):
             raise FFGymError(f"header joints: {joint!r} must be letters, digits or any of _ / -")
-    return joints
-
-
-def _as_ratios(value: Any, n_joints: int) -> tuple[float, ...]:
-    """Gear ratios, one per joint, not zero."""
-    ratios = check_shape("header gear_ratio", value, (n_joints,))
-    if np.any(ratios == 0):
-        raise FFGymError(f"header gear_ratio = {tuple(ratios.tolist())} must not be zero; write 1 for a direct drive.")
-    return tuple(ratios.tolist())
-
-
-def _as_coupling(value: Any, n_joints: int) -> tuple[tuple[float, ...], ...]:
-    """Matrix of couplings between axes, zero on its diagonal."""
-    coupling = check_shape("header coupling", value, (n_joints, n_joints))
-    if np.any(np.diag(coupling)):
-        raise FFGymError(f"header coupling has {np.diag(coupling)} on its diagonal, must be 0; see gear_ratio.")
-    return tuple(tuple(row) for row in coupling.tolist())
-
-
-def _as_joint_types(value: Any, n_joints: int) -> tuple[str, ...]:
-    """'hinge' or 'slide' for each joint; nothing is all hinges."""
-    types = _as_texts("joint_types", value) or ("hinge",) * n_joints
+    n, coupling = len(joints), None
+    ratios = tuple(check_shape("header gear_ratio", header.gear_ratio, (n,)).tolist())
+    if 0 in ratios:
+        raise FFGymError(f"header gear_ratio = {ratios} must not be zero; write 1 for a direct drive.")
+    if header.coupling is not None:
+        matrix = check_shape("header coupling", header.coupling, (n, n))
+        if np.any(np.diag(matrix)):
+            raise FFGymError(f"header coupling has {np.diag(matrix)} on its diagonal, must be 0; see gear_ratio.")
+        coupling = tuple(tuple(row) for row in matrix.tolist())
+    types = _as_texts("joint_types", header.joint_types) or ("hinge",) * n
     for kind in types:
         check_choice("header joint_types entry", kind, ("hinge", "slide"))
-    if len(types) != n_joints:
-        raise FFGymError(f"header joint_types = {types} must be one for each of {n_joints} joints.")
-    return types
+    if len(types) != n:
+        raise FFGymError(f"header joint_types = {types} must be one for each of {n} joints.")
+    return {"joints": joints, "gear_ratio": ratios, "coupling": coupling, "joint_types": types}
 
 
 def _as_phases(value: Any) -> tuple[Phase, ...]:

@@ -163,7 +163,6 @@ def circle_study(
     positions: Sequence[str] | None = None,
     speeds: Sequence[float] = SPEEDS,
     radii: Sequence[float] = RADII,
-    plant: str | None = None,
     options: ModelOptions | None = None,
     seed: int = 0,
     n_threads: int = 0,
@@ -177,7 +176,6 @@ def circle_study(
         positions: names in the robot's work area; None takes all.
         speeds: TCP speeds [m/s].
         radii: circle radii [m].
-        plant: what to call the plant in the cells; None takes the name of the rig, 'nominal' for a robot.
         options: what to change in the plant of a robot.
         seed: of the sensors' noise, on a rig with sensors.
         n_threads: threads of the engine, 0 for all cores.
@@ -190,9 +188,8 @@ def circle_study(
     references = circle_references(rig.arm, positions, speeds, radii)
     laws = thesis_laws(rig.robot) if laws is None else laws
     recordings = record_all(rig, references, laws, seed=seed, n_threads=n_threads, progress=progress)
-    plant = rig.name if plant is None else plant
     cells = [
-        Cell(agent=agent, plant=plant, position=position, speed_mm_s=in_mm(speed), **vars(score))
+        Cell(agent=agent, plant=rig.name, position=position, speed_mm_s=in_mm(speed), **vars(score))
         for (agent, position, speed), recording in recordings.items()
         for score in circle_scores(recording, radii)
     ]

@@ -119,8 +119,6 @@ def _bent(mass: Array, damping: Array, stiffness: Array, load: Array, at_rest: A
     return deflection, acceleration
 
 
-def friction_torques(
-    arm: RigidArm, recordings: Sequence[Recording], low_pass: LowPass | None = None
-) -> list[FrictionTorque]:
+def friction_torques(arm: RigidArm, recordings: Sequence[Recording]) -> list[FrictionTorque]:
     """Friction torque along each of several recordings."""
-    return [friction_torque(arm, recording, low_pass) for recording in recordings]
+    return [friction_torque(arm, recording) for recording in recordings]

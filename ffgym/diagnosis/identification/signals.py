@@ -41,20 +41,14 @@ class LowPass:
         return round(self.settling / (self.cutoff * dt))
 
     def __call__(self, values: Array, dt: float) -> Array:
-        """Filter `values` (T, ...), sampled every `dt` [s], along time.
-
-        Raises:
-            FFGymError: if the cut-off lies above half the sample rate, or there are too few rows.
-        """
+        """Filter `values` (T, ...), sampled every `dt` [s], along time."""
         if self.cutoff >= 0.5 / dt or len(values) <= self.padding:
             raise FFGymError(
                 f"The low-pass at {self.cutoff:g} Hz must lie below {0.5 / dt:g} Hz, half the sample rate, and takes "
                 f"more than {self.padding} rows; there are {len(values)}, {dt:g} s apart."
             )
-        filtered: Array = scipy.signal.filtfilt(
-            *scipy.signal.butter(self.order, self.cutoff, fs=1 / dt), values, axis=0
-        )
-        return filtered
+        coefficients = scipy.signal.butter(self.order, self.cutoff, fs=1 / dt)
+        return np.asarray(scipy.signal.filtfilt(*coefficients, values, axis=0))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -135,11 +129,7 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
 
 
 def joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:
-    """Position, speed, acceleration behind the gearbox from motor angles, without delay; SI, shape (T, N) each.
-
-    Raises:
-        FFGymError: if robot and recording do not fit, or it is sampled unevenly, too slowly or too shortly.
-    """
+    """Position, speed, acceleration behind the gearbox from motor angles, without delay; SI, shape (T, N) each."""
     check_fits(robot, recording)
     angle, dt = recording.joint_array("motor.position"), recording.dt
     if not is_even(recording.t):
@@ -154,11 +144,7 @@ def joint_motion(robot: RobotDescription, recording: Recording, low_pass: LowPas
 
 
 def motor_effort(robot: RobotDescription, recording: Recording) -> Array:
-    """Recorded motor torque, motor side [N m], shape (T, N), row by row as it stands in the recording.
-
-    Raises:
-        FFGymError: if robot and recording do not fit, or the recording does not say what its torque is.
-    """
+    """Recorded motor torque, motor side [N m], shape (T, N), row by row as it stands in the recording."""
     check_fits(robot, recording)
     header = recording.header
     if header.torque_semantics == "unspecified":
@@ -168,11 +154,7 @@ def motor_effort(robot: RobotDescription, recording: Recording) -> Array:
 
 
 def acting_torque(robot: RobotDescription, recording: Recording) -> Array:
-    """Motor torque that acts about the time of each row, motor side [N m], shape (T, N).
-
-    Raises:
-        FFGymError: as `motor_effort`, or if the recording does not say when its torque acts.
-    """
+    """Motor torque that acts about the time of each row, motor side [N m], shape (T, N)."""
     torque, hold = motor_effort(robot, recording), recording.header.hold
     if hold == "unspecified":
         raise FFGymError(

@@ -90,14 +90,14 @@ class ContourError:
     """Largest of it, without sign."""
 
 
-def contour_errors(recording: Recording, window: float = WINDOW) -> list[ContourError]:
+def contour_errors(recording: Recording) -> list[ContourError]:
     """Contour error and lag of the whole motion without standstill, then of every phase that is no standstill.
 
-    Phases in which the TCP was never seen are left out. Arguments and errors as `Contour.of`; a recording that is all
+    Phases in which the TCP was never seen are left out. Errors as `Contour.of`; a recording that is all
     standstill is refused.
     """
     moving = ~recording.mask(kind="standstill")
-    contour = Contour.of(recording, window)
+    contour = Contour.of(recording)
     if not moving[contour.rows].any():
         raise FFGymError(
             f"Recording {recording.header.segment!r} shows no TCP in motion, so it has no path error to score."

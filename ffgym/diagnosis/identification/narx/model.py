@@ -168,11 +168,7 @@ class NarxModel:
         return self._summed(self._inside(self.biases, phi, 0))
 
     def simulated(self, motor_dq: Array) -> Array:
-        """Torque [N m] along motor speeds [rad/s], both (T, N): past outputs are the network's own; none at first.
-
-        Raises:
-            FFGymError: if `motor_dq` has no samples, is of other motors, or holds NaN.
-        """
+        """Torque [N m] along motor speeds [rad/s], both (T, N): past outputs are the network's own; none at first."""
         regressors = self.regressors
         driven = self._inside(self.biases, self.inputs(motor_dq), 0)
         if not regressors.output_lags:
@@ -187,11 +183,7 @@ class NarxModel:
         return self.torque_scale * outputs[before:]
 
     def predicted(self, motor_dq: Array, torque: Array) -> Array:
-        """Torque [N m] one step ahead along motor speeds [rad/s], all (T, N): past outputs are measured `torque`.
-
-        Raises:
-            FFGymError: as `simulated`, or if there is not one torque per speed.
-        """
+        """Torque [N m] one step ahead along motor speeds [rad/s], all (T, N): past outputs are measured `torque`."""
         return self.torque_scale * self.output(self.phi(motor_dq, torque))
 
     def phi(self, motor_dq: Array, torque: Array) -> Array:

@@ -81,11 +81,7 @@ class Errors:
 
     @classmethod
     def of(cls, model: NarxModel, samples: Samples) -> "Errors":
-        """Errors of `model`, motor by motor.
-
-        Raises:
-            FFGymError: if the samples are of other motors, or further apart or closer than those of the network.
-        """
+        """Errors of `model`, motor by motor, on samples of its motors and at its sample time."""
         if not model.is_sampled_at(samples.dt):
             raise FFGymError(
                 f"The NARX network was fitted to samples every {model.dt:g} s, these are {samples.dt:g} s apart; its "

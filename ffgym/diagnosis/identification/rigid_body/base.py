@@ -119,15 +119,15 @@ def _independent(unit: Array) -> IntArray:
     return np.array(own, dtype=np.intp)
 
 
-def excitation_condition(reference: Reference, terms: Sequence[str] = DEFAULT_TERMS) -> float:
+def excitation_condition(reference: Reference) -> float:
     """Condition number of the equations of a motion for the base parameters of its robot; less tells more.
 
     Columns have unit size, and rows count where a motor moves as in an identification. The robot's masses weigh the
     motors: each motor's torque is in units of its RMS by the description.
     """
-    robot, parts = reference.robot, terms_named(terms)
+    robot, terms = reference.robot, terms_named(DEFAULT_TERMS)
     motion = rigid_motion(robot, reference.q, reference.dq, reference.ddq)
-    columns = columns_of(robot, parts, motion)
-    size = rms(np.einsum("tkn,k->tn", columns, described_by(robot, parts)), 0)
+    columns = columns_of(robot, terms, motion)
+    size = rms(np.einsum("tkn,k->tn", columns, described_by(robot, terms)), 0)
     moving = np.abs(motion.motor_dq / robot.drive.gear_ratio) > Filtering().moving
-    return condition_number(columns / np.where(size > 0, size, 1.0), moving, base_parameters(robot, parts))
+    return condition_number(columns / np.where(size > 0, size, 1.0), moving, base_parameters(robot, terms))
