@@ -1,6 +1,6 @@
 """Fits of NARX networks by Levenberg-Marquardt from random weights, thesis 6.2.3."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
@@ -75,9 +75,9 @@ def fitted(
         )
     check_choice("focus", focus, get_args(Focus))
     check_whole("n_evaluations", n_evaluations, low=1)
-    model = _minimised(_random(records, rng, structure), records, Prediction.of, n_evaluations)
+    model = _minimised(_random(records, rng, structure), records, Prediction, n_evaluations)
     if focus == "simulation" and structure.regressors.output_lags:
-        model = _minimised(model, records, Simulation.of, n_evaluations)
+        model = _minimised(model, records, Simulation, n_evaluations)
     return model
 
 
@@ -121,12 +121,13 @@ def _random(records: Sequence[Samples], rng: np.random.Generator, structure: Str
 def _minimised(
     start: NarxModel,
     records: Sequence[Samples],
-    problems: Callable[[NarxModel, Sequence[Samples]], Sequence[Prediction | Simulation]],
+    problem_of: type[Prediction] | type[Simulation],
     n_evaluations: int,
 ) -> NarxModel:
     """The network from `start` with the least squares of a problem, motor by motor."""
     h, found = start.biases.shape[1], []
-    for joint, problem in enumerate(problems(start, records)):
+    for joint in range(start.n_joints):
+        problem = problem_of(start, records, joint)
         fit = scipy.optimize.least_squares(
             problem.residual, _packed(start, joint), problem.jacobian, method="lm", max_nfev=n_evaluations
         )

@@ -7,14 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import tanh
 from operator import mul
-from typing import final
 
 import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError, check_number, check_shape
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray, IntArray
+from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.identification.narx.model import NarxModel, sigmoid
 
 
@@ -103,58 +102,28 @@ STEEPEST = 1e100
 far beyond any that leads somewhere, and small enough to be squared."""
 
 
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Prediction:
-    """Errors one step ahead; past outputs are the measured ones."""
+    """Errors of one motor one step ahead, S scored samples of all records; past outputs are the measured ones."""
 
-    phi: Array
-    """Regressors of all records, shape (S, R)."""
-    target: Array
-    """Torque in units of its scale, shape (S,)."""
-    weight: Array
-    """Scale of the torque over the noise of its record, shape (S,)."""
-    n_neurons: int
-
-    @classmethod
-    def of(cls, start: NarxModel, records: Sequence[Samples]) -> list["Prediction"]:
-        """One problem per motor."""
-        phi = np.concatenate([start.phi(r.motor_dq, r.torque)[r.scored] for r in records])
-        target = np.concatenate([r.torque[r.scored] / start.torque_scale for r in records])
-        weight = np.concatenate([np.tile(start.torque_scale / r.noise, (r.scored.sum(), 1)) for r in records])
-        return [
-            cls(phi=phi[:, joint], target=target[:, joint], weight=weight[:, joint], n_neurons=start.biases.shape[1])
-            for joint in range(start.n_joints)
-        ]
+    def __init__(self, start: NarxModel, records: Sequence[Samples], joint: int) -> None:
+        scale = start.torque_scale
+        self._n_neurons = start.biases.shape[1]
+        self._phi = np.concatenate([start.phi(r.motor_dq, r.torque)[r.scored] for r in records])[:, joint]
+        self._target = np.concatenate([r.torque[r.scored] / scale for r in records])[:, joint]
+        self._weight = np.concatenate([np.tile(scale / r.noise, (r.scored.sum(), 1)) for r in records])[:, joint]
 
     def residual(self, parameters: Array) -> Array:
-        """Weighted errors (S,) at parameters (K,) of one motor, S scored samples."""
-        w, b, c, d = split(parameters, self.n_neurons)
-        return np.asarray(self.weight * (sigmoid(self.phi @ w.T + b) @ c + d - self.target))
+        """Errors (S,) at parameters (K,) of the motor, in units of the noise."""
+        w, b, c, d = split(parameters, self._n_neurons)
+        return np.asarray(self._weight * (sigmoid(self._phi @ w.T + b) @ c + d - self._target))
 
     def jacobian(self, parameters: Array) -> Array:
         """Their derivative by the parameters (S, K)."""
-        return self.weight[:, None] * slopes(parameters, self.phi, self.n_neurons)
+        return self._weight[:, None] * slopes(parameters, self._phi, self._n_neurons)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Drive:
-    """One motion of one motor, to simulate and to compare with."""
-
-    inputs: Array
-    """Regressors that follow from the speed, shape (T, n_inputs)."""
-    target: Array
-    """Torque in units of its scale, shape (T,)."""
-    scored: BoolArray
-    """Samples that count, shape (T,)."""
-    weight: float
-    """Scale of the torque over its noise."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
 class Simulation:
-    r"""Errors in free run; past outputs are the network's own.
+    r"""Errors of one motor in free run, S scored samples of all records; past outputs are the network's own.
 
     The derivative of y(k) then holds those of its past outputs,
 
@@ -163,56 +132,43 @@ class Simulation:
     which is a banded triangular system of equations in all s(k).
     """
 
-    drives: tuple[Drive, ...]
-    lags: IntArray
-    """Of past outputs [samples], one or more."""
-    n_neurons: int
-
-    @classmethod
-    def of(cls, start: NarxModel, records: Sequence[Samples]) -> list["Simulation"]:
-        """One problem per motor."""
-        inputs = [start.inputs(record.motor_dq) for record in records]
-        lags = np.array(start.regressors.output_lags, dtype=np.intp)
-        return [
-            cls(
-                drives=tuple(
-                    Drive(
-                        inputs=each[:, joint],
-                        target=record.torque[:, joint] / start.torque_scale[joint],
-                        scored=record.scored,
-                        weight=float(start.torque_scale[joint] / record.noise[joint]),
-                    )
-                    for each, record in zip(inputs, records, strict=True)
-                ),
-                lags=lags,
-                n_neurons=start.biases.shape[1],
+    def __init__(self, start: NarxModel, records: Sequence[Samples], joint: int) -> None:
+        self._n_neurons, self._lags = start.biases.shape[1], np.array(start.regressors.output_lags, dtype=np.intp)
+        # of each record the regressors that follow from the speed, the torque in units of its scale, what counts, and
+        # that scale over the noise
+        self._drives = [
+            (
+                start.inputs(r.motor_dq)[:, joint],
+                r.torque[:, joint] / start.torque_scale[joint],
+                r.scored,
+                float(start.torque_scale[joint] / r.noise[joint]),
             )
-            for joint in range(start.n_joints)
+            for r in records
         ]
 
     def residual(self, parameters: Array) -> Array:
-        """Weighted errors (S,) at parameters (K,) of one motor, S scored samples."""
+        """Errors (S,) at parameters (K,) of the motor, in units of the noise."""
         return np.concatenate(
             [
-                drive.weight * (self._simulated(parameters, drive.inputs) - drive.target)[drive.scored]
-                for drive in self.drives
+                weight * (self._simulated(parameters, inputs) - target)[scored]
+                for inputs, target, scored, weight in self._drives
             ]
         )
 
     def jacobian(self, parameters: Array) -> Array:
         """Their derivative by the parameters (S, K)."""
         parts = []
-        for drive in self.drives:
-            outputs = self._simulated(parameters, drive.inputs)
-            past = [np.concatenate([np.zeros(lag), outputs])[: len(outputs)] for lag in self.lags]
-            phi = np.hstack([drive.inputs, np.stack(past, axis=1)])
-            parts.append(drive.weight * self._through_time(parameters, phi)[drive.scored])
+        for inputs, _, scored, weight in self._drives:
+            outputs = self._simulated(parameters, inputs)
+            past = [np.concatenate([np.zeros(lag), outputs])[: len(outputs)] for lag in self._lags]
+            phi = np.hstack([inputs, np.stack(past, axis=1)])
+            parts.append(weight * self._through_time(parameters, phi)[scored])
         return np.concatenate(parts)
 
     def _simulated(self, parameters: Array, inputs: Array) -> Array:
         """Output (T,) in units of its scale; none at first, as in `NarxModel.simulated`."""
-        w, b, c, d = split(parameters, self.n_neurons)
-        n_inputs, lags = inputs.shape[1], self.lags.tolist()
+        w, b, c, d = split(parameters, self._n_neurons)
+        n_inputs, lags = inputs.shape[1], self._lags.tolist()
         driven, fed_back, gains = (inputs @ w[:, :n_inputs].T + b).tolist(), w[:, n_inputs:].tolist(), c.tolist()
         outputs = [0.0] * (max(lags) + 1)
         for row in driven[1:]:  # plain floats: a call of NumPy costs more than a neuron
@@ -224,14 +180,14 @@ class Simulation:
 
     def _through_time(self, parameters: Array, phi: Array) -> Array:
         """Derivative s (T, K) of the output in free run, along which regressors are phi (T, R)."""
-        w, b, c, _ = split(parameters, self.n_neurons)
+        w, b, c, _ = split(parameters, self._n_neurons)
         active = sigmoid(phi @ w.T + b)
-        gains = (active * (1 - active) * c) @ w[:, -len(self.lags) :]
-        bands = np.zeros((self.lags.max() + 1, len(phi)))
+        gains = (active * (1 - active) * c) @ w[:, -len(self._lags) :]
+        bands = np.zeros((self._lags.max() + 1, len(phi)))
         bands[0] = 1.0
-        for lag, gain in zip(self.lags, gains.T, strict=True):
+        for lag, gain in zip(self._lags, gains.T, strict=True):
             bands[lag, : len(phi) - lag] = -gain[lag:]
-        direct = slopes(parameters, phi, self.n_neurons)
+        direct = slopes(parameters, phi, self._n_neurons)
         direct[0] = 0.0  # the first output is none, whatever the weights
         found, _ = scipy.linalg.lapack.dtbtrs(
             bands, direct, uplo="L", diag="U"

@@ -50,7 +50,7 @@ def test_a_fit_to_the_simulation_simulates_better_than_one_to_the_prediction(net
 def test_slopes_are_those_of_the_errors(problem, form, network, sweep, samples_of):
     model, record = network(FORMS[form], size=0.7), samples_of(sweep(80), np.sin(sweep(80)))
     record = replace(record, scored=np.arange(80) % 3 == 0)
-    posed, parameters = problem.of(model, [record, record])[1], _packed(model, 1)
+    posed, parameters = problem(model, [record, record], 1), _packed(model, 1)
 
     def of_cost(p):
         return posed.residual(p) @ posed.residual(p)
@@ -69,9 +69,9 @@ def test_errors_that_are_minimised_are_those_of_the_network(problem, network, sw
         Prediction: model.predicted(record.motor_dq, record.torque),
         Simulation: model.simulated(record.motor_dq),
     }[problem]
-    for j, posed in enumerate(problem.of(model, [record])):
+    for j in range(model.n_joints):
         expected = (torque - record.torque)[:, j] / record.noise[j]
-        np.testing.assert_allclose(posed.residual(_packed(model, j)), expected, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(problem(model, [record], j).residual(_packed(model, j)), expected, rtol=0, atol=1e-9)
 
 
 def test_slopes_of_a_network_that_amplifies_its_errors_stay_numbers(network, samples_of):
@@ -79,7 +79,7 @@ def test_slopes_of_a_network_that_amplifies_its_errors_stay_numbers(network, sam
     model = replace(model, input_weights=0 * model.input_weights + [0.0, 8.0], biases=0 * model.biases)
     model = replace(model, output_weights=0 * model.output_weights + 2.0, offset=np.full(2, -3.0))
     rest = samples_of(np.zeros((2000, 2)), np.zeros((2000, 2)))
-    jacobian = Simulation.of(model, [rest])[0].jacobian(_packed(model, 0))
+    jacobian = Simulation(model, [rest], 0).jacobian(_packed(model, 0))
     assert np.abs(jacobian).max() > 1e50
     assert np.all(np.isfinite(jacobian.T @ jacobian))
 
