@@ -97,9 +97,7 @@ def predict_torque(
     low_pass = LowPass(cutoff=cutoff, order=_ORDER)
     measured = motor_effort(robot, recording)
     q, dq, ddq = joint_motion(robot, recording, low_pass)
-    scored = np.abs(dq) > MOVING
-    ends = low_pass.end_rows(recording.dt)
-    scored[:ends], scored[-ends:] = False, False
+    scored = (np.abs(dq) > MOVING) & low_pass.knows(len(dq), recording.dt)[:, None]
     still = [joint for j, joint in enumerate(robot.joints) if not scored[:, j].any()]
     if still:
         raise FFGymError(

@@ -40,6 +40,11 @@ class LowPass:
         """Rows at either end of a record, sampled every `dt` [s], that do not count."""
         return round(self.settling / (self.cutoff * dt))
 
+    def knows(self, n_rows: int, dt: float) -> BoolArray:
+        """Rows of a record that count: all but its ends, shape (n_rows,)."""
+        rows, ends = np.arange(n_rows), self.end_rows(dt)
+        return np.asarray((rows >= ends) & (rows < n_rows - ends))
+
     def __call__(self, values: Array, dt: float) -> Array:
         """Filter `values` (T, ...), sampled every `dt` [s], along time."""
         if self.cutoff >= 0.5 / dt or len(values) <= self.padding:
@@ -110,10 +115,8 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
     low_pass = low_pass or LowPass()
     q, dq, ddq = joint_motion(robot, recording, low_pass)
     torque = low_pass(acting_torque(robot, recording), recording.dt)
-    valid = np.ones(len(q), dtype=np.bool_)
-    ends = low_pass.end_rows(recording.dt)
-    valid[:ends], valid[len(q) - ends :] = False, False
-    masked = scipy.ndimage.maximum_filter1d((~recording.valid).astype(np.int8), 2 * ends + 1, axis=0, mode="nearest")
+    reach = 2 * low_pass.end_rows(recording.dt) + 1
+    masked = scipy.ndimage.maximum_filter1d((~recording.valid).astype(np.int8), reach, axis=0, mode="nearest")
     return Signals(
         robot=robot,
         segment=recording.header.segment,
@@ -122,7 +125,7 @@ def signals_of(robot: RobotDescription, recording: Recording, low_pass: LowPass 
         dq=dq,
         ddq=ddq,
         torque=torque,
-        valid=valid,
+        valid=low_pass.knows(len(q), recording.dt),
         unmasked=masked == 0,
         low_pass=low_pass,
     )

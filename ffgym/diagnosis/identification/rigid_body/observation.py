@@ -113,8 +113,8 @@ def _part(
     reach = 2 * round(1 / (parallel.cutoff * dt)) + 1  # a period of the cut-off, on either side
     good = (np.abs(motion.motor_dq / robot.drive.gear_ratio) > filtering.moving) & recording.valid
     counts = scipy.ndimage.minimum_filter1d(good.astype(np.int8), reach, axis=0) > 0
-    ends = max(low_pass.end_rows(dt) for low_pass in (filtering.motion, parallel))
-    counts[:ends], counts[len(counts) - ends :] = False, False
+    for low_pass in (filtering.motion, parallel):
+        counts &= low_pass.knows(len(counts), dt)[:, None]
     counts = counts[kept]
     return Equations(
         robot=robot,
