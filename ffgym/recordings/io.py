@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple, Self, final
+from typing import Any, Self, final
 
 import numpy as np
 
@@ -26,17 +26,9 @@ INDEX = "protocol.json"
 """Name of the index that `ffgym record` writes beside its recordings."""
 
 
-class Format(NamedTuple):
-    """A file format, as functions between a recording and the bytes of a file."""
-
-    encode: Callable[[Recording], bytes]
-    decode: Callable[[bytes, Header | None], Recording]
-
-
-FORMATS: Mapping[str, Format] = MappingProxyType(
-    {".csv": Format(csv.encode, csv.decode), ".npz": Format(npz.encode, npz.decode)}
-)
-"""Formats by suffix."""
+FORMATS: Mapping[str, tuple[Callable[[Recording], bytes], Callable[[bytes, Header | None], Recording]]]
+FORMATS = MappingProxyType({".csv": (csv.encode, csv.decode), ".npz": (npz.encode, npz.decode)})
+"""Functions from a recording to the bytes of a file, and back, by suffix."""
 
 
 def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
@@ -47,7 +39,8 @@ def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
     Raises:
         FFGymError: if the suffix is unknown or the file cannot be written.
     """
-    write_bytes(path, _format_of(path).encode(recording))
+    encode, _ = FORMATS[_suffix_of(path)]
+    write_bytes(path, encode(recording))
 
 
 def read_recording(path: str | os.PathLike[str], header: Header | None = None) -> Recording:
@@ -60,19 +53,19 @@ def read_recording(path: str | os.PathLike[str], header: Header | None = None) -
     Raises:
         FFGymError: if the file cannot be read, or is not a valid recording; the message begins with the path.
     """
-    file_format, data = _format_of(path), read_bytes(path)
+    _, decode = FORMATS[_suffix_of(path)]
+    data = read_bytes(path)
     try:
-        return file_format.decode(data, header)
-
+        return decode(data, header)
     except FFGymError as error:
         raise FFGymError(f"{os.fspath(path)}: {error}") from error
 
 
-def _format_of(path: str | os.PathLike[str]) -> Format:
+def _suffix_of(path: str | os.PathLike[str]) -> str:
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
         raise FFGymError(f"{os.fspath(path)}: suffix {suffix!r} is unknown, must be one of {', '.join(FORMATS)}.")
-    return FORMATS[suffix]
+    return suffix
 
 
 @final

@@ -19,11 +19,12 @@ shared_folder = settings(suppress_health_check=[HealthCheck.function_scoped_fixt
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @given(rec=recordings())
 def test_encoding_round_trip_keeps_every_bit(suffix: str, rec: Recording) -> None:
-    data = FORMATS[suffix].encode(rec)
-    read = FORMATS[suffix].decode(data, None)
+    encode, decode = FORMATS[suffix]
+    data = encode(rec)
+    read = decode(data, None)
     assert read.equals(rec)
     assert list(read.columns) == list(rec.columns)
-    assert FORMATS[suffix].encode(read) == data
+    assert encode(read) == data
 
 
 @pytest.mark.parametrize("suffix", [*SUFFIXES, ".CSV"])

@@ -25,6 +25,9 @@ from ffgym.robot import RobotDescription
 _ROWS_PER_CUTOFF = 2.5
 """Rows kept per period of the cut-off of the parallel filter; Gautier's rule, 0.8 of half the new sample rate."""
 
+_BLOCK = 1.0
+"""Length [s] of the blocks that are resampled for intervals; long against what correlates errors."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Filtering:
@@ -37,12 +40,9 @@ class Filtering:
     industrial robot from some 8 Hz on, is not explained by its bodies."""
     moving: float = 0.02
     """Motor speed over gear ratio [rad/s or m/s] below which a row does not count: bristles decide the torque there."""
-    block: float = 1.0
-    """Length [s] of the blocks that are resampled for intervals; long against what correlates errors."""
 
     def __post_init__(self) -> None:
         check_number("moving", self.moving, unit="rad/s", low=0.0)
-        check_number("block", self.block, unit="s", low=0.0, open_low=True)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,7 +124,7 @@ def _part(
         measured=parallel(measured, dt)[kept],
         t=recording.t[kept],
         counts=counts,
-        blocks=Blocks.cut([np.ones(len(counts), dtype=np.bool_)], dt * stride, filtering.block),
+        blocks=Blocks.cut([np.ones(len(counts), dtype=np.bool_)], dt * stride, _BLOCK),
     )
 
 
