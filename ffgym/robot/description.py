@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -23,9 +22,7 @@ from ffgym.robot.parts import (
     Spring,
     Tool,
     WorkArea,
-    plain,
     point_mass_inertia,
-    rebuilt,
 )
 from ffgym.robot.reading.quantity import Quantity
 
@@ -54,9 +51,6 @@ class RobotDescription:
     springs: tuple[Spring, ...] = ()
     logs: Logs = field(default_factory=Logs)
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
-
-    def __reduce__(self) -> Any:
-        return rebuilt, (type(self), plain(self))
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "quantities", MappingProxyType(dict(self.quantities)))

@@ -1,7 +1,8 @@
 """The parts of a robot description: geometry, masses, tool, servo, sensors, work area, springs, logs, looks."""
 
+import copyreg
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, get_args
 
@@ -182,9 +183,6 @@ class WorkArea:
             raise FFGymError("work_area.normal must not be zero; leave it out for circles parallel to the ground.")
         object.__setattr__(self, "positions", MappingProxyType(dict(self.positions)))
 
-    def __reduce__(self) -> Any:
-        return rebuilt, (type(self), plain(self))
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Spring:
@@ -237,12 +235,8 @@ def _check_inertia(name: str, inertia: Array) -> None:
         )
 
 
-def plain(description: Any) -> dict[str, Any]:
-    """Fields of a description in a form that can be copied and pickled, which read-only mappings cannot."""
-    values = {f.name: getattr(description, f.name) for f in fields(description)}
-    return {name: dict(value) if isinstance(value, Mapping) else value for name, value in values.items()}
+def _read_only(values: dict[str, Any]) -> MappingProxyType[str, Any]:
+    return MappingProxyType(values)
 
 
-def rebuilt(kind: type, values: dict[str, Any]) -> Any:
-    """Make a part again from what `plain` returned; for copies and pickles."""
-    return kind(**values)
+copyreg.pickle(MappingProxyType, lambda mapping: (_read_only, (dict(mapping),)))  # so that descriptions can be copied

@@ -1,7 +1,7 @@
 """Kinematics and rigid-body dynamics of the arm, link side, for whole trajectories at once."""
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
@@ -19,58 +19,47 @@ class ChainLink:
 
     position: Array
     rotation: Array
+    joint: int = 0
     cross: Array | None = None
     """points @ cross is axis x points, for the unit axis of its hinge in the body's frame; None if it has none."""
+    anchor: Array = field(default_factory=lambda: np.zeros(3))
+    """Point on the hinge axis in the body's frame [m]."""
     slide: Array | None = None
     """Unit axis of its sliding joint in the body's frame, shape (3,); None if it has none."""
-    anchor: Array
-    """Point on the hinge axis in the body's frame [m]."""
-    joint: int = 0
 
     def place(self, points: Array, q: Array) -> Array:
         """Points (T, 3) of this body in the frame of the body before it, at joint positions `q` (T, N)."""
-        if self.cross is not None:
-            points = _rotate(points - self.anchor, self.cross, q[:, self.joint]) + self.anchor
+        if self.cross is not None:  # Rodrigues' formula
+            arms, angle = points - self.anchor, q[:, [self.joint]]
+            turned = (
+                arms + np.sin(angle) * (arms @ self.cross) + (1 - np.cos(angle)) * (arms @ (self.cross @ self.cross))
+            )
+            points = turned + self.anchor
         if self.slide is not None:
             points = points + q[:, [self.joint]] * self.slide
         return points @ self.rotation.T + self.position
 
 
-def chain_to_site(model: mujoco.MjModel, site: int) -> tuple[ChainLink, ...]:
-    """Bodies from the world to a site, the site last."""
-    at_site = {"position": model.site_pos[site].copy(), "rotation": _matrix(model.site_quat[site])}
-    chain = [ChainLink(**at_site, anchor=np.zeros(3))]
+def _chain_to_site(model: mujoco.MjModel, site: int) -> tuple[ChainLink, ...]:
+    """A site, and the bodies that carry it down to the one that stands in the world."""
+    chain = [ChainLink(position=model.site_pos[site].copy(), rotation=_matrix(model.site_quat[site]))]
     body = int(model.site_bodyid[site])
     while body > 0:
-        chain.append(_link_of(model, body))
+        joint, motion = int(model.body_jntadr[body]), dict[str, Any]()
+        if joint >= 0 and model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE:
+            motion = {"slide": model.jnt_axis[joint].copy()}
+        elif joint >= 0:
+            motion = {"cross": np.cross(model.jnt_axis[joint], np.eye(3)), "anchor": model.jnt_pos[joint].copy()}
+        position, rotation = model.body_pos[body].copy(), _matrix(model.body_quat[body])
+        chain.append(ChainLink(position=position, rotation=rotation, joint=joint, **motion))
         body = int(model.body_parentid[body])
-    return tuple(reversed(chain))
-
-
-def _link_of(model: mujoco.MjModel, body: int) -> ChainLink:
-    joint = int(model.body_jntadr[body])
-    slides = joint >= 0 and model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_SLIDE
-    return ChainLink(
-        position=model.body_pos[body].copy(),
-        rotation=_matrix(model.body_quat[body]),
-        cross=np.cross(model.jnt_axis[joint], np.eye(3)) if joint >= 0 and not slides else None,
-        slide=model.jnt_axis[joint].copy() if slides else None,
-        anchor=model.jnt_pos[joint].copy() if joint >= 0 else np.zeros(3),
-        joint=joint,
-    )
+    return tuple(chain)
 
 
 def _matrix(quaternion: Array) -> Array:
     matrix = np.zeros(9)
     mujoco.mju_quat2Mat(matrix, quaternion)
     return matrix.reshape(3, 3)
-
-
-def _rotate(points: Array, cross: Array, angle: Array) -> Array:
-    """Points (T, 3) turned by `angle` (T,) [rad] about the axis of `cross` (3, 3), Rodrigues' formula."""
-    return (
-        points + np.sin(angle)[:, None] * (points @ cross) + (1 - np.cos(angle))[:, None] * (points @ (cross @ cross))
-    )
 
 
 RIGID = ModelOptions(flexible=False, friction=False, servo=False, looks=False)
@@ -95,7 +84,7 @@ class RigidArm:
         self._batch = batch.Batch(self._model, nsim=_CHUNK)
         self._gravity = self._batch.expand("opt.gravity")
         self._tcp = self._model.site("tcp").id if robot.tool is not None else None
-        self._chain = () if self._tcp is None else chain_to_site(self._model, self._tcp)
+        self._chain = () if self._tcp is None else _chain_to_site(self._model, self._tcp)
         self._slides = np.flatnonzero(robot.kinematics.is_sliding)
         self._rows = np.repeat(np.arange(self._n), self._model.M_rownnz)
         self._columns = self._model.M_colind
@@ -105,7 +94,7 @@ class RigidArm:
         self._tcp_id()
         q = check_shape("q", q, (None, self.robot.n_joints))
         point = np.zeros((len(q), 3))
-        for link in reversed(self._chain):
+        for link in self._chain:
             point = link.place(point, q)
         return point
 

@@ -1,13 +1,12 @@
 """What a robot looks like: primitives and meshes or a stick figure, a floor, a sky and light."""
 
-from collections.abc import Mapping
+from typing import Any
 
 import mujoco
 import numpy as np
 
-from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
-from ffgym.robot.parts import Geom, Mesh
+from ffgym.robot.parts import Geom
 
 THICKNESS = 0.02
 """Radius of a rod over the length of the whole chain; chosen: as slender as an arm with its castings."""
@@ -26,17 +25,16 @@ def stick_figure(robot: RobotDescription) -> tuple[Geom, ...]:
         ends["tool"] = robot.tool.tcp
     length = sum(float(np.linalg.norm(end)) for end in ends.values())
     radius = THICKNESS * (length or 1.0)
-    rods = [_rod(body, end, radius) for body, end in ends.items() if np.linalg.norm(end) > _SHORTEST * radius]
+    origin = (0.0, 0.0, 0.0)
+    rods = [
+        Geom(body=body, type="capsule", size=(radius,), pos=origin, end=tuple(end.tolist()), colour=ROD)
+        for body, end in ends.items()
+        if np.linalg.norm(end) > _SHORTEST * radius
+    ]
     balls = [
-        Geom(body=link, type="sphere", size=(1.5 * radius,), pos=(0.0, 0.0, 0.0), end=None, colour=BALL)
-        for link in robot.links
+        Geom(body=link, type="sphere", size=(1.5 * radius,), pos=origin, end=None, colour=BALL) for link in robot.links
     ]
     return (*rods, *balls)
-
-
-def _rod(body: str, end: Array, radius: float) -> Geom:
-    x, y, z = end.tolist()
-    return Geom(body=body, type="capsule", size=(radius,), pos=(0.0, 0.0, 0.0), end=(x, y, z), colour=ROD)
 
 
 _GEOM_TYPES = {
@@ -58,9 +56,23 @@ def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
     geoms = there or stick_figure(robot)
     meshes = {geom.mesh: f"mesh{i}" for i, geom in enumerate(geoms) if geom.mesh is not None}
     for mesh, name in meshes.items():
-        _add_mesh(spec, name, mesh)
+        spec.add_mesh(
+            name=name,
+            uservert=mesh.vertices.ravel(),
+            userface=mesh.faces.ravel(),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,  # it may not be closed, and weighs nothing anyway
+        )
     for geom in geoms:
-        _add_geom(spec.body(geom.body), geom, meshes)
+        form: dict[str, Any] = {"pos": geom.pos, "quat": geom.rotation}
+        if geom.end is not None:
+            form = {"size": [geom.size[0], 0, 0], "fromto": [*geom.pos, *geom.end]}
+        elif geom.mesh is not None:
+            form["meshname"] = meshes[geom.mesh]
+        else:
+            form["size"] = [*geom.size, 0, 0][:3]
+        spec.body(geom.body).add_geom(
+            type=_GEOM_TYPES[geom.type], rgba=geom.colour, contype=0, conaffinity=0, mass=0.0, group=1, **form
+        )
     spec.worldbody.add_geom(
         name="floor",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
@@ -83,30 +95,3 @@ def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
     spec.visual.headlight.ambient = [0.35, 0.35, 0.35]
     spec.visual.headlight.diffuse = [0.4, 0.4, 0.4]
     spec.visual.map.znear = 0.01
-
-
-def _add_mesh(spec: mujoco.MjSpec, name: str, mesh: Mesh) -> None:
-    """Add a surface; shell inertia, as it may not be closed, and weighs nothing anyway."""
-    spec.add_mesh(
-        name=name,
-        uservert=mesh.vertices.ravel(),
-        userface=mesh.faces.ravel(),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-    )
-
-
-def _add_geom(body: mujoco.MjsBody, geom: Geom, meshes: Mapping[Mesh, str]) -> None:
-    common = {
-        "type": _GEOM_TYPES[geom.type],
-        "rgba": geom.colour,
-        "contype": 0,
-        "conaffinity": 0,
-        "mass": 0.0,
-        "group": 1,
-    }
-    if geom.end is not None:
-        body.add_geom(size=[geom.size[0], 0, 0], fromto=[*geom.pos, *geom.end], **common)
-    elif geom.mesh is not None:
-        body.add_geom(meshname=meshes[geom.mesh], pos=geom.pos, quat=geom.rotation, **common)
-    else:
-        body.add_geom(size=[*geom.size, 0, 0][:3], pos=geom.pos, quat=geom.rotation, **common)

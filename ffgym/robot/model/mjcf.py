@@ -80,16 +80,6 @@ def element(kind: str, part: Any, tag: str = "") -> ET.Element:
     return out
 
 
-def inertial_element(body: Any) -> ET.Element:
-    """Mass, centre of mass and inertia of a body, as the builder was given them."""
-    out = ET.Element("inertial", pos=text(body.ipos), mass=text(body.mass))
-    if np.isnan(body.fullinertia[0]):  # not given: the body never turns
-        out.set("diaginertia", text(body.inertia))
-    else:  # also where it is diagonal, for which MuJoCo finds other principal axes when it is said so
-        out.set("fullinertia", text(body.fullinertia))
-    return out
-
-
 def actuator_element(part: Any) -> ET.Element:
     """A servo as `pid` or a friction as `dcmotor`, whose attributes say what the numbers are."""
     gain, bias, dynamics = part.gainprm, part.biasprm, part.dynprm
@@ -120,16 +110,6 @@ def tendon_element(part: Any) -> ET.Element:
             ET.SubElement(out, "joint", joint=wrap.target.name, coef=text(wrap.coef))
         else:
             ET.SubElement(out, "site", site=wrap.target.name)
-    return out
-
-
-def key_element(key: Any) -> ET.Element:
-    """A state to start from."""
-    out = ET.Element("key", name=key.name)
-    for name in ("qpos", "qvel", "act", "ctrl"):
-        values = np.array(list(getattr(key, name)))
-        if values.size:
-            out.set(name, text(values))
     return out
 
 
@@ -176,7 +156,14 @@ def mjcf_text(spec: mujoco.MjSpec) -> str:
     """
     root = ET.Element("mujoco", model=spec.modelname)
     ET.SubElement(root, "compiler", angle="degree" if spec.compiler.degree else "radian")
-    root.append(_option(spec.option))
+    # step, integrator, gravity, and what is switched off
+    option = spec.option
+    settings = {"timestep": text(option.timestep), "integrator": _INTEGRATORS[option.integrator]}
+    out = ET.SubElement(root, "option", settings, gravity=text(option.gravity))
+    for name, bit in mujoco.mjtDisableBit.__members__.items():
+        if name.startswith("mjDSBL_") and option.disableflags & int(bit):
+            flag = out[0] if len(out) else ET.SubElement(out, "flag")
+            flag.set(name.removeprefix("mjDSBL_").lower(), "disable")
     for section in _sections(spec):
         if len(section):
             if section.tag in _COMMENTS:
@@ -191,15 +178,25 @@ def mjcf_text(spec: mujoco.MjSpec) -> str:
 
 def _sections(spec: mujoco.MjSpec) -> list[ET.Element]:
     """All sections, in MJCF's usual order."""
-    assets, world = ET.Element("asset"), ET.Element("worldbody")
+    visual, assets, world, tendons, actuators, keys = (
+        ET.Element(tag) for tag in ("visual", "asset", "worldbody", "tendon", "actuator", "keyframe")
+    )
+    for group in ("headlight", "map"):  # light at the camera and clipping planes, where they are not MuJoCo's
+        own, usual = getattr(spec.visual, group), getattr(mujoco.MjSpec().visual, group)
+        names = [name for name in dir(own) if not name.startswith("_")]
+        changed = [name for name in names if not np.array_equal(getattr(own, name), getattr(usual, name))]
+        if changed:
+            ET.SubElement(visual, group, {name: text(getattr(own, name)) for name in changed})
     for kind, parts in (("texture", spec.textures), ("material", spec.materials), ("mesh", spec.meshes)):
         assets.extend([element(kind, part) for part in parts])
     _fill(world, spec.worldbody)
-    tendons, actuators, keys = (ET.Element(tag) for tag in ("tendon", "actuator", "keyframe"))
     tendons.extend([tendon_element(part) for part in spec.tendons])
     actuators.extend([actuator_element(part) for part in spec.actuators])
-    keys.extend([key_element(part) for part in spec.keys])
-    return [_visual(spec.visual), assets, world, tendons, actuators, keys]
+    for key in spec.keys:
+        state = {name: np.array(list(getattr(key, name))) for name in ("qpos", "qvel", "act", "ctrl")}
+        filled = {name: text(values) for name, values in state.items() if values.size}
+        ET.SubElement(keys, "key", {"name": key.name, **filled})
+    return [visual, assets, world, tendons, actuators, keys]
 
 
 def _fill(out: ET.Element, body: Any) -> None:
@@ -211,31 +208,12 @@ def _fill(out: ET.Element, body: Any) -> None:
         for name, unmoved in (("pos", [0, 0, 0]), ("quat", [1, 0, 0, 0])):
             if not np.array_equal(getattr(child, name), unmoved):
                 inner.set(name, text(getattr(child, name)))
-        inner.append(inertial_element(child))
+        inertial = ET.SubElement(inner, "inertial", pos=text(child.ipos), mass=text(child.mass))
+        if np.isnan(child.fullinertia[0]):  # not given: the body never turns
+            inertial.set("diaginertia", text(child.inertia))
+        else:  # also where it is diagonal, for which MuJoCo finds other principal axes when it is said so
+            inertial.set("fullinertia", text(child.fullinertia))
         _fill(inner, child)
-
-
-def _option(option: Any) -> ET.Element:
-    """Step, integrator, gravity, and what is switched off."""
-    integrator = _INTEGRATORS[option.integrator]
-    out = ET.Element("option", timestep=text(option.timestep), integrator=integrator, gravity=text(option.gravity))
-    for name, bit in mujoco.mjtDisableBit.__members__.items():
-        if name.startswith("mjDSBL_") and option.disableflags & int(bit):
-            flag = out[0] if len(out) else ET.SubElement(out, "flag")
-            flag.set(name.removeprefix("mjDSBL_").lower(), "disable")
-    return out
-
-
-def _visual(visual: Any) -> ET.Element:
-    """Light at the camera and clipping planes, where they are not MuJoCo's."""
-    out, default = ET.Element("visual"), mujoco.MjSpec().visual
-    for group in ("headlight", "map"):
-        own, usual = getattr(visual, group), getattr(default, group)
-        names = [name for name in dir(own) if not name.startswith("_")]
-        changed = [name for name in names if not np.array_equal(getattr(own, name), getattr(usual, name))]
-        if changed:
-            ET.SubElement(out, group, {name: text(getattr(own, name)) for name in changed})
-    return out
 
 
 def _check_same(spec: mujoco.MjSpec, result: str) -> None:
@@ -245,13 +223,9 @@ def _check_same(spec: mujoco.MjSpec, result: str) -> None:
     except ValueError as error:
         raise FFGymError(f"Model {spec.modelname!r} cannot be written as MJCF: {error}.") from error
     if physics_fingerprint(own) != physics_fingerprint(read):
+        names = [name for name in dir(own) if isinstance(getattr(own, name), np.ndarray | int | float)]
+        changed = [name for name in names if not np.array_equal(getattr(own, name), getattr(read, name))]
         raise FFGymError(
             f"Model {spec.modelname!r} has parts that cannot be written exactly; they change "
-            f"{', '.join(_differences(own, read)) or 'its names'}. Leave them out, or save it as .mjb."
+            f"{', '.join(changed) or 'its names'}. Leave them out, or save it as .mjb."
         )
-
-
-def _differences(a: mujoco.MjModel, b: mujoco.MjModel) -> list[str]:
-    """Names of the fields in which two models differ."""
-    names = [name for name in dir(a) if isinstance(getattr(a, name), np.ndarray | int | float)]
-    return [name for name in names if not np.array_equal(getattr(a, name), getattr(b, name))]

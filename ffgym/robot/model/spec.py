@@ -8,6 +8,7 @@ bristles) natively. A spring between two links is a spatial tendon.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,7 +16,6 @@ import numpy as np
 from ffgym.core.errors import check_number
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.model.looks import add_looks
-from ffgym.robot.parts import Spring
 
 
 def motor_joint(joint: str) -> str:
@@ -51,71 +51,45 @@ def spring_tendon(spring: str) -> str:
 _SERVO_INPUTS = mujoco.mjtCtrlInput.mjINPUT_POS | mujoco.mjtCtrlInput.mjINPUT_VEL | mujoco.mjtCtrlInput.mjINPUT_FF
 
 
-def add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, *, servo: bool, friction: bool) -> None:
+def _add_actuators(spec: mujoco.MjSpec, robot: RobotDescription, i: int, options: "ModelOptions") -> None:
     """Servo and friction of motor i, on its joint, or on a tendon if other joints turn the motor too."""
-    if not (servo or friction):
+    if not (options.servo or options.friction):
         return
     joint, ratios = robot.joints[i], robot.drive.matrix[i]
+    # what the actuators act on, so that their length is the motor angle
+    motor: dict[str, Any] = {"trntype": mujoco.mjtTrn.mjTRN_JOINT, "target": motor_joint(joint)}
+    gear = float(ratios[i])
     if np.any(np.delete(ratios, i)):
+        motor, gear = {"trntype": mujoco.mjtTrn.mjTRN_TENDON, "target": motor_tendon(joint)}, 1.0
         tendon = spec.add_tendon(name=motor_tendon(joint))
         for j in np.flatnonzero(ratios):
             tendon.wrap_joint(motor_joint(robot.joints[j]), ratios[j])
-        motor = _Transmission(kind=mujoco.mjtTrn.mjTRN_TENDON, target=motor_tendon(joint), gear=1.0)
-    else:
-        motor = _Transmission(kind=mujoco.mjtTrn.mjTRN_JOINT, target=motor_joint(joint), gear=float(ratios[i]))
-    if servo:
-        _add_servo(spec, robot, i, motor)
-    if friction:
-        _add_friction(spec, robot, i, motor)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Transmission:
-    """What an actuator acts on, so that its length is the motor angle."""
-
-    kind: mujoco.mjtTrn
-    target: str
-    gear: float
-
-
-def _add_servo(spec: mujoco.MjSpec, robot: RobotDescription, i: int, motor: _Transmission) -> None:
-    """PID with set-points for position, velocity and feed-forward torque; its integral is clamped."""
-    servo, peak = robot.servo, robot.drive.peak_torque[i]
-    integral_gain = servo.integral_gain[i]
-    actuator = spec.add_actuator(
-        name=servo_actuator(robot.joints[i]),
-        trntype=motor.kind,
-        target=motor.target,
-        gear=[motor.gear, 0, 0, 0, 0, 0],
-        armature=robot.drive.rotor_inertia[i],
-        forcelimited=True,
-        forcerange=[-peak, peak],
-    )
-    actuator.set_to_pid(
-        kp=servo.position_gain[i],
-        kv=servo.velocity_gain[i],
-        ki=integral_gain,
-        imax=peak / integral_gain if integral_gain > 0 else 0.0,
-        ctrlspec=int(_SERVO_INPUTS),
-    )
-
-
-def _add_friction(spec: mujoco.MjSpec, robot: RobotDescription, i: int, motor: _Transmission) -> None:
-    """LuGre friction of motor i: a motor without electrics, whose bristles MuJoCo integrates exactly."""
-    f = robot.friction
-    actuator = spec.add_actuator(
-        name=friction_actuator(robot.joints[i]),
-        trntype=motor.kind,
-        target=motor.target,
-        gear=[motor.gear, 0, 0, 0, 0, 0],
-        damping=[f.viscous[i], 0, 0],
-    )
-    actuator.set_to_dcmotor(
-        motorconst=[0, 0],
-        resistance=1.0,  # must be positive, acts on nothing: the electrical branch is off
-        lugre=[f.bristle_stiffness[i], f.bristle_damping[i], f.coulomb[i], f.static[i], f.stribeck_velocity[i]],
-        ctrlspec=int(mujoco.mjtCtrlInput.mjINPUT_NONE),
-    )
+    motor["gear"] = [gear, 0, 0, 0, 0, 0]
+    if options.servo:  # PID with set-points for position, velocity and feed-forward torque; its integral is clamped
+        peak, integral_gain = robot.drive.peak_torque[i], robot.servo.integral_gain[i]
+        servo = spec.add_actuator(
+            name=servo_actuator(joint),
+            armature=robot.drive.rotor_inertia[i],
+            forcelimited=True,
+            forcerange=[-peak, peak],
+            **motor,
+        )
+        servo.set_to_pid(
+            kp=robot.servo.position_gain[i],
+            kv=robot.servo.velocity_gain[i],
+            ki=integral_gain,
+            imax=peak / integral_gain if integral_gain > 0 else 0.0,
+            ctrlspec=int(_SERVO_INPUTS),
+        )
+    if options.friction:  # LuGre: a motor without electrics, whose bristles MuJoCo integrates exactly
+        f = robot.friction
+        friction = spec.add_actuator(name=friction_actuator(joint), damping=[f.viscous[i], 0, 0], **motor)
+        friction.set_to_dcmotor(
+            motorconst=[0, 0],
+            resistance=1.0,  # must be positive, acts on nothing: the electrical branch is off
+            lugre=[f.bristle_stiffness[i], f.bristle_damping[i], f.coulomb[i], f.static[i], f.stribeck_velocity[i]],
+            ctrlspec=int(mujoco.mjtCtrlInput.mjINPUT_NONE),
+        )
 
 
 MASSLESS = 1e-9
@@ -157,19 +131,31 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
     spec = mujoco.MjSpec()
     spec.modelname = robot.name
     spec.compiler.degree = False
-    _set_options(spec, robot, options)
+    spec.option.timestep = robot.physics_dt if options.physics_dt is None else options.physics_dt
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    spec.option.gravity = robot.gravity if options.gravity else np.zeros(3)
+    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT
     base = spec.worldbody.add_body(name="base")
     _set_inertial(base, robot.base_mass, robot.base_com, np.zeros(6))
     body = base
     for i in range(robot.n_joints):
         body = _add_joint(body, robot, i, options)
-    if robot.tool is not None:
-        _add_tool(body, robot)
+    if robot.tool is not None:  # in the tool0 frame, with sites for tool0 and the TCP
+        quat = np.zeros(4)
+        mujoco.mju_mat2Quat(quat, robot.tool.rotation.flatten())
+        tool = body.add_body(name="tool", pos=robot.tool.position, quat=quat)
+        _set_inertial(tool, robot.tool.mass, robot.tool.com, robot.tool.inertia)
+        tool.add_site(name="tool0", size=[0.004, 0.004, 0.004])
+        tool.add_site(name="tcp", pos=robot.tool.tcp, size=[0.004, 0.004, 0.004], rgba=[0.1, 0.4, 1, 1])
     for i in range(robot.n_joints):
-        add_actuators(spec, robot, i, servo=options.servo, friction=options.friction)
-    if options.springs:
-        for spring in robot.springs:
-            _add_spring(spec, spring)
+        _add_actuators(spec, robot, i, options)
+    for spring in robot.springs if options.springs else ():  # pulls with a force that is a cubic of its elongation
+        tendon = spec.add_tendon(
+            name=spring_tendon(spring.name), stiffness=spring.stiffness, springlength=[spring.length, spring.length]
+        )
+        for end, joined, point in zip(("start", "end"), spring.bodies, (spring.start, spring.end), strict=True):
+            site = spec.body(joined).add_site(name=f"{spring.name}_{end}", pos=point, size=[0.01, 0.01, 0.01])
+            tendon.wrap_site(site.name)
     if options.looks:
         add_looks(spec, robot)
     return spec
@@ -180,60 +166,24 @@ def compile_model(robot: RobotDescription, options: ModelOptions | None = None) 
     return build_spec(robot, options).compile()
 
 
-def _set_options(spec: mujoco.MjSpec, robot: RobotDescription, options: ModelOptions) -> None:
-    spec.option.timestep = robot.physics_dt if options.physics_dt is None else options.physics_dt
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
-    spec.option.gravity = robot.gravity if options.gravity else np.zeros(3)
-    spec.option.disableflags = mujoco.mjtDisableBit.mjDSBL_CONTACT
-
-
 def _add_joint(parent: mujoco.MjsBody, robot: RobotDescription, i: int, options: ModelOptions) -> mujoco.MjsBody:
     """Motor hinge, deflection hinge and link of joint i; returns the link. A sliding joint slides on both sides."""
     joint, link, drive = robot.joints[i], robot.links[i], robot.drive
-    axis = robot.kinematics.axis[i]
+    sliding = robot.kinematics.is_sliding[i]
+    hinge: dict[str, Any] = {
+        "type": mujoco.mjtJoint.mjJNT_SLIDE if sliding else mujoco.mjtJoint.mjJNT_HINGE,
+        "axis": robot.kinematics.axis[i],
+    }
     elastic = options.flexible and not drive.is_rigid[i]
+    body = parent.add_body(name=f"{link}_rotor" if elastic else link, pos=robot.kinematics.position[i])
+    body.add_joint(name=motor_joint(joint), limited=True, range=robot.kinematics.range[i], **hinge)
     if elastic:
-        parent = parent.add_body(name=f"{link}_rotor", pos=robot.kinematics.position[i])
-        _set_inertial(parent, MASSLESS, np.zeros(3), np.array([MASSLESS, MASSLESS, MASSLESS, 0, 0, 0]))
-        _add_motor_hinge(parent, robot, i)
-        body = parent.add_body(name=link)
-        body.add_joint(
-            name=deflection_joint(joint),
-            type=_joint_type(robot, i),
-            axis=axis,
-            stiffness=[drive.joint_stiffness[i], 0, 0],
-            damping=[drive.joint_damping[i], 0, 0],
-        )
-    else:
-        body = parent.add_body(name=link, pos=robot.kinematics.position[i])
-        _add_motor_hinge(body, robot, i)
+        _set_inertial(body, MASSLESS, np.zeros(3), np.array([MASSLESS, MASSLESS, MASSLESS, 0, 0, 0]))
+        body = body.add_body(name=link)
+        stiffness, damping = [drive.joint_stiffness[i], 0, 0], [drive.joint_damping[i], 0, 0]
+        body.add_joint(name=deflection_joint(joint), stiffness=stiffness, damping=damping, **hinge)
     _set_inertial(body, robot.bodies.mass[i], robot.bodies.com[i], robot.bodies.inertia[i])
     return body
-
-
-def _add_motor_hinge(body: mujoco.MjsBody, robot: RobotDescription, i: int) -> None:
-    body.add_joint(
-        name=motor_joint(robot.joints[i]),
-        type=_joint_type(robot, i),
-        axis=robot.kinematics.axis[i],
-        limited=True,
-        range=robot.kinematics.range[i],
-    )
-
-
-def _joint_type(robot: RobotDescription, i: int) -> mujoco.mjtJoint:
-    return mujoco.mjtJoint.mjJNT_SLIDE if robot.kinematics.is_sliding[i] else mujoco.mjtJoint.mjJNT_HINGE
-
-
-def _add_tool(flange: mujoco.MjsBody, robot: RobotDescription) -> None:
-    """Tool body in the tool0 frame, with sites for tool0 and the TCP."""
-    assert robot.tool is not None
-    quat = np.zeros(4)
-    mujoco.mju_mat2Quat(quat, robot.tool.rotation.flatten())
-    tool = flange.add_body(name="tool", pos=robot.tool.position, quat=quat)
-    _set_inertial(tool, robot.tool.mass, robot.tool.com, robot.tool.inertia)
-    tool.add_site(name="tool0", size=[0.004, 0.004, 0.004])
-    tool.add_site(name="tcp", pos=robot.tool.tcp, size=[0.004, 0.004, 0.004], rgba=[0.1, 0.4, 1, 1])
 
 
 def _set_inertial(body: mujoco.MjsBody, mass: float, com: np.ndarray, inertia: np.ndarray) -> None:
@@ -243,14 +193,3 @@ def _set_inertial(body: mujoco.MjsBody, mass: float, com: np.ndarray, inertia: n
     body.ipos = com
     if np.any(inertia):
         body.fullinertia = inertia
-
-
-def _add_spring(spec: mujoco.MjSpec, spring: Spring) -> None:
-    """Tendon that pulls two bodies together with a force that is a cubic of its elongation."""
-    ends = zip(("start", "end"), spring.bodies, (spring.start, spring.end), strict=True)
-    tendon = spec.add_tendon(
-        name=spring_tendon(spring.name), stiffness=spring.stiffness, springlength=[spring.length, spring.length]
-    )
-    for end, body, point in ends:
-        site = spec.body(body).add_site(name=f"{spring.name}_{end}", pos=point, size=[0.01, 0.01, 0.01])
-        tendon.wrap_site(site.name)
