@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
-from ffgym.robot.arm_file.arm_file import ArmFile, JointHints, Kind, NamedFrame
+from ffgym.robot.arm_file.arm_file import ArmFile, JointHints, Kind, NamedFrame, Source
 from ffgym.robot.arm_file.chain import BASE, TYPES, Chain
 from ffgym.robot.reading.quantity import JointFrame, Quantity, si_units
 from ffgym.robot.reading.rules import RULES
@@ -34,28 +34,15 @@ class Pose:
 
 
 def pose_at_zero(model: mujoco.MjModel, chain: Chain) -> Pose:
-    """Put hinges and sliding joints at zero, whatever their `ref`; all others stay where the file draws them.
-
-    Raises:
-        FFGymError: if something is nowhere.
-    """
+    """Put hinges and sliding joints at zero, whatever their `ref`; all others stay where the file draws them."""
     data = mujoco.MjData(model)
-    for j in range(model.njnt):
-        if model.jnt_type[j] in TYPES:
-            data.qpos[model.jnt_qposadr[j]] = 0.0
+    data.qpos[[model.jnt_qposadr[j] for j in range(model.njnt) if model.jnt_type[j] in TYPES]] = 0.0
     mujoco.mj_kinematics(model, data)
     for name in _PLACES:
         if not np.all(np.isfinite(getattr(data, name))):
             raise FFGymError("A position, angle, axis or reference in it is not a finite number.")
     origins = data.xanchor[list(chain.joints)].copy()
     return Pose(model=model, data=data, chain=chain, origins=origins)
-
-
-def geometry(pose: Pose) -> dict[str, Array]:
-    """`kinematics.position` [m], shape (N, 3), and `kinematics.axis`, shape (N, 3)."""
-    axis = pose.data.xaxis[list(pose.chain.joints)]
-    steps = np.diff(pose.origins, axis=0, prepend=np.zeros((1, 3)))
-    return {"kinematics.position": steps, "kinematics.axis": axis / np.linalg.norm(axis, axis=1, keepdims=True)}
 
 
 def masses(pose: Pose) -> dict[str, Array]:
@@ -66,15 +53,14 @@ def masses(pose: Pose) -> dict[str, Array]:
     """
     base_mass, base_com, _ = _fused(pose, BASE)
     links = [_fused(pose, k) for k in range(len(pose.chain.joints))]
-    found = {"base.mass": base_mass, "base.com": base_com}
-    for name, column in zip(("mass", "com", "inertia"), zip(*links, strict=True), strict=True):
-        found[f"links.{name}"] = np.array(column)
-    for mass, joint in zip(found["links.mass"], pose.chain.names, strict=True):
+    for (mass, _, _), joint in zip(links, pose.chain.names, strict=True):
         if not mass > 0:
             raise FFGymError(
                 f"The link behind joint {joint!r} weighs {mass} kg; a link that moves must weigh something."
             )
-    return found
+    mass, com, inertia = (np.array(column) for column in zip(*links, strict=True))
+    of_links = {"links.mass": mass, "links.com": com, "links.inertia": inertia}
+    return {"base.mass": base_mass, "base.com": base_com, **of_links}
 
 
 def named_frames(pose: Pose) -> dict[str, NamedFrame]:
@@ -127,17 +113,30 @@ def quantities_of(
     Raises:
         FFGymError: if a link weighs nothing, or a number is not finite.
     """
+    model, chosen = pose.model, list(pose.chain.joints)
+    sourced = ("sourced",)
     with np.errstate(over="ignore", invalid="ignore"):  # numbers that overflow are refused below
-        values = geometry(pose) | (masses(pose) if has_masses else {})
-    rows: list[_Row] = [(path, value, ("sourced",), file) for path, value in values.items()]
+        axis = pose.data.xaxis[chosen]
+        values = {
+            "kinematics.position": np.diff(pose.origins, axis=0, prepend=np.zeros((1, 3))),
+            "kinematics.axis": axis / np.linalg.norm(axis, axis=1, keepdims=True),
+            **(masses(pose) if has_masses else {}),
+        }
+    rows: list[_Row] = [(path, value, sourced, file) for path, value in values.items()]
     if not has_masses:
         source = f"{file} has no masses; a base that stands still needs none"
         rows += [("base.mass", np.zeros(()), ("chosen",), source), ("base.com", np.zeros(3), ("chosen",), source)]
-    said = (("chosen",), f"{file} says none; URDF has z upwards") if kind == "urdf" else (("sourced",), file)
-    rows.append(("simulation.gravity", pose.model.opt.gravity, *said))
-    rows += _range(pose, file)
+    said = (("chosen",), f"{file} says none; URDF has z upwards") if kind == "urdf" else (sourced, file)
+    rows.append(("simulation.gravity", model.opt.gravity, *said))
+    # joint limits; none at all if a sliding joint has none, as nothing says how far it could go
+    limited = model.jnt_limited[chosen].astype(bool)
+    if np.all(limited | (np.array(pose.chain.types) == "hinge")):
+        limits = np.where(limited[:, None], model.jnt_range[chosen], UNLIMITED * np.array([-1.0, 1.0]))
+        origin = tuple("sourced" if known else "chosen" for known in limited)
+        source = file if np.all(limited) else f"{file}; one turn to both sides where it gives no limits"
+        rows.append(("kinematics.range", limits, origin, source))
     if all(hint.speed is not None for hint in hints):
-        rows.append(("kinematics.max_speed", np.array([hint.speed for hint in hints]), ("sourced",), file))
+        rows.append(("kinematics.max_speed", np.array([hint.speed for hint in hints]), sourced, file))
     return _quantities(rows, pose.chain.types)
 
 
@@ -156,19 +155,6 @@ def flange_at(arm: ArmFile, frame: str) -> dict[str, Quantity]:
     return _quantities(rows, arm.types)
 
 
-def _range(pose: Pose, file: str) -> list[_Row]:
-    """Joint limits; none at all if a sliding joint has none, as nothing says how far it could go."""
-    chosen = list(pose.chain.joints)
-    limited = pose.model.jnt_limited[chosen].astype(bool)
-    hinges = np.array([kind == "hinge" for kind in pose.chain.types])
-    if not np.all(limited | hinges):
-        return []
-    limits = np.where(limited[:, None], pose.model.jnt_range[chosen], UNLIMITED * np.array([-1.0, 1.0]))
-    origin = tuple("sourced" if known else "chosen" for known in limited)
-    source = file if np.all(limited) else f"{file}; one turn to both sides where it gives no limits"
-    return [("kinematics.range", limits, origin, source)]
-
-
 def _quantities(rows: Sequence[_Row], types: tuple[str, ...]) -> dict[str, Quantity]:
     """Entries of a description, checked to be finite, for joints of these types."""
     found = {}
@@ -179,3 +165,61 @@ def _quantities(rows: Sequence[_Row], types: tuple[str, ...]) -> dict[str, Quant
         unit = ", ".join(si_units(rule, rule.side, JointFrame(types=types)))
         found[path] = Quantity(value=array, unit=unit, side=rule.side, origin=origin, source=source)
     return found
+
+
+_ON_JOINTS = (mujoco.mjtTrn.mjTRN_JOINT.value, mujoco.mjtTrn.mjTRN_JOINTINPARENT.value)
+"""Transmissions of actuators that act on one joint and on nothing else."""
+
+
+def joint_hints(model: mujoco.MjModel, chain: Chain, source: Source) -> tuple[JointHints, ...]:
+    """What the file knows of the drive of each joint of the chain."""
+
+    def positive(value: float) -> float | None:
+        return float(value) if value > 0 else None
+
+    found = []
+    for joint, name in zip(chain.joints, chain.names, strict=True):
+        dof = int(model.jnt_dofadr[joint])
+        acting = np.flatnonzero(np.isin(model.actuator_trntype, _ON_JOINTS) & (model.actuator_trnid[:, 0] == joint))
+        gears = model.actuator_gear[acting, 0].tolist()
+        # largest torque: the joint's own limit, else what its actuators give at their force limits
+        effort = 0.0
+        if model.jnt_actfrclimited[joint]:
+            effort = np.abs(model.jnt_actfrcrange[joint]).max()
+        elif np.all(model.actuator_forcelimited[acting]):
+            most = np.abs(model.actuator_forcerange[acting]).max(axis=1)
+            effort = sum(abs(gear) * force for gear, force in zip(gears, most, strict=True))
+        rotors = sum(gear**2 * x for gear, x in zip(gears, model.actuator_armature[acting], strict=True))
+        # gains, seen from the joint, of servos with force = gain ctrl - K_p position - K_v velocity
+        affine = model.actuator_biastype[acting] == mujoco.mjtBias.mjBIAS_AFFINE.value
+        bias = model.actuator_biasprm[acting]
+        kp, kv = (sum(-(g**2) * b[i] for g, b, own in zip(gears, bias, affine, strict=True) if own) for i in (1, 2))
+        # the gear of the only actuator; 1, which MuJoCo sets where nothing is said, is none
+        gear_ratio = gears[0] if len(gears) == 1 and gears[0] not in (0.0, 1.0) else None
+        hints = JointHints(
+            effort=positive(effort),
+            speed=source.speeds.get(name),
+            damping=positive(model.dof_damping[dof]),
+            friction=positive(model.dof_frictionloss[dof]),
+            armature=positive(model.dof_armature[dof] + rotors),
+            gear_ratio=source.gear_ratios.get(name, gear_ratio),
+            position_gain=positive(kp),
+            velocity_gain=positive(kv),
+        )
+        found.append(hints)
+    return tuple(found)
+
+
+def left_out(model: mujoco.MjModel, chain: Chain) -> tuple[str, ...]:
+    """One phrase for each kind of force on the arm that is not taken over; a description has its own forms of them."""
+    joints, moved = list(chain.joints), chain.owner >= 0
+    springs = np.any(model.jnt_stiffness[joints]) or np.any(model.jnt_stiffnesspoly[joints])
+    tendons = np.any(model.tendon_stiffness) or np.any(model.tendon_damping) or np.any(model.tendon_frictionloss)
+    medium = model.opt.density > 0 or model.opt.viscosity > 0
+    found = {
+        "springs in its joints": springs,
+        "springs, damping or friction of its tendons (counterbalances are entries of [springs])": tendons,
+        "compensated gravity (gravcomp)": np.any(model.body_gravcomp[moved]),
+        "forces of the air or water around it": medium,
+    }
+    return tuple(f"{what} are left out" for what, there in found.items() if there)

@@ -13,10 +13,9 @@ import numpy as np
 from ffgym.core.errors import FFGymError, errors_at
 from ffgym.robot.arm_file.arm_file import ArmFile, Kind, Source
 from ffgym.robot.arm_file.chain import check_open, choose_chain
-from ffgym.robot.arm_file.details import joint_hints, left_out, looks_of
-from ffgym.robot.arm_file.measure import named_frames, pose_at_zero, quantities_of
+from ffgym.robot.arm_file.measure import joint_hints, left_out, named_frames, pose_at_zero, quantities_of
+from ffgym.robot.arm_file.shapes import WAY_OUT, looks_of, weighs
 from ffgym.robot.arm_file.urdf import read_urdf
-from ffgym.robot.arm_file.urdf_shapes import WAY_OUT, weighs, without_mesh
 
 _WAYS_OUT = (
     (
@@ -37,13 +36,11 @@ _WAYS_OUT = (
 
 
 @contextmanager
-def engine_errors(*, line_numbers: bool) -> Iterator[list[str]]:
+def _engine_errors(*, line_numbers: bool) -> Iterator[list[str]]:
     """Raise what MuJoCo refuses as an FFGymError; yields the list that its warnings go to.
 
-    Without this, MuJoCo prints its warnings and writes them to MUJOCO_LOG.TXT in the working directory.
-
-    Args:
-        line_numbers: whether the lines it names are those of the user's file, and may be shown.
+    Without this, MuJoCo prints its warnings and writes them to MUJOCO_LOG.TXT in the working directory. `line_numbers`
+    says whether the lines it names are those of the user's file, and may be shown.
     """
     said: list[str] = []
     before = mujoco.get_mju_user_warning()
@@ -56,17 +53,19 @@ def engine_errors(*, line_numbers: bool) -> Iterator[list[str]]:
     except FFGymError:
         raise
     except (ValueError, mujoco.FatalError, mujoco.UnexpectedError) as error:
-        text = str(error) if line_numbers else re.sub(r",? line \d+", "", str(error))
-        raise FFGymError(_refusal(text)) from error
+        message = str(error) if line_numbers else re.sub(r",? line \d+", "", str(error))
+        text = re.sub(r"^((XML )?Error: )+", "", _one_line(message)).rstrip(".;:")
+        ways = [f" {way}." for sign, way in _WAYS_OUT if sign in text]
+        raise FFGymError(f"MuJoCo refuses it: {text}.{''.join(ways[:1])}") from error
     finally:
         mujoco.set_mju_user_warning(before)
 
 
-def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
+def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
     """Compile a model with all its bodies, also those that are welded, and with what is only looks.
 
     Raises:
-        FFGymError: if a mesh is missing, or names are no text; what else MuJoCo refuses is left to `engine_errors`.
+        FFGymError: if a mesh is missing, or names are no text; what else MuJoCo refuses is left to `_engine_errors`.
     """
     spec.compiler.fusestatic = False
     spec.compiler.discardvisual = False
@@ -80,18 +79,15 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
         missing = re.search(r"Error opening file '(.+)'", str(error))
         for mesh in spec.meshes:
             if missing is not None and Path(mesh.file).name == Path(missing[1]).name:
+                # without looks it does not matter, unless the mass of a body needs it
+                bodies = [g.parent.name for g in spec.geoms if g.meshname == mesh.name and weighs(spec, g)]
+                inertial = f"or give body {bodies[0]!r} an <inertial>: its mass comes from this mesh" if bodies else ""
                 place = Path(spec.modelfiledir) / missing[1]
                 raise FFGymError(
-                    f"The mesh {mesh.name!r} is missing; looked for {place}. Put it there, {without_mesh(spec, mesh)}."
+                    f"The mesh {mesh.name!r} is missing; looked for {place}. Put it there, {inertial or WAY_OUT}."
                 ) from error
         raise
     return model
-
-
-def _refusal(message: str) -> str:
-    text = re.sub(r"^((XML )?Error: )+", "", _one_line(message)).rstrip(".;:")
-    ways = [way for sign, way in _WAYS_OUT if sign in text]
-    return f"MuJoCo refuses it: {text}." + (f" {ways[0]}." if ways else "")
 
 
 def _one_line(message: str) -> str:
@@ -102,7 +98,7 @@ _SMALL = 0.01
 """Radius [m] of the weightless sphere that stands for a shape that was left out; any would do."""
 
 
-def read_mjcf(path: Path, *, looks: bool) -> Source:
+def _read_mjcf(path: Path, *, looks: bool) -> Source:
     """Read an MJCF file, with what it includes.
 
     Raises:
@@ -112,17 +108,13 @@ def read_mjcf(path: Path, *, looks: bool) -> Source:
     for joint in spec.joints:
         if joint.range[0] > joint.range[1]:
             raise FFGymError(f"Joint {joint.name!r}: range {joint.range.tolist()} must be lower before upper limit.")
-    _drop_textures(spec)
-    if not looks:
-        _drop_shapes(spec)
-    return Source(spec=spec)
-
-
-def _drop_textures(spec: mujoco.MjSpec) -> None:
     for material in spec.materials:
         material.textures = [""] * len(material.textures)
     for texture in list(spec.textures):
         spec.delete(texture)
+    if not looks:
+        _drop_shapes(spec)
+    return Source(spec=spec)
 
 
 def _drop_shapes(spec: mujoco.MjSpec) -> None:
@@ -166,11 +158,18 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
         data = path.read_bytes()
     except OSError as error:
         raise FFGymError(f"Cannot read it: {error.strerror}. It must be an MJCF or URDF file.") from error
-    kind = _kind(data)
+    # format by the outermost element of the file
+    text = re.sub(r"<!--.*?-->|<\?.*?\?>|<![^>]*>", "", data.decode("latin-1"), flags=re.DOTALL)
+    found = re.search(r"<([\w:.-]+)", text)
+    kinds: dict[str, Kind] = {"mujoco": "mjcf", "robot": "urdf"}
+    if found is None or found[1] not in kinds:
+        what = "it is empty" if not data.strip() else f"it starts with <{found[1]}>" if found else "it is no XML"
+        raise FFGymError(f"It must be MJCF (<mujoco> ...) or URDF (<robot> ...), but {what}.")
+    kind = kinds[found[1]]
     mjcf = kind == "mjcf"
-    with engine_errors(line_numbers=mjcf) as warnings:
-        source = read_mjcf(path, looks=looks) if mjcf else read_urdf(data, path.parent, joints, looks=looks)
-        model = compiled(source.spec)
+    with _engine_errors(line_numbers=mjcf) as warnings:
+        source = _read_mjcf(path, looks=looks) if mjcf else read_urdf(data, path.parent, joints, looks=looks)
+        model = _compiled(source.spec)
     chain = choose_chain(model, joints)
     check_open(model, chain)
     pose = pose_at_zero(model, chain)
@@ -188,14 +187,3 @@ def _read(path: Path, joints: Sequence[str] | None, looks: bool) -> ArmFile:
         geoms=looks_of(pose, links) if looks else (),
         notes=(*source.notes, *left_out(model, chain), *warnings),
     )
-
-
-def _kind(data: bytes) -> Kind:
-    """Format by the outermost element of the file."""
-    text = re.sub(r"<!--.*?-->|<\?.*?\?>|<![^>]*>", "", data.decode("latin-1"), flags=re.DOTALL)
-    found = re.search(r"<([\w:.-]+)", text)
-    kinds: dict[str, Kind] = {"mujoco": "mjcf", "robot": "urdf"}
-    if found is None or found[1] not in kinds:
-        what = "it is empty" if not data.strip() else f"it starts with <{found[1]}>" if found else "it is no XML"
-        raise FFGymError(f"It must be MJCF (<mujoco> ...) or URDF (<robot> ...), but {what}.")
-    return kinds[found[1]]

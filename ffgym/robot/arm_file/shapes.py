@@ -1,6 +1,6 @@
-"""Shapes of a URDF file as geoms without mass, and where meshes are."""
+"""Shapes of an arm: those of a URDF file as geoms without mass, where meshes are, and the looks of a compiled model."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -10,6 +10,9 @@ import scipy
 
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
+from ffgym.robot.arm_file.chain import BASE
+from ffgym.robot.arm_file.measure import Pose
+from ffgym.robot.parts import Geom, Mesh
 
 READABLE = (".stl", ".obj", ".msh")
 """Formats that MuJoCo reads."""
@@ -38,42 +41,23 @@ def numbers(element: ET.Element, attribute: str, what: str, default: tuple[float
 
 
 def number(element: ET.Element, attribute: str, what: str, default: float) -> float:
-    """One number from an attribute; `default` if it is not there.
-
-    Raises:
-        FFGymError: if it is none; `what` names the element.
-    """
+    """One number from an attribute, `default` if it is not there; `what` names the element in errors."""
     return float(numbers(element, attribute, what, (default,))[0])
 
 
 def find_mesh(uri: str, folder: Path, what: str) -> Path:
-    """The file that `uri` means in a file that lies in `folder`.
+    """The file that `uri` means in a file that lies in `folder`; an error that names the mesh `what` if there is none.
 
     `package://name/rest` is looked for as `name/rest` in every folder that holds the file, `file:///place` is absolute;
     other relative paths start at `folder`.
-
-    Raises:
-        FFGymError: if there is no such file; `what` names the mesh.
     """
-    places = _places(uri, folder)
+    _, scheme, rest = uri.partition("://")
+    places = [parent / rest for parent in (folder, *folder.parents)] if scheme else [folder / uri]
     for place in places:
         if place.is_file():
             return place
     looked = ", ".join(map(str, places[:3])) + (f" and {len(places) - 3} folders above" if len(places) > 3 else "")
     raise FFGymError(f"The mesh {uri!r} of {what} is missing; looked for {looked}. Put it there, {WAY_OUT}.")
-
-
-def _places(uri: str, folder: Path) -> list[Path]:
-    _, scheme, rest = uri.partition("://")
-    return [parent / rest for parent in (folder, *folder.parents)] if scheme else [folder / uri]
-
-
-def without_mesh(spec: mujoco.MjSpec, mesh: mujoco.MjsMesh) -> str:
-    """What helps if a mesh of MJCF is missing: without looks it does not matter, unless the mass of a body needs it."""
-    bodies = [geom.parent.name for geom in spec.geoms if geom.meshname == mesh.name and weighs(spec, geom)]
-    if not bodies:
-        return WAY_OUT
-    return f"or give body {bodies[0]!r} an <inertial>: its mass comes from this mesh"
 
 
 def weighs(spec: mujoco.MjSpec, geom: mujoco.MjsGeom) -> bool:
@@ -103,23 +87,16 @@ def add_shapes(
     materials = [material for part in parts for material in part.findall("material")]
     colours = {str(m.get("name")): m for m in materials if m.find("color") is not None}
     for link, elements in shapes.items():
-        body = spec.body(link)
-        drawable = _drawable(elements)
+        # all visual shapes if all of them can be read, else the collision shapes that can
+        visual = [element for element in elements if element.tag == "visual"]
+        drawable = list(filter(_readable, visual))
+        if not visual or drawable != visual:
+            drawable = [x for x in elements if x.tag == "collision" and _readable(x)] or drawable
         if elements and not drawable:
             notes.append(f"link {link!r} is not drawn: its meshes are in formats other than {', '.join(READABLE)}")
         for element in drawable:
-            _add_shape(spec, body, element, _colour(element, colours), folder)
+            _add_shape(spec, spec.body(link), element, colours, folder)
     return tuple(notes)
-
-
-def _drawable(elements: list[ET.Element]) -> list[ET.Element]:
-    """All visual shapes if all of them can be read, else the collision shapes that can."""
-    visual = [element for element in elements if element.tag == "visual"]
-    if visual and all(map(_readable, visual)):
-        return visual
-    return [element for element in elements if element.tag == "collision" and _readable(element)] or list(
-        filter(_readable, visual)
-    )
 
 
 def _readable(element: ET.Element) -> bool:
@@ -128,7 +105,7 @@ def _readable(element: ET.Element) -> bool:
 
 
 def _add_shape(
-    spec: mujoco.MjSpec, body: mujoco.MjsBody, element: ET.Element, colour: list[float], folder: Path
+    spec: mujoco.MjSpec, body: mujoco.MjsBody, element: ET.Element, colours: Mapping[str, ET.Element], folder: Path
 ) -> None:
     what = f"link {body.name!r} {element.tag}"
     shape = element.find("geometry/*")
@@ -136,11 +113,25 @@ def _add_shape(
         raise FFGymError(f"{what}: has no geometry; it needs a box, cylinder, capsule, sphere or mesh.")
     origin = element.find("origin")
     origin = ET.Element("origin") if origin is None else origin
-    form = _mesh(spec, shape, folder, what) if shape.tag == "mesh" else _primitive(shape, what)
+    if shape.tag == "mesh":  # each use of a file is a mesh of its own, as its scale may differ
+        mesh = spec.add_mesh(
+            name=f"mesh{len(spec.meshes)}",
+            file=str(find_mesh(str(shape.get("filename")), folder, what).absolute()),
+            scale=numbers(shape, "scale", what, (1.0, 1.0, 1.0)),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,  # also for a surface that is not closed
+        )
+        form = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": mesh.name}
+    else:
+        form = _primitive(shape, what)
+    # its own colour, that of the file's material of this name, or grey
+    material = element.find("material")
+    if material is not None and material.find("color") is None:
+        material = colours.get(str(material.get("name")))
+    colour = None if material is None else material.find("color")
     body.add_geom(
         pos=numbers(origin, "xyz", what, (0.0, 0.0, 0.0)),
         quat=quaternion(numbers(origin, "rpy", what, (0.0, 0.0, 0.0))),
-        rgba=colour,
+        rgba=_GREY if colour is None else numbers(colour, "rgba", "color", _GREY).tolist(),
         mass=0.0,
         **form,
     )
@@ -164,29 +155,62 @@ def _primitive(shape: ET.Element, what: str) -> dict[str, object]:
     return {"type": kind, "size": size}
 
 
-def _mesh(spec: mujoco.MjSpec, shape: ET.Element, folder: Path, what: str) -> dict[str, object]:
-    """Type and mesh of a geom; each use of a file is a mesh of its own, as its scale may differ."""
-    path = find_mesh(str(shape.get("filename")), folder, what)
-    mesh = spec.add_mesh(
-        name=f"mesh{len(spec.meshes)}",
-        file=str(path.absolute()),
-        scale=numbers(shape, "scale", what, (1.0, 1.0, 1.0)),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,  # also for a surface that is not closed
-    )
-    return {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": mesh.name}
-
-
-def _colour(element: ET.Element, named: Mapping[str, ET.Element]) -> list[float]:
-    """Colour of a shape: its own, that of the file's material of this name, or grey."""
-    material = element.find("material")
-    if material is None:
-        return list(_GREY)
-    if material.find("color") is None:
-        material = named.get(str(material.get("name")), material)
-    colour = material.find("color")
-    return list(_GREY) if colour is None else numbers(colour, "rgba", "color", _GREY).tolist()
-
-
 def quaternion(rpy: Array) -> Array:
     """Unit quaternion, scalar first, of URDF's roll, pitch, yaw [rad] about the fixed axes x, y, z."""
     return scipy.spatial.transform.Rotation.from_euler("xyz", rpy).as_quat()[[3, 0, 1, 2]]
+
+
+_KINDS = {
+    mujoco.mjtGeom.mjGEOM_SPHERE.value: "sphere",
+    mujoco.mjtGeom.mjGEOM_CAPSULE.value: "capsule",
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID.value: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_CYLINDER.value: "cylinder",
+    mujoco.mjtGeom.mjGEOM_BOX.value: "box",
+    mujoco.mjtGeom.mjGEOM_MESH.value: "mesh",
+}
+"""Shapes that descriptions have, too."""
+
+_SIZES = {"sphere": 1, "capsule": 1, "ellipsoid": 3, "cylinder": 1, "box": 3, "mesh": 0}
+"""How many sizes each shape has here; the length of cylinders and capsules is in their end points."""
+
+_SHOWN_GROUPS = 3
+"""Groups below this are what MuJoCo's viewer shows; collision shapes usually stand in group 3."""
+
+
+def looks_of(pose: Pose, links: Sequence[str]) -> tuple[Geom, ...]:
+    """Geoms of the base and the links: the ones that touch nothing if there are any, else all."""
+    model = pose.model
+    drawn = [g for g in range(model.ngeom) if model.geom_type[g] in _KINDS]
+    meshes = {}
+    for mesh in {int(i) for i in model.geom_dataid[drawn] if i >= 0}:
+        vertices = slice(model.mesh_vertadr[mesh], model.mesh_vertadr[mesh] + model.mesh_vertnum[mesh])
+        faces = slice(model.mesh_faceadr[mesh], model.mesh_faceadr[mesh] + model.mesh_facenum[mesh])
+        meshes[mesh] = Mesh(vertices=model.mesh_vert[vertices].copy(), faces=model.mesh_face[faces].copy())
+    geoms: list[Geom] = []
+    for owner, body in enumerate(("base", *links), start=BASE):
+        own = [g for g in drawn if pose.chain.owner[model.geom_bodyid[g]] == owner]
+        shown = [g for g in own if model.geom_group[g] < _SHOWN_GROUPS]
+        visual = [g for g in shown if model.geom_contype[g] == 0 and model.geom_conaffinity[g] == 0]
+        geoms += [_geom(pose, g, owner, body, meshes) for g in visual or shown or own]
+    return tuple(geoms)
+
+
+def _geom(pose: Pose, g: int, owner: int, body: str, meshes: Mapping[int, Mesh]) -> Geom:
+    model, data = pose.model, pose.data
+    kind, material = _KINDS[model.geom_type[g]], model.geom_matid[g]
+    centre, turn = data.geom_xpos[g] - pose.origin(owner), data.geom_xmat[g].reshape(3, 3)
+    long = kind in ("cylinder", "capsule")
+    half = turn[:, 2] * model.geom_size[g, 1] if long else np.zeros(3)
+    quat = np.zeros(4)
+    mujoco.mju_mat2Quat(quat, data.geom_xmat[g])
+    w, x, y, z = quat.tolist()
+    return Geom(
+        body=body,
+        type=kind,
+        size=tuple(model.geom_size[g, : _SIZES[kind]].tolist()),
+        pos=tuple((centre - half).tolist()),
+        end=tuple((centre + half).tolist()) if long else None,
+        colour=tuple((model.geom_rgba[g] if material < 0 else model.mat_rgba[material]).tolist()),
+        rotation=(1.0, 0.0, 0.0, 0.0) if long else (w, x, y, z),
+        mesh=meshes[int(model.geom_dataid[g])] if kind == "mesh" else None,
+    )
