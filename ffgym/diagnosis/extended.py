@@ -14,7 +14,7 @@ from ffgym.effects import EFFECTS, Effect, Origin, Parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
 from ffgym.robot.reading.load import GROUPS
-from ffgym.robot.reading.quantity import JointFrame, si_units
+from ffgym.robot.reading.quantity import si_units
 from ffgym.robot.reading.rules import RULES
 from ffgym.simulation.plant import Climate, Machine, save_machine
 
@@ -24,12 +24,11 @@ _EFFECT = "effects"
 
 def fitted_numbers(nominal: Machine, fitted: Machine) -> tuple[Number, ...]:
     """In what a machine with fitted numbers differs from the nominal one."""
-    joints = JointFrame(types=nominal.robot.kinematics.types, gear_ratio=nominal.robot.drive.gear_ratio)
     found = []
     for path, rule in RULES.items():
         before, after = _entry(nominal.robot, path), _entry(fitted.robot, path)
         if before is not None and after is not None and not np.array_equal(before, after):
-            units = si_units(rule, rule.side, joints)
+            units = si_units(rule, rule.side, nominal.robot.kinematics.types)
             found.append(_number(path, ", ".join(dict.fromkeys(units)), before, after))
     for effect in fitted.effects[len(nominal.effects) :]:
         for name, p in effect.parameters().items():

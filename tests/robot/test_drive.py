@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from ffgym.core.errors import FFGymError
 from ffgym.robot import compile_model, parse_robot
 from ffgym.robot.drive import Drive
-from ffgym.robot.reading.quantity import JointFrame, parse_quantity
+from ffgym.robot.reading.quantity import parse_quantity
 from ffgym.robot.reading.rules import RULES
 
 RATIOS = st.floats(20, 200) | st.floats(-200, -20)
@@ -73,12 +73,11 @@ def test_a_coupling_that_is_none_is_refused(coupling, message):
         drive([50.0, 50.0], coupling)
 
 
-JOINTS = JointFrame(types=("hinge", "slide"), gear_ratio=np.array([-100.0, 2000.0]))
-
-
 def quantity(path, value, unit, side):
     table = {"value": value, "unit": unit, "origin": "chosen", "source": "test"}
-    return parse_quantity(path, table | ({"side": side} if side else {}), RULES[path], JOINTS).value
+    return parse_quantity(
+        path, table | ({"side": side} if side else {}), RULES[path], ("hinge", "slide"), np.array([-100.0, 2000.0])
+    ).value
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from ffgym.core.toml import single, toml_table
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
 from ffgym.robot.reading.load import GROUPS
-from ffgym.robot.reading.quantity import JointFrame, Quantity, si_units
+from ffgym.robot.reading.quantity import Quantity, si_units
 from ffgym.robot.reading.rules import RULES
 
 
@@ -30,11 +30,10 @@ def fitted_quantity(
         origin: 'fitted', for the whole entry or per joint beside 'derived' ones.
         interval: where each number is, shape (..., 2), 0 and inf where that is not known.
     """
-    rule, joints = RULES[path], JointFrame(types=robot.kinematics.types, gear_ratio=robot.drive.gear_ratio)
-    before = robot.quantities.get(path)
+    rule, before = RULES[path], robot.quantities.get(path)
     return Quantity(
         value=np.asarray(value, dtype=np.float64),
-        unit=", ".join(si_units(rule, rule.side, joints)),
+        unit=", ".join(si_units(rule, rule.side, robot.kinematics.types)),
         side=rule.side,
         origin=origin,
         source=source,

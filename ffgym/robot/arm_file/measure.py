@@ -11,7 +11,7 @@ from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
 from ffgym.robot.arm_file.arm_file import ArmFile, JointHints, Kind, NamedFrame, Source
 from ffgym.robot.arm_file.chain import BASE, TYPES, Chain
-from ffgym.robot.reading.quantity import JointFrame, Quantity, si_units
+from ffgym.robot.reading.quantity import Quantity, si_units
 from ffgym.robot.reading.rules import RULES
 
 _PLACES = ("xanchor", "xaxis", "xpos", "xmat", "xipos", "ximat", "geom_xpos", "geom_xmat", "site_xpos", "site_xmat")
@@ -162,7 +162,7 @@ def _quantities(rows: Sequence[_Row], types: tuple[str, ...]) -> dict[str, Quant
         rule = RULES[path]
         array = check_shape(path, value, np.shape(value)).copy()
         array.flags.writeable = False
-        unit = ", ".join(si_units(rule, rule.side, JointFrame(types=types)))
+        unit = ", ".join(si_units(rule, rule.side, types))
         found[path] = Quantity(value=array, unit=unit, side=rule.side, origin=origin, source=source)
     return found
 

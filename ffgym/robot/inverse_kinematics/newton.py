@@ -81,14 +81,9 @@ def any_poses(arm: RigidArm, count: int = _SAMPLES) -> Array:
     return np.random.default_rng(0).uniform(low, high, size=(count, arm.robot.n_joints))
 
 
-def task_jacobian(arm: RigidArm, q: Array, *, turning: bool) -> Array:
-    """Jacobian of what matters of the tool, shape (T, 6, N), or (T, 3, N) where its orientation is free."""
-    return arm.jacobian(q)[:, : 6 if turning else 3]
-
-
 def mobility(arm: RigidArm, *, turning: bool) -> int:
     """Number of independent motions of the tool that the arm can make away from singularities."""
-    sizes = np.linalg.svd(task_jacobian(arm, any_poses(arm), turning=turning), compute_uv=False)
+    sizes = np.linalg.svd(arm.jacobian(any_poses(arm))[:, : 6 if turning else 3], compute_uv=False)
     return int(np.max(np.sum(sizes > sizes[:, :1] / MAX_CONDITION, axis=1)))
 
 

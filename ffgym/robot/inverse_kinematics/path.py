@@ -46,7 +46,14 @@ def solve_path(arm: RigidArm, positions: Array, rotation: Array | None, seed: Ar
         q[rows] = _follow(arm, goal.at(rows), posture, last, start)
         last = q[rows][-1]
     _check_joint_limits(arm, q)
-    _check_singularity(arm, posture, q)
+    # complain where the arm is about to lose one of the motions that it can make elsewhere
+    condition = np.linalg.cond(posture.demands(arm.jacobian(q), q)[0])
+    worst = int(np.argmax(condition))
+    if condition[worst] > MAX_CONDITION:
+        raise FFGymError(
+            f"The path comes too near a singularity at sample {worst}: Jacobian condition {condition[worst]:.0f}, "
+            f"must be below {MAX_CONDITION:.0f}. Move the path or turn the tool."
+        )
     return q
 
 
@@ -59,20 +66,16 @@ def _follow(arm: RigidArm, goal: Goal, posture: Posture, last: Array, start: int
     if len(goal) == 1:
         if not met[0]:
             raise unreachable(arm, goal, q, start)
-        raise _jump(arm, q[0] - last, start)
+        joint = int(np.argmax(np.abs(q[0] - last)))
+        raise PathJump(
+            f"The path jumps at sample {start}: joint {arm.robot.joints[joint]} would move "
+            f"{np.abs(q[0] - last)[joint]:.2f} {arm.robot.kinematics.units[joint]} in one sample. Keep the path "
+            f"farther from singularities and on one branch, or sample it more finely.",
+            start,
+        )
     half = len(goal) // 2
     first = _follow(arm, goal.at(slice(half)), posture, last, start)
     return np.vstack([first, _follow(arm, goal.at(slice(half, None)), posture, first[-1], start + half)])
-
-
-def _jump(arm: RigidArm, step: Array, sample: int) -> PathJump:
-    joint = int(np.argmax(np.abs(step)))
-    return PathJump(
-        f"The path jumps at sample {sample}: joint {arm.robot.joints[joint]} would move {np.abs(step[joint]):.2f} "
-        f"{arm.robot.kinematics.units[joint]} in one sample. Keep the path farther from singularities and on one "
-        f"branch, or sample it more finely.",
-        sample,
-    )
 
 
 def _check_joint_limits(arm: RigidArm, q: Array) -> None:
@@ -86,15 +89,4 @@ def _check_joint_limits(arm: RigidArm, q: Array) -> None:
         raise FFGymError(
             f"Joint {arm.robot.joints[j]} would be at {at} {unit} at sample {row}, must be within [{low}, {high}] "
             f"{unit}. Move the path or the tool orientation."
-        )
-
-
-def _check_singularity(arm: RigidArm, posture: Posture, q: Array) -> None:
-    """Complain where the arm is about to lose one of the motions that it can make elsewhere."""
-    condition = np.linalg.cond(posture.demands(arm.jacobian(q), q)[0])
-    worst = int(np.argmax(condition))
-    if condition[worst] > MAX_CONDITION:
-        raise FFGymError(
-            f"The path comes too near a singularity at sample {worst}: Jacobian condition {condition[worst]:.0f}, "
-            f"must be below {MAX_CONDITION:.0f}. Move the path or turn the tool."
         )

@@ -141,7 +141,10 @@ def first_pose(
     The search begins at the posture and at random poses around it, and goes on `anywhere` only if these lead nowhere.
     `sample` is for messages.
     """
-    q, met = _search(arm, goal, posture, _around(arm, posture.anchor))
+    # the posture, and random poses around it within the limits, always the same
+    spread = np.random.default_rng(0).normal(scale=_SPREAD, size=(_RESTARTS, arm.robot.n_joints))
+    around = np.vstack([posture.anchor[None], posture.anchor + spread])
+    q, met = _search(arm, goal, posture, np.clip(around, *arm.robot.kinematics.range.T))
     beyond = arm.robot.kinematics.beyond_limits(q).any(axis=1)
     if anywhere and not np.any(met & ~beyond):
         q, met = _search(arm, goal, posture, any_poses(arm, _SEARCHES))
@@ -163,29 +166,16 @@ def _request(arm: RigidArm, position: Array, rotation: Array | None, seed: Array
     return goal, Posture.near(arm, anchor, turning=goal.rotations is not None)
 
 
-def _around(arm: RigidArm, seed: Array) -> Array:
-    """The seed, and random poses around it, within the limits, always the same, shape (K, N)."""
-    low, high = arm.robot.kinematics.range.T
-    spread = np.random.default_rng(0).normal(scale=_SPREAD, size=(_RESTARTS, len(seed)))
-    return np.clip(np.vstack([seed[None], seed + spread]), low, high)
-
-
 def _search(arm: RigidArm, goal: Goal, posture: Posture, guesses: Array) -> tuple[Array, BoolArray]:
     """Where `guesses` (K, N) lead to for one pose, hinges turned back into their ranges, and whether they meet it."""
-    aims = goal.at(np.zeros(len(guesses), dtype=np.intp))
+    aims, kinematics = goal.at(np.zeros(len(guesses), dtype=np.intp)), arm.robot.kinematics
     q, met = newton(arm, aims, posture, guesses)
-    turned = _turned_back(arm, q)
+    low, high = kinematics.range.T
+    turns = np.ceil(np.maximum(low - q, 0.0) / (2 * np.pi)) - np.ceil(np.maximum(q - high, 0.0) / (2 * np.pi))
+    turned = np.where(kinematics.beyond_limits(q) & ~kinematics.is_sliding, q + 2 * np.pi * turns, q)
     if posture.n_spare == 0:
         return turned, met
     return newton(arm, aims, posture, turned)  # what is nearest to the posture, is so no more after a whole turn
-
-
-def _turned_back(arm: RigidArm, q: Array) -> Array:
-    """Joint positions (T, N) of the same poses with hinges beyond a limit turned back by whole turns."""
-    kinematics = arm.robot.kinematics
-    low, high = kinematics.range.T
-    turns = np.ceil(np.maximum(low - q, 0.0) / (2 * np.pi)) - np.ceil(np.maximum(q - high, 0.0) / (2 * np.pi))
-    return np.where(kinematics.beyond_limits(q) & ~kinematics.is_sliding, q + 2 * np.pi * turns, q)
 
 
 def _whole_turns(arm: RigidArm, q: Array) -> Array:

@@ -23,11 +23,10 @@ _POINTS = "work_area.positions."
 
 
 def assemble(get: Mapping[str, Any], types: tuple[str, ...]) -> dict[str, Any]:
-    """Numeric fields of a `RobotDescription` from values by entry; all that are required must be there.
-
-    Raises:
-        FFGymError: if entries do not fit one another.
-    """
+    """Numeric fields of a `RobotDescription` from values by entry; all that are required must be there."""
+    bits = float(get["sensors.encoder_bits"])
+    if bits != round(bits):
+        raise FFGymError(f"sensors.encoder_bits = {bits} must be a whole number.")
     return {
         "kinematics": _group(Kinematics, "kinematics", get, types=types),
         "base_mass": float(get["base.mass"]),
@@ -38,7 +37,7 @@ def assemble(get: Mapping[str, Any], types: tuple[str, ...]) -> dict[str, Any]:
         "friction": _group(LuGreParameters, "friction", get),
         "servo": _group(Servo, "servo", get, control_dt=float(get["servo.control_dt"])),
         "sensors": Sensors(
-            encoder_bits=_whole("sensors.encoder_bits", get),
+            encoder_bits=round(bits),
             tracker_noise=float(get.get("sensors.tracker_noise", 0.0)),
             tracker_period=float(get.get("sensors.tracker_period", 0.0)),
         ),
@@ -102,13 +101,6 @@ def _all_or_none(paths: tuple[str, ...], get: Mapping[str, Any]) -> bool:
             f"{', '.join(paths)} belong together; {', '.join(p for p in paths if p not in get)} is missing."
         )
     return all(present)
-
-
-def _whole(path: str, get: Mapping[str, Any]) -> int:
-    number = float(get[path])
-    if number != round(number):
-        raise FFGymError(f"{path} = {number} must be a whole number.")
-    return round(number)
 
 
 NO_LIMIT = 1e6
@@ -183,11 +175,7 @@ class RobotDraft:
         return self._with_stand_ins()
 
     def check(self) -> None:
-        """Check that what is there fits together.
-
-        Raises:
-            FFGymError: if not.
-        """
+        """Check that what is there fits together."""
         self._with_stand_ins()
 
     def _half_given(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from ffgym.core.toml import parse_toml
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft
 from ffgym.robot.reading.parse import parse_draft
-from ffgym.robot.reading.quantity import JointFrame, Quantity, parse_quantity
+from ffgym.robot.reading.quantity import Quantity, parse_quantity
 from ffgym.robot.reading.rules import RULES
 
 
@@ -206,8 +206,7 @@ def _parsed(tree: Mapping[str, Any], robot: RobotDescription) -> dict[str, Quant
         raise FFGymError(f"There are no parameters. A parameter file may have: {', '.join(sorted(known))}.")
     if robot.tool is None and any(path.startswith("tool.") for path in entries):
         raise FFGymError(f"Robot {robot.name!r} has no tool to give parameters to.")
-    joints = JointFrame(types=robot.kinematics.types, gear_ratio=robot.drive.gear_ratio)
+    types, gears = robot.kinematics.types, robot.drive.gear_ratio
     if ratio := entries.get("drive.gear_ratio"):
-        parsed = parse_quantity("drive.gear_ratio", ratio, RULES["drive.gear_ratio"], joints)
-        joints = JointFrame(types=joints.types, gear_ratio=parsed.value)
-    return {path: parse_quantity(path, table, RULES[path], joints) for path, table in entries.items()}
+        gears = parse_quantity("drive.gear_ratio", ratio, RULES["drive.gear_ratio"], types, gears).value
+    return {path: parse_quantity(path, table, RULES[path], types, gears) for path, table in entries.items()}

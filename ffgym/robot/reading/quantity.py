@@ -1,6 +1,6 @@
 """Numbers that carry unit, side of the gearbox and origin, and the rule that says which are valid."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -63,61 +63,40 @@ class Rule:
         return tuple(n_joints if s == "N" else int(s) for s in self.shape)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class JointFrame:
-    """What the reading of a quantity must know about the joints."""
-
-    types: tuple[str, ...]
-    """'hinge' or 'slide', one per joint."""
-    gear_ratio: Array | None = None
-    """Motor over joint motion, shape (N,); None while it is not known."""
-
-    @property
-    def n_joints(self) -> int:
-        """Number of joints N."""
-        return len(self.types)
-
-
-def si_units(rule: Rule, side: str | None, joints: JointFrame) -> tuple[str, ...]:
-    """Wanted SI units on a side: one, or one per joint where hinges and sliding joints differ."""
+def si_units(rule: Rule, side: str | None, types: Sequence[str]) -> tuple[str, ...]:
+    """Wanted SI units on a side for joints of these types: one, or one per joint where hinges and slides differ."""
     if rule.slide_unit is None or side == MOTOR or "N" not in rule.shape:
         return (rule.unit,)
-    units = tuple(rule.slide_unit if kind == "slide" else rule.unit for kind in joints.types)
+    units = tuple(rule.slide_unit if kind == "slide" else rule.unit for kind in types)
     return units if len(set(units)) > 1 else units[:1]
 
 
-def unit_factors(path: str, unit: object, rule: Rule, side: str | None, joints: JointFrame) -> Array:
-    """Factors that convert to SI: one number, or one per joint, shaped to multiply the value.
-
-    Raises:
-        FFGymError: if `unit` is none that the quantity may have.
-    """
-    wanted = si_units(rule, side, joints)
-    if isinstance(unit, list) and "N" in rule.shape and len(unit) == joints.n_joints:
-        wanted = wanted if len(wanted) > 1 else wanted * joints.n_joints
+def _unit_factors(path: str, unit: object, rule: Rule, side: str | None, types: Sequence[str]) -> Array:
+    """Factors that convert to SI: one number, or one per joint, shaped to multiply the value."""
+    wanted = si_units(rule, side, types)
+    if isinstance(unit, list) and "N" in rule.shape and len(unit) == len(types):
+        wanted = wanted if len(wanted) > 1 else wanted * len(types)
         factors = [_factor(have, want) for have, want in zip(unit, wanted, strict=True)]
     else:
         factors = [_factor(unit, wanted[0]) if len(wanted) == 1 else None]
     if None in factors:
-        raise FFGymError(f"{path}: unit is {unit!r}, must be {_choices(wanted)}.")
+        choices = " or ".join(repr(other) for other in (wanted[0], *OTHER_UNITS.get(wanted[0], {})))
+        choices = choices if len(wanted) == 1 else f"one per joint, {list(wanted)}"
+        raise FFGymError(f"{path}: unit is {unit!r}, must be {choices}.")
     return _per_joint(np.array(factors, dtype=np.float64), rule)
 
 
-def gear_factors(path: str, rule: Rule, side: str | None, joints: JointFrame) -> Array | float:
-    """Factors that bring a quantity from the side it is given on to the one it is kept on.
-
-    Raises:
-        FFGymError: if the quantity does not exist on that side.
-    """
+def _gear_factors(path: str, rule: Rule, side: str | None, gear_ratio: Array | None) -> Array | float:
+    """Factors that bring a quantity from the side it is given on to the one it is kept on."""
     if side == rule.side:
         return 1.0
     if rule.gear_power is None or side not in (MOTOR, LINK):
         valid = repr(rule.side) if rule.gear_power is None else f"{MOTOR!r} or {LINK!r}"
         raise FFGymError(f"{path}: side is {side!r}, must be {valid}.")
-    if joints.gear_ratio is None:
+    if gear_ratio is None:
         raise FFGymError(f"{path}: side is {side!r}; to bring it to the {rule.side} side takes drive.gear_ratio.")
     power = rule.gear_power if rule.side == MOTOR else -rule.gear_power
-    ratio = joints.gear_ratio if rule.signed else np.abs(joints.gear_ratio)
+    ratio = gear_ratio if rule.signed else np.abs(gear_ratio)
     return _per_joint(ratio ** float(power), rule)
 
 
@@ -125,12 +104,6 @@ def _factor(unit: object, wanted: str) -> float | None:
     if unit == wanted:
         return 1.0
     return OTHER_UNITS.get(wanted, {}).get(unit) if isinstance(unit, str) else None
-
-
-def _choices(wanted: tuple[str, ...]) -> str:
-    if len(wanted) > 1:
-        return f"one per joint, {list(wanted)}"
-    return " or ".join(repr(unit) for unit in (wanted[0], *OTHER_UNITS.get(wanted[0], {})))
 
 
 def _per_joint(factors: Array, rule: Rule) -> Array:
@@ -166,14 +139,17 @@ class Quantity:
     says nothing at all."""
 
 
-def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Quantity:
+def parse_quantity(
+    path: str, table: Any, rule: Rule, types: Sequence[str], gear_ratio: Array | None = None
+) -> Quantity:
     """Check one table of a description against its rule; convert it to SI and to the side on which it is kept.
 
     Args:
         path: where the table stands, e.g. 'drive.gear_ratio', for messages.
         table: the parsed TOML table with `value`, `unit`, `origin`, `source` and maybe `side`, `prior`, `interval`.
         rule: what is wanted.
-        joints: their types, and gear ratios if they are known.
+        types: 'hinge' or 'slide', one per joint.
+        gear_ratio: motor over joint motion, shape (N,); None while it is not known.
     """
     if not isinstance(table, Mapping):
         raise FFGymError(f"{path} must be a table with value, unit, origin and source, got {table!r}.")
@@ -183,23 +159,35 @@ def parse_quantity(path: str, table: Any, rule: Rule, joints: JointFrame) -> Qua
         raise FFGymError(
             f"{path} lacks {missing} and has unknown keys {unknown}; it needs value, unit, origin, source."
         )
-    side, shape = table.get("side"), rule.shape_for(joints.n_joints)
-    factors = gear_factors(path, rule, side, joints) * unit_factors(path, table["unit"], rule, side, joints)
-    origin = _origins(path, table["origin"], joints.n_joints)
+    side, shape = table.get("side"), rule.shape_for(len(types))
+    factors = _gear_factors(path, rule, side, gear_ratio) * _unit_factors(path, table["unit"], rule, side, types)
+    origin = tuple(table["origin"]) if isinstance(table["origin"], list) else (table["origin"],)
+    if len(origin) not in (1, len(types)) or any(o not in ORIGINS for o in origin):
+        raise FFGymError(f"{path}: origin is {table['origin']!r}, must be one of {ORIGINS}, once or once per joint.")
     fitted = "fitted" in origin
     if fitted != ("prior" in table) or fitted != ("prior_source" in table):
         raise FFGymError(f"{path}: prior and prior_source belong to origin 'fitted', and to no other, got {origin}.")
     if "interval" in table and not fitted:
         raise FFGymError(f"{path}: interval belongs to origin 'fitted', and to no other, got {origin}.")
+    value = _checked_value(path, table["value"], rule, shape, factors)
+    for key in ("source", "prior_source") if fitted else ("source",):
+        if not isinstance(table[key], str) or not table[key].strip():
+            raise FFGymError(f"{path}: {key} is {table[key]!r}, must say where the number comes from.")
+    ends = None
+    if "interval" in table:
+        ends = _numbers(f"{path}.interval", table["interval"], (*shape, 2), infinite=True) * factors[..., None]
+        if np.any(ends[..., 0] > ends[..., 1]):
+            raise FFGymError(f"{path}.interval = {table['interval']} must have its lower ends first.")
+        ends.flags.writeable = False
     return Quantity(
-        value=_checked_value(path, table["value"], rule, shape, factors),
-        unit=", ".join(si_units(rule, rule.side, joints)),
+        value=value,
+        unit=", ".join(si_units(rule, rule.side, types)),
         side=rule.side,
         origin=origin,
-        source=_text(path, "source", table["source"]),
+        source=table["source"],
         prior=_checked_value(path + ".prior", table["prior"], rule, shape, factors) if fitted else None,
-        prior_source=_text(path, "prior_source", table["prior_source"]) if fitted else None,
-        interval=_interval(path, table["interval"], shape, factors) if "interval" in table else None,
+        prior_source=table["prior_source"] if fitted else None,
+        interval=ends,
     )
 
 
@@ -209,15 +197,6 @@ def _numbers(path: str, value: Any, shape: tuple[int, ...], *, infinite: bool) -
         raise FFGymError(f"{path} must be numbers, got {value!r}.")
     check_shape(path, _without_infinity(value) if infinite else value, shape)
     return np.array(value, dtype=np.float64)
-
-
-def _interval(path: str, value: Any, shape: tuple[int, ...], factors: Array) -> Array:
-    """Intervals in SI units, read-only, shape (..., 2)."""
-    ends = _numbers(f"{path}.interval", value, (*shape, 2), infinite=True) * factors[..., None]
-    if np.any(ends[..., 0] > ends[..., 1]):
-        raise FFGymError(f"{path}.interval = {value} must have its lower ends first.")
-    ends.flags.writeable = False
-    return ends
 
 
 def _checked_value(path: str, value: Any, rule: Rule, shape: tuple[int, ...], factors: Array) -> Array:
@@ -244,16 +223,3 @@ def _without_infinity(value: Any) -> Any:
     if isinstance(value, list):
         return [_without_infinity(entry) for entry in value]
     return 0.0 if value == np.inf else value
-
-
-def _origins(path: str, origin: Any, n_joints: int) -> tuple[str, ...]:
-    origins = tuple(origin) if isinstance(origin, list) else (origin,)
-    if len(origins) not in (1, n_joints) or any(o not in ORIGINS for o in origins):
-        raise FFGymError(f"{path}: origin is {origin!r}, must be one of {ORIGINS}, once or once per joint.")
-    return origins
-
-
-def _text(path: str, key: str, source: Any) -> str:
-    if not isinstance(source, str) or not source.strip():
-        raise FFGymError(f"{path}: {key} is {source!r}, must say where the number comes from.")
-    return source

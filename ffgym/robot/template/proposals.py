@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -43,17 +44,12 @@ class Proposal:
     """Side of the gearbox on which it is given."""
 
 
-Numbers = Mapping[str, Array]
-"""What is known, by entry."""
-
-
-@dataclass(frozen=True)
-class _Thumb:
+class _Thumb(NamedTuple):
     """A rule of thumb."""
 
     needs: tuple[str, ...]
-    value: Callable[[Numbers, int], Array]
-    """From the known entries and the number of joints."""
+    value: Callable[[Mapping[str, Array], int], Array]
+    """From what is known, by entry, and the number of joints."""
     source: str
 
 
@@ -117,16 +113,11 @@ def _servo_gains(draft: RobotDraft, lacking: set[str]) -> list[Proposal]:
     drive = robot.drive
     links = drive.inverse.T @ RigidArm(robot).mass_matrix(home[None])[0] @ drive.inverse
     speed_gain = SPEED_LOOP * (drive.rotor_inertia + np.diag(links))
+    position, integral = POSITION_LOOP + 1 / INTEGRAL_TIME, POSITION_LOOP / INTEGRAL_TIME
     rules = {
-        "servo.position_gain": (
-            (POSITION_LOOP + 1 / INTEGRAL_TIME) * speed_gain,
-            f"{POSITION_LOOP + 1 / INTEGRAL_TIME:g} 1/s x velocity_gain",
-        ),
+        "servo.position_gain": (position * speed_gain, f"{position:g} 1/s x velocity_gain"),
         "servo.velocity_gain": (speed_gain, f"{SPEED_LOOP:g} 1/s x inertia of rotor and links at the motor, at home"),
-        "servo.integral_gain": (
-            POSITION_LOOP / INTEGRAL_TIME * speed_gain,
-            f"{POSITION_LOOP / INTEGRAL_TIME:g} 1/s^2 x velocity_gain",
-        ),
+        "servo.integral_gain": (integral * speed_gain, f"{integral:g} 1/s^2 x velocity_gain"),
     }
     return [
         Proposal(path=path, value=value, source=f"{source}: published gains of an ABB drive", side=RULES[path].side)

@@ -12,7 +12,7 @@ from ffgym.core.toml import single, toml_table, toml_value
 from ffgym.robot.description import RobotDescription
 from ffgym.robot.reading.draft import RobotDraft, stand_ins
 from ffgym.robot.reading.load import GROUPS
-from ffgym.robot.reading.quantity import LINK, JointFrame, Rule, si_units
+from ffgym.robot.reading.quantity import LINK, Rule, si_units
 from ffgym.robot.reading.rules import RULES
 from ffgym.robot.template.proposals import Proposal
 
@@ -30,7 +30,7 @@ def filled_entry(proposal: Proposal, rule: Rule, types: tuple[str, ...]) -> list
     value = proposal.value
     entries = {
         "value": _rounded(value.tolist()) if value.ndim else float(value),
-        "unit": single(si_units(rule, proposal.side, JointFrame(types=types))),
+        "unit": single(si_units(rule, proposal.side, types)),
         "side": proposal.side,
         "origin": proposal.origin,
         "source": proposal.source,
@@ -62,8 +62,15 @@ def filled_text(toml: str, proposals: Sequence[Proposal], types: tuple[str, ...]
     lines = toml.splitlines()
     for proposal in proposals:
         entry = filled_entry(proposal, RULES[proposal.path], types)
-        start, stop = _waiting(lines, proposal.path)
-        lines[start:stop] = entry if stop > start else ["", *entry]
+        head = f"{MARK}[{proposal.path}]"
+        if head not in lines:
+            lines += ["", *entry]
+            continue
+        start = lines.index(head)  # of the lines that wait for its numbers
+        stop = start + 1
+        while stop < len(lines) and lines[stop].startswith(MARK) and not lines[stop].startswith(f"{MARK}["):
+            stop += 1
+        lines[start:stop] = entry
     return "\n".join(lines) + "\n"
 
 
@@ -97,20 +104,6 @@ def completed_text(toml: str, draft: RobotDraft, robot: RobotDescription, *, bef
         return f"{match.group(1)}{toml_value(relative)}"
 
     return filled_text(_MODEL.sub(moved, toml, count=1), proposals, draft.types)
-
-
-def _waiting(lines: Sequence[str], path: str) -> tuple[int, int]:
-    """Rows of the lines that wait for the numbers of an entry; the end of the text, twice, if there are none."""
-    head = f"{MARK}[{path}]"
-    if head not in lines:
-        return len(lines), len(lines)
-    start = lines.index(head)
-    ends = (
-        row
-        for row in range(start + 1, len(lines))
-        if not lines[row].startswith(MARK) or lines[row].startswith(f"{MARK}[")
-    )
-    return start, next(ends, len(lines))
 
 
 def _rounded(value: Any) -> Any:

@@ -57,19 +57,29 @@ def template(
     """
     frame = tool_frame or next((usual for usual in TOOL_FRAMES if usual in arm.frames), None)
     given = set(arm.quantities) | (set(flange_at(arm, frame)) if frame else set())
-    hints = hinted(arm)
+    hints = _hinted(arm)
     blocks = {path: _block(path, rule, hints.get(path), arm.types) for path, rule in RULES.items() if path not in given}
     head = {"name": name, "title": name, "model": model, "joints": None if joints is None else list(joints)}
     head |= {"tool_frame": frame, "looks": None if looks else "none"}
-    parts = [_head(name, arm, head), _said(arm, given)]
-    parts += [block for path, block in blocks.items() if not RULES[path].optional]
-    parts.append(["# ------ What follows is optional."])
-    parts += [block for path, block in blocks.items() if RULES[path].optional]
-    parts.append(_positions(arm.types))
+    said = _comment(f"The arm file says: {', '.join(path for path in RULES if path in given)}.")
+    said += _comment("A table of that name here replaces what it says, e.g. better masses.")
+    for note in arm.notes:
+        said += _comment(f"Note: {note}.")
+    points = (
+        "# --- work_area.positions.NAME: points in the world where the tool works, for circles and by name in motions"
+    )
+    parts = [
+        _head(name, arm, head),
+        said,
+        *(block for path, block in blocks.items() if not RULES[path].optional),
+        ["# ------ What follows is optional."],
+        *(block for path, block in blocks.items() if RULES[path].optional),
+        [points, "# Optional, any number of them.", *empty_entry("work_area.positions.p1", POINT, arm.types)],
+    ]
     return "\n\n".join("\n".join(part) for part in parts) + "\n"
 
 
-def hinted(arm: ArmFile) -> dict[str, Proposal]:
+def _hinted(arm: ArmFile) -> dict[str, Proposal]:
     """Entries that the file hints at for some joints or all, by path; NaN stands for joints that it is silent about."""
     found = {}
     for path, (name, side, what) in _HINTS.items():
@@ -97,55 +107,24 @@ def _head(name: str, arm: ArmFile, entries: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _said(arm: ArmFile, given: set[str]) -> list[str]:
-    lines = _comment(f"The arm file says: {', '.join(path for path in RULES if path in given)}.")
-    lines += _comment("A table of that name here replaces what it says, e.g. better masses.")
-    for note in arm.notes:
-        lines += _comment(f"Note: {note}.")
-    return lines
-
-
 def _block(path: str, rule: Rule, hint: Proposal | None, types: tuple[str, ...]) -> list[str]:
-    """Comment and table of an entry."""
-    lines = empty_entry(path, rule, types) if hint is None else filled_entry(hint, rule, types)
-    return _help(path, rule, types) + lines
-
-
-def _help(path: str, rule: Rule, types: tuple[str, ...]) -> list[str]:
-    """What an entry is, how large it usually is, where it is found, and what it is for."""
+    """Table of an entry, below what it is, how large it usually is, where it is found, and what it is for."""
     size = " x ".join(map(str, rule.shape_for(len(types))))
     sides = f"; as it counts on the {rule.side} side, or on the other, said by side" if rule.gear_power else ""
     numbers = f"{size} numbers" if size else "One number"
-    return [
-        f"# --- {path}: {rule.meaning}",
-        *_comment(f"{numbers}{sides}.{_usual(rule, types)} Where: {rule.where}. {_use(path, rule)}"),
-    ]
-
-
-def _usual(rule: Rule, types: tuple[str, ...]) -> str:
-    """How large it is for such joints."""
     own_unit = rule.slide_unit is not None and rule.side != MOTOR
     hinged = "" if own_unit and "hinge" not in types else rule.typical
     sliding = rule.sliding if "slide" in types else ""
-    said = "; ".join(dict.fromkeys(filter(None, (hinged, sliding))))
-    return f" Usual: {said}." if said else ""
-
-
-def _use(path: str, rule: Rule) -> str:
-    """What an entry is for."""
-    titles = [entry.title for entry in needed_by(path)]
-    if not titles:
-        return "Optional."
-    more = f"; and {len(titles) - _SHOWN} more" if len(titles) > _SHOWN else ""
-    return f"{'Optional, for' if rule.optional else 'For'}: {'; '.join(titles[:_SHOWN])}{more}."
-
-
-def _positions(types: tuple[str, ...]) -> list[str]:
-    """Where named points of the work area go."""
+    typical = "; ".join(dict.fromkeys(filter(None, (hinged, sliding))))
+    usual = f" Usual: {typical}." if typical else ""
+    titles, use = [entry.title for entry in needed_by(path)], "Optional."
+    if titles:
+        more = f"; and {len(titles) - _SHOWN} more" if len(titles) > _SHOWN else ""
+        use = f"{'Optional, for' if rule.optional else 'For'}: {'; '.join(titles[:_SHOWN])}{more}."
     return [
-        "# --- work_area.positions.NAME: points in the world where the tool works, for circles and by name in motions",
-        "# Optional, any number of them.",
-        *empty_entry("work_area.positions.p1", POINT, types),
+        f"# --- {path}: {rule.meaning}",
+        *_comment(f"{numbers}{sides}.{usual} Where: {rule.where}. {use}"),
+        *(empty_entry(path, rule, types) if hint is None else filled_entry(hint, rule, types)),
     ]
 
 

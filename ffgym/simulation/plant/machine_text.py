@@ -13,7 +13,7 @@ from ffgym.core.toml import single, toml_table
 from ffgym.effects import Origin, effects_toml
 from ffgym.robot import ModelOptions, RobotDescription, builtin_robots, load_draft, load_robot
 from ffgym.robot.reading.load import GROUPS
-from ffgym.robot.reading.quantity import JointFrame, si_units
+from ffgym.robot.reading.quantity import si_units
 from ffgym.robot.reading.rules import RULES
 from ffgym.simulation.plant.machine import Machine, check_same_controller
 from ffgym.simulation.plant.machine_file import climate_toml, parse_machine
@@ -106,7 +106,6 @@ def _check_says(written: str, machine: Machine, folder: Path) -> None:
 
 def _numbers(robot: RobotDescription, known: RobotDescription, source: str) -> list[str]:
     """Tables of all numbers in which the robot differs from the known one, or that this lacks; files' keep sources."""
-    joints = JointFrame(types=robot.kinematics.types, gear_ratio=robot.drive.gear_ratio)
     tables = []
     for path, rule in RULES.items():
         group, _, name = path.partition(".")
@@ -118,7 +117,7 @@ def _numbers(robot: RobotDescription, known: RobotDescription, source: str) -> l
             continue
         given = robot.quantities.get(path)
         said = given.source if given is not None and np.array_equal(given.value, mine) else source
-        unit = single(si_units(rule, rule.side, joints))
+        unit = single(si_units(rule, rule.side, robot.kinematics.types))
         entries = {"value": np.asarray(mine), "unit": unit, "side": rule.side, "origin": "derived", "source": said}
         tables.append("\n".join(toml_table(path, entries)) + "\n")
     return tables
