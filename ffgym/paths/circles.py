@@ -1,7 +1,6 @@
 """The test motion of the thesis: circles around a common start point, each with lead-in and lead-out."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import final
@@ -18,29 +17,10 @@ BLEND = 0.5
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
-class Lead(ABC):
-    """A lead onto the unit circle around (0, 1), which it joins at the origin heading along x."""
-
-    length: float
-    """Arc length from the centre to the joint, in units of r."""
-
-    @abstractmethod
-    def bend(self, s: Array) -> Array:
-        """Curvature at arc length `s` from the centre, shape (T,)."""
-
-    @abstractmethod
-    def heading(self, s: Array) -> Array:
-        """Angle of the tangent [rad] at arc length `s`, 0 at the joint, shape (T,)."""
-
-    @abstractmethod
-    def point(self, s: Array) -> Array:
-        """Position at arc length `s`, shape (T, 2)."""
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
-class HalfCircle(Lead):
-    """Half a circle of half the radius, as in the thesis."""
+class HalfCircle:
+    """Half a circle of half the radius, as in the thesis; its quantities are those of `SmoothLead`."""
 
     length: float = np.pi / 2
 
@@ -60,8 +40,8 @@ class HalfCircle(Lead):
 
 @final
 @dataclass(frozen=True, kw_only=True)
-class SmoothLead(Lead):
-    """Part of a small circle, then a clothoid."""
+class SmoothLead:
+    """Lead onto the unit circle around (0, 1), joined at the origin along x: a small circle, then a clothoid."""
 
     curvature: float
     """Curvature of the small circle, in units of 1 / r."""
@@ -98,15 +78,11 @@ class SmoothLead(Lead):
         return half[:, None] * np.stack([np.cos(angle) @ _WEIGHTS, np.sin(angle) @ _WEIGHTS], axis=1)
 
 
-def unit_lead() -> SmoothLead:
-    """Return the smooth lead that starts at the centre (0, 1) of the unit circle.
+UNIT_LEAD = SmoothLead(curvature=2.0913321439700536, length=1.9966390507735365)
+"""The smooth lead that starts at the centre (0, 1): its two numbers solve `point(0) = (0, 1)` to rounding; a test
+solves for them again."""
 
-    Its two numbers solve `point(0) = (0, 1)` to rounding; a test solves again.
-    """
-    return SmoothLead(curvature=2.0913321439700536, length=1.9966390507735365)
-
-
-LEADS: Mapping[str, Callable[[], Lead]] = MappingProxyType({"smooth": unit_lead, "half_circle": HalfCircle})
+LEADS: Mapping[str, SmoothLead | HalfCircle] = MappingProxyType({"smooth": UNIT_LEAD, "half_circle": HalfCircle()})
 """Leads by the names that `circle_test` knows."""
 
 
@@ -190,41 +166,30 @@ def circle_test(
     if len(sizes) == 0:
         raise FFGymError("radii is empty, must hold at least one radius in m.")
     plane = plane_of(normal)
-    unit_lead = LEADS[check_choice("lead", lead, list(LEADS))]()
+    joined = LEADS[check_choice("lead", lead, list(LEADS))]
     segments = [standstill("rest 0", centre, dwell)]
     for i, size in enumerate(sizes):
         radius = check_number("radius", size, unit="m", low=0.0, open_low=True)
-        _check_samples(radius, speed, dt)
-        segments += _circle(centre, plane, radius, speed, start_angle, unit_lead)
+        dt = check_number("dt", dt, unit="s", low=0.0, open_low=True)
+        turn = 2 * np.pi * radius
+        if turn < MIN_SAMPLES * speed * dt:
+            raise FFGymError(
+                f"speed = {speed} m/s is too fast for radius = {radius} m: a turn takes {turn / speed / dt:.1f} "
+                f"samples of {dt} s, must be {MIN_SAMPLES} or more, so at most {turn / MIN_SAMPLES / dt:.4g} m/s."
+            )
+        segments += _circle(centre, plane, radius, speed, start_angle, joined)
         segments.append(standstill(f"rest {i + 1}", centre, dwell))
     t, position, velocity, acceleration, phases = sample(segments, dt)
     return CartesianPath(name=name, t=t, position=position, velocity=velocity, acceleration=acceleration, phases=phases)
 
 
-def _check_samples(radius: float, speed: float, dt: float) -> None:
-    dt = check_number("dt", dt, unit="s", low=0.0, open_low=True)
-    turn = 2 * np.pi * radius
-    if turn < MIN_SAMPLES * speed * dt:
-        raise FFGymError(
-            f"speed = {speed} m/s is too fast for radius = {radius} m: a turn takes {turn / speed / dt:.1f} samples of "
-            f"{dt} s, must be {MIN_SAMPLES} or more, so at most {turn / MIN_SAMPLES / dt:.4g} m/s."
-        )
-
-
-def _circle(centre: Array, plane: Plane, radius: float, speed: float, start_angle: float, lead: Lead) -> list[Segment]:
+def _circle(
+    centre: Array, plane: Plane, radius: float, speed: float, start_angle: float, lead: SmoothLead | HalfCircle
+) -> list[Segment]:
     """Lead-in, circle and lead-out."""
-    length = lead.length * radius
-    ramp = 2 * length / speed  # the smooth speed ramp covers half of speed x time
+    ramp = 2 * lead.length * radius / speed  # the smooth speed ramp covers half of speed x time
 
-    def lead_in(tau: Array) -> tuple[Array, Array, Array]:
-        return _on_lead(tau, 1.0)
-
-    def lead_out(tau: Array) -> tuple[Array, Array, Array]:
-        """The lead-in backwards in time, mirrored about the radius through the joint."""
-        position, velocity, acceleration = _on_lead(ramp - tau, -1.0)
-        return position, -velocity, acceleration
-
-    def _on_lead(tau: Array, mirror: float) -> tuple[Array, Array, Array]:
+    def on_lead(tau: Array, mirror: float) -> tuple[Array, Array, Array]:
         travelled, rate, change = smooth_ramp(tau, ramp, speed)
         s = np.clip(travelled / radius, 0.0, lead.length)
         angle, bend = lead.heading(s), lead.bend(s) / radius
@@ -232,14 +197,19 @@ def _circle(centre: Array, plane: Plane, radius: float, speed: float, start_angl
         inward = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
         flat = (lead.point(s) - [0.0, 1.0]) * radius  # from the centre
         moved = (flat, rate[:, None] * tangent, change[:, None] * tangent + (rate**2 * bend)[:, None] * inward)
-        return _place(moved, mirror)
-
-    def _place(flat: tuple[Array, Array, Array], mirror: float) -> tuple[Array, Array, Array]:
-        """Turn the unit picture (joint below the centre) to the start angle and put it into the world."""
+        # turn the unit picture (joint below the centre) to the start angle and put it into the world
         cos, sin = np.cos(start_angle + np.pi / 2), np.sin(start_angle + np.pi / 2)
         turn = np.array([[cos, -sin], [sin, cos]]) @ np.diag([mirror, 1.0])
-        position, velocity, acceleration = (plane.embed(part @ turn.T) for part in flat)
+        position, velocity, acceleration = (plane.embed(part @ turn.T) for part in moved)
         return centre + position, velocity, acceleration
+
+    def lead_in(tau: Array) -> tuple[Array, Array, Array]:
+        return on_lead(tau, 1.0)
+
+    def lead_out(tau: Array) -> tuple[Array, Array, Array]:
+        """The lead-in backwards in time, mirrored about the radius through the joint."""
+        position, velocity, acceleration = on_lead(ramp - tau, -1.0)
+        return position, -velocity, acceleration
 
     def circle(tau: Array) -> tuple[Array, Array, Array]:
         angle = start_angle + speed / radius * tau

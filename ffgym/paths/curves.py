@@ -8,7 +8,7 @@ import itertools
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, final
+from typing import final
 
 import numpy as np
 import scipy
@@ -162,20 +162,16 @@ def arc_through(start: Array, via: Array, end: Array) -> Arc:
         )
     # centre of the circle through three points, from the sides that leave `start`
     centre = start + np.cross(a @ a * b - b @ b * a, normal) / (2 * area**2)
-    return arc_about(centre, start, normal, _angle_between(start - centre, end - centre, normal))
+    # angle in (0, 2 pi] from one arm to the other about the normal
+    first, last = start - centre, end - centre
+    angle = float(np.arctan2(float(np.cross(first, last) @ normal) / float(np.linalg.norm(normal)), first @ last))
+    return arc_about(centre, start, normal, angle if angle > 0 else angle + 2 * np.pi)
 
 
 def arc_about(centre: Array, start: Array, normal: Array, angle: float) -> Arc:
-    """Arc about an axis through `centre` along `normal`, from `start`, which lies in the plane of the centre.
+    """Arc about an axis through `centre` (3,) along `normal` (3,), of any length, by the right hand over `angle`.
 
-    Args:
-        centre: shape (3,) [m].
-        start: shape (3,) [m], not on the axis.
-        normal: shape (3,), any length; the arc turns about it by the right hand.
-        angle: [rad], > 0; 2 pi is a full circle.
-
-    Raises:
-        FFGymError: if the start lies outside the plane or in the centre.
+    It begins at `start` (3,), in the plane of the centre and not on the axis; an angle of 2 pi [rad] is a full circle.
     """
     angle = check_number("angle of an arc", angle, unit="rad", low=0.0, open_low=True)
     axis = normal / np.linalg.norm(normal)
@@ -188,13 +184,6 @@ def arc_about(centre: Array, start: Array, normal: Array, angle: float) -> Arc:
         )
     first = (arm - height * axis) / np.linalg.norm(arm - height * axis)
     return Arc(centre=start - radius * first, first=first, second=np.cross(axis, first), radius=radius, angle=angle)
-
-
-def _angle_between(first: Array, second: Array, normal: Array) -> float:
-    """Angle [rad] in (0, 2 pi] from one arm to the other about `normal`."""
-    sine = float(np.cross(first, second) @ normal) / float(np.linalg.norm(normal))
-    angle = float(np.arctan2(sine, first @ second))
-    return angle if angle > 0 else angle + 2 * np.pi
 
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
@@ -316,12 +305,7 @@ def spline_through(points: Array, *, closed: bool = False) -> PolynomialCurve:
     if closed:
         points = np.vstack([points[:-1], points[:1]])
     spline = scipy.interpolate.CubicSpline(u, points, bc_type="periodic" if closed else "natural")
-    _check_cusp(spline)
-    return PolynomialCurve(polynomial=spline)
-
-
-def _check_cusp(spline: "scipy.interpolate.CubicSpline[Any]") -> None:
-    """Check that the spline nowhere turns on the spot, where it would have no direction."""
+    # nowhere may it turn on the spot, where it would have no direction
     slope = spline.derivative()
     u = np.concatenate([np.linspace(a, b, _PIECES, endpoint=False) for a, b in itertools.pairwise(spline.x)])
     slowest = int(np.argmin(np.linalg.norm(slope(u), axis=1)))
@@ -332,3 +316,4 @@ def _check_cusp(spline: "scipy.interpolate.CubicSpline[Any]") -> None:
         raise FFGymError(
             f"The spline turns back on the spot near point {point}; end it there, or move the point aside."
         )
+    return PolynomialCurve(polynomial=spline)

@@ -172,24 +172,17 @@ def faded(series: tuple[Array, ...], tau: Array, moving: float, ramp: float) -> 
         moving: when it ends [s].
         ramp: time of fading in, and of fading out [s].
     """
-    fade, fade_rate, fade_change = (part[:, None] for part in _fade(tau, moving, ramp))
+    # a factor that rises from 0 to 1 within the ramp and falls at the end, and its first two derivatives
+    rising = (tau < moving / 2)[:, None]
+    x = np.clip(np.where(rising, tau[:, None], moving - tau[:, None]) / ramp, 0.0, 1.0)
+    fade = x**3 * (10 - 15 * x + 6 * x**2)
+    fade_rate = np.where(rising, 1.0, -1.0) / ramp * 30 * x**2 * (1 - x) ** 2
+    fade_change = 60 * x * (1 - x) * (1 - 2 * x) / ramp**2
     sine, rate, change = series
     return (
         fade * sine,
         fade_rate * sine + fade * rate,
         fade_change * sine + 2 * fade_rate * rate + fade * change,
-    )
-
-
-def _fade(tau: Array, moving: float, ramp: float) -> tuple[Array, Array, Array]:
-    """A factor that rises from 0 to 1 within `ramp` [s] and falls at the end, and its first two derivatives."""
-    rising = tau < moving / 2
-    x = np.clip(np.where(rising, tau, moving - tau) / ramp, 0.0, 1.0)
-    sign = np.where(rising, 1.0, -1.0)
-    return (
-        x**3 * (10 - 15 * x + 6 * x**2),
-        sign / ramp * 30 * x**2 * (1 - x) ** 2,
-        60 * x * (1 - x) * (1 - 2 * x) / ramp**2,
     )
 
 
@@ -312,9 +305,6 @@ def speed_steps(
         dwell: rest at both ends [s], > 0.
         dt: sample time [s].
         name: name of the motion.
-
-    Raises:
-        FFGymError: if a time is not positive.
     """
     ramp = check_number("ramp", ramp, unit="s", low=0.0, open_low=True)
     dwell = check_number("dwell", dwell, unit="s", low=0.0, open_low=True)

@@ -208,13 +208,25 @@ def stretches(grid: Sequence[Array], bounds: Sequence[Bounds]) -> list[Stretch]:
         bounds: of each leg, at these points.
     """
     parts = [part for s, bound in zip(grid, bounds, strict=True) for part in _halved(s, bound, 0, len(s) - 1)]
-    groups = [parts[:1]]
-    for part in parts[1:]:
-        if _alike([*groups[-1], part]):
-            groups[-1].append(part)
+    groups: list[list[Stretch]] = []
+    for part in parts:
+        # stretches of one speed, whose accelerations and jerks are similar, are run as one
+        group = [*groups[-1], part] if groups else []
+        a, j = [p.acceleration for p in group], [p.jerk for p in group]
+        one_speed = len({p.speed for p in group}) == 1
+        if one_speed and max(a) <= SIMILAR * min(a) and max(j) <= SIMILAR * min(j):
+            groups[-1] = group
         else:
             groups.append([part])
-    return [_joined(group) for group in groups]
+    return [
+        Stretch(
+            length=float(np.sum([part.length for part in group])),
+            speed=group[0].speed,
+            acceleration=min(part.acceleration for part in group),
+            jerk=min(part.jerk for part in group),
+        )
+        for group in groups
+    ]
 
 
 def _halved(s: Array, bound: Bounds, first: int, last: int) -> list[Stretch]:
@@ -231,19 +243,3 @@ def _halved(s: Array, bound: Bounds, first: int, last: int) -> list[Stretch]:
         jerk=float(bound.jerk[rows].min()),
     )
     return [whole]
-
-
-def _alike(group: Sequence[Stretch]) -> bool:
-    """Whether stretches have one speed, and accelerations and jerks that are similar."""
-    a, j = [part.acceleration for part in group], [part.jerk for part in group]
-    one_speed = len({part.speed for part in group}) == 1
-    return one_speed and max(a) <= SIMILAR * min(a) and max(j) <= SIMILAR * min(j)
-
-
-def _joined(group: Sequence[Stretch]) -> Stretch:
-    return Stretch(
-        length=float(np.sum([part.length for part in group])),
-        speed=group[0].speed,
-        acceleration=min(part.acceleration for part in group),
-        jerk=min(part.jerk for part in group),
-    )

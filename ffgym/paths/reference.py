@@ -31,8 +31,31 @@ class Reference:
     def __post_init__(self) -> None:
         for name in ("q", "dq", "ddq"):
             check_shape(f"reference {name}", getattr(self, name), (len(self.t), self.robot.n_joints))
-        _check_step(self)
-        _check_limits(self)
+        dt = self.robot.servo.control_dt
+        if len(self.t) < 2 or np.abs(np.diff(self.t) - dt).max() > 1e-9:
+            raise FFGymError(
+                f"Reference {self.name!r} must be sampled every control_dt = {dt} s; pass dt={dt} to the path."
+            )
+        self._check_limits()
+
+    def _check_limits(self) -> None:
+        kinematics, joints = self.robot.kinematics, self.robot.joints
+        beyond = np.argwhere(kinematics.beyond_limits(self.q))
+        if beyond.size:
+            row, j = (int(i) for i in beyond[0])
+            raise FFGymError(
+                f"Reference {self.name!r}: joint {joints[j]} is at {self.q[row, j]:.3f} {kinematics.units[j]} at "
+                f"{self.t[row]:.3f} s, must be within {np.round(kinematics.range[j], 3).tolist()} "
+                f"{kinematics.units[j]}."
+            )
+        ratio = np.abs(self.dq) / kinematics.max_speed
+        row, j = (int(i) for i in np.unravel_index(np.argmax(ratio), ratio.shape))
+        if ratio[row, j] > 1:
+            raise FFGymError(
+                f"Reference {self.name!r}: joint {joints[j]} moves at {self.dq[row, j]:.3f} {kinematics.units[j]}/s "
+                f"at {self.t[row]:.3f} s, must stay below {kinematics.max_speed[j]:.3f} {kinematics.units[j]}/s. "
+                f"Slow the motion down."
+            )
 
     @property
     def motor_q(self) -> Array:
@@ -77,29 +100,18 @@ def cartesian_reference(
         rotation = path.rotation
     elif rotation is None and area is not None:
         rotation = area.tool_rotation
-    seed = _seed(arm, seed)
+    if seed is None:
+        if area is None:
+            raise FFGymError(f"Robot {arm.robot.name!r} has no work area; give its motions in joint space, or a seed.")
+        seed = area.home
     q = solve_path(arm, path.position, rotation, seed)
-    dq, ddq = joint_rates(arm, q, seed, *_twists(path, free=rotation is None))
+    twist, change = path.velocity, path.acceleration
+    if rotation is not None:  # velocity and acceleration of the whole tool, which may turn
+        still = np.zeros_like(path.velocity)
+        twist = np.hstack([twist, still if path.angular_velocity is None else path.angular_velocity])
+        change = np.hstack([change, still if path.angular_acceleration is None else path.angular_acceleration])
+    dq, ddq = joint_rates(arm, q, seed, twist, change)
     return Reference(name=path.name, robot=arm.robot, t=path.t, q=q, dq=dq, ddq=ddq, phases=path.phases)
-
-
-def _seed(arm: RigidArm, seed: Array | None) -> Array:
-    """Joint positions (N,) where the inverse kinematics begins."""
-    if seed is not None:
-        return seed
-    if arm.robot.work_area is None:
-        raise FFGymError(f"Robot {arm.robot.name!r} has no work area; give its motions in joint space, or a seed.")
-    return arm.robot.work_area.home
-
-
-def _twists(path: CartesianPath, *, free: bool) -> tuple[Array, Array]:
-    """Velocity and acceleration of the tool, (T, 6) each, or (T, 3) if its orientation is `free`."""
-    if free:
-        return path.velocity, path.acceleration
-    still = np.zeros_like(path.velocity)
-    spin = still if path.angular_velocity is None else path.angular_velocity
-    change = still if path.angular_acceleration is None else path.angular_acceleration
-    return np.hstack([path.velocity, spin]), np.hstack([path.acceleration, change])
 
 
 def joint_reference(robot: RobotDescription, path: JointPath) -> Reference:
@@ -109,31 +121,3 @@ def joint_reference(robot: RobotDescription, path: JointPath) -> Reference:
         FFGymError: if it has another number of joints, or is beyond a joint or speed limit.
     """
     return Reference(name=path.name, robot=robot, t=path.t, q=path.q, dq=path.dq, ddq=path.ddq, phases=path.phases)
-
-
-def _check_step(reference: Reference) -> None:
-    dt = reference.robot.servo.control_dt
-    if len(reference.t) < 2 or np.abs(np.diff(reference.t) - dt).max() > 1e-9:
-        raise FFGymError(
-            f"Reference {reference.name!r} must be sampled every control_dt = {dt} s; pass dt={dt} to the path."
-        )
-
-
-def _check_limits(reference: Reference) -> None:
-    kinematics, joints = reference.robot.kinematics, reference.robot.joints
-    beyond = np.argwhere(kinematics.beyond_limits(reference.q))
-    if beyond.size:
-        row, j = (int(i) for i in beyond[0])
-        raise FFGymError(
-            f"Reference {reference.name!r}: joint {joints[j]} is at {reference.q[row, j]:.3f} {kinematics.units[j]} at "
-            f"{reference.t[row]:.3f} s, must be within {np.round(kinematics.range[j], 3).tolist()} "
-            f"{kinematics.units[j]}."
-        )
-    ratio = np.abs(reference.dq) / kinematics.max_speed
-    row, j = (int(i) for i in np.unravel_index(np.argmax(ratio), ratio.shape))
-    if ratio[row, j] > 1:
-        raise FFGymError(
-            f"Reference {reference.name!r}: joint {joints[j]} moves at {reference.dq[row, j]:.3f} "
-            f"{kinematics.units[j]}/s at {reference.t[row]:.3f} s, must stay below {kinematics.max_speed[j]:.3f} "
-            f"{kinematics.units[j]}/s. Slow the motion down."
-        )

@@ -1,7 +1,6 @@
 """A path without time: legs one after another, how the tool turns along them, corners rounded."""
 
 import itertools
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,17 +18,9 @@ Turned = tuple[Array, Array, Array]
 """Orientation (T, 3, 3), its rate by arc length and the rate of that, in world axes [rad/m, rad/m^2], (T, 3)."""
 
 
-class Turning(ABC):
-    """Orientation of tool0 in the world as a function of arc length."""
-
-    @abstractmethod
-    def at(self, s: Array) -> Turned:
-        """Orientation and rates at arc lengths `s`, shape (T,)."""
-
-
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class EvenTurn(Turning):
+class EvenTurn:
     """The tool turns about one axis of the world at a constant rate; a rate of zero keeps the orientation."""
 
     start: Array
@@ -46,7 +37,7 @@ class EvenTurn(Turning):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class BlendedTurn(Turning):
+class BlendedTurn:
     r"""Around a corner: the turn before it fades out while the turn after it fades in.
 
     .. math:: R(s) = e^{f(s) \omega_0} e^{g(s) \omega_1} R_c
@@ -84,7 +75,7 @@ class BlendedTurn(Turning):
 
 @final
 @dataclass(frozen=True, kw_only=True, eq=False)
-class SplineTurn(Turning):
+class SplineTurn:
     """Smooth turn through orientations at given arc lengths, continuous in rate and its derivative."""
 
     knots: Array
@@ -102,6 +93,10 @@ class SplineTurn(Turning):
         """Orientation and rates at arc lengths `s`; scipy gives the rates in the axes of the tool."""
         turn = self._spline(s)
         return turn.as_matrix(), turn.apply(self._spline(s, 1)), turn.apply(self._spline(s, 2))
+
+
+Turning = EvenTurn | BlendedTurn | SplineTurn
+"""Orientation of tool0 in the world as a function of arc length."""
 
 
 def even_turn(start: Array, end: Array, length: float) -> EvenTurn:
@@ -165,17 +160,15 @@ class Leg:
     def grid(self) -> Array:
         """Arc lengths at which the leg is examined, from its start to its end, those of its knots among them."""
         knots = self.curve.knots
-        points = [self._examined(start, end) for start, end in itertools.pairwise(knots)]
-        return np.concatenate([*(piece[:-1] for piece in points), knots[-1:]])
-
-    def _examined(self, start: float, end: float) -> Array:
-        """Arc lengths at which one piece of the curve is examined, with both ends."""
-        coarse = np.linspace(start, end, GRID + 1)
-        turned = 0.0
-        if self.turning is not None:
-            turned = (end - start) * float(np.linalg.norm(self.turning.at(coarse)[1], axis=1).max())
-        count = max(GRID, int(np.ceil((end - start) / GRID_STEP)), int(np.ceil(turned / GRID_TURN)))
-        return np.linspace(start, end, count + 1)
+        pieces = []
+        for start, end in itertools.pairwise(knots):
+            turned = 0.0
+            if self.turning is not None:
+                rates = self.turning.at(np.linspace(start, end, GRID + 1))[1]
+                turned = (end - start) * float(np.linalg.norm(rates, axis=1).max())
+            count = max(GRID, int(np.ceil((end - start) / GRID_STEP)), int(np.ceil(turned / GRID_TURN)))
+            pieces.append(np.linspace(start, end, count + 1)[:-1])
+        return np.concatenate([*pieces, knots[-1:]])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

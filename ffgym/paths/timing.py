@@ -140,7 +140,9 @@ def _profile(stretch: Stretch, before: float, after: float) -> tuple[float, Arra
         for tau, jerk in phases:
             if tau > 0:
                 rows.append((time, *state, jerk))
-                time, state = time + tau, _moved(state, tau, jerk)
+                s, v, a = state
+                travelled = s + tau * (v + tau * (a / 2 + tau * jerk / 6))
+                time, state = time + tau, (travelled, v + tau * (a + tau * jerk / 2), a + tau * jerk)
     return time, np.array(rows)
 
 
@@ -163,9 +165,3 @@ def _phases(stretch: Stretch, change: float) -> list[tuple[float, float]]:
     ramp = acceleration / stretch.jerk
     hold = change / acceleration - ramp if acceleration > 0 else 0.0
     return [(ramp, stretch.jerk), (hold, 0.0), (ramp, -stretch.jerk)]
-
-
-def _moved(state: tuple[float, float, float], tau: float, jerk: float) -> tuple[float, float, float]:
-    """Length, speed and acceleration after `tau` [s] of constant jerk."""
-    s, v, a = state
-    return s + tau * (v + tau * (a / 2 + tau * jerk / 6)), v + tau * (a + tau * jerk / 2), a + tau * jerk

@@ -8,9 +8,9 @@ from path_samples import magnitudes
 from scipy.integrate import quad
 from scipy.optimize import fsolve
 
-from ffgym.paths.circles import BLEND, SmoothLead, smooth_ramp, unit_lead
+from ffgym.paths.circles import BLEND, UNIT_LEAD, SmoothLead, smooth_ramp
 
-arcs = st.floats(0.0, unit_lead().length)
+arcs = st.floats(0.0, UNIT_LEAD.length)
 
 
 def at(function, s):
@@ -18,7 +18,7 @@ def at(function, s):
 
 
 def test_the_lead_starts_at_the_centre_and_joins_the_circle_in_its_tangent_and_curvature():
-    lead = unit_lead()
+    lead = UNIT_LEAD
     np.testing.assert_allclose(at(lead.point, 0.0), [0, 1], atol=1e-13)
     np.testing.assert_allclose(at(lead.point, lead.length), [0, 0], atol=1e-15)
     assert at(lead.heading, lead.length) == pytest.approx(0, abs=1e-15)
@@ -29,12 +29,12 @@ def test_its_numbers_solve_the_two_conditions_on_the_centre():
     def miss(unknown):
         return SmoothLead(curvature=unknown[0], length=unknown[1]).point(np.zeros(1))[0] - [0.0, 1.0]
 
-    lead = unit_lead()
+    lead = UNIT_LEAD
     assert fsolve(miss, [2.0, np.pi / 2], xtol=1e-14) == pytest.approx([lead.curvature, lead.length], rel=1e-14)
 
 
 def test_its_first_part_is_a_circle_and_the_rest_a_clothoid():
-    lead = unit_lead()
+    lead = UNIT_LEAD
     s = np.linspace(0, lead.length, 1001)
     early = s <= lead.knot
     assert lead.knot == pytest.approx((1 - BLEND) * lead.length)
@@ -46,7 +46,7 @@ def test_its_first_part_is_a_circle_and_the_rest_a_clothoid():
 
 @given(arcs)
 def test_its_curvature_is_the_rate_of_its_heading_and_its_heading_the_direction_of_its_points(s):
-    lead, h = unit_lead(), 1e-5
+    lead, h = UNIT_LEAD, 1e-5
     s = float(np.clip(s, h, lead.length - h))
     assert (at(lead.heading, s + h) - at(lead.heading, s - h)) / (2 * h) == pytest.approx(at(lead.bend, s), abs=1e-4)
     step = (at(lead.point, s + h) - at(lead.point, s - h)) / (2 * h)
@@ -56,7 +56,7 @@ def test_its_curvature_is_the_rate_of_its_heading_and_its_heading_the_direction_
 
 @given(arcs, arcs)
 def test_its_points_are_the_integral_of_its_heading(start, end):
-    lead = unit_lead()
+    lead = UNIT_LEAD
     for k, part in enumerate((np.cos, np.sin)):
         moved, _ = quad(lambda s: part(at(lead.heading, s)), start, end, points=[lead.knot], epsabs=1e-12)  # noqa: B023
         assert at(lead.point, end)[k] - at(lead.point, start)[k] == pytest.approx(moved, abs=1e-11)
