@@ -19,7 +19,6 @@ from ffgym.paths.motions.tool_run import run_tool, tool_runs
 from ffgym.paths.moves import (
     JointMove,
     Move,
-    MoveArc,
     MoveJoint,
     MoveJointSpline,
     MoveLinear,
@@ -44,9 +43,9 @@ class Motion:
     """Where the motion differs from what was asked for, and why, e.g. a stop where a corner cannot be rounded."""
 
 
-def space_of(move: Move) -> Literal["tool", "joints"] | None:
+def _space_of(move: Move) -> Literal["tool", "joints"] | None:
     """Where the path of a move is given; None for what is neither."""
-    if isinstance(move, MoveLinear | MoveArc | MoveSpline):
+    if isinstance(move, ToolMove):
         return "tool"
     return "joints" if isinstance(move, JointMove) else None
 
@@ -65,11 +64,7 @@ class Planner:
     notes: list[str] = field(default_factory=list)
 
     def plan(self, group: Sequence[Move]) -> None:
-        """Plan moves that belong together, see `space_of`.
-
-        Raises:
-            FFGymError: if one cannot be made; the message begins with its place.
-        """
+        """Plan moves that belong together, see `_space_of`; an error begins with the place of the move."""
         first = group[0]
         if isinstance(first, MoveTimed):
             self._run_timed(first)
@@ -79,7 +74,7 @@ class Planner:
             group = group if isinstance(first, MoveSpline | MoveJointSpline) else group[1:]
         if isinstance(first, Wait):
             self._add([rest(self.q, first.duration, self.arm.robot.servo.control_dt, first.label)])
-        elif space_of(first) == "joints":
+        elif _space_of(first) == "joints":
             self._run_joints([move for move in group if isinstance(move, JointMove)], self.q)
         else:
             self._run_tool([move for move in group if isinstance(move, ToolMove)], self.q)
@@ -115,20 +110,18 @@ class Planner:
         return None if self.free else self.arm.tcp_pose(q[None])[1][0]
 
     def _run_joints(self, moves: Sequence[JointMove], q: Array) -> None:
-        targets: list[Array] = []
+        targets: list[Array] = []  # joint positions (K, N) of each move
         for move in moves:
-            targets.append(self._through(move, targets[-1][-1] if targets else q))
+            last = targets[-1][-1] if targets else q
+            if isinstance(move, MoveJointSpline):
+                targets.append(move.through)
+            elif isinstance(move.to, Pose):
+                targets.append(self._solved(move, move.to, self._rotation(last), last)[None])
+            else:
+                targets.append(np.atleast_2d(move.to))
         groups, notes = split_steps(joint_steps(self.arm, moves, targets, q))
         self._add([run_joints(self.arm, steps, self.limits) for steps in groups])
         self.notes += notes
-
-    def _through(self, move: JointMove, last: Array) -> Array:
-        """Joint positions (K, N) of a move that begins at `last` (N,)."""
-        if isinstance(move, MoveJointSpline):
-            return move.through
-        if isinstance(move.to, Pose):
-            return self._solved(move, move.to, self._rotation(last), last)[None]
-        return np.atleast_2d(move.to)
 
     def _run_tool(self, moves: Sequence[ToolMove], q: Array) -> None:
         if self.arm.robot.tool is None:
@@ -188,48 +181,30 @@ def compose(
         raise FFGymError(f"Motion {name!r} has no moves; give at least one.")
     labelled = [move if move.label else replace(move, label=f"move {i}") for i, move in enumerate(moves, start=1)]
     q = None if start is None else check_shape("start", start, (arm.robot.n_joints,))
-    planner = Planner(arm=arm, limits=limits or MotionLimits(), free=_orientation_is_free(arm, labelled), q=q)
-    groups = _groups(labelled)
-    for group in groups:
-        planner.plan(group)
-    pieces = _with_rests(planner.pieces, planner.q, dwell, arm.robot.servo.control_dt)
-    return Motion(reference=joined(name, arm.robot, pieces), notes=(*planner.notes, *_stops(groups)))
-
-
-def _groups(moves: Sequence[Move]) -> list[list[Move]]:
-    """Moves that follow each other and are planned together: of the tool, of the joints, or any other one alone."""
+    # whether nobody says how the tool is to be turned: neither the work area nor any target
+    poses = [pose for move in labelled for pose in (getattr(move, "to", None), *getattr(move, "through", ()))]
+    area = arm.robot.work_area
+    free = not any(isinstance(pose, Pose) and pose.rotation is not None for pose in poses)
+    free = free and (area is None or area.tool_rotation is None)
+    planner = Planner(arm=arm, limits=limits or MotionLimits(), free=free, q=q)
+    # moves of the tool, or of the joints, that follow each other are planned together, any other one alone
     groups: list[list[Move]] = []
-    for move in moves:
-        space = space_of(move)
-        if space and groups and space_of(groups[-1][-1]) == space:
+    for move in labelled:
+        space = _space_of(move)
+        if space and groups and _space_of(groups[-1][-1]) == space:
             groups[-1].append(move)
         else:
             groups.append([move])
-    return groups
-
-
-def _stops(groups: Sequence[Sequence[Move]]) -> list[str]:
-    """Notes on zones at which the robot stops all the same, because what comes next is planned on its own."""
-    return [
-        str(
-            located(group[-1], f"the robot stops at {group[-1].label!r}, because a corner joins moves of one kind only")
-        )
-        for group in groups[:-1]
-        if space_of(group[-1]) and not group[-1].zone.stops
+    for group in groups:
+        planner.plan(group)
+    # notes on zones at which the robot stops all the same, because what comes next is planned on its own
+    stops = [
+        str(located(last, f"the robot stops at {last.label!r}, because a corner joins moves of one kind only"))
+        for last in (group[-1] for group in groups[:-1])
+        if _space_of(last) and not last.zone.stops
     ]
-
-
-def _poses(move: Move) -> list[Pose]:
-    if isinstance(move, MoveSpline):
-        return list(move.through)
-    return [move.to] if isinstance(move, MoveLinear | MoveArc | MoveJoint) and isinstance(move.to, Pose) else []
-
-
-def _orientation_is_free(arm: RigidArm, moves: Sequence[Move]) -> bool:
-    """Whether nobody says how the tool is to be turned: neither the work area nor any target."""
-    area = arm.robot.work_area
-    given = any(pose.rotation is not None for move in moves for pose in _poses(move))
-    return not given and (area is None or area.tool_rotation is None)
+    pieces = _with_rests(planner.pieces, planner.q, dwell, arm.robot.servo.control_dt)
+    return Motion(reference=joined(name, arm.robot, pieces), notes=(*planner.notes, *stops))
 
 
 def _with_rests(pieces: Sequence[Rows], q: Array | None, dwell: float, dt: float) -> list[Rows]:

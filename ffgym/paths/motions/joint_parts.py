@@ -28,21 +28,17 @@ class JointsPart(Part):
 
     def moves(self, place: Place) -> Sequence[Move]:
         """One move of the joints."""
-        speed = None if self.speed is None else Speed(tcp=self.speed)
-        zone = Zone(radius=self.zone)
-        return [MoveJoint(to=self._target(place), speed=speed, zone=zone, label=self.label, where=place.where)]
-
-    def _target(self, place: Place) -> Array:
         if (self.to is None) == (self.to_deg is None):
             raise FFGymError("A joints part needs either to [rad or m] or to_deg [deg].")
         if self.to is not None:
-            return place.joints("to", self.to, place.span, others=place.rest)
-        if np.any(place.robot.kinematics.is_sliding):
+            target = place.joints("to", self.to, place.span, others=place.rest)
+        elif np.any(place.robot.kinematics.is_sliding):
             raise FFGymError(f"to_deg is for hinges only, but {place.robot.name!r} has sliding joints; use to.")
-        target: Array = np.deg2rad(
-            place.joints("to_deg", self.to_deg, np.rad2deg(place.span), others=np.rad2deg(place.rest))
-        )
-        return target
+        else:
+            span, rest = np.rad2deg(place.span), np.rad2deg(place.rest)
+            target = np.deg2rad(place.joints("to_deg", self.to_deg, span, others=rest))
+        speed = None if self.speed is None else Speed(tcp=self.speed)
+        return [MoveJoint(to=target, speed=speed, zone=Zone(radius=self.zone), label=self.label, where=place.where)]
 
 
 @final
@@ -68,7 +64,9 @@ class ExcitationPart(Part):
 
     def _timed(self, place: Place, path: Callable[[Array, float], JointPath]) -> list[Move]:
         """Move along a path that is made from the joint positions in its middle and the sample time."""
-        given = place.centre("centre", self.centre)
+        given = None
+        if self.centre is not None:
+            given = place.joints("centre", self.centre, place.span, others=place.rest)
 
         def start(q: Array | None, dt: float) -> JointPath:
             middle = given if given is not None else q if q is not None else place.rest
@@ -117,29 +115,24 @@ class MultisinePart(ExcitationPart):
         frequencies = check_shape("frequencies", self.frequencies, (None,))
         if not len(frequencies):
             raise FFGymError("frequencies is empty, must hold at least one frequency in Hz.")
-        amplitude = self._amplitudes(place, len(frequencies))
-        phases = self._phases(*amplitude.shape)
+        rows = [self.amplitude] * len(frequencies)
+        if isinstance(self.amplitude, list) and any(isinstance(row, list | dict | str) for row in self.amplitude):
+            if len(self.amplitude) != len(rows):
+                raise FFGymError(
+                    f"amplitude has {len(self.amplitude)} entries, must have one for each of {len(rows)} frequencies."
+                )
+            rows = self.amplitude
+        amplitude = np.stack([place.joints(f"amplitude[{i}]", row, place.span) for i, row in enumerate(rows)])
+        if isinstance(self.phases, str):
+            check_choice("phases", self.phases, ("schroeder",))
+            phases = schroeder_phases(*amplitude.shape)
+        else:
+            phases = np.tile(check_shape("phases", self.phases, (len(rows),))[:, None], amplitude.shape[1])
 
         def path(q: Array, dt: float) -> JointPath:
             return multisine(q, amplitude, frequencies, phases, self.duration, ramp=self.ramp, dwell=self.dwell, dt=dt)
 
         return self._timed(place, path)
-
-    def _amplitudes(self, place: Place, count: int) -> Array:
-        """Amplitudes (F, N)."""
-        if isinstance(self.amplitude, list) and any(isinstance(row, list | dict | str) for row in self.amplitude):
-            rows = self.amplitude
-            if len(rows) != count:
-                raise FFGymError(f"amplitude has {len(rows)} entries, must have one for each of {count} frequencies.")
-        else:
-            rows = [self.amplitude] * count
-        return np.stack([place.joints(f"amplitude[{i}]", row, place.span) for i, row in enumerate(rows)])
-
-    def _phases(self, count: int, n_joints: int) -> Array:
-        if isinstance(self.phases, str):
-            check_choice("phases", self.phases, ("schroeder",))
-            return schroeder_phases(count, n_joints)
-        return np.tile(check_shape("phases", self.phases, (count,))[:, None], n_joints)
 
 
 @final

@@ -15,7 +15,7 @@ from ffgym.core.types import Array
 from ffgym.paths.curves import Curve, Line, spline_through
 from ffgym.paths.limits import MARGIN, Bounds, MotionLimits, axis_bounds, stretches
 from ffgym.paths.motions.rows import Rows, Step, add_step, phases_at, sample_times
-from ffgym.paths.moves import JointMove, MoveJoint, Speed, located
+from ffgym.paths.moves import JointMove, MoveJoint, located
 from ffgym.paths.route import Leg, rounded
 from ffgym.paths.timing import time_law
 from ffgym.robot import RigidArm
@@ -52,26 +52,20 @@ def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Arr
             check_range(arm, move, target)
         points = np.vstack([q[None], through]) / unit
         points = points[1:] if np.all(points[0] == points[1]) else points
-        add_step(steps, move, _leg(move, points) if len(points) > 1 else None)
+        points = points[1:] if np.all(points[0] == points[1]) else points
+        leg = None
+        if len(points) > 1 and isinstance(move, MoveJoint):
+            leg = Leg(curve=Line(start=points[0], end=points[1]), speed=move.speed)
+        elif len(points) > 1:
+            with errors_at(move.where):
+                leg = Leg(curve=spline_through(points), speed=None)
+        add_step(steps, move, leg)
         q = through[-1]
     return steps
 
 
-def _leg(move: JointMove, points: Array) -> Leg:
-    """Leg through two or more points, in units of largest speeds."""
-    if isinstance(move, MoveJoint):
-        return Leg(curve=Line(start=points[0], end=points[1]), speed=move.speed)
-    with errors_at(move.where):
-        curve = spline_through(points)
-    return Leg(curve=curve, speed=None)
-
-
 def run_joints(arm: RigidArm, steps: Sequence[Step], limits: MotionLimits) -> Rows:
-    """Joint motion from rest to rest through the targets of `steps`, as fast as speeds and limits allow.
-
-    Raises:
-        FFGymError: if a zone is given for a robot without TCP.
-    """
+    """Joint motion from rest to rest through the targets of `steps`, as fast as speeds and limits allow."""
     legs = [step.leg for step in steps]
     zones = [_zone(arm, before, after) for before, after in pairwise(steps)]
     route, targets = rounded(legs, zones)
@@ -120,19 +114,13 @@ def _bounds(arm: RigidArm, leg: Leg, s: Array, limits: MotionLimits) -> Bounds:
     unit = arm.robot.kinematics.max_speed
     position, *slopes = (part * unit for part in leg.at(s).path)
     still = np.zeros(len(s))
-    cap = Bounds(
-        speed=_tool_speed(arm, leg.speed, position, slopes[0]),
-        acceleration=still + limits.joint_rise,
-        jerk=still + limits.joint_rise_jerk,
-    )
+    fastest = still + np.inf  # at which tool and orientation are not faster than programmed
+    if leg.speed is not None and arm.robot.tool is not None:
+        twist = np.einsum("tij,tj->ti", arm.jacobian(position), slopes[0])
+        moved, turned = np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1)
+        tiny = np.finfo(np.float64).tiny
+        fastest = MARGIN * np.minimum(
+            leg.speed.tcp / np.maximum(moved, tiny), leg.speed.turn / np.maximum(turned, tiny)
+        )
+    cap = Bounds(speed=fastest, acceleration=still + limits.joint_rise, jerk=still + limits.joint_rise_jerk)
     return axis_bounds(slopes, limits.of_joints(unit), cap)
-
-
-def _tool_speed(arm: RigidArm, speed: Speed | None, q: Array, slope: Array) -> Array:
-    """Largest speed along a leg at which tool and orientation are not faster than programmed, shape (T,)."""
-    if speed is None or arm.robot.tool is None:
-        return np.full(len(q), np.inf)
-    twist = np.einsum("tij,tj->ti", arm.jacobian(q), slope)
-    moved, turned = np.linalg.norm(twist[:, :3], axis=1), np.linalg.norm(twist[:, 3:], axis=1)
-    tiny = np.finfo(np.float64).tiny
-    return MARGIN * np.minimum(speed.tcp / np.maximum(moved, tiny), speed.turn / np.maximum(turned, tiny))

@@ -1,8 +1,7 @@
 """Motions by name or from a file, as references for a robot."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields
-from functools import partial
 from importlib import resources
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -14,16 +13,15 @@ import numpy as np
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_shape, errors_at
 from ffgym.core.files import read_text
 from ffgym.core.toml import parse_toml
-from ffgym.core.types import Array
 from ffgym.paths.circles import DWELL
 from ffgym.paths.limits import MotionLimits
 from ffgym.paths.motions.composition import Motion, compose, rapid_motion
 from ffgym.paths.motions.joint_parts import JointsPart, LadderPart, MultisinePart, SinePart, TrianglePart, WaitPart
-from ffgym.paths.motions.part import Part, Place, joint_values, named_point
+from ffgym.paths.motions.part import Part, Place, named_point
 from ffgym.paths.motions.table_part import TablePart
 from ffgym.paths.motions.tool_parts import ArcPart, CirclePart, CircleTestPart, LinePart, SplinePart
 from ffgym.paths.moves import Move
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RigidArm
 
 PARTS: Mapping[str, type[Part]] = MappingProxyType(
     {
@@ -61,15 +59,6 @@ HEAD: Mapping[str, str] = {
 _PER_JOINT = ("joint_acceleration", "joint_jerk")
 
 
-def read_motion_file(arm: RigidArm, path: Path) -> Motion:
-    """Motion of a TOML file for a robot.
-
-    Raises:
-        FFGymError: if the file cannot be read or is no motion file, or the robot cannot make the motion.
-    """
-    return parse_motion(arm, read_text(path), where=str(path), name=path.stem, folder=path.parent)
-
-
 def parse_motion(arm: RigidArm, text: str, *, where: str, name: str, folder: Path | None = None) -> Motion:
     """Motion from TOML text; `where` names the text in messages, `name` the motion if the text does not.
 
@@ -80,12 +69,12 @@ def parse_motion(arm: RigidArm, text: str, *, where: str, name: str, folder: Pat
     """
     tree = parse_toml(text, where)
     with errors_at(where):
-        head = _head(arm.robot, tree, name)
+        head = _head(Place(arm=arm, origin=np.zeros(3), where=where), tree, name)
         moves = _moves(arm, tree, where, folder or Path())
     return compose(arm, moves, **head)
 
 
-def _head(robot: RobotDescription, tree: Mapping[str, Any], name: str) -> dict[str, Any]:
+def _head(place: Place, tree: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Arguments of `compose` but the moves."""
     unknown = sorted(set(tree) - set(HEAD))
     if unknown:
@@ -94,32 +83,28 @@ def _head(robot: RobotDescription, tree: Mapping[str, Any], name: str) -> dict[s
     if not isinstance(given, str) or not given:
         raise FFGymError(f"name = {given!r} must be text.")
     start = tree.get("start")
-    return {
-        "name": given,
-        "start": None if start is None else joint_values(robot, "start", start, _span(robot)),
-        "dwell": check_number("dwell", tree.get("dwell", DWELL), unit="s", low=0.0),
-        "limits": _limits(robot, tree.get("limits", {})),
-    }
-
-
-def _limits(robot: RobotDescription, table: Any) -> MotionLimits:
-    if not isinstance(table, dict):
-        raise FFGymError(f"[limits] must be a table, got {table!r}.")
-    known = [f.name for f in fields(MotionLimits)]
-    for key in table:
-        check_choice("limit", key, known)
-    values = dict(table)
-    for key in _PER_JOINT:
-        if key in values:
-            values[key] = joint_values(robot, f"limits.{key}", values[key], robot.kinematics.max_speed)
-    return MotionLimits(**values)
+    if start is not None:
+        start = place.joints("start", start, place.span)
+    dwell = check_number("dwell", tree.get("dwell", DWELL), unit="s", low=0.0)
+    limits = tree.get("limits", {})
+    if not isinstance(limits, dict):
+        raise FFGymError(f"[limits] must be a table, got {limits!r}.")
+    values: dict[str, Any] = {}
+    for key in limits:
+        check_choice("limit", key, [f.name for f in fields(MotionLimits)])
+    for key, value in limits.items():
+        per_joint = key in ("joint_acceleration", "joint_jerk")
+        fastest = place.robot.kinematics.max_speed
+        values[key] = place.joints(f"limits.{key}", value, fastest) if per_joint else value
+    return {"name": given, "start": start, "dwell": dwell, "limits": MotionLimits(**values)}
 
 
 def _moves(arm: RigidArm, tree: Mapping[str, Any], where: str, folder: Path) -> list[Move]:
     parts = tree.get("part")
     if not isinstance(parts, list) or not parts or not all(isinstance(part, dict) for part in parts):
         raise FFGymError("A motion file needs parts, each a table that begins with [[part]].")
-    origin = _origin(arm.robot, tree.get("origin"))
+    origin = tree.get("origin", [0.0, 0.0, 0.0])
+    origin = named_point(arm.robot, origin) if isinstance(origin, str) else check_shape("origin", origin, (3,))
     moves: list[Move] = []
     for i, table in enumerate(parts, start=1):
         entries = dict(table)
@@ -131,33 +116,11 @@ def _moves(arm: RigidArm, tree: Mapping[str, Any], where: str, folder: Path) -> 
     return moves
 
 
-def _origin(robot: RobotDescription, value: Any) -> Array:
-    if value is None:
-        return np.zeros(3)
-    return named_point(robot, value) if isinstance(value, str) else check_shape("origin", value, (3,))
-
-
-def _span(robot: RobotDescription) -> Array:
-    return np.diff(robot.kinematics.range, axis=1)[:, 0]
-
-
-def read_csv(arm: RigidArm, path: Path) -> Motion:
-    """Motion of a CSV file of poses or joint positions, see `TablePart`.
-
-    Raises:
-        FFGymError: if the file cannot be read or is no such table, or the robot cannot make the motion.
-    """
-    place = Place(arm=arm, origin=np.zeros(3), where=str(path), folder=path.parent)
-    return compose(arm, TablePart(file=path.name).moves(place), name=path.stem)
-
-
-READERS: Mapping[str, Callable[[RigidArm, Path], Motion]] = MappingProxyType(
-    {".toml": read_motion_file, ".csv": read_csv, ".mod": rapid_motion, ".prg": rapid_motion}
-)
-"""What reads a file, by the suffix of its name."""
-
-PROGRAMS = tuple(suffix for suffix, reader in READERS.items() if reader is rapid_motion)
+PROGRAMS = (".mod", ".prg")
 """Suffixes of files with procedures."""
+
+READERS = (".toml", ".csv", *PROGRAMS)
+"""Suffixes of files that hold a motion."""
 
 FOLDERS = (("ffgym.paths.motions", "data"), ("ffgym.paths.rapid", "examples"))
 """Where built-in motions are: packages and folders in them."""
@@ -187,24 +150,25 @@ def load_motion(arm: RigidArm, source: str | Path, *, entry: str | None = None) 
     """
     path = Path(source)
     if path.suffix.lower() in READERS:
-        return _reader(path.name, entry)(arm, path)
+        return _read(arm, path, str(path), entry)
     if path.suffix or path.name != str(source):
         raise FFGymError(f"{source}: a motion file must end in {', '.join(READERS)}.")
     file = builtin_files()[check_choice("motion", str(source), list_motions())]
-    reader = _reader(file.name, entry)
-    if file.name.endswith(".toml"):
-        return parse_motion(arm, file.read_text(encoding="utf-8"), where=file.name, name=str(source))
-    with resources.as_file(file) as place:
-        return reader(arm, place)
+    with resources.as_file(file) as path:
+        return _read(arm, path, file.name, entry)
 
 
-def _reader(name: str, entry: str | None) -> Callable[[RigidArm, Path], Motion]:
-    """What reads a file of that name, from procedure `entry` on if one is given."""
-    suffix = Path(name).suffix.lower()
-    if entry is None:
-        return READERS[suffix]
-    if suffix not in PROGRAMS:
+def _read(arm: RigidArm, path: Path, where: str, entry: str | None) -> Motion:
+    """Motion of a file that `where` names in messages, from procedure `entry` on if one is given."""
+    suffix = path.suffix.lower()
+    if suffix in PROGRAMS:
+        return rapid_motion(arm, path, entry=entry)
+    if entry is not None:
         raise FFGymError(
-            f"entry = {entry!r} is a procedure of a program ({', '.join(PROGRAMS)}), which {name} is not; leave it out."
+            f"entry = {entry!r} is a procedure of a program ({', '.join(PROGRAMS)}), which {path.name} is not; "
+            "leave it out."
         )
-    return partial(rapid_motion, entry=entry)
+    if suffix == ".toml":
+        return parse_motion(arm, read_text(path), where=where, name=path.stem, folder=path.parent)
+    place = Place(arm=arm, origin=np.zeros(3), where=where, folder=path.parent)
+    return compose(arm, TablePart(file=path.name).moves(place), name=path.stem)

@@ -66,10 +66,6 @@ class Place:
         """Width of the joints' ranges, link side [rad or m], shape (N,)."""
         return np.diff(self.robot.kinematics.range, axis=1)[:, 0]
 
-    def centre(self, name: str, value: Any) -> Array | None:
-        """Joint positions (N,) from an entry; None where it has none and the robot is to stay where it is."""
-        return None if value is None else self.joints(name, value, self.span, others=self.rest)
-
     @property
     def rest(self) -> Array:
         """Joint positions (N,) at which a robot begins that has not moved before."""
@@ -105,10 +101,13 @@ def joint_values(robot: RobotDescription, name: str, value: Any, whole: Array, o
         others: value of joints that a table leaves out.
     """
     if isinstance(value, str):
-        share = value.removesuffix("%").strip()
-        if share == value.strip() or not _is_number(share):
+        try:
+            share = float(value.removesuffix("%")) if value.strip().endswith("%") else None
+        except ValueError:
+            share = None
+        if share is None:
             raise FFGymError(f"{name} = {value!r} must be numbers, or a share such as '10 %'.")
-        return check_number(name, float(share), unit="%", low=-LARGEST, high=LARGEST) / 100 * whole
+        return check_number(name, share, unit="%", low=-LARGEST, high=LARGEST) / 100 * whole
     if isinstance(value, dict):
         result = np.array(np.broadcast_to(others, whole.shape), dtype=np.float64)
         for joint, number in value.items():
@@ -144,14 +143,6 @@ def rotation_of(rpy_deg: Any, quaternion: Any) -> Array | None:
             f"quaternion = {values.tolist()} (w, x, y, z) must have norm 1, not {np.linalg.norm(values):.6g}."
         )
     return scipy.spatial.transform.Rotation.from_quat(values, scalar_first=True).as_matrix()
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def entry(meaning: str, unit: str = "", **options: Any) -> Any:

@@ -120,12 +120,19 @@ def joined(name: str, robot: RobotDescription, pieces: Sequence[Rows]) -> Refere
     """
     dt = robot.servo.control_dt
     for before, after in itertools.pairwise(pieces):
-        _check_join(robot, before, after)
+        last, first = before.dq[-1], after.dq[0]
+        j = int(np.argmax(np.abs(first - last)))
+        if abs(first[j] - last[j]) > APART:
+            unit = robot.kinematics.units[j]
+            raise FFGymError(
+                f"{after.phases[0].label!r} starts with joint {robot.joints[j]} at {first[j]:.6g} {unit}/s, but what "
+                f"comes before ends at {last[j]:.6g} {unit}/s. A motion that starts or ends at speed must be alone."
+            )
     counts = np.cumsum([0, *(len(piece.q) - 1 for piece in pieces)])
     phases: list[Phase] = []
-    for first, piece in zip(counts, pieces, strict=False):
+    for count, piece in zip(counts, pieces, strict=False):
         for p in piece.phases:
-            start, end = p.start + float(first) * dt, p.end + float(first) * dt
+            start, end = p.start + float(count) * dt, p.end + float(count) * dt
             start = max(start, phases[-1].end) if phases else start  # sums of times are rounded
             phases.append(Phase(label=p.label, kind=p.kind, start=start, end=end))
     series = {
@@ -134,14 +141,3 @@ def joined(name: str, robot: RobotDescription, pieces: Sequence[Rows]) -> Refere
     }
     t = np.arange(int(counts[-1]) + 1, dtype=np.float64) * dt
     return Reference(name=name, robot=robot, t=t, phases=tuple(phases), **series)
-
-
-def _check_join(robot: RobotDescription, before: Rows, after: Rows) -> None:
-    last, first = before.dq[-1], after.dq[0]
-    j = int(np.argmax(np.abs(first - last)))
-    if abs(first[j] - last[j]) > APART:
-        unit = robot.kinematics.units[j]
-        raise FFGymError(
-            f"{after.phases[0].label!r} starts with joint {robot.joints[j]} at {first[j]:.6g} {unit}/s, but what comes "
-            f"before ends at {last[j]:.6g} {unit}/s. A motion that starts or ends at speed must be alone."
-        )

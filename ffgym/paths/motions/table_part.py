@@ -39,8 +39,6 @@ FEWEST_TIMES = 4
 class Table:
     """Rows of a file, in SI units. Either positions or joints are there, never both."""
 
-    name: str
-    """Of the file, for messages."""
     t: Array | None
     """Times from 0 [s], increasing, shape (T,); None where the rows are points to go through."""
     positions: Array | None
@@ -68,16 +66,13 @@ def parse_table(text: str, where: str, joints: Sequence[str], units: Sequence[st
     with errors_at(where):
         names, values = read_table(lines, 0)
         columns = _in_si(names, values, {**dict.fromkeys(POSITION, "m"), **dict(zip(joints, units, strict=True))})
-        return _table(where, columns, joints)
+        return _table(columns, joints)
 
 
 def _in_si(names: Sequence[str], values: Array, wanted: Mapping[str, str]) -> dict[str, Array]:
-    """Columns without the units in their names, in SI units.
+    """Columns of values (T, columns) without the units in their names, in SI units.
 
-    Args:
-        names: of the columns, with units.
-        values: shape (T, columns).
-        wanted: what each known column measures, 'm' or 'rad', beside time and orientation.
+    `wanted` says what each known column measures, 'm' or 'rad', beside time and orientation.
     """
     known = {"t": "s", **dict.fromkeys(QUATERNION, ""), **dict.fromkeys(RPY, "rad"), **wanted}
     columns: dict[str, Array] = {}
@@ -88,21 +83,17 @@ def _in_si(names: Sequence[str], values: Array, wanted: Mapping[str, str]) -> di
         if not np.all(np.isfinite(values[:, i])):
             row = int(np.flatnonzero(~np.isfinite(values[:, i]))[0])
             raise FFGymError(f"Row {row + 1}, column {full!r} is {values[row, i]}, must be a finite number.")
-        columns[name] = values[:, i] * factor
-        if name != "t":  # clocks may count from long ago
-            _check_unit(full, columns[name], FARTHEST if name in POSITION else LARGEST)
+        columns[name] = column = values[:, i] * factor
+        # refuse values that are surely in another unit than the name says; clocks may count from long ago
+        largest = np.inf if name == "t" else FARTHEST if name in POSITION else LARGEST
+        beyond = np.flatnonzero(np.abs(column) > largest)
+        if beyond.size:
+            row = int(beyond[0])
+            raise FFGymError(
+                f"Row {row + 1}, column {full!r} is {column[row]:.6g} in SI units, which is beyond {largest:g}; is it "
+                f"in another unit?"
+            )
     return columns
-
-
-def _check_unit(full: str, column: Array, largest: float) -> None:
-    """Refuse values that are surely in another unit than the column's name says."""
-    beyond = np.flatnonzero(np.abs(column) > largest)
-    if beyond.size:
-        row = int(beyond[0])
-        raise FFGymError(
-            f"Row {row + 1}, column {full!r} is {column[row]:.6g} in SI units, which is beyond {largest:g}; is it in "
-            f"another unit?"
-        )
 
 
 def _without_unit(full: str, known: Mapping[str, str]) -> tuple[str, float]:
@@ -122,7 +113,7 @@ def _with_units(name: str, kind: str) -> str:
     return " or ".join(f"{name}_{unit}" for unit, (measured, _) in UNITS.items() if measured == kind) or name
 
 
-def _table(where: str, columns: Mapping[str, Array], joints: Sequence[str]) -> Table:
+def _table(columns: Mapping[str, Array], joints: Sequence[str]) -> Table:
     of_tool = [name for name in (*POSITION, *QUATERNION, *RPY) if name in columns]
     of_joints = [name for name in joints if name in columns]
     if of_tool and of_joints:
@@ -134,7 +125,6 @@ def _table(where: str, columns: Mapping[str, Array], joints: Sequence[str]) -> T
     if n_rows < (1 if t is None else FEWEST_TIMES):
         raise FFGymError(f"There are {n_rows} rows, must be at least {1 if t is None else FEWEST_TIMES}.")
     return Table(
-        name=where,
         t=t,
         positions=_together(columns, POSITION) if of_tool else None,
         rotations=_rotations(columns) if of_tool else None,
@@ -196,7 +186,11 @@ def followed(table: Table, t: Array, label: str) -> Callable[[Array | None, floa
     """
     points = table.positions if table.joints is None else table.joints
     assert points is not None
-    turned = None if table.rotations is None else _quaternions(table.rotations)
+    turned = None
+    if table.rotations is not None:  # unit quaternions, scalar first, each on the side of the one before, (T, 4)
+        values = scipy.spatial.transform.Rotation.from_matrix(table.rotations).as_quat(scalar_first=True)
+        flips = np.where((values[1:] * values[:-1]).sum(axis=1) < 0, -1.0, 1.0)
+        turned = values * np.cumprod(np.append(1.0, flips))[:, None]
     curve, turn = _spline(t, points), None if turned is None else _spline(t, turned)
     held = all(_rests(t, rows)[1] for rows in (points, turned) if rows is not None)
 
@@ -241,13 +235,6 @@ def _at(curve: "scipy.interpolate.CubicSpline[Any]", t: Array, end: float) -> tu
     return curve(inside), np.where(still, 0.0, curve(inside, 1)), np.where(still, 0.0, curve(inside, 2))
 
 
-def _quaternions(rotations: Array) -> Array:
-    """Unit quaternions of rotations (T, 3, 3), scalar first, each on the side of the one before, shape (T, 4)."""
-    values = scipy.spatial.transform.Rotation.from_matrix(rotations).as_quat(scalar_first=True)
-    flips = np.where((values[1:] * values[:-1]).sum(axis=1) < 0, -1.0, 1.0)
-    return values * np.cumprod(np.append(1.0, flips))[:, None]
-
-
 def _turning(q: Array, dq: Array, ddq: Array) -> dict[str, Array]:
     r"""Orientation and its rates in world axes, of quaternions of any length and their derivatives, (T, 4) each.
 
@@ -290,24 +277,16 @@ class TablePart(Part):
         robot = place.robot
         table = parse_table(read_text(path), str(path), robot.joints, robot.kinematics.units)
         speed = check_number("speed", self.speed, unit="m/s", low=0.0, open_low=True)
-        return [table_move(table, speed, label=self.label or path.stem, where=place.where)]
-
-
-def table_move(table: Table, speed: float, *, label: str, where: str) -> Move:
-    """Move along the rows of a table; `speed` [m/s] is that of the TCP through poses without times."""
-    if table.t is not None:
-        return MoveTimed(path=followed(table, table.t, label), label=label, where=where)
-    if table.joints is not None:
-        _check_apart(table, table.joints)
-        return MoveJointSpline(through=table.joints, label=label, where=where)
-    assert table.positions is not None
-    _check_apart(table, table.positions)
-    rotations = [None] * len(table.positions) if table.rotations is None else list(table.rotations)
-    poses = tuple(Pose(position=p, rotation=r) for p, r in zip(table.positions, rotations, strict=True))
-    return MoveSpline(through=poses, speed=Speed(tcp=speed), label=label, where=where)
-
-
-def _check_apart(table: Table, points: Array) -> None:
-    same = np.flatnonzero(np.all(np.diff(points, axis=0) == 0, axis=1))
-    if same.size:
-        raise FFGymError(f"{table.name}: row {int(same[0]) + 2} repeats the row before; a curve needs points apart.")
+        named: dict[str, Any] = {"label": self.label or path.stem, "where": place.where}
+        if table.t is not None:
+            return [MoveTimed(path=followed(table, table.t, named["label"]), **named)]
+        points = table.positions if table.joints is None else table.joints
+        assert points is not None
+        same = np.flatnonzero(np.all(np.diff(points, axis=0) == 0, axis=1))
+        if same.size:
+            raise FFGymError(f"{path}: row {int(same[0]) + 2} repeats the row before; a curve needs points apart.")
+        if table.joints is not None:
+            return [MoveJointSpline(through=points, **named)]
+        rotations = [None] * len(points) if table.rotations is None else list(table.rotations)
+        poses = tuple(Pose(position=p, rotation=r) for p, r in zip(points, rotations, strict=True))
+        return [MoveSpline(through=poses, speed=Speed(tcp=speed), **named)]

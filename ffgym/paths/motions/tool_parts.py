@@ -1,8 +1,7 @@
 """Parts that move the tool: lines, arcs, circles, splines, and the circle test of the thesis."""
 
-from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, final
 
 import numpy as np
@@ -42,12 +41,11 @@ class TargetPart(ToolPart):
     rpy_deg: Any = entry("orientation of tool0: roll, pitch, yaw about x, y, z; absent keeps it", "deg", default=None)
     quaternion: Any = entry("orientation of tool0: w, x, y, z, instead of rpy_deg", "1", default=None)
 
-    def _pose(self, place: Place) -> Pose:
-        return Pose(position=place.point("to", self.to), rotation=rotation_of(self.rpy_deg, self.quaternion))
-
-    @abstractmethod
-    def moves(self, place: Place) -> Sequence[Move]:
-        """The move to the target."""
+    def _how(self, place: Place) -> dict[str, Any]:
+        """Fields of the move to the target."""
+        pose = Pose(position=place.point("to", self.to), rotation=rotation_of(self.rpy_deg, self.quaternion))
+        zone = Zone(radius=self.zone)
+        return {"to": pose, "speed": self._speed, "zone": zone, "label": self.label, "where": place.where}
 
 
 @final
@@ -59,8 +57,7 @@ class LinePart(TargetPart):
 
     def moves(self, place: Place) -> Sequence[Move]:
         """One line."""
-        zone = Zone(radius=self.zone)
-        return [MoveLinear(to=self._pose(place), speed=self._speed, zone=zone, label=self.label, where=place.where)]
+        return [MoveLinear(**self._how(place))]
 
 
 @final
@@ -73,10 +70,7 @@ class ArcPart(TargetPart):
 
     def moves(self, place: Place) -> Sequence[Move]:
         """One arc."""
-        via, zone = place.point("via", self.via), Zone(radius=self.zone)
-        return [
-            MoveArc(via=via, to=self._pose(place), speed=self._speed, zone=zone, label=self.label, where=place.where)
-        ]
+        return [MoveArc(via=place.point("via", self.via), **self._how(place))]
 
 
 @final
@@ -118,7 +112,7 @@ class CirclePart(ToolPart):
             )
             for via, to in [(1, 2), (3, 0)] * turns
         ]
-        return [start, *halves[:-1], _stopping(halves[-1])]
+        return [start, *halves[:-1], replace(halves[-1], zone=Zone())]
 
 
 @final
@@ -174,7 +168,3 @@ class CircleTestPart(Part):
             )
 
         return [MoveTimed(path=path, label=self.label, where=place.where)]
-
-
-def _stopping(move: MoveArc) -> MoveArc:
-    return MoveArc(via=move.via, to=move.to, speed=move.speed, label=move.label, where=move.where)

@@ -50,11 +50,7 @@ class ToolRun:
 
 
 def run_tool(arm: RigidArm, run: ToolRun, q: Array, limits: MotionLimits) -> Rows:
-    """Joint motion along the route, as fast as programmed speeds and limits allow, from joint positions `q` (N,).
-
-    Raises:
-        FFGymError: if the arm cannot follow the route; the message begins with the place of the move.
-    """
+    """Joint motion along the route, as fast as programmed speeds and limits allow, from joint positions `q` (N,)."""
     law = time_law(stretches(*_bounds(arm, run, q, limits)))
     t = sample_times(law, arm.robot.servo.control_dt)
     s, speed, acceleration = law.at(t)
@@ -149,10 +145,7 @@ def _examined(arm: RigidArm, run: ToolRun, grid: Sequence[Array], q: Array) -> l
 def _refined(s: Array, first: Array, second: Array) -> Array:
     """Grid with a new point in the middle of each interval over which one of two slopes (K, N) changes much."""
     largest = float(np.abs(first).max())
-    scales = (
-        largest,
-        max(float(np.abs(second).max()), largest / s[-1]),
-    )  # a straight path has no second slope to resolve
+    scales = (largest, max(float(np.abs(second).max()), largest / s[-1]))  # a straight path has no second slope
     changes = [np.abs(np.diff(x, axis=0)).max(axis=1) / scale for x, scale in zip((first, second), scales, strict=True)]
     coarse = np.max(changes, axis=0) > RESOLVED
     return np.sort(np.concatenate([s, 0.5 * (s[:-1] + s[1:])[coarse]]))
@@ -230,39 +223,31 @@ def _spline_leg(move: MoveSpline, position: Array, rotation: Array | None) -> Le
 
 
 def _run(steps: Sequence[Step]) -> ToolRun:
+    """Route of some steps; consecutive arcs that together make a full circle are one phase, other moves keep theirs."""
     legs = [step.leg for step in steps]
     route, targets = rounded(legs, [step.move.zone.radius for step in steps[:-1]])
-    moves, targets, kinds = _with_circles([step.move for step in steps], legs, targets)
-    return ToolRun(route=route, targets=targets, moves=moves, kinds=kinds)
-
-
-def _with_circles(
-    moves: Sequence[Move], legs: Sequence[Leg], targets: Array
-) -> tuple[tuple[Move, ...], Array, tuple[PhaseKind, ...]]:
-    """One phase for consecutive arcs that together make a full circle; other moves keep theirs."""
-    kept: list[tuple[Move, float, PhaseKind]] = []
+    last: list[int] = []  # the step that each phase ends with
+    kinds: list[PhaseKind] = []
     i = 0
     while i < len(legs):
-        count = _arcs_of_circle(legs[i:])
-        kind: PhaseKind = "circle" if count else "motion"
+        count = _arcs_of_circle([leg.curve for leg in legs[i:]])
         i += max(count, 1)
-        kept.append((moves[i - 1], float(targets[i - 1]), kind))
-    return tuple(k[0] for k in kept), np.array([k[1] for k in kept]), tuple(k[2] for k in kept)
+        last.append(i - 1)
+        kinds.append("circle" if count else "motion")
+    return ToolRun(route=route, targets=targets[last], moves=tuple(steps[i].move for i in last), kinds=tuple(kinds))
 
 
-def _arcs_of_circle(legs: Sequence[Leg]) -> int:
-    """How many of the first legs make one full circle; 0 if they do not."""
-    first, angle = legs[0].curve, 0.0
-    for count, leg in enumerate(legs, start=1):
-        if not isinstance(first, Arc) or not isinstance(leg.curve, Arc) or not _same_circle(first, leg.curve):
+def _arcs_of_circle(curves: Sequence[Curve]) -> int:
+    """How many of the first curves make one full circle; 0 if they do not."""
+    one, angle = curves[0], 0.0
+    for count, other in enumerate(curves, start=1):
+        if not isinstance(one, Arc) or not isinstance(other, Arc):
             return 0
-        angle += leg.curve.angle
+        apart = float(np.linalg.norm(one.centre - other.centre)) / one.radius
+        tilt = float(np.linalg.norm(np.cross(one.first, one.second) - np.cross(other.first, other.second)))
+        if max(apart, tilt, abs(other.radius / one.radius - 1)) > SMOOTH:
+            return 0
+        angle += other.angle
         if abs(angle - 2 * np.pi) <= SMOOTH:
             return count
     return 0
-
-
-def _same_circle(one: Arc, other: Arc) -> bool:
-    apart = float(np.linalg.norm(one.centre - other.centre)) / one.radius
-    tilt = float(np.linalg.norm(np.cross(one.first, one.second) - np.cross(other.first, other.second)))
-    return max(apart, tilt, abs(other.radius / one.radius - 1)) <= SMOOTH

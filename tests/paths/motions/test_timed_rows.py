@@ -10,7 +10,7 @@ DT = 1e-4
 
 
 def path_of(t, positions, rotations, dt=DT):
-    table = Table(name="points.csv", t=t, positions=positions, rotations=rotations.as_matrix(), joints=None)
+    table = Table(t=t, positions=positions, rotations=rotations.as_matrix(), joints=None)
     return followed(table, t, "rows")(None, dt)
 
 
