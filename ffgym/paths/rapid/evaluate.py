@@ -131,15 +131,6 @@ Options = Mapping[str, Value]
 """Values of optional arguments by name in lower case."""
 
 
-@dataclass(frozen=True)
-class Function:
-    """A function: what it takes, what it gives."""
-
-    parameters: tuple[Parameter, ...]
-    result: Type
-    compute: Callable[[Sequence[Value], Options], Value]
-
-
 def _offs(values: Sequence[Value], options: Options) -> Value:
     """Target displaced in the axes of the work object."""
     (position, *rest), *offset = values
@@ -151,28 +142,32 @@ def _rel_tool(values: Sequence[Value], options: Options) -> Value:
     (position, orient, *rest), *offset = values
     tool = turn(orient, "the target's rot")
     angles = [options.get(name, 0.0) for name in ("rx", "ry", "rz")]
-    turned = scipy.spatial.transform.Rotation.from_matrix(tool) * scipy.spatial.transform.Rotation.from_euler(
-        "XYZ", angles, degrees=True
-    )
+    rotation = scipy.spatial.transform.Rotation
+    turned = rotation.from_matrix(tool) * rotation.from_euler("XYZ", angles, degrees=True)
     moved = np.array(position) + tool @ np.array(offset)
     q2, q3, q4, q1 = turned.as_quat().tolist()
     return (tuple(moved.tolist()), (q1, q2, q3, q4), *rest)
 
 
+@dataclass(frozen=True)
+class Function:
+    """A function that displaces a target: what it takes, and what it computes."""
+
+    parameters: tuple[Parameter, ...]
+    compute: Callable[[Sequence[Value], Options], Value]
+
+
 _TARGET = Parameter("target", ROBTARGET)
 
 FUNCTIONS: Mapping[str, Function] = {
-    "offs": Function(
-        (_TARGET, Parameter("XOffset", NUM), Parameter("YOffset", NUM), Parameter("ZOffset", NUM)), ROBTARGET, _offs
-    ),
+    "offs": Function((_TARGET, *(Parameter(f"{axis}Offset", NUM) for axis in "XYZ")), _offs),
     "reltool": Function(
         (
             _TARGET,
             Parameter("Dx", NUM),
             Parameter("Dy", NUM),
-            Parameter("Dz", NUM, {"rx": NUM, "ry": NUM, "rz": NUM}),
+            Parameter("Dz", NUM, dict.fromkeys(("rx", "ry", "rz"), NUM)),
         ),
-        ROBTARGET,
         _rel_tool,
     ),
 }
@@ -193,11 +188,24 @@ LARGEST_NUMBER = 1e38
 def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
     """Value of an expression."""
     if isinstance(expression, Aggregate):
-        return _aggregate(scope, expression, wanted)
+        if not wanted.fields:
+            raise expression.place.error(f"{wanted.name} is wanted here, this is an aggregate.")
+        if len(expression.items) != len(wanted.fields):
+            raise expression.place.error(
+                f"{wanted.name} has {len(wanted.fields)} components, {wanted.shape}, got {len(expression.items)}."
+            )
+        return tuple(
+            evaluate(scope, item, kind) for item, (_, kind) in zip(expression.items, wanted.fields, strict=True)
+        )
     if isinstance(expression, Reference):
         found, value = scope.get(expression)
     elif isinstance(expression, Call):
-        found, value = _call(scope, expression)
+        function = FUNCTIONS.get(expression.name.lower())
+        if function is None:
+            raise expression.place.error(f"function {expression.name} is not supported. Available: Offs, RelTool.")
+        values, options = arguments_of(scope, expression, function.parameters)
+        with errors_at(str(expression.place)):
+            found, value = ROBTARGET, function.compute(values, options)
     elif isinstance(expression, Literal) and not isinstance(expression.value, float):
         found, value = BOOL if isinstance(expression.value, bool) else STRING, expression.value
     else:
@@ -208,11 +216,7 @@ def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
 
 
 def arguments_of(scope: Scope, call: Call, parameters: Sequence[Parameter]) -> tuple[list[Value], Options]:
-    """Values of the required arguments of a call, and of the optional ones by name; a switch that is on is True.
-
-    Raises:
-        FFGymError: if there are too many or too few, or an option that is not supported there.
-    """
+    """Values of the required arguments of a call, and of the optional ones by name; a switch that is on is True."""
     arguments, name = call.arguments, call.name
     if len(arguments) == len(parameters) + 1 and arguments[0].value is None:
         raise _unsupported(name, arguments[0].options[0], {})  # e.g. MoveL \Conc, p10, ...
@@ -223,7 +227,9 @@ def arguments_of(scope: Scope, call: Call, parameters: Sequence[Parameter]) -> t
     optional: dict[str, tuple[Expression | None, Type]] = {}
     for argument, parameter in zip(arguments, parameters, strict=True):
         for option in argument.options:
-            kind = _option_type(name, option, parameter)
+            if option.name.lower() not in parameter.options:
+                raise _unsupported(f"the {parameter.name} of {name}", option, parameter.options)
+            kind = parameter.options[option.name.lower()]  # None for a switch
             if option.name.lower() in optional:
                 raise option.place.error(f"\\{option.name} is given twice.")
             if (option.value is None) != (kind is None):
@@ -237,13 +243,6 @@ def arguments_of(scope: Scope, call: Call, parameters: Sequence[Parameter]) -> t
     return values, {
         key: True if value is None else evaluate(scope, value, kind) for key, (value, kind) in optional.items()
     }
-
-
-def _option_type(name: str, option: Option, parameter: Parameter) -> Type | None:
-    """Type of an option that may stand behind a parameter; None for a switch."""
-    if option.name.lower() not in parameter.options:
-        raise _unsupported(f"the {parameter.name} of {name}", option, parameter.options)
-    return parameter.options[option.name.lower()]
 
 
 def _unsupported(what: str, option: Option, known: Mapping[str, Type | None]) -> FFGymError:
@@ -260,26 +259,6 @@ def declare(scope: Scope, declaration: Declaration) -> Datum:
     if declaration.kind == "VAR":
         return Datum(declaration.kind, kind, kind.default())
     raise declaration.place.error(f"{declaration.kind} {declaration.name} needs a value, ':= ...'.")
-
-
-def _aggregate(scope: Scope, aggregate: Aggregate, wanted: Type) -> Value:
-    if not wanted.fields:
-        raise aggregate.place.error(f"{wanted.name} is wanted here, this is an aggregate.")
-    if len(aggregate.items) != len(wanted.fields):
-        raise aggregate.place.error(
-            f"{wanted.name} has {len(wanted.fields)} components, {wanted.shape}, got {len(aggregate.items)}."
-        )
-    return tuple(evaluate(scope, item, kind) for item, (_, kind) in zip(aggregate.items, wanted.fields, strict=True))
-
-
-def _call(scope: Scope, call: Call) -> tuple[Type, Value]:
-    function = FUNCTIONS.get(call.name.lower())
-    if function is None:
-        raise call.place.error(f"function {call.name} is not supported. Available: Offs, RelTool.")
-    values, options = arguments_of(scope, call, function.parameters)
-    with errors_at(str(call.place)):
-        value = function.compute(values, options)
-    return function.result, value
 
 
 def _number(scope: Scope, expression: Literal | Signed | Chain) -> float:

@@ -1,11 +1,11 @@
 """Running a program: statements one after the other, and the moves that they make."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ffgym.core.errors import errors_at
-from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Pose, Wait
+from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Wait
 from ffgym.paths.rapid.evaluate import Parameter, Scope, arguments_of, check_unique, declare, evaluate
 from ffgym.paths.rapid.records import (
     JOINTTARGET,
@@ -20,10 +20,8 @@ from ffgym.paths.rapid.records import (
     Value,
 )
 from ffgym.paths.rapid.syntax import (
-    Argument,
     Assignment,
     Call,
-    Declaration,
     Expression,
     Module,
     Place,
@@ -82,109 +80,22 @@ class Execution:
     """One per move: the branch that the target asks for; None where the nearest is taken."""
 
 
-@dataclass
-class MoveBuilder:
-    """Collects the moves of one run of a program."""
-
-    robot: RobotDescription
-    moves: list[Move] = field(default_factory=list)
-    configurations: list[Configuration | None] = field(default_factory=list)
-    configured: bool = True
-    """Whether MoveJ follows robconf, which ConfJ switches."""
-    _tool: tuple[Value, Place] | None = None
-    """The tool that all moves share, and where it was first seen."""
-
-    def move(self, scope: Scope, instruction: Call) -> None:
-        """Add the move of an instruction of MOVES.
-
-        Raises:
-            FFGymError: if an argument is wrong, or the move cannot stand here.
-        """
-        kind, place = instruction.name.lower(), instruction.place
-        if not self.moves and kind in ("movel", "movec"):
-            raise place.error(
-                f"the first move is {instruction.name}, which needs a start; begin with MoveAbsJ or MoveJ."
-            )
-        (*targets, speed_data, zone_data, tool), options = arguments_of(scope, instruction, MOVES[kind])
-        names = [_name(scope, argument.value) for argument in instruction.arguments[: len(targets)]]
-        named = instruction.arguments[-1].value
-        self._use(tool, place if named is None else named.place, absolute=kind == "moveabsj")
-        with errors_at(str(place)):
-            how: dict[str, Any] = {
-                "speed": speed(speed_data, options.get("v")),
-                "zone": zone(zone_data, options.get("z")),
-                "label": names[-1],
-                "where": str(place),
-            }
-            if kind == "moveabsj":
-                self._add(MoveJoint(to=joint_positions(targets[0], self.robot.kinematics.is_sliding, names[0]), **how))
-            else:
-                held, work_object = tool_frame(tool), options.get("wobj", WOBJ0)
-                poses = [pose(*target, held, work_object) for target in zip(targets, names, strict=True)]
-                follows = kind == "movej" and self.configured
-                self._add(_to_pose(kind, poses, how), quarter_turns(targets[0], names[0]) if follows else None)
-
-    def wait(self, place: Place, duration: float) -> None:
-        """Add a rest [s], which nothing is if it takes no time.
-
-        Raises:
-            FFGymError: if the robot does not stand still here.
-        """
-        if not self.moves or not self.moves[-1].zone.stops:
-            raise place.error(
-                "WaitTime needs a robot that stands still; end the move before it with fine, not with a zone."
-            )
-        if duration < 0:
-            raise place.error(f"WaitTime {duration:g} s must be >= 0.")
-        if duration > 0:
-            self._add(Wait(duration=duration, label=f"wait {duration:g} s", where=str(place)))
-
-    def finish(self, place: Place) -> Execution:
-        """Everything that was collected; `place` is that of the entry."""
-        if not self.moves:
-            raise place.error("the program makes no move.")
-        tool, first = self._tool or (TOOL0, place)
-        with errors_at(str(first)):
-            robot = with_tool(self.robot, tool, f"tooldata in {first}")
-        return Execution(robot=robot, moves=tuple(self.moves), configurations=tuple(self.configurations))
-
-    def _add(self, move: Move, configuration: Configuration | None = None) -> None:
-        self.moves.append(move)
-        self.configurations.append(configuration)
-
-    def _use(self, tool: Value, place: Place, *, absolute: bool) -> None:
-        """Remember the tool; MoveAbsJ may name tool0 beside another, as its target depends on no tool."""
-        if absolute and tool == TOOL0:
-            return
-        if self._tool is None:
-            self._tool = (tool, place)
-        elif self._tool[0] != tool:
-            raise place.error(f"this tool is not the one of {self._tool[1]}; a program moves with one tool.")
-
-
-def _to_pose(kind: str, poses: Sequence[Pose], how: Mapping[str, Any]) -> Move:
-    """Move to the last of some poses, on an arc through the one before."""
-    if kind == "movec":
-        return MoveArc(via=poses[0].position, to=poses[1], **how)
-    if kind == "movel":
-        return MoveLinear(to=poses[0], **how)
-    return MoveJoint(to=poses[0], **how)
-
-
 def _name(scope: Scope, target: Expression | None) -> str:
-    """What messages and phases call a target: its name, of a displaced one with the numbers that it is displaced by."""
+    r"""What messages and phases call a target: its name, of a displaced one with the numbers that it is displaced by.
+
+    These are its arguments and their options, e.g. 'Offs(p10, 0, -20\Rx:=5)', whatever was written for the numbers.
+    """
     if isinstance(target, Reference):
         return target.name
     if not isinstance(target, Call):
         return "target"
     displaced, *by = target.arguments
-    return f"{target.name}({', '.join([_name(scope, displaced.value), *(_written(scope, part) for part in by)])})"
-
-
-def _written(scope: Scope, argument: Argument) -> str:
-    r"""An argument that is a number, and its options, e.g. '-20\Rx:=5', whatever was written for the numbers."""
-    named = [("", argument.value), *((f"\\{option.name}:=", option.value) for option in argument.options)]
-    return "".join(f"{name}{evaluate(scope, value, NUM) + 0.0:g}" for name, value in named if value is not None)
+    words = [_name(scope, displaced.value)]
+    for argument in by:
+        parts = [("", argument.value), *((f"\\{option.name}:=", option.value) for option in argument.options)]
+        numbers = [f"{name}{evaluate(scope, value, NUM) + 0.0:g}" for name, value in parts if value is not None]
+        words.append("".join(numbers))
+    return f"{target.name}({', '.join(words)})"
 
 
 MAX_CALLS = 50
@@ -206,46 +117,50 @@ def execute(module: Module, entry: Procedure, robot: RobotDescription) -> Execut
     scope = Scope()
     for declaration in module.declarations:
         scope.module[declaration.name.lower()] = declare(scope, declaration)
-    builder = MoveBuilder(robot)
     procedures = {procedure.name.lower(): procedure for procedure in module.procedures}
-    Interpreter(scope, procedures, builder).run(entry)
-    return builder.finish(entry.place)
+    interpreter = Interpreter(robot, scope, procedures)
+    interpreter.run(entry)
+    if not interpreter.moves:
+        raise entry.place.error("the program makes no move.")
+    tool, first = interpreter.tool or (TOOL0, entry.place)
+    with errors_at(str(first)):
+        held = with_tool(robot, tool, f"tooldata in {first}")
+    return Execution(robot=held, moves=tuple(interpreter.moves), configurations=tuple(interpreter.configurations))
 
 
 @dataclass
 class Interpreter:
-    """One run of a program."""
+    """One run of a program, and the moves that it has made until then."""
 
+    robot: RobotDescription
     scope: Scope
     procedures: Mapping[str, Procedure]
     """By name in lower case."""
-    builder: MoveBuilder
+    moves: list[Move] = field(default_factory=list)
+    configurations: list[Configuration | None] = field(default_factory=list)
+    tool: tuple[Value, Place] | None = None
+    """The tool that all moves share, and where it was first seen."""
+    configured: bool = True
+    """Whether MoveJ follows robconf, which ConfJ switches."""
     _calls: list[Procedure] = field(default_factory=list)
     """Procedures that have begun and not ended."""
     _statements: int = 0
 
     def run(self, procedure: Procedure) -> None:
-        """Run a procedure with data of its own.
-
-        Raises:
-            FFGymError: if one of its statements cannot be run.
-        """
+        """Run a procedure with data of its own."""
         outer, self.scope.local = self.scope.local, {}
         self._calls.append(procedure)
         check_unique(procedure.declarations)
         for declaration in procedure.declarations:
-            self._declare(declaration)
+            if declaration.kind == "PERS":
+                raise declaration.place.error(
+                    f"{declaration.name} is PERS in a procedure; declare it in the module, or as VAR."
+                )
+            self.scope.local[declaration.name.lower()] = declare(self.scope, declaration)
         for statement in procedure.statements:
             self._run(statement)
         self._calls.pop()
         self.scope.local = outer
-
-    def _declare(self, declaration: Declaration) -> None:
-        if declaration.kind == "PERS":
-            raise declaration.place.error(
-                f"{declaration.name} is PERS in a procedure; declare it in the module, or as VAR."
-            )
-        self.scope.local[declaration.name.lower()] = declare(self.scope, declaration)
 
     def _run(self, statement: Statement) -> None:
         self._statements += 1
@@ -258,15 +173,60 @@ class Interpreter:
             return
         name = statement.name.lower()
         if name in MOVES:
-            self.builder.move(self.scope, statement)
+            self._move(statement)
         elif name in SWITCHES:
             self._switch(statement)
         elif name == "waittime":
             self._wait(statement)
         elif name == "accset":
-            self._acc_set(statement)
+            if arguments_of(self.scope, statement, _ACC_SET)[0] != [100.0, 100.0]:
+                raise place.error(
+                    "AccSet is supported as AccSet 100, 100 only; acceleration is limited for the whole motion."
+                )
         else:
             self._call(statement)
+
+    def _move(self, instruction: Call) -> None:
+        """Add the move of an instruction of MOVES."""
+        kind, place = instruction.name.lower(), instruction.place
+        if not self.moves and kind in ("movel", "movec"):
+            raise place.error(
+                f"the first move is {instruction.name}, which needs a start; begin with MoveAbsJ or MoveJ."
+            )
+        (*targets, speed_data, zone_data, tool), options = arguments_of(self.scope, instruction, MOVES[kind])
+        names = [_name(self.scope, argument.value) for argument in instruction.arguments[: len(targets)]]
+        absolute = kind == "moveabsj"
+        if not (absolute and tool == TOOL0):  # its target depends on no tool, so that it may name tool0 beside another
+            named = instruction.arguments[-1].value
+            if self.tool is None:
+                self.tool = (tool, place if named is None else named.place)
+            elif self.tool[0] != tool:
+                here = place if named is None else named.place
+                raise here.error(f"this tool is not the one of {self.tool[1]}; a program moves with one tool.")
+        with errors_at(str(place)):
+            how: dict[str, Any] = {
+                "speed": speed(speed_data, options.get("v")),
+                "zone": zone(zone_data, options.get("z")),
+                "label": names[-1],
+                "where": str(place),
+            }
+            if absolute:
+                sliding = self.robot.kinematics.is_sliding
+                self._add(MoveJoint(to=joint_positions(targets[0], sliding, names[0]), **how))
+                return
+            held, work_object = tool_frame(tool), options.get("wobj", WOBJ0)
+            poses = [pose(*target, held, work_object) for target in zip(targets, names, strict=True)]
+            if kind == "movec":
+                self._add(MoveArc(via=poses[0].position, to=poses[1], **how))
+            elif kind == "movel":
+                self._add(MoveLinear(to=poses[0], **how))
+            else:
+                configuration = quarter_turns(targets[0], names[0]) if self.configured else None
+                self._add(MoveJoint(to=poses[0], **how), configuration)
+
+    def _add(self, move: Move, configuration: Configuration | None = None) -> None:
+        self.moves.append(move)
+        self.configurations.append(configuration)
 
     def _switch(self, instruction: Call) -> None:
         """ConfJ decides whether MoveJ follows robconf; the others say what holds anyway."""
@@ -278,22 +238,22 @@ class Interpreter:
             choices = " or ".join(f"{name} \\{option.capitalize()}" for option in allowed)
             raise instruction.place.error(f"{name} is supported as {choices} only.")
         if name.lower() == "confj":
-            self.builder.configured = switch == "on"
+            self.configured = switch == "on"
 
     def _wait(self, instruction: Call) -> None:
-        r"""WaitTime, maybe with \InPos, which a robot that stands still fulfils."""
-        arguments = instruction.arguments
+        r"""WaitTime, maybe with \InPos, which a robot that stands still fulfils; no time is no rest."""
+        arguments, place = instruction.arguments, instruction.place
         if len(arguments) == 2 and arguments[0].value is None and arguments[0].names() == ["inpos"]:
             instruction = replace(instruction, arguments=arguments[1:])
-        (time,), _ = arguments_of(self.scope, instruction, _WAIT_TIME)
-        self.builder.wait(instruction.place, time)
-
-    def _acc_set(self, instruction: Call) -> None:
-        """AccSet with the values that hold anyway."""
-        if arguments_of(self.scope, instruction, _ACC_SET)[0] != [100.0, 100.0]:
-            raise instruction.place.error(
-                "AccSet is supported as AccSet 100, 100 only; acceleration is limited for the whole motion."
+        (duration,), _ = arguments_of(self.scope, instruction, _WAIT_TIME)
+        if not self.moves or not self.moves[-1].zone.stops:
+            raise place.error(
+                "WaitTime needs a robot that stands still; end the move before it with fine, not with a zone."
             )
+        if duration < 0:
+            raise place.error(f"WaitTime {duration:g} s must be >= 0.")
+        if duration > 0:
+            self._add(Wait(duration=duration, label=f"wait {duration:g} s", where=str(place)))
 
     def _call(self, instruction: Call) -> None:
         place = instruction.place

@@ -10,7 +10,7 @@ from ffgym.core.types import Array
 from ffgym.paths.moves import Move, MoveJoint, Pose, located
 from ffgym.paths.rapid.evaluate import check_unique, declared_type
 from ffgym.paths.rapid.interpreter import INSTRUCTIONS, Execution, execute
-from ffgym.paths.rapid.syntax import Module, Procedure, decode, unified
+from ffgym.paths.rapid.syntax import Module, decode, unified
 from ffgym.paths.rapid.targets import Configuration
 from ffgym.robot import RigidArm, RobotDescription, pose_solutions, solve_pose
 
@@ -37,45 +37,30 @@ def on_branches(arm: RigidArm, execution: Execution) -> tuple[tuple[Move, ...], 
     moves, notes = list(execution.moves), []
     if arm.robot.n_joints != 6 or np.any(arm.robot.kinematics.is_sliding):
         return execution.moves, ()
-    q = _start(arm.robot)
+    q = arm.robot.kinematics.range.mean(axis=1) if arm.robot.work_area is None else arm.robot.work_area.home
     for i, (move, wanted) in enumerate(zip(execution.moves, execution.configurations, strict=True)):
         if isinstance(move, MoveJoint) and not isinstance(move.to, Pose):
             q = move.to
         elif isinstance(move, MoveJoint) and isinstance(move.to, Pose) and wanted is not None:
-            found = _solved(arm, move, move.to, wanted, q)
-            if found is None:
-                notes.append(
-                    str(located(move, f"no solution for {move.label} has {_text(wanted)}; the nearest is taken"))
-                )
-            else:
-                q = found
+            pose = move.to
+            with errors_at(move.where):
+                found = [solve_pose(arm, pose.position, pose.rotation, q)]
+                if not _has(found[0], wanted):
+                    every = pose_solutions(arm, pose.position, pose.rotation, q)
+                    found = [other for other in every if _has(other, wanted)]
+            if found:
+                q = found[0]
                 moves[i] = replace(move, to=q)
+            else:
+                turns = "robconf cf1, cf4, cf6 = " + ", ".join(map(str, wanted))
+                notes.append(str(located(move, f"no solution for {move.label} has {turns}; the nearest is taken")))
     return tuple(moves), tuple(notes)
-
-
-def _start(robot: RobotDescription) -> Array:
-    """Joint positions from which the first target is sought."""
-    return robot.kinematics.range.mean(axis=1) if robot.work_area is None else robot.work_area.home
-
-
-def _solved(arm: RigidArm, move: Move, pose: Pose, wanted: Configuration, near: Array) -> Array | None:
-    """Joint positions (N,) for a pose with the quarter turns that are wanted, the nearest; None if there are none."""
-    with errors_at(move.where):
-        nearest = solve_pose(arm, pose.position, pose.rotation, near)
-        if _has(nearest, wanted):
-            return nearest
-        every = pose_solutions(arm, pose.position, pose.rotation, near)
-    return next((q for q in every if _has(q, wanted)), None)
 
 
 def _has(q: Array, wanted: Configuration) -> bool:
     """Whether joint positions (N,) have quarter turns, as good as targets are rounded."""
     low = np.array(wanted) * np.pi / 2
     return bool(np.all((q[_AXES] > low - _EDGE) & (q[_AXES] < low + np.pi / 2 + _EDGE)))
-
-
-def _text(configuration: Configuration) -> str:
-    return "robconf cf1, cf4, cf6 = " + ", ".join(str(quarter) for quarter in configuration)
 
 
 MAIN = "main"
@@ -100,19 +85,16 @@ class Program:
         Raises:
             FFGymError: if there is no such procedure, or it cannot be run; the message begins with the place.
         """
-        return execute(self.module, self._entry(entry), robot)
-
-    def _entry(self, name: str | None) -> Procedure:
         procedures = {procedure.name.lower(): procedure for procedure in self.module.procedures}
         if not procedures:
             raise FFGymError(f"{self.name}: has no procedure; a program needs PROC main() ... ENDPROC.")
-        if name is None and len(procedures) == 1:
-            return self.module.procedures[0]
-        wanted = MAIN if name is None else name
+        wanted = MAIN if entry is None else entry
+        if entry is None and len(procedures) == 1:
+            (wanted,) = procedures
         if wanted.lower() not in procedures:
             names = ", ".join(procedure.name for procedure in self.module.procedures)
             raise FFGymError(f"{self.name}: has no procedure {wanted}; choose one as entry: {names}.")
-        return procedures[wanted.lower()]
+        return execute(self.module, procedures[wanted.lower()], robot)
 
 
 def parse_program(text: str, where: str = "program") -> Program:

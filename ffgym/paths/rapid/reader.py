@@ -97,7 +97,9 @@ def read(name: str, text: str) -> Module:
     try:
         module: Module = _Builder(name).transform(_parser().parse(text))
     except UnexpectedCharacters as error:
-        raise _bad_character(Place(name, error.line, error.column), error.char) from None
+        reason = UNSUPPORTED_SIGNS.get(error.char, "it begins nothing in RAPID")
+        place = Place(name, error.line, error.column)
+        raise place.error(f"unexpected character {error.char!r}: {reason}.") from None
     except UnexpectedToken as error:
         raise _bad_token(name, text, error) from None
     except _Refused as error:
@@ -141,11 +143,6 @@ class _Keywords:
 
 def _place(name: str, token: Token) -> Place:
     return Place(name, token.line or 1, token.column or 1)
-
-
-def _bad_character(place: Place, char: str) -> FFGymError:
-    reason = UNSUPPORTED_SIGNS.get(char, "it begins nothing in RAPID")
-    return place.error(f"unexpected character {char!r}: {reason}.")
 
 
 def _bad_token(name: str, text: str, error: UnexpectedToken) -> FFGymError:

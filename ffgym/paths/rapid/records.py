@@ -109,16 +109,15 @@ def _speed(tcp: float) -> Value:
     return tuple(float(v) for v in (tcp, _ORIENT_SPEED, _LINEAR_AXES_SPEED, _ROTATING_AXES_SPEED))
 
 
-def _tables() -> dict[str, tuple[Type, Value]]:
-    table: dict[str, tuple[Type, Value]] = {f"v{v}": (SPEEDDATA, _speed(v)) for v in _SPEEDS}
-    table["vmax"] = (SPEEDDATA, _speed(_LARGEST_SPEED))
-    table["fine"] = (ZONEDATA, (True, *(0.0,) * 6))
-    table |= {f"z{z}": (ZONEDATA, (False, *(float(v) for v in sizes))) for z, sizes in _ZONES.items()}
-    table["tool0"] = (TOOLDATA, TOOL0)
-    table["trobot"] = (TOOLDATA, DESCRIBED_TOOL)
-    table["wobj0"] = (WOBJDATA, WOBJ0)
-    return table
-
-
-PREDEFINED: Mapping[str, tuple[Type, Value]] = MappingProxyType(_tables())
+PREDEFINED: Mapping[str, tuple[Type, Value]] = MappingProxyType(
+    {
+        **{f"v{v}": (SPEEDDATA, _speed(v)) for v in _SPEEDS},
+        "vmax": (SPEEDDATA, _speed(_LARGEST_SPEED)),
+        "fine": (ZONEDATA, (True, *(0.0,) * 6)),
+        **{f"z{z}": (ZONEDATA, (False, *(float(v) for v in sizes))) for z, sizes in _ZONES.items()},
+        "tool0": (TOOLDATA, TOOL0),
+        "trobot": (TOOLDATA, DESCRIBED_TOOL),
+        "wobj0": (WOBJDATA, WOBJ0),
+    }
+)
 """Type and value by name in lower case."""

@@ -1,6 +1,7 @@
 """Frames, targets, tools, speeds and zones of RAPID as moves have them: in the world, in SI units."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy
@@ -11,7 +12,6 @@ from ffgym.paths.moves import Pose, Speed, Zone
 from ffgym.paths.rapid.records import DESCRIBED_TOOL, EXTJOINT, TOOL0, Value
 from ffgym.robot import RobotDescription
 from ffgym.robot.parts import Tool, point_mass_inertia
-from ffgym.robot.reading.quantity import Quantity
 
 Configuration = tuple[int, int, int]
 """Quarter turns of axes 1, 4 and 6: k for angles in [90 k, 90 (k + 1)) deg; RAPID's cf1, cf4 and cf6."""
@@ -82,18 +82,13 @@ def pose(target: Value, name: str, tool: Frame, work_object: Value) -> Pose:
         FFGymError: if a quaternion is none, an external axis is used, or the work object moves.
     """
     check_external_axes(target[3], name)
-    placed = work_frame(work_object).place(frame(target[:2], name))
-    return Pose(position=placed.position, rotation=placed.rotation @ tool.rotation.T)
-
-
-def work_frame(work_object: Value) -> Frame:
-    """Object frame of a wobjdata in the world."""
     robhold, ufprog, ufmec, uframe, oframe = work_object
     if robhold or not ufprog or ufmec:
         raise FFGymError(
             "the work object moves (robhold is TRUE, ufprog FALSE or ufmec not empty); only fixed ones are supported."
         )
-    return frame(uframe, "uframe").place(frame(oframe, "oframe"))
+    placed = frame(uframe, "uframe").place(frame(oframe, "oframe")).place(frame(target[:2], name))
+    return Pose(position=placed.position, rotation=placed.rotation @ tool.rotation.T)
 
 
 def joint_positions(target: Value, sliding: BoolArray, name: str) -> Array:
@@ -179,11 +174,13 @@ def with_tool(robot: RobotDescription, tool: Value, source: str) -> RobotDescrip
     if tool == DESCRIBED_TOOL:
         return robot
     held = _held(robot.tool, tool)
-    if _same(held, robot.tool):
+    own = {f"tool.{name}": np.asarray(getattr(held, name)) for name in ("tcp", "mass", "com", "inertia")}
+    described = {path: np.asarray(getattr(robot.tool, path.removeprefix("tool."))) for path in own}
+    if all(np.allclose(own[path], x, rtol=0, atol=_ROUNDING * np.abs(x).max()) for path, x in described.items()):
         return robot
-    own = {f"tool.{name}": getattr(held, name) for name in ("tcp", "mass", "com", "inertia")}
+    fields: dict[str, Any] = {"origin": ("sourced",), "source": source, "prior": None, "prior_source": None}
     quantities = {
-        path: _from_program(quantity, own[path], source) if path in own else quantity
+        path: replace(quantity, value=own[path], **fields) if path in own else quantity
         for path, quantity in robot.quantities.items()
     }
     geoms = tuple(geom for geom in robot.geoms if geom.body != "tool")  # they show the tool that is taken off
@@ -198,23 +195,8 @@ def _held(flange: Tool, tool: Value) -> Tool:
         return Tool(rotation=flange.rotation, position=flange.position, tcp=tcp)
     if not mass > 0 or min(moments) < 0:
         raise FFGymError(f"tload has mass {mass:g} kg and moments {moments} kg m^2; mass must be > 0, moments >= 0.")
-    inertia = _inertia(turn(aom, "aom"), moments) if any(moments) else point_mass_inertia(mass)
+    inertia = point_mass_inertia(mass)
+    if any(moments):  # about axes that are turned in tool0
+        axes = turn(aom, "aom")
+        inertia = (axes @ np.diag(moments) @ axes.T)[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     return replace(flange, tcp=tcp, mass=mass, com=point(cog), inertia=inertia)
-
-
-def _inertia(axes: Array, moments: list[float]) -> Array:
-    """Inertia [kg m^2] in tool0 axes, order xx, yy, zz, xy, xz, yz, of moments about axes that are turned in tool0."""
-    matrix = axes @ np.diag(moments) @ axes.T
-    inertia: Array = matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-    return inertia
-
-
-def _same(a: Tool, b: Tool) -> bool:
-    """Whether two tools are one but for rounding."""
-    pairs = [(a.tcp, b.tcp), (np.array(a.mass), np.array(b.mass)), (a.com, b.com), (a.inertia, b.inertia)]
-    return all(np.allclose(x, y, rtol=0, atol=_ROUNDING * np.abs(y).max()) for x, y in pairs)
-
-
-def _from_program(quantity: Quantity, value: Array | float, source: str) -> Quantity:
-    """Quantity of the robot's description with a program's number in it."""
-    return replace(quantity, value=np.asarray(value), origin=("sourced",), source=source, prior=None, prior_source=None)
