@@ -109,11 +109,7 @@ class Plane:
 
 
 def plane_of(normal: Sequence[float] | Array) -> Plane:
-    """Plane with a normal, shape (3,), any length; its first axis is the world's x, or y where x is along the normal.
-
-    Raises:
-        FFGymError: if the normal is zero.
-    """
+    """Plane with a normal (3,) of any length; its first axis is the world's x, or y where x is along the normal."""
     normal = check_shape("normal", normal, (3,))
     largest = np.abs(normal).max()
     if largest < 1e-12:

@@ -145,11 +145,7 @@ class Part(Curve):
 
 
 def arc_through(start: Array, via: Array, end: Array) -> Arc:
-    """Arc from `start` through `via` to `end`, points of shape (3,).
-
-    Raises:
-        FFGymError: if the points lie on a line, or two are the same.
-    """
+    """Arc from `start` through `via` to `end`, points of shape (3,)."""
     start, via, end = (check_shape(name, p, (3,)) for name, p in (("start", start), ("via", via), ("end", end)))
     a, b = via - start, end - start
     normal = np.cross(a, b)
@@ -289,9 +285,6 @@ def spline_through(points: Array, *, closed: bool = False) -> PolynomialCurve:
     """Cubic spline through points (K, D), K >= 2, that is continuous in tangent and curvature.
 
     The parameter is the chord length. At the ends the curvature is zero; a closed spline joins itself smoothly.
-
-    Raises:
-        FFGymError: if neighbouring points coincide, or a closed spline does not end where it starts.
     """
     chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if len(points) < 2 or np.any(chords <= 0):

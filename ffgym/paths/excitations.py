@@ -1,6 +1,6 @@
 """Motions given for the joints: sines, constant speeds, random smooth motions, speed ladders and triangles."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -148,30 +148,16 @@ def random_multisine(
     omega = 2 * np.pi * np.exp(rng.uniform(np.log(FREQUENCIES[0]), np.log(FREQUENCIES[1]), size=(n_sines, len(centre))))
     phase = rng.uniform(0, 2 * np.pi, size=omega.shape)
 
-    def unscaled(tau: Array) -> tuple[Array, Array, Array]:
-        return faded(_sines(omega, phase, 1.0, tau), tau, moving, ramp)
+    def sines(tau: Array) -> tuple[Array, ...]:
+        return _sines(omega, phase, 1.0, tau)
 
-    fastest = np.abs(unscaled(np.arange(0.0, moving, dt))[1]).max(axis=0)
-    size = peak_speed / fastest
-
-    def evaluate(tau: Array) -> tuple[Array, Array, Array]:
-        q, dq, ddq = unscaled(tau)
-        return centre + size * q, size * dq, size * ddq
-
-    return _between_rests(
-        name, Segment(label="random sines", kind="motion", duration=moving, evaluate=evaluate), centre, dwell, dt
-    )
+    times = np.arange(0.0, moving, dt)
+    size = peak_speed / np.abs(_faded(sines(times), times, moving, ramp)[1]).max(axis=0)
+    return _faded_path(name, "random sines", centre, size, sines, moving, ramp=ramp, dwell=dwell, dt=dt)
 
 
-def faded(series: tuple[Array, ...], tau: Array, moving: float, ramp: float) -> tuple[Array, Array, Array]:
-    """A motion and its first two derivatives, (T, N) each, multiplied by a fade that is 1 but for its two ends.
-
-    Args:
-        series: position, velocity and acceleration at times `tau` (T,) since the start [s].
-        tau: within [0, moving].
-        moving: when it ends [s].
-        ramp: time of fading in, and of fading out [s].
-    """
+def _faded(series: tuple[Array, ...], tau: Array, moving: float, ramp: float) -> tuple[Array, Array, Array]:
+    """A motion and its two derivatives, (T, N) each, at times `tau` (T,), faded in at 0 and out at `moving` [s]."""
     # a factor that rises from 0 to 1 within the ramp and falls at the end, and its first two derivatives
     rising = (tau < moving / 2)[:, None]
     x = np.clip(np.where(rising, tau[:, None], moving - tau[:, None]) / ramp, 0.0, 1.0)
@@ -229,13 +215,10 @@ def multisine(
     dwell = check_number("dwell", dwell, unit="s", low=0.0, open_low=True)
     omega = 2 * np.pi * frequencies[:, None]
 
-    def evaluate(tau: Array) -> tuple[Array, Array, Array]:
-        q, dq, ddq = faded(_sines(omega, phases, amplitude, tau), tau, duration, ramp)
-        return centre + q, dq, ddq
+    def sines(tau: Array) -> tuple[Array, ...]:
+        return _sines(omega, phases, amplitude, tau)
 
-    return _between_rests(
-        name, Segment(label="sines", kind="motion", duration=duration, evaluate=evaluate), centre, dwell, dt
-    )
+    return _faded_path(name, "sines", centre, 1.0, sines, duration, ramp=ramp, dwell=dwell, dt=dt)
 
 
 def _sines(omega: Array, phases: Array, amplitude: Array | float, tau: Array) -> tuple[Array, Array, Array]:
@@ -245,9 +228,26 @@ def _sines(omega: Array, phases: Array, amplitude: Array | float, tau: Array) ->
     return sines.sum(axis=1), (omega * cosines).sum(axis=1), -(omega**2 * sines).sum(axis=1)
 
 
-def _between_rests(name: str, segment: Segment, centre: Array, dwell: float, dt: float) -> JointPath:
-    """A segment that starts and ends at `centre`, with rests before and after."""
-    return joint_path(name, [standstill("rest 0", centre, dwell), segment, standstill("rest 1", centre, dwell)], dt)
+def _faded_path(
+    name: str,
+    label: str,
+    centre: Array,
+    size: Array | float,
+    series: Callable[[Array], tuple[Array, ...]],
+    moving: float,
+    *,
+    ramp: float,
+    dwell: float,
+    dt: float,
+) -> JointPath:
+    """Motion about `centre`, `size` times a series that is faded in and out, with rests before and after."""
+
+    def evaluate(tau: Array) -> tuple[Array, Array, Array]:
+        q, dq, ddq = _faded(series(tau), tau, moving, ramp)
+        return centre + size * q, size * dq, size * ddq
+
+    sines = Segment(label=label, kind="motion", duration=moving, evaluate=evaluate)
+    return joint_path(name, [standstill("rest 0", centre, dwell), sines, standstill("rest 1", centre, dwell)], dt)
 
 
 def check_below_nyquist(frequencies: Array, dt: float) -> None:

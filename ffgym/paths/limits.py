@@ -90,11 +90,7 @@ class MotionLimits:
                 object.__setattr__(self, name, value)
 
     def of_joints(self, max_speed: Array) -> "Bounds":
-        """Limits of joints whose largest speeds are `max_speed`, link side, shape (N,).
-
-        Raises:
-            FFGymError: if limits are given for another number of joints.
-        """
+        """Limits of joints whose largest speeds are `max_speed`, link side, shape (N,)."""
         acceleration, jerk = self.joint_acceleration, self.joint_jerk
         for name, given in (("joint_acceleration", acceleration), ("joint_jerk", jerk)):
             if given is not None and given.shape != max_speed.shape:

@@ -91,9 +91,6 @@ def sample(segments: Sequence[Segment], dt: float) -> tuple[Array, Array, Array,
     """Times (T,), position, velocity, acceleration (T, D) every `dt` [s] from the start to the end, and the phases.
 
     Segments last as long as they last; only the whole motion is sampled on the grid, so that no speed is rounded.
-
-    Raises:
-        FFGymError: if `dt` is not positive, or the motion is shorter than one step or longer than MAX_STEPS.
     """
     dt = check_number("dt", dt, unit="s", low=0.0, open_low=True)
     with np.errstate(over="ignore"):  # an infinite number of steps is too many

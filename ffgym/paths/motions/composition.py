@@ -230,9 +230,6 @@ def rapid_motion(
         path: program file.
         entry: procedure that is run; None takes main, or the only one.
         limits: of speed, acceleration and jerk, beside the programmed speeds; None takes the defaults.
-
-    Raises:
-        FFGymError: if the program cannot be read, run or carried out; the message begins with the place.
     """
     execution = load_program(path).execute(arm.robot, entry)
     if execution.robot is not arm.robot:

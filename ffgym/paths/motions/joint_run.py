@@ -40,11 +40,7 @@ def check_range(arm: RigidArm, move: JointMove, target: Array) -> None:
 
 
 def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Array], q: Array) -> list[Step]:
-    """Curves from `q` (N,) through joint positions `targets`, (K, N) for each move; moves that go nowhere make none.
-
-    Raises:
-        FFGymError: if a target lies beyond a joint limit, or has another number of joints.
-    """
+    """Curves from `q` (N,) through joint positions `targets`, (K, N) for each move; moves that go nowhere make none."""
     unit = arm.robot.kinematics.max_speed
     steps: list[Step] = []
     for move, through in zip(moves, targets, strict=True):

@@ -63,9 +63,6 @@ def parse_motion(arm: RigidArm, text: str, *, where: str, name: str, folder: Pat
     """Motion from TOML text; `where` names the text in messages, `name` the motion if the text does not.
 
     Files that it names are looked for in `folder`.
-
-    Raises:
-        FFGymError: if the text is no motion file, or the robot cannot make the motion.
     """
     tree = parse_toml(text, where)
     with errors_at(where):

@@ -124,11 +124,7 @@ def joint_values(robot: RobotDescription, name: str, value: Any, whole: Array, o
 
 
 def rotation_of(rpy_deg: Any, quaternion: Any) -> Array | None:
-    """Orientation (3, 3) from roll, pitch, yaw about the world's x, y, z [deg], or from a quaternion w, x, y, z.
-
-    Raises:
-        FFGymError: if both are given, or one is none.
-    """
+    """Orientation (3, 3) from roll, pitch, yaw about the world's x, y, z [deg], or from a quaternion w, x, y, z."""
     if rpy_deg is not None and quaternion is not None:
         raise FFGymError("rpy_deg and quaternion say the same; give one of them.")
     if rpy_deg is not None:
@@ -161,19 +157,11 @@ class Part(ABC):
 
     @abstractmethod
     def moves(self, place: Place) -> Sequence[Move]:
-        """Moves that carry out the part with a robot.
-
-        Raises:
-            FFGymError: if an entry makes no sense for it.
-        """
+        """Moves that carry out the part with a robot."""
 
     @classmethod
     def parse(cls, table: Mapping[str, Any]) -> Self:
-        """Part with the entries of a table.
-
-        Raises:
-            FFGymError: if an entry is missing or unknown.
-        """
+        """Part with the entries of a table."""
         known = {f.name: f for f in entries(cls)}
         unknown = sorted(set(table) - set(known))
         if unknown:

@@ -113,11 +113,7 @@ def phases_at(
 
 
 def joined(name: str, robot: RobotDescription, pieces: Sequence[Rows]) -> Reference:
-    """One reference of pieces that follow each other.
-
-    Raises:
-        FFGymError: if a piece does not start as fast as the one before ends, or a joint limit is exceeded.
-    """
+    """One reference of pieces that follow each other."""
     dt = robot.servo.control_dt
     for before, after in itertools.pairwise(pieces):
         last, first = before.dq[-1], after.dq[0]

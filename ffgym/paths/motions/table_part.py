@@ -57,9 +57,6 @@ def parse_table(text: str, where: str, joints: Sequence[str], units: Sequence[st
         where: names it in messages.
         joints: names of the robot's joints.
         units: of their positions, 'rad' or 'm'.
-
-    Raises:
-        FFGymError: if columns are missing, unknown or in a wrong unit, or a value makes no sense.
     """
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     lines = ["" if line.lstrip().startswith("#") else line for line in lines]

@@ -25,7 +25,7 @@ from ffgym.paths.timing import time_law
 from ffgym.recordings import PhaseKind
 from ffgym.robot import RigidArm, solve_path
 from ffgym.robot.inverse_kinematics import joint_rates
-from ffgym.robot.inverse_kinematics.path import PathJump
+from ffgym.robot.inverse_kinematics.poses import PathJump
 
 RESOLVED = 0.1
 """Largest change of joint speeds per path speed from one point at which a leg is examined to the next, as a share of
@@ -169,9 +169,6 @@ def tool_runs(moves: Sequence[ToolMove], position: Array, rotation: Array | None
         moves: that follow each other; all but the last may have zones.
         position: TCP where they start [m], shape (3,).
         rotation: orientation of tool0 there, shape (3, 3); None leaves it free all along.
-
-    Raises:
-        FFGymError: if a move cannot be made; the message begins with its place.
     """
     steps: list[Step] = []
     for move in moves:

@@ -109,11 +109,7 @@ _WAIT_TIME = (Parameter("time", NUM),)
 
 
 def execute(module: Module, entry: Procedure, robot: RobotDescription) -> Execution:
-    """Run a procedure of a module for a robot.
-
-    Raises:
-        FFGymError: if a statement cannot be run; the message begins with its place.
-    """
+    """Run a procedure of a module for a robot."""
     scope = Scope()
     for declaration in module.declarations:
         scope.module[declaration.name.lower()] = declare(scope, declaration)

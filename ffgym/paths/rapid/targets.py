@@ -43,11 +43,7 @@ def point(pos: Value) -> Array:
 
 
 def turn(orient: Value, name: str) -> Array:
-    """Rotation matrix, shape (3, 3), of an orient: a quaternion, scalar first.
-
-    Raises:
-        FFGymError: if its norm is not 1; `name` says whose it is.
-    """
+    """Rotation matrix, shape (3, 3), of an orient: a quaternion, scalar first."""
     norm = float(np.linalg.norm(orient))
     if not abs(norm - 1) <= LARGEST_NORM_ERROR:
         raise FFGymError(f"{name} = {list(orient)} has norm {norm:.6g}, must be a quaternion of norm 1.")
@@ -77,9 +73,6 @@ def pose(target: Value, name: str, tool: Frame, work_object: Value) -> Pose:
         name: its name, for messages.
         tool: the tool's frame in tool0.
         work_object: the wobjdata in which the target is given.
-
-    Raises:
-        FFGymError: if a quaternion is none, an external axis is used, or the work object moves.
     """
     check_external_axes(target[3], name)
     robhold, ufprog, ufmec, uframe, oframe = work_object
@@ -143,11 +136,7 @@ _ROUNDING = 1e-6
 
 
 def tool_frame(tool: Value) -> Frame:
-    """Frame of a tooldata in tool0.
-
-    Raises:
-        FFGymError: if the robot does not hold it, or its quaternion is none.
-    """
+    """Frame of a tooldata in tool0."""
     robhold, tframe, _ = tool
     if not robhold:
         raise FFGymError("the tool stands still (robhold is FALSE); only tools that the robot holds are supported.")
@@ -161,9 +150,6 @@ def with_tool(robot: RobotDescription, tool: Value, source: str) -> RobotDescrip
         robot: the robot.
         tool: tooldata.
         source: where the program says so.
-
-    Raises:
-        FFGymError: if the robot has no flange, or the tool's load is none.
     """
     if robot.tool is None and tool in (TOOL0, DESCRIBED_TOOL):
         return robot  # which moves in joint space only

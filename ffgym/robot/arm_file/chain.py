@@ -41,11 +41,7 @@ class Chain:
 
 
 def choose_chain(model: mujoco.MjModel, wanted: Sequence[str] | None) -> Chain:
-    """The chain of the `wanted` joints, or of all there are.
-
-    Raises:
-        FFGymError: if they are no serial chain of hinges and sliding joints; the message lists the choices.
-    """
+    """The chain of the `wanted` joints, or of all there are."""
     names = [model.joint(j).name or f"joint{j + 1}" for j in range(model.njnt)]
     if not names:
         raise FFGymError("It has no joints, so nothing can move. An arm needs at least one hinge or sliding joint.")

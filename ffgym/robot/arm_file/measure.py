@@ -46,11 +46,7 @@ def pose_at_zero(model: mujoco.MjModel, chain: Chain) -> Pose:
 
 
 def masses(pose: Pose) -> dict[str, Array]:
-    """Mass, centre of mass and inertia of the base and of each link with all that is welded to it.
-
-    Raises:
-        FFGymError: if a link weighs nothing.
-    """
+    """Mass, centre of mass and inertia of the base and of each link with all that is welded to it."""
     base_mass, base_com, _ = _fused(pose, BASE)
     links = [_fused(pose, k) for k in range(len(pose.chain.joints))]
     for (mass, _, _), joint in zip(links, pose.chain.names, strict=True):
@@ -108,11 +104,7 @@ _Row = tuple[str, Array, tuple[str, ...], str]
 def quantities_of(
     pose: Pose, hints: Sequence[JointHints], file: str, kind: Kind, *, has_masses: bool
 ) -> dict[str, Quantity]:
-    """Entries by path; `file` is their source, and without masses those of the links are left out.
-
-    Raises:
-        FFGymError: if a link weighs nothing, or a number is not finite.
-    """
+    """Entries by path; `file` is their source, and without masses those of the links are left out."""
     model, chosen = pose.model, list(pose.chain.joints)
     sourced = ("sourced",)
     with np.errstate(over="ignore", invalid="ignore"):  # numbers that overflow are refused below

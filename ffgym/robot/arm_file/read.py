@@ -62,11 +62,7 @@ def _engine_errors(*, line_numbers: bool) -> Iterator[list[str]]:
 
 
 def _compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """Compile a model with all its bodies, also those that are welded, and with what is only looks.
-
-    Raises:
-        FFGymError: if a mesh is missing, or names are no text; what else MuJoCo refuses is left to `_engine_errors`.
-    """
+    """Compile a model with all its bodies, also those that are welded, and with what is only looks."""
     spec.compiler.fusestatic = False
     spec.compiler.discardvisual = False
     spec.compiler.usethread = False  # so that warnings come from the thread that holds Python's lock
@@ -99,11 +95,7 @@ _SMALL = 0.01
 
 
 def _read_mjcf(path: Path, *, looks: bool) -> Source:
-    """Read an MJCF file, with what it includes.
-
-    Raises:
-        FFGymError: if a joint's limits are the wrong way round, which MuJoCo takes for no limits.
-    """
+    """Read an MJCF file, with what it includes."""
     spec = mujoco.MjSpec.from_file(str(path))
     for joint in spec.joints:
         if joint.range[0] > joint.range[1]:

@@ -22,11 +22,7 @@ WAY_OUT = 'or leave the looks out: --no-looks of ffgym robot new, looks = "none"
 
 
 def numbers(element: ET.Element, attribute: str, what: str, default: tuple[float, ...]) -> Array:
-    """As many numbers as `default` has from an attribute; `default` if it is not there.
-
-    Raises:
-        FFGymError: if they are not; `what` names the element.
-    """
+    """As many numbers as `default` has from an attribute; `default` if it is not there."""
     text = element.get(attribute)
     if text is None:
         return np.array(default)
@@ -77,11 +73,7 @@ _GREY = (0.7, 0.7, 0.7, 1.0)
 def add_shapes(
     spec: mujoco.MjSpec, root: ET.Element, shapes: Mapping[str, list[ET.Element]], folder: Path
 ) -> tuple[str, ...]:
-    """Add the shapes of each link to its body; returns a note for every link that stays without.
-
-    Raises:
-        FFGymError: if a shape is none, or its mesh is missing.
-    """
+    """Add the shapes of each link to its body; returns a note for every link that stays without."""
     notes = []
     parts = [root, *(element for elements in shapes.values() for element in elements)]
     materials = [material for part in parts for material in part.findall("material")]

@@ -156,11 +156,7 @@ def with_parameters(robot: RobotDescription, path: str | Path) -> RobotDescripti
 
 
 def draft_with_numbers(draft: RobotDraft, tree: Mapping[str, Any]) -> RobotDraft:
-    """Return a description that may lack entries with the numbers of parsed TOML tables, as in a parameter file.
-
-    Raises:
-        FFGymError: if an entry is unknown or invalid.
-    """
+    """Return a description that may lack entries with the numbers of parsed TOML tables, as in a parameter file."""
     found = _parsed(tree, draft.description_for("kinematics"))
     changed = replace(draft, quantities={**draft.quantities, **found})
     changed.check()
@@ -168,11 +164,7 @@ def draft_with_numbers(draft: RobotDraft, tree: Mapping[str, Any]) -> RobotDraft
 
 
 def with_numbers(robot: RobotDescription, tree: Mapping[str, Any]) -> RobotDescription:
-    """Return the robot with the numbers of parsed TOML tables, as in a parameter file, in place of its own.
-
-    Raises:
-        FFGymError: if an entry is unknown or invalid.
-    """
+    """Return the robot with the numbers of parsed TOML tables, as in a parameter file, in place of its own."""
     quantities = _parsed(tree, robot)
     parts: dict[str, Any] = {}
     for group, attribute in GROUPS.items():

@@ -116,9 +116,6 @@ def parse_draft(text: str, where: str = "description", folder: str | Path = ".")
         text: the description.
         where: its name, for messages.
         folder: where the path of an arm file starts.
-
-    Raises:
-        FFGymError: if the text is not TOML, or an entry is unknown or invalid.
     """
     tree = parse_toml(text, where)
     with errors_at(where):

@@ -2,4 +2,4 @@ from .proposals import Proposal as Proposal
 from .proposals import propose as propose
 from .text import completed_text as completed_text
 from .text import filled_text as filled_text
-from .write import template as template
+from .text import template as template
