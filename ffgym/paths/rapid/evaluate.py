@@ -8,20 +8,8 @@ import numpy as np
 import scipy
 
 from ffgym.core.errors import FFGymError, errors_at
+from ffgym.paths.rapid import syntax
 from ffgym.paths.rapid.records import BOOL, NUM, PREDEFINED, ROBTARGET, STRING, TYPES, Type, Value
-from ffgym.paths.rapid.syntax import (
-    Aggregate,
-    Call,
-    Chain,
-    Declaration,
-    Expression,
-    Literal,
-    Option,
-    Place,
-    Procedure,
-    Reference,
-    Signed,
-)
 from ffgym.paths.rapid.targets import turn
 
 
@@ -55,13 +43,10 @@ class Scope:
     def find(self, name: str) -> Datum | None:
         """Datum of that name, the nearest first; None if there is none."""
         key = name.lower()
-        if key in self.local:
-            return self.local[key]
-        if key in self.module:
-            return self.module[key]
-        return Datum("CONST", *PREDEFINED[key]) if key in PREDEFINED else None
+        own = self.local.get(key, self.module.get(key))
+        return Datum("CONST", *PREDEFINED[key]) if own is None and key in PREDEFINED else own
 
-    def get(self, reference: Reference) -> tuple[Type, Value]:
+    def get(self, reference: syntax.Reference) -> tuple[Type, Value]:
         """Type and value of a datum or of one of its components."""
         datum = self._found(reference)
         kind, value = datum.type, datum.value
@@ -69,25 +54,25 @@ class Scope:
             kind, value = kind.fields[index][1], value[index]
         return kind, value
 
-    def type_of(self, reference: Reference) -> Type:
+    def type_of(self, reference: syntax.Reference) -> Type:
         """Type of a datum or component that is to be changed."""
         datum = self._found(reference)
         if datum.kind == "CONST":
             raise reference.place.error(f"{reference.parts[0]} is constant; declare it as VAR or PERS.")
         return self.get(reference)[0]
 
-    def set(self, reference: Reference, value: Value) -> None:
+    def set(self, reference: syntax.Reference, value: Value) -> None:
         """Change a datum or one of its components."""
         datum = self._found(reference)
         datum.value = _replaced(datum.value, self._path(reference, datum), value)
 
-    def _found(self, reference: Reference) -> Datum:
+    def _found(self, reference: syntax.Reference) -> Datum:
         datum = self.find(reference.parts[0])
         if datum is None:
             raise reference.place.error(f"{reference.parts[0]} is not declared; declare it above, in this file.")
         return datum
 
-    def _path(self, reference: Reference, datum: Datum) -> list[int]:
+    def _path(self, reference: syntax.Reference, datum: Datum) -> list[int]:
         """Indices of the components that a reference walks through."""
         path, kind = [], datum.type
         for part in reference.parts[1:]:
@@ -107,7 +92,7 @@ def _replaced(value: Value, path: list[int], new: Value) -> Value:
     return (*value[: path[0]], changed, *value[path[0] + 1 :])
 
 
-def declared_type(declaration: Declaration) -> Type:
+def declared_type(declaration: syntax.Declaration) -> Type:
     """Type of a declaration."""
     kind = TYPES.get(declaration.type_name.lower())
     if kind is None:
@@ -118,9 +103,9 @@ def declared_type(declaration: Declaration) -> Type:
     return kind
 
 
-def check_unique(names: Iterable[Declaration | Procedure]) -> None:
+def check_unique(names: Iterable[syntax.Declaration | syntax.Procedure]) -> None:
     """Refuse a name that is declared twice, whatever its case."""
-    seen: dict[str, Place] = {}
+    seen: dict[str, syntax.Place] = {}
     for named in names:
         first = seen.setdefault(named.name.lower(), named.place)
         if first is not named.place:
@@ -185,9 +170,9 @@ LARGEST_NUMBER = 1e38
 """Bound on every number; RAPID's num is an IEEE 754 float of 32 bit, which ends at 3.4e38."""
 
 
-def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
+def evaluate(scope: Scope, expression: syntax.Expression, wanted: Type) -> Value:
     """Value of an expression."""
-    if isinstance(expression, Aggregate):
+    if isinstance(expression, syntax.Aggregate):
         if not wanted.fields:
             raise expression.place.error(f"{wanted.name} is wanted here, this is an aggregate.")
         if len(expression.items) != len(wanted.fields):
@@ -197,16 +182,16 @@ def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
         return tuple(
             evaluate(scope, item, kind) for item, (_, kind) in zip(expression.items, wanted.fields, strict=True)
         )
-    if isinstance(expression, Reference):
+    if isinstance(expression, syntax.Reference):
         found, value = scope.get(expression)
-    elif isinstance(expression, Call):
+    elif isinstance(expression, syntax.Call):
         function = FUNCTIONS.get(expression.name.lower())
         if function is None:
             raise expression.place.error(f"function {expression.name} is not supported. Available: Offs, RelTool.")
         values, options = arguments_of(scope, expression, function.parameters)
         with errors_at(str(expression.place)):
             found, value = ROBTARGET, function.compute(values, options)
-    elif isinstance(expression, Literal) and not isinstance(expression.value, float):
+    elif isinstance(expression, syntax.Literal) and not isinstance(expression.value, float):
         found, value = BOOL if isinstance(expression.value, bool) else STRING, expression.value
     else:
         found, value = NUM, _number(scope, expression)
@@ -215,7 +200,7 @@ def evaluate(scope: Scope, expression: Expression, wanted: Type) -> Value:
     return value
 
 
-def arguments_of(scope: Scope, call: Call, parameters: Sequence[Parameter]) -> tuple[list[Value], Options]:
+def arguments_of(scope: Scope, call: syntax.Call, parameters: Sequence[Parameter]) -> tuple[list[Value], Options]:
     """Values of the required arguments of a call, and of the optional ones by name; a switch that is on is True."""
     arguments, name = call.arguments, call.name
     if len(arguments) == len(parameters) + 1 and arguments[0].value is None:
@@ -223,8 +208,8 @@ def arguments_of(scope: Scope, call: Call, parameters: Sequence[Parameter]) -> t
     if len(arguments) != len(parameters):
         names = ", ".join(parameter.name for parameter in parameters)
         raise call.place.error(f"the arguments of {name} are ({names}), got {len(arguments)} of {len(parameters)}.")
-    required: list[tuple[Expression, Type]] = []
-    optional: dict[str, tuple[Expression | None, Type]] = {}
+    required: list[tuple[syntax.Expression, Type]] = []
+    optional: dict[str, tuple[syntax.Expression | None, Type]] = {}
     for argument, parameter in zip(arguments, parameters, strict=True):
         for option in argument.options:
             if option.name.lower() not in parameter.options:
@@ -245,13 +230,13 @@ def arguments_of(scope: Scope, call: Call, parameters: Sequence[Parameter]) -> t
     }
 
 
-def _unsupported(what: str, option: Option, known: Mapping[str, Type | None]) -> FFGymError:
+def _unsupported(what: str, option: syntax.Option, known: Mapping[str, Type | None]) -> FFGymError:
     names = ", ".join("\\" + name for name in known)
     available = f"Available there: {names}" if known else "Leave it out"
     return option.place.error(f"\\{option.name} is not supported with {what}. {available}.")
 
 
-def declare(scope: Scope, declaration: Declaration) -> Datum:
+def declare(scope: Scope, declaration: syntax.Declaration) -> Datum:
     """Datum that a declaration makes."""
     kind = declared_type(declaration)
     if declaration.value is not None:
@@ -261,11 +246,11 @@ def declare(scope: Scope, declaration: Declaration) -> Datum:
     raise declaration.place.error(f"{declaration.kind} {declaration.name} needs a value, ':= ...'.")
 
 
-def _number(scope: Scope, expression: Literal | Signed | Chain) -> float:
+def _number(scope: Scope, expression: syntax.Literal | syntax.Signed | syntax.Chain) -> float:
     """Value of a literal, a signed operand, or a chain of operations."""
-    if isinstance(expression, Literal):
+    if isinstance(expression, syntax.Literal):
         value = float(expression.value)
-    elif isinstance(expression, Signed):
+    elif isinstance(expression, syntax.Signed):
         value = evaluate(scope, expression.operand, NUM) * (-1 if expression.negative else 1)
     else:
         value = evaluate(scope, expression.first, NUM)

@@ -1,60 +1,29 @@
 """Running a program: statements one after the other, and the moves that they make."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 from ffgym.core.errors import errors_at
 from ffgym.paths.moves import Move, MoveArc, MoveJoint, MoveLinear, Wait
+from ffgym.paths.rapid import records, syntax, targets
 from ffgym.paths.rapid.evaluate import Parameter, Scope, arguments_of, check_unique, declare, evaluate
-from ffgym.paths.rapid.records import (
-    JOINTTARGET,
-    NUM,
-    ROBTARGET,
-    SPEEDDATA,
-    TOOL0,
-    TOOLDATA,
-    WOBJ0,
-    WOBJDATA,
-    ZONEDATA,
-    Value,
-)
-from ffgym.paths.rapid.syntax import (
-    Assignment,
-    Call,
-    Expression,
-    Module,
-    Place,
-    Procedure,
-    Reference,
-    Statement,
-)
-from ffgym.paths.rapid.targets import (
-    Configuration,
-    joint_positions,
-    pose,
-    quarter_turns,
-    speed,
-    tool_frame,
-    with_tool,
-    zone,
-)
 from ffgym.robot import RobotDescription
 
 _HOW = (
-    Parameter("speed", SPEEDDATA, {"v": NUM}),
-    Parameter("zone", ZONEDATA, {"z": NUM}),
-    Parameter("tool", TOOLDATA, {"wobj": WOBJDATA}),
+    Parameter("speed", records.SPEEDDATA, {"v": records.NUM}),
+    Parameter("zone", records.ZONEDATA, {"z": records.NUM}),
+    Parameter("tool", records.TOOLDATA, {"wobj": records.WOBJDATA}),
 )
 """What every move takes behind its targets."""
 
-_TARGET = Parameter("target", ROBTARGET)
+_TARGET = Parameter("target", records.ROBTARGET)
 
 MOVES: Mapping[str, tuple[Parameter, ...]] = {
-    "moveabsj": (Parameter("target", JOINTTARGET, {"noeoffs": None}), *_HOW),
+    "moveabsj": (Parameter("target", records.JOINTTARGET, {"noeoffs": None}), *_HOW),
     "movej": (_TARGET, *_HOW),
     "movel": (_TARGET, *_HOW),
-    "movec": (Parameter("point on the arc", ROBTARGET), _TARGET, *_HOW),
+    "movec": (Parameter("point on the arc", records.ROBTARGET), _TARGET, *_HOW),
 }
 """Moves by name in lower case."""
 
@@ -76,24 +45,24 @@ class Execution:
     robot: RobotDescription
     """Holds the program's tool."""
     moves: tuple[Move, ...]
-    configurations: tuple[Configuration | None, ...]
+    configurations: tuple[targets.Configuration | None, ...]
     """One per move: the branch that the target asks for; None where the nearest is taken."""
 
 
-def _name(scope: Scope, target: Expression | None) -> str:
+def _name(scope: Scope, target: syntax.Expression | None) -> str:
     r"""What messages and phases call a target: its name, of a displaced one with the numbers that it is displaced by.
 
     These are its arguments and their options, e.g. 'Offs(p10, 0, -20\Rx:=5)', whatever was written for the numbers.
     """
-    if isinstance(target, Reference):
+    if isinstance(target, syntax.Reference):
         return target.name
-    if not isinstance(target, Call):
+    if not isinstance(target, syntax.Call):
         return "target"
     displaced, *by = target.arguments
     words = [_name(scope, displaced.value)]
     for argument in by:
         parts = [("", argument.value), *((f"\\{option.name}:=", option.value) for option in argument.options)]
-        numbers = [f"{name}{evaluate(scope, value, NUM) + 0.0:g}" for name, value in parts if value is not None]
+        numbers = [f"{name}{evaluate(scope, value, records.NUM) + 0.0:g}" for name, value in parts if value is not None]
         words.append("".join(numbers))
     return f"{target.name}({', '.join(words)})"
 
@@ -104,11 +73,11 @@ MAX_CALLS = 50
 MAX_STATEMENTS = 100_000
 """Most statements that are run; chosen: hours of motion, and procedures that double each other must come to an end."""
 
-_ACC_SET = (Parameter("acceleration", NUM), Parameter("ramp", NUM))
-_WAIT_TIME = (Parameter("time", NUM),)
+_ACC_SET = (Parameter("acceleration", records.NUM), Parameter("ramp", records.NUM))
+_WAIT_TIME = (Parameter("time", records.NUM),)
 
 
-def execute(module: Module, entry: Procedure, robot: RobotDescription) -> Execution:
+def execute(module: syntax.Module, entry: syntax.Procedure, robot: RobotDescription) -> Execution:
     """Run a procedure of a module for a robot."""
     scope = Scope()
     for declaration in module.declarations:
@@ -118,9 +87,9 @@ def execute(module: Module, entry: Procedure, robot: RobotDescription) -> Execut
     interpreter.run(entry)
     if not interpreter.moves:
         raise entry.place.error("the program makes no move.")
-    tool, first = interpreter.tool or (TOOL0, entry.place)
+    tool, first = interpreter.tool or (records.TOOL0, entry.place)
     with errors_at(str(first)):
-        held = with_tool(robot, tool, f"tooldata in {first}")
+        held = targets.with_tool(robot, tool, f"tooldata in {first}")
     return Execution(robot=held, moves=tuple(interpreter.moves), configurations=tuple(interpreter.configurations))
 
 
@@ -130,19 +99,19 @@ class Interpreter:
 
     robot: RobotDescription
     scope: Scope
-    procedures: Mapping[str, Procedure]
+    procedures: Mapping[str, syntax.Procedure]
     """By name in lower case."""
     moves: list[Move] = field(default_factory=list)
-    configurations: list[Configuration | None] = field(default_factory=list)
-    tool: tuple[Value, Place] | None = None
+    configurations: list[targets.Configuration | None] = field(default_factory=list)
+    tool: tuple[records.Value, syntax.Place] | None = None
     """The tool that all moves share, and where it was first seen."""
     configured: bool = True
     """Whether MoveJ follows robconf, which ConfJ switches."""
-    _calls: list[Procedure] = field(default_factory=list)
+    _calls: list[syntax.Procedure] = field(default_factory=list)
     """Procedures that have begun and not ended."""
     _statements: int = 0
 
-    def run(self, procedure: Procedure) -> None:
+    def run(self, procedure: syntax.Procedure) -> None:
         """Run a procedure with data of its own."""
         outer, self.scope.local = self.scope.local, {}
         self._calls.append(procedure)
@@ -158,12 +127,12 @@ class Interpreter:
         self._calls.pop()
         self.scope.local = outer
 
-    def _run(self, statement: Statement) -> None:
+    def _run(self, statement: syntax.Statement) -> None:
         self._statements += 1
         place = statement.place
         if self._statements > MAX_STATEMENTS:
             raise place.error(f"the program runs more than {MAX_STATEMENTS} statements.")
-        if isinstance(statement, Assignment):
+        if isinstance(statement, syntax.Assignment):
             wanted = self.scope.type_of(statement.target)
             self.scope.set(statement.target, evaluate(self.scope, statement.value, wanted))
             return
@@ -182,17 +151,18 @@ class Interpreter:
         else:
             self._call(statement)
 
-    def _move(self, instruction: Call) -> None:
+    def _move(self, instruction: syntax.Call) -> None:
         """Add the move of an instruction of MOVES."""
         kind, place = instruction.name.lower(), instruction.place
         if not self.moves and kind in ("movel", "movec"):
             raise place.error(
                 f"the first move is {instruction.name}, which needs a start; begin with MoveAbsJ or MoveJ."
             )
-        (*targets, speed_data, zone_data, tool), options = arguments_of(self.scope, instruction, MOVES[kind])
-        names = [_name(self.scope, argument.value) for argument in instruction.arguments[: len(targets)]]
+        (*goals, speed_data, zone_data, tool), options = arguments_of(self.scope, instruction, MOVES[kind])
+        names = [_name(self.scope, argument.value) for argument in instruction.arguments[: len(goals)]]
         absolute = kind == "moveabsj"
-        if not (absolute and tool == TOOL0):  # its target depends on no tool, so that it may name tool0 beside another
+        # MoveAbsJ may name tool0 beside another tool, as its target depends on none
+        if not absolute or tool != records.TOOL0:
             named = instruction.arguments[-1].value
             if self.tool is None:
                 self.tool = (tool, place if named is None else named.place)
@@ -201,30 +171,30 @@ class Interpreter:
                 raise here.error(f"this tool is not the one of {self.tool[1]}; a program moves with one tool.")
         with errors_at(str(place)):
             how: dict[str, Any] = {
-                "speed": speed(speed_data, options.get("v")),
-                "zone": zone(zone_data, options.get("z")),
+                "speed": targets.speed(speed_data, options.get("v")),
+                "zone": targets.zone(zone_data, options.get("z")),
                 "label": names[-1],
                 "where": str(place),
             }
             if absolute:
                 sliding = self.robot.kinematics.is_sliding
-                self._add(MoveJoint(to=joint_positions(targets[0], sliding, names[0]), **how))
+                self._add(MoveJoint(to=targets.joint_positions(goals[0], sliding, names[0]), **how))
                 return
-            held, work_object = tool_frame(tool), options.get("wobj", WOBJ0)
-            poses = [pose(*target, held, work_object) for target in zip(targets, names, strict=True)]
+            held, work_object = targets.tool_frame(tool), options.get("wobj", records.WOBJ0)
+            poses = [targets.pose(*target, held, work_object) for target in zip(goals, names, strict=True)]
             if kind == "movec":
                 self._add(MoveArc(via=poses[0].position, to=poses[1], **how))
             elif kind == "movel":
                 self._add(MoveLinear(to=poses[0], **how))
             else:
-                configuration = quarter_turns(targets[0], names[0]) if self.configured else None
+                configuration = targets.quarter_turns(goals[0], names[0]) if self.configured else None
                 self._add(MoveJoint(to=poses[0], **how), configuration)
 
-    def _add(self, move: Move, configuration: Configuration | None = None) -> None:
+    def _add(self, move: Move, configuration: targets.Configuration | None = None) -> None:
         self.moves.append(move)
         self.configurations.append(configuration)
 
-    def _switch(self, instruction: Call) -> None:
+    def _switch(self, instruction: syntax.Call) -> None:
         """ConfJ decides whether MoveJ follows robconf; the others say what holds anyway."""
         name, allowed = instruction.name, SWITCHES[instruction.name.lower()]
         options = [option for argument in instruction.arguments for option in argument.options]
@@ -236,11 +206,11 @@ class Interpreter:
         if name.lower() == "confj":
             self.configured = switch == "on"
 
-    def _wait(self, instruction: Call) -> None:
+    def _wait(self, instruction: syntax.Call) -> None:
         r"""WaitTime, maybe with \InPos, which a robot that stands still fulfils; no time is no rest."""
         arguments, place = instruction.arguments, instruction.place
         if len(arguments) == 2 and arguments[0].value is None and arguments[0].names() == ["inpos"]:
-            instruction = replace(instruction, arguments=arguments[1:])
+            instruction = instruction._replace(arguments=arguments[1:])
         (duration,), _ = arguments_of(self.scope, instruction, _WAIT_TIME)
         if not self.moves or not self.moves[-1].zone.stops:
             raise place.error(
@@ -251,7 +221,7 @@ class Interpreter:
         if duration > 0:
             self._add(Wait(duration=duration, label=f"wait {duration:g} s", where=str(place)))
 
-    def _call(self, instruction: Call) -> None:
+    def _call(self, instruction: syntax.Call) -> None:
         place = instruction.place
         procedure = self.procedures.get(instruction.name.lower())
         if procedure is None:

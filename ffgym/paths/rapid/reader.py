@@ -8,21 +8,7 @@ from typing import Any
 from lark import Lark, Token, Transformer, UnexpectedCharacters, UnexpectedToken, v_args
 
 from ffgym.core.errors import FFGymError
-from ffgym.paths.rapid.syntax import (
-    Aggregate,
-    Argument,
-    Assignment,
-    Call,
-    Chain,
-    Declaration,
-    Literal,
-    Module,
-    Option,
-    Place,
-    Procedure,
-    Reference,
-    Signed,
-)
+from ffgym.paths.rapid import syntax
 
 
 def _words(text: str) -> frozenset[str]:
@@ -88,17 +74,17 @@ LONGEST_NAME = 32
 """Most characters of a name; technical reference manual RAPID overview (ABB 3HAC16580-1), identifiers."""
 
 
-def read(name: str, text: str) -> Module:
+def read(name: str, text: str) -> syntax.Module:
     """Syntax tree of a program.
 
     Raises:
         FFGymError: if it is none; the message begins with the place, in a file of that `name`.
     """
     try:
-        module: Module = _Builder(name).transform(_parser().parse(text))
+        module: syntax.Module = _Builder(name).transform(_parser().parse(text))
     except UnexpectedCharacters as error:
         reason = UNSUPPORTED_SIGNS.get(error.char, "it begins nothing in RAPID")
-        place = Place(name, error.line, error.column)
+        place = syntax.Place(name, error.line, error.column)
         raise place.error(f"unexpected character {error.char!r}: {reason}.") from None
     except UnexpectedToken as error:
         raise _bad_token(name, text, error) from None
@@ -141,15 +127,15 @@ class _Keywords:
             yield token
 
 
-def _place(name: str, token: Token) -> Place:
-    return Place(name, token.line or 1, token.column or 1)
+def _place(name: str, token: Token) -> syntax.Place:
+    return syntax.Place(name, token.line or 1, token.column or 1)
 
 
 def _bad_token(name: str, text: str, error: UnexpectedToken) -> FFGymError:
     token = error.token
     if token.type == "$END":
         lines = text.rstrip().split("\n")
-        end = Place(name, len(lines), len(lines[-1]) + 1)
+        end = syntax.Place(name, len(lines), len(lines[-1]) + 1)
         return end.error(f"the program ends too early; expected {_expected(error)}.")
     place = _place(name, token)
     if token.type in RESERVED and token.type not in KEYWORDS:
@@ -173,73 +159,77 @@ def _expected(error: UnexpectedToken) -> str:
 
 
 @v_args(inline=True)
-class _Builder(Transformer[Token, Module]):
+class _Builder(Transformer[Token, syntax.Module]):
     """Makes the syntax tree of what the parser found, one method per rule of the grammar."""
 
     def __init__(self, name: str) -> None:
         super().__init__()
         self._place = partial(_place, name)
 
-    def start(self, *children: Any) -> Module:
-        (content,) = (child for child in children if isinstance(child, Module))
+    def start(self, *children: Any) -> syntax.Module:
+        (content,) = (child for child in children if isinstance(child, syntax.Module))
         return content
 
-    def content(self, *children: Any) -> Module:
-        return Module(
-            declarations=tuple(child for child in children if isinstance(child, Declaration)),
-            procedures=tuple(child for child in children if isinstance(child, Procedure)),
+    def content(self, *children: Any) -> syntax.Module:
+        return syntax.Module(
+            declarations=tuple(child for child in children if isinstance(child, syntax.Declaration)),
+            procedures=tuple(child for child in children if isinstance(child, syntax.Procedure)),
         )
 
     def kind(self, word: Token) -> str:
         return word.type
 
-    def declaration(self, scope: Token | None, kind: str, type_name: Token, name: Token, value: Any) -> Declaration:
-        return Declaration(kind, str(type_name), str(name), value, self._place(name))
+    def declaration(
+        self, scope: Token | None, kind: str, type_name: Token, name: Token, value: Any
+    ) -> syntax.Declaration:
+        return syntax.Declaration(kind, str(type_name), str(name), value, self._place(name))
 
-    def procedure(self, *children: Any) -> Procedure:
+    def procedure(self, *children: Any) -> syntax.Procedure:
         name, declarations, statements = children[-4:-1]
-        return Procedure(str(name), declarations, statements, self._place(name))
+        return syntax.Procedure(str(name), declarations, statements, self._place(name))
 
-    def assignment(self, target: Reference, value: Any) -> Assignment:
-        return Assignment(target, value)
+    def assignment(self, target: syntax.Reference, value: Any) -> syntax.Assignment:
+        return syntax.Assignment(target, value)
 
-    def instruction(self, name: Token, arguments: tuple[Argument, ...] | None) -> Call:
-        return Call(str(name), arguments or (), self._place(name))
+    def instruction(self, name: Token, arguments: tuple[syntax.Argument, ...] | None) -> syntax.Call:
+        return syntax.Call(str(name), arguments or (), self._place(name))
 
     def arguments(self, *children: Any) -> tuple[Any, ...]:
         return children
 
     declarations = statements = arguments
 
-    def argument(self, value: Any, *options: Option) -> Argument:
-        return value if isinstance(value, Argument) else Argument(value, options)
+    def argument(self, value: Any, *options: syntax.Option) -> syntax.Argument:
+        return value if isinstance(value, syntax.Argument) else syntax.Argument(value, options)
 
-    def without_value(self, *options: Option) -> Argument:
-        return Argument(None, options)
+    def without_value(self, *options: syntax.Option) -> syntax.Argument:
+        return syntax.Argument(None, options)
 
-    def option(self, backslash: Token, name: Token, value: Any) -> Option:
-        return Option(str(name), value, self._place(backslash))
+    def option(self, backslash: Token, name: Token, value: Any) -> syntax.Option:
+        return syntax.Option(str(name), value, self._place(backslash))
 
-    def chain(self, first: Any, *rest: Any) -> Chain:
-        return Chain(first, tuple((str(sign), operand) for sign, operand in zip(rest[::2], rest[1::2], strict=True)))
+    def chain(self, first: Any, *rest: Any) -> syntax.Chain:
+        return syntax.Chain(
+            first, tuple((str(sign), operand) for sign, operand in zip(rest[::2], rest[1::2], strict=True))
+        )
 
-    def signed(self, sign: Token, operand: Any) -> Signed:
-        return Signed(sign.type == "MINUS", operand, self._place(sign))
+    def signed(self, sign: Token, operand: Any) -> syntax.Signed:
+        return syntax.Signed(sign.type == "MINUS", operand, self._place(sign))
 
-    def number(self, token: Token) -> Literal:
-        return Literal(float(token), self._place(token))
+    def number(self, token: Token) -> syntax.Literal:
+        return syntax.Literal(float(token), self._place(token))
 
-    def text(self, token: Token) -> Literal:
-        return Literal(token[1:-1].replace('""', '"'), self._place(token))
+    def text(self, token: Token) -> syntax.Literal:
+        return syntax.Literal(token[1:-1].replace('""', '"'), self._place(token))
 
-    def truth(self, token: Token) -> Literal:
-        return Literal(token.type == "TRUE", self._place(token))
+    def truth(self, token: Token) -> syntax.Literal:
+        return syntax.Literal(token.type == "TRUE", self._place(token))
 
-    def reference(self, *names: Token) -> Reference:
-        return Reference(tuple(str(name) for name in names), self._place(names[0]))
+    def reference(self, *names: Token) -> syntax.Reference:
+        return syntax.Reference(tuple(str(name) for name in names), self._place(names[0]))
 
-    def call(self, name: Token, arguments: tuple[Argument, ...]) -> Call:
-        return Call(str(name), arguments, self._place(name))
+    def call(self, name: Token, arguments: tuple[syntax.Argument, ...]) -> syntax.Call:
+        return syntax.Call(str(name), arguments, self._place(name))
 
-    def aggregate(self, bracket: Token, *items: Any) -> Aggregate:
-        return Aggregate(items, self._place(bracket))
+    def aggregate(self, bracket: Token, *items: Any) -> syntax.Aggregate:
+        return syntax.Aggregate(items, self._place(bracket))

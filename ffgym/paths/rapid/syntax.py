@@ -1,6 +1,5 @@
 """What a RAPID program says, as the reader hands it on: its text and places, and a tree without meaning yet."""
 
-from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 from ffgym.core.errors import FFGymError
@@ -35,16 +34,14 @@ def unified(text: str) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-@dataclass(frozen=True, slots=True)
-class Literal:
+class Literal(NamedTuple):
     """Number >= 0, text or truth value, as written."""
 
     value: float | str | bool
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class Reference:
+class Reference(NamedTuple):
     """Data by name, or a component of it, e.g. `p10.trans.z`."""
 
     parts: tuple[str, ...]
@@ -56,16 +53,14 @@ class Reference:
         return ".".join(self.parts)
 
 
-@dataclass(frozen=True, slots=True)
-class Aggregate:
+class Aggregate(NamedTuple):
     """Components between brackets."""
 
     items: "tuple[Expression, ...]"
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class Chain:
+class Chain(NamedTuple):
     """Operands of one rank from left to right, e.g. a + b - c; flat, so that a long sum is not a deep tree."""
 
     first: "Expression"
@@ -78,8 +73,7 @@ class Chain:
         return self.first.place
 
 
-@dataclass(frozen=True, slots=True)
-class Signed:
+class Signed(NamedTuple):
     """An operand behind a sign."""
 
     negative: bool
@@ -87,8 +81,7 @@ class Signed:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class Option:
+class Option(NamedTuple):
     r"""Optional argument, e.g. `\WObj:=wobj1`, or a switch, e.g. `\NoEOffs`."""
 
     name: str
@@ -96,8 +89,7 @@ class Option:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class Argument:
+class Argument(NamedTuple):
     """Required argument, with the optional ones that follow it; None where only optional ones stand."""
 
     value: "Expression | None"
@@ -108,8 +100,7 @@ class Argument:
         return [option.name.lower() for option in self.options]
 
 
-@dataclass(frozen=True, slots=True)
-class Call:
+class Call(NamedTuple):
     """Function, instruction or procedure with its arguments."""
 
     name: str
@@ -120,8 +111,7 @@ class Call:
 Expression: TypeAlias = Literal | Reference | Aggregate | Chain | Signed | Call
 
 
-@dataclass(frozen=True, slots=True)
-class Declaration:
+class Declaration(NamedTuple):
     """CONST, PERS or VAR data."""
 
     kind: str
@@ -131,8 +121,7 @@ class Declaration:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class Assignment:
+class Assignment(NamedTuple):
     """Target := value."""
 
     target: Reference
@@ -147,8 +136,7 @@ class Assignment:
 Statement: TypeAlias = Assignment | Call
 
 
-@dataclass(frozen=True, slots=True)
-class Procedure:
+class Procedure(NamedTuple):
     """PROC without arguments."""
 
     name: str
@@ -157,8 +145,7 @@ class Procedure:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class Module:
+class Module(NamedTuple):
     """Everything in a file."""
 
     declarations: tuple[Declaration, ...]
