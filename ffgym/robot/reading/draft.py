@@ -24,6 +24,8 @@ _POINTS = "work_area.positions."
 
 def assemble(get: Mapping[str, Any], types: tuple[str, ...]) -> dict[str, Any]:
     """Numeric fields of a `RobotDescription` from values by entry; all that are required must be there."""
+    for path, missing in begun(get).items():
+        raise FFGymError(f"{path} needs {' and '.join(missing)} beside it; the description lacks that.")
     bits = float(get["sensors.encoder_bits"])
     if bits != round(bits):
         raise FFGymError(f"sensors.encoder_bits = {bits} must be a whole number.")
@@ -65,12 +67,9 @@ def _group(cls: Any, prefix: str, get: Mapping[str, Any], **others: Any) -> Any:
 
 
 def _tool(get: Mapping[str, Any]) -> Tool | None:
-    weighs = _all_or_none(TOOL_MASSES, get)
-    if not _all_or_none(FLANGE, get):
-        if weighs or "flange.position" in get:
-            raise FFGymError(f"A tool needs {' and '.join(FLANGE)}.")
+    if FLANGE[0] not in get:
         return None
-    body = {path.removeprefix("tool."): get[path] for path in TOOL_MASSES} if weighs else {}
+    body = {path.removeprefix("tool."): get[path] for path in TOOL_MASSES if path in get}
     return Tool(
         rotation=check_rotation("flange.rotation", get["flange.rotation"]),
         position=get.get("flange.position", np.zeros(3)),
@@ -80,27 +79,15 @@ def _tool(get: Mapping[str, Any]) -> Tool | None:
 
 
 def _work_area(get: Mapping[str, Any]) -> WorkArea | None:
-    others = [path for path in get if path.startswith("work_area.") and path != HOME]
     if HOME not in get:
-        if others:
-            raise FFGymError(f"{others[0]} needs {HOME}, the seed of the inverse kinematics; {HOME} is missing.")
         return None
     rotation = get.get("work_area.tool_rotation")
     return WorkArea(
-        positions={path.removeprefix(_POINTS): get[path] for path in others if path.startswith(_POINTS)},
+        positions={path.removeprefix(_POINTS): value for path, value in get.items() if path.startswith(_POINTS)},
         tool_rotation=None if rotation is None else check_rotation("work_area.tool_rotation", rotation),
         normal=get.get("work_area.normal", np.array([0.0, 0.0, 1.0])),
         home=get[HOME],
     )
-
-
-def _all_or_none(paths: tuple[str, ...], get: Mapping[str, Any]) -> bool:
-    present = [path in get for path in paths]
-    if any(present) and not all(present):
-        raise FFGymError(
-            f"{', '.join(paths)} belong together; {', '.join(p for p in paths if p not in get)} is missing."
-        )
-    return all(present)
 
 
 NO_LIMIT = 1e6
