@@ -48,7 +48,6 @@ def joint_steps(arm: RigidArm, moves: Sequence[JointMove], targets: Sequence[Arr
             check_range(arm, move, target)
         points = np.vstack([q[None], through]) / unit
         points = points[1:] if np.all(points[0] == points[1]) else points
-        points = points[1:] if np.all(points[0] == points[1]) else points
         leg = None
         if len(points) > 1 and isinstance(move, MoveJoint):
             leg = Leg(curve=Line(start=points[0], end=points[1]), speed=move.speed)

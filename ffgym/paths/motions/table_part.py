@@ -72,9 +72,21 @@ def _in_si(names: Sequence[str], values: Array, wanted: Mapping[str, str]) -> di
     `wanted` says what each known column measures, 'm' or 'rad', beside time and orientation.
     """
     known = {"t": "s", **dict.fromkeys(QUATERNION, ""), **dict.fromkeys(RPY, "rad"), **wanted}
+    choices = {
+        name: [f"{name}_{unit}" for unit, (measured, _) in UNITS.items() if measured == kind] or [name]
+        for name, kind in known.items()
+    }
+    name_of = {full: name for name, fulls in choices.items() for full in fulls}
     columns: dict[str, Array] = {}
     for i, full in enumerate(names):
-        name, factor = _without_unit(full, known)
+        if full not in name_of:
+            near = full.rpartition("_")[0]
+            if known.get(near):
+                raise FFGymError(f"Column {full!r} must be {' or '.join(choices[near])}.")
+            every = ", ".join(" or ".join(fulls) for fulls in choices.values())
+            raise FFGymError(f"Unknown column {full!r}. A table may have {every}.")
+        name = name_of[full]
+        factor = UNITS[full.rpartition("_")[2]][1] if known[name] else 1.0
         if name in columns:
             raise FFGymError(f"Column {full!r} says {name!r} a second time.")
         if not np.all(np.isfinite(values[:, i])):
@@ -91,23 +103,6 @@ def _in_si(names: Sequence[str], values: Array, wanted: Mapping[str, str]) -> di
                 f"in another unit?"
             )
     return columns
-
-
-def _without_unit(full: str, known: Mapping[str, str]) -> tuple[str, float]:
-    """Name of a column and the factor of its unit."""
-    if known.get(full) == "":
-        return full, 1.0
-    name, _, unit = full.rpartition("_")
-    if name not in known or known[name] == "":
-        some = ", ".join(_with_units(name, kind) for name, kind in known.items())
-        raise FFGymError(f"Unknown column {full!r}. A table may have {some}.")
-    if UNITS.get(unit, ("", 0.0))[0] != known[name]:
-        raise FFGymError(f"Column {full!r} must be {_with_units(name, known[name])}.")
-    return name, UNITS[unit][1]
-
-
-def _with_units(name: str, kind: str) -> str:
-    return " or ".join(f"{name}_{unit}" for unit, (measured, _) in UNITS.items() if measured == kind) or name
 
 
 def _table(columns: Mapping[str, Array], joints: Sequence[str]) -> Table:
