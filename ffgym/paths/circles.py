@@ -226,10 +226,7 @@ def _circle(
 def smooth_ramp(tau: Array, duration: float, speed: float) -> tuple[Array, Array, Array]:
     r"""Distance, speed and acceleration of a ramp from 0 to `speed`, :math:`3 x^2 - 2 x^3`: its jerk is bounded.
 
-    Args:
-        tau: times since the start [s], shape (T,), within [0, duration].
-        duration: length of the ramp [s].
-        speed: speed at its end, in any unit per second.
+    `tau` are times since the start (T,) [s], within [0, duration]; the speed is in any unit per second.
     """
     x = np.clip(tau / duration, 0.0, 1.0)
     return (

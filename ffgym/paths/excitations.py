@@ -298,13 +298,7 @@ def speed_steps(
 ) -> JointPath:
     """Constant speeds one after the other, with ramps of bounded jerk between them and rests at both ends.
 
-    Args:
-        start: joint positions at the start, link side [rad or m], shape (N,).
-        steps: one or more.
-        ramp: time of each change of speed [s], > 0.
-        dwell: rest at both ends [s], > 0.
-        dt: sample time [s].
-        name: name of the motion.
+    It begins at `start`, link side [rad or m], shape (N,); times are in s, > 0.
     """
     ramp = check_number("ramp", ramp, unit="s", low=0.0, open_low=True)
     dwell = check_number("dwell", dwell, unit="s", low=0.0, open_low=True)

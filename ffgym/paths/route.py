@@ -206,17 +206,10 @@ def chained(parts: Sequence[Course]) -> Course:
 
 
 def rounded(legs: Sequence[Leg], zones: Sequence[float]) -> tuple[Route, Array]:
-    """Legs joined into a route, each corner rounded within its zone.
+    """Legs joined into a route, each corner rounded within its zone, and the arc length at each target, shape (L,).
 
-    Zones that would overlap shrink to half of the shorter leg; of a leg that two corners use up nothing is left between
-    them.
-
-    Args:
-        legs: one or more, each starting where the one before ends.
-        zones: how far before and after each corner the rounding may begin and end, along the path.
-
-    Returns:
-        The route, and the arc length at which it passes each target, the last one at its end, shape (L,).
+    `zones` say how far before and after each corner the rounding may begin and end, along the path. Those that would
+    overlap shrink to half of the shorter leg; of a leg that two corners use up nothing is left between them.
     """
     cuts = [
         0.0 if meets(before, after) else min(zone, 0.5 * before.curve.length, 0.5 * after.curve.length)

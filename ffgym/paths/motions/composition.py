@@ -223,14 +223,7 @@ def _with_rests(pieces: Sequence[Rows], q: Array | None, dwell: float, dt: float
 def rapid_motion(
     arm: RigidArm, path: str | Path, *, entry: str | None = None, limits: MotionLimits | None = None
 ) -> Motion:
-    """Motion of a program, for the robot with the program's tool; it starts at the first target.
-
-    Args:
-        arm: the robot.
-        path: program file.
-        entry: procedure that is run; None takes main, or the only one.
-        limits: of speed, acceleration and jerk, beside the programmed speeds; None takes the defaults.
-    """
+    """Motion of procedure `entry` of a program, for the robot with its tool; it starts at the first target."""
     execution = load_program(path).execute(arm.robot, entry)
     if execution.robot is not arm.robot:
         arm = RigidArm(execution.robot)

@@ -91,14 +91,9 @@ def named_point(robot: RobotDescription, name: str) -> Array:
 
 
 def joint_values(robot: RobotDescription, name: str, value: Any, whole: Array, others: Array | float = 0.0) -> Array:
-    """Values for the joints, shape (N,).
+    """Values for the joints (N,): one for all, a list of N, a table by joint, or a share of `whole` such as '10 %'.
 
-    Args:
-        robot: whose joints they are.
-        name: of the entry, for messages.
-        value: one for all joints, a list of N, a table by joint, or text such as '10 %'.
-        whole: what 100 % are, shape (N,).
-        others: value of joints that a table leaves out.
+    Joints that a table leaves out have the value `others`; `name` is that of the entry, for messages.
     """
     if isinstance(value, str):
         try:

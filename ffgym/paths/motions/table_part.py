@@ -50,13 +50,9 @@ class Table:
 
 
 def parse_table(text: str, where: str, joints: Sequence[str], units: Sequence[str]) -> Table:
-    """Table from CSV text; lines that begin with # are comments.
+    """Table from CSV text, which errors call `where`; lines that begin with # are comments.
 
-    Args:
-        text: the whole file.
-        where: names it in messages.
-        joints: names of the robot's joints.
-        units: of their positions, 'rad' or 'm'.
+    `units` are those of the positions of the robot's `joints`, 'rad' or 'm'.
     """
     lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     lines = ["" if line.lstrip().startswith("#") else line for line in lines]

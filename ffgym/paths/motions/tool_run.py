@@ -165,10 +165,7 @@ def _blamed(arm: RigidArm, run: ToolRun, courses: Sequence[Course], q: Array) ->
 def tool_runs(moves: Sequence[ToolMove], position: Array, rotation: Array | None) -> tuple[list[ToolRun], list[str]]:
     """Runs from rest to rest through the targets of `moves`, and notes where the robot stops although it need not.
 
-    Args:
-        moves: that follow each other; all but the last may have zones.
-        position: TCP where they start [m], shape (3,).
-        rotation: orientation of tool0 there, shape (3, 3); None leaves it free all along.
+    They start at `position` (3,) [m] with tool0 turned to `rotation` (3, 3); None leaves it free all along.
     """
     steps: list[Step] = []
     for move in moves:

@@ -66,14 +66,7 @@ UNUSED_AXIS = 9e9
 
 
 def pose(target: Value, name: str, tool: Frame, work_object: Value) -> Pose:
-    """Where a robtarget puts TCP and flange.
-
-    Args:
-        target: the robtarget.
-        name: its name, for messages.
-        tool: the tool's frame in tool0.
-        work_object: the wobjdata in which the target is given.
-    """
+    """Where a robtarget, given in a work object, puts TCP and flange; `tool` is the tool's frame in tool0."""
     check_external_axes(target[3], name)
     robhold, ufprog, ufmec, uframe, oframe = work_object
     if robhold or not ufprog or ufmec:
@@ -144,13 +137,7 @@ def tool_frame(tool: Value) -> Frame:
 
 
 def with_tool(robot: RobotDescription, tool: Value, source: str) -> RobotDescription:
-    """Robot that holds a program's tool; the same object if it does already.
-
-    Args:
-        robot: the robot.
-        tool: tooldata.
-        source: where the program says so.
-    """
+    """Robot that holds a program's tool, which stands at `source`; the same object if it holds it already."""
     if robot.tool is None and tool in (TOOL0, DESCRIBED_TOOL):
         return robot  # which moves in joint space only
     if robot.tool is None:

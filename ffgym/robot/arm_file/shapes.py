@@ -12,6 +12,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from ffgym.robot.arm_file.chain import BASE
 from ffgym.robot.arm_file.measure import Pose
+from ffgym.robot.model.looks import GEOM_TYPES
 from ffgym.robot.parts import Geom, Mesh
 
 READABLE = (".stl", ".obj", ".msh")
@@ -115,6 +116,7 @@ def _add_shape(
         form = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": mesh.name}
     else:
         form = _primitive(shape, what)
+    rpy = numbers(origin, "rpy", what, (0.0, 0.0, 0.0))  # about the fixed axes x, y, z [rad]
     # its own colour, that of the file's material of this name, or grey
     material = element.find("material")
     if material is not None and material.find("color") is None:
@@ -122,7 +124,7 @@ def _add_shape(
     colour = None if material is None else material.find("color")
     body.add_geom(
         pos=numbers(origin, "xyz", what, (0.0, 0.0, 0.0)),
-        quat=quaternion(numbers(origin, "rpy", what, (0.0, 0.0, 0.0))),
+        quat=scipy.spatial.transform.Rotation.from_euler("xyz", rpy).as_quat(scalar_first=True),
         rgba=_GREY if colour is None else numbers(colour, "rgba", "color", _GREY).tolist(),
         mass=0.0,
         **form,
@@ -134,33 +136,21 @@ def _primitive(shape: ET.Element, what: str) -> dict[str, object]:
     nothing = float("nan")
     radius, half = number(shape, "radius", what, nothing), number(shape, "length", what, nothing) / 2
     sizes = {
-        "box": (mujoco.mjtGeom.mjGEOM_BOX, numbers(shape, "size", what, (nothing,) * 3) / 2),
-        "cylinder": (mujoco.mjtGeom.mjGEOM_CYLINDER, np.array([radius, half, 0])),
-        "capsule": (mujoco.mjtGeom.mjGEOM_CAPSULE, np.array([radius, half, 0])),
-        "sphere": (mujoco.mjtGeom.mjGEOM_SPHERE, np.array([radius, 0, 0])),
+        "box": numbers(shape, "size", what, (nothing,) * 3) / 2,
+        "cylinder": np.array([radius, half, 0]),
+        "capsule": np.array([radius, half, 0]),
+        "sphere": np.array([radius, 0, 0]),
     }
     if shape.tag not in sizes:
         raise FFGymError(f"{what}: geometry is {shape.tag!r}, must be a mesh, {', '.join(sizes)}.")
-    kind, size = sizes[shape.tag]
+    size = sizes[shape.tag]
     if not np.all(size >= 0) or size[0] == 0:
         raise FFGymError(f"{what}: the {shape.tag} lacks a size [m] > 0.")
-    return {"type": kind, "size": size}
+    return {"type": GEOM_TYPES[shape.tag], "size": size}
 
 
-def quaternion(rpy: Array) -> Array:
-    """Unit quaternion, scalar first, of URDF's roll, pitch, yaw [rad] about the fixed axes x, y, z."""
-    return scipy.spatial.transform.Rotation.from_euler("xyz", rpy).as_quat()[[3, 0, 1, 2]]
-
-
-_KINDS = {
-    mujoco.mjtGeom.mjGEOM_SPHERE.value: "sphere",
-    mujoco.mjtGeom.mjGEOM_CAPSULE.value: "capsule",
-    mujoco.mjtGeom.mjGEOM_ELLIPSOID.value: "ellipsoid",
-    mujoco.mjtGeom.mjGEOM_CYLINDER.value: "cylinder",
-    mujoco.mjtGeom.mjGEOM_BOX.value: "box",
-    mujoco.mjtGeom.mjGEOM_MESH.value: "mesh",
-}
-"""Shapes that descriptions have, too."""
+_KINDS = {kind.value: name for name, kind in GEOM_TYPES.items()}
+"""Shapes that descriptions have, by MuJoCo's numbers."""
 
 _SIZES = {"sphere": 1, "capsule": 1, "ellipsoid": 3, "cylinder": 1, "box": 3, "mesh": 0}
 """How many sizes each shape has here; the length of cylinders and capsules is in their end points."""

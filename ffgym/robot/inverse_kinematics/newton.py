@@ -205,14 +205,7 @@ _DAMPING = 1e-9
 def newton(arm: RigidArm, goal: Goal, posture: Posture, q: Array) -> tuple[Array, BoolArray]:
     """Newton's iteration on every row at once; of an arm that cannot make all motions, Gauss's and Newton's.
 
-    Args:
-        arm: the robot.
-        goal: T tool poses.
-        posture: where the joints to spare would be.
-        q: joint positions to start from, shape (T, N).
-
-    Returns:
-        Joint positions (T, N), the nearest ones found, and whether they meet the goal (T,).
+    Returns the nearest joint positions found from `q` on, shape (T, N), and whether they meet the goal, shape (T,).
     """
     q = q.copy()
     met = np.zeros(len(q), dtype=np.bool_)

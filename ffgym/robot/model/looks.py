@@ -37,7 +37,7 @@ def stick_figure(robot: RobotDescription) -> tuple[Geom, ...]:
     return (*rods, *balls)
 
 
-_GEOM_TYPES = {
+GEOM_TYPES = {
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
     "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
@@ -45,6 +45,7 @@ _GEOM_TYPES = {
     "ellipsoid": mujoco.mjtGeom.mjGEOM_ELLIPSOID,
     "mesh": mujoco.mjtGeom.mjGEOM_MESH,
 }
+"""Shapes that descriptions have, as MuJoCo calls them."""
 
 
 def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
@@ -71,7 +72,7 @@ def add_looks(spec: mujoco.MjSpec, robot: RobotDescription) -> None:
         else:
             form["size"] = [*geom.size, 0, 0][:3]
         spec.body(geom.body).add_geom(
-            type=_GEOM_TYPES[geom.type], rgba=geom.colour, contype=0, conaffinity=0, mass=0.0, group=1, **form
+            type=GEOM_TYPES[geom.type], rgba=geom.colour, contype=0, conaffinity=0, mass=0.0, group=1, **form
         )
     spec.worldbody.add_geom(
         name="floor",

@@ -43,11 +43,6 @@ def motor_tendon(joint: str) -> str:
     return f"{joint}_motor_angle"
 
 
-def spring_tendon(spring: str) -> str:
-    """Name of the tendon that is a spring between links."""
-    return f"{spring}_spring"
-
-
 _SERVO_INPUTS = mujoco.mjtCtrlInput.mjINPUT_POS | mujoco.mjtCtrlInput.mjINPUT_VEL | mujoco.mjtCtrlInput.mjINPUT_FF
 
 
@@ -151,7 +146,7 @@ def build_spec(robot: RobotDescription, options: ModelOptions | None = None) -> 
         _add_actuators(spec, robot, i, options)
     for spring in robot.springs if options.springs else ():  # pulls with a force that is a cubic of its elongation
         tendon = spec.add_tendon(
-            name=spring_tendon(spring.name), stiffness=spring.stiffness, springlength=[spring.length, spring.length]
+            name=f"{spring.name}_spring", stiffness=spring.stiffness, springlength=[spring.length, spring.length]
         )
         for end, joined, point in zip(("start", "end"), spring.bodies, (spring.start, spring.end), strict=True):
             site = spec.body(joined).add_site(name=f"{spring.name}_{end}", pos=point, size=[0.01, 0.01, 0.01])

@@ -110,13 +110,7 @@ def _geom(index: int, entry: dict[str, Any], colours: Mapping[str, Any], bodies:
 
 
 def parse_draft(text: str, where: str = "description", folder: str | Path = ".") -> RobotDraft:
-    """Read a description that may lack entries from TOML text.
-
-    Args:
-        text: the description.
-        where: its name, for messages.
-        folder: where the path of an arm file starts.
-    """
+    """Read a description that may lack entries; `where` names the text, paths of arm files start in `folder`."""
     tree = parse_toml(text, where)
     with errors_at(where):
         if "machine" in tree:
