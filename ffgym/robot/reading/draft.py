@@ -25,7 +25,7 @@ _POINTS = "work_area.positions."
 def assemble(get: Mapping[str, Any], types: tuple[str, ...]) -> dict[str, Any]:
     """Numeric fields of a `RobotDescription` from values by entry; all that are required must be there."""
     for path, missing in begun(get).items():
-        raise FFGymError(f"{path} needs {' and '.join(missing)} beside it; the description lacks that.")
+        raise FFGymError(f"{', '.join(missing)} is missing, which {path} needs.")
     bits = float(get["sensors.encoder_bits"])
     if bits != round(bits):
         raise FFGymError(f"sensors.encoder_bits = {bits} must be a whole number.")
