@@ -132,12 +132,11 @@ def joined(one: Body, other: Body) -> Body:
     """Two bodies as one."""
     mass = one[0] + other[0]
     centre = (one[0] * one[1] + other[0] * other[1]) / mass
-    inertia = sum(part[2] + part[0] * _steiner(part[1] - centre) for part in (one, other))
-    return mass, centre, np.asarray(inertia)
-
-
-def _steiner(arm: Array) -> Array:
-    return np.asarray(np.dot(arm, arm) * np.eye(3) - np.outer(arm, arm))
+    inertia = np.zeros((3, 3))
+    for own, com, about in (one, other):
+        arm = com - centre
+        inertia = inertia + (about + own * (np.dot(arm, arm) * np.eye(3) - np.outer(arm, arm)))  # Steiner
+    return mass, centre, inertia
 
 
 def pose_of(bodies: Bodies, q: Array) -> Pose:
@@ -184,13 +183,6 @@ def inverse_dynamics(bodies: Bodies, q: Array, dq: Array, ddq: Array) -> Array:
     linear, hinge = _linear(bodies, pose)
     root = pose.rotation @ bodies.square_root
     return _projected(linear, hinge, *_newton_euler(bodies, pose, hinge, root, dq, ddq))
-
-
-def energy(bodies: Bodies, q: Array, dq: Array) -> Array:
-    """Kinetic and potential energy of arms without rotors [J], shape (B,)."""
-    matrix, _ = mass_and_bias(bodies, q, dq)
-    height = np.einsum("bnc,c,bn->b", pose_of(bodies, q).centre, bodies.gravity, bodies.mass)
-    return np.asarray(0.5 * np.einsum("bi,bij,bj->b", dq, matrix, dq) - height)
 
 
 def _times(matrix: Array, vector: Array) -> Array:

@@ -88,11 +88,6 @@ class Concealed:
         """Name that a diagnosis should give; empty outside the library."""
         return self.kind.answer
 
-    @property
-    def is_foreign(self) -> bool:
-        """Whether its sizes do not compare with those of the library."""
-        return not self.kind.numbers
-
     def clue(self, robot: RobotDescription) -> Clue | None:
         """What an answer must say of an effect outside the library."""
         if self.answer:
@@ -115,7 +110,7 @@ class Concealed:
             effect=self.name,
             answer=self.answer,
             joint=self.joint,
-            is_foreign=self.is_foreign,
+            is_foreign=not self.kind.numbers,
             loudness=loudness,
             numbers=self.numbers(robot),
         )
@@ -177,14 +172,14 @@ def _balance(robot: RobotDescription, j: int, rng: np.random.Generator) -> float
     return float(rng.choice([-1.0, 1.0])) * min(100.0, 0.05 * float(peak))
 
 
-def _scaled(*names: str) -> Change:
-    """Numbers of a joint that are a share of themselves larger."""
+def _larger(*names: str, of_coulomb: bool = False) -> Change:
+    """Numbers of a joint that are larger by a share of themselves, or of the Coulomb torque."""
 
     def change(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
         numbers, view = machine
         values = {name: getattr(numbers, name).copy() for name in names}
         for value in values.values():
-            value[:, j] *= 1 + size
+            value[:, j] = value[:, j] + size * numbers.coulomb[:, j] if of_coulomb else value[:, j] * (1 + size)
         return replace(numbers, **values), view
 
     return change
@@ -203,21 +198,8 @@ def _blocks(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
     return with_fault(machine[0], j, blocks=1.0), machine[1]
 
 
-def _raised(*names: str) -> Change:
-    """Strengths of the contact that are larger by a share of the Coulomb torque."""
-
-    def change(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
-        numbers, view = machine
-        values = {name: getattr(numbers, name).copy() for name in names}
-        for value in values.values():
-            value[:, j] += size * numbers.coulomb[:, j]
-        return replace(numbers, **values), view
-
-    return change
-
-
 def _stiffness(machine: Changed, j: int, size: float, shape: Shape) -> Changed:
-    numbers, view = _scaled("stiffness")(machine, j, size, shape)
+    numbers, view = _larger("stiffness")(machine, j, size, shape)
     damping = numbers.damping.copy()
     damping[:, j] *= np.sqrt(1 + size)
     return replace(numbers, damping=damping), view
@@ -265,16 +247,19 @@ def _described(answer: str, full: Full, change: Change, numbers: Mapping[str, fl
 
 
 _CHANGE: Mapping[str, float | str] = {"change": "size"}
+_PEAK: Mapping[str, float | str] = {"level": "size", "velocity": 0.0}
 _WAVE: Mapping[str, float | str] = {"cycles": "cycles", "phase": 0.0}
 _ONCE: Mapping[str, float | str] = {"amplitude": "size", "cycles": 1.0, "phase": 0.0}
 _PAYLOAD: Mapping[str, float | str] = {"mass": "size", "offset.x": 0.0, "offset.y": 0.0, "offset.z": 0.0, "radius": 0.0}
 
 KINDS: Mapping[str, Kind] = MappingProxyType(
     {
-        "coulomb": _described("coulomb_level", _either(0.3), _raised("coulomb", "breakaway"), _CHANGE),
-        "viscous": _described("viscous_level", _either(0.5), _scaled("viscous"), _CHANGE),
-        "peak": Kind("stribeck_peak", _up(0.8), _raised("breakaway"), {"level": "size", "velocity": 0.0}),
-        "presliding": _described("presliding", _up(1.5), _scaled("presliding"), {"stiffness": "size", "damping": 0.0}),
+        "coulomb": _described("coulomb_level", _either(0.3), _larger("coulomb", "breakaway", of_coulomb=True), _CHANGE),
+        "viscous": _described("viscous_level", _either(0.5), _larger("viscous"), _CHANGE),
+        "peak": Kind(
+            "stribeck_peak", _up(0.8), _larger("breakaway", of_coulomb=True), {"level": "size", "velocity": 0.0}
+        ),
+        "presliding": _described("presliding", _up(1.5), _larger("presliding"), {"stiffness": "size", "damping": 0.0}),
         "blocks": Kind("presliding", _up(1.0), _blocks),
         "asymmetry": Kind("asymmetry", _either(0.2), _fault("asymmetry"), {"coulomb": "size", "viscous": 0.0}),
         "load_share": Kind("load_friction", _up(0.15), _fault("load_share"), {"share": "size"}),
@@ -287,7 +272,7 @@ KINDS: Mapping[str, Kind] = MappingProxyType(
         "gap": Kind("backlash", _up(3e-4), _fault("gap"), {"half_gap": "size"}, needs=("elastic",)),
         "tooth": Kind("kinematic_error", _up(3e-4), _fault("tooth"), _ONCE, needs=("elastic",)),
         "payload": Kind("payload", _payload, _heavier, _PAYLOAD, at_machine=True),
-        "rotor": _described("rotor_inertia", _either(0.2), _scaled("rotor"), _CHANGE),
+        "rotor": _described("rotor_inertia", _either(0.2), _larger("rotor"), _CHANGE),
         "torque_error": Kind(
             "torque_constant",
             _either(0.1),

@@ -15,9 +15,8 @@ import numpy as np
 from ffgym.core.errors import FFGymError
 from ffgym.core.types import Array
 from scripts.exam.independent.arm import mass_and_bias
-from scripts.exam.independent.friction import Contact
+from scripts.exam.independent.drive import Contact, Orders, Servo
 from scripts.exam.independent.machine import Numbers
-from scripts.exam.independent.servo import Orders, Servo
 
 _EDGE = 0.1
 """Width over which the edges of play are round, as a share of half the play."""
@@ -52,8 +51,6 @@ class Course:
     """Of that angle [rad/s]."""
     torque: Array
     """Of the motors, as their currents say [N m]."""
-    feedback: Array
-    """Part of the torque that the servo adds to the feed-forward [N m]."""
 
 
 @final
@@ -97,14 +94,16 @@ class Plant:
             self._start = state[2]
             first = self.rates(state, 2 * k, orders)
             if k % every == 0:
-                read = self._seen(state[2]), self._seen_speed(state[2], state[3])
-                rows.append(np.stack([*state[:2], *read, first[1] + orders.ahead[2 * k], first[1]]))
+                error = self._faults.get("resolver")
+                speed = state[3] if error is None else state[3] * (1 + error * np.cos(state[2]))
+                read = self._seen(state[2]), speed
+                rows.append(np.stack([*state[:2], *read, first[1] + orders.ahead[2 * k]]))
                 if not np.all(np.abs(state[2]) < _FAR):
                     raise FFGymError(f"The independent plant became unstable at {k * self.dt:.3f} s; soften its servo.")
             if k < steps:
                 state = self._stepped(state, 2 * k, orders, first[0])
         done = np.stack(rows, axis=1)
-        return Course(q=done[0], dq=done[1], angle=done[2], speed=done[3], torque=done[4], feedback=done[5])
+        return Course(q=done[0], dq=done[1], angle=done[2], speed=done[3], torque=done[4])
 
     def _at_rest(self, q: Array, orders: Orders) -> Array:
         """State in which motors hold the arm; springs bend as they are described."""
@@ -143,7 +142,8 @@ class Plant:
             late = np.where(f["lag"] > 0, lagging, said)
             lag_rate = (said - lagging) / np.where(f["lag"] > 0, f["lag"], 1.0)
         torque = self._given(late, angle) - self._friction(q, angle, speed, half)
-        torque = torque + self._by_clock(half)
+        if "clock" in f:
+            torque = torque + f["clock"] * np.tanh(4 * np.sin(2 * np.pi * f["frequency"] * self._time(half)))
         # spring and arm
         lever = self._lever
         if "tooth" in f:
@@ -165,10 +165,6 @@ class Plant:
     def _seen(self, angle: Array) -> Array:
         """Angle as the resolver reads it."""
         return angle + self._faults["resolver"] * np.sin(angle) if "resolver" in self._faults else angle
-
-    def _seen_speed(self, angle: Array, speed: Array) -> Array:
-        """Speed of what the resolver reads."""
-        return speed * (1 + self._faults["resolver"] * np.cos(angle)) if "resolver" in self._faults else speed
 
     def _given(self, torque: Array, angle: Array) -> Array:
         """Torque of motors whose currents say `torque`."""
@@ -214,12 +210,6 @@ class Plant:
         if "neighbour" in f:
             drag = drag + f["neighbour"] * np.sin(3.0 * np.roll(q, -1, axis=1))
         return drag
-
-    def _by_clock(self, half: int) -> Array | float:
-        f = self.numbers.faults
-        if "clock" not in f:
-            return 0.0
-        return np.asarray(f["clock"] * np.tanh(4 * np.sin(2 * np.pi * f["frequency"] * self._time(half))))
 
     def _spring(self, q: Array, dq: Array, angle: Array, speed: Array, lever: Array) -> Array:
         """Torque of the springs on the links; 0 in rigid joints."""

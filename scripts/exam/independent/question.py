@@ -12,7 +12,7 @@ from ffgym.diagnosis.calibration import Calibration
 from scripts.exam.independent.hidden import KINDS, Concealed, concealed, possible
 from scripts.exam.independent.loudness import loudness
 from scripts.exam.independent.machine import numbers_of
-from scripts.exam.independent.sensors import Columns, Exact, logged
+from scripts.exam.independent.sensors import Exact, logged
 from scripts.exam.independent.setup import Setup, drawn_setup, simulated
 from scripts.exam.paper import Paper, Row
 
@@ -42,13 +42,7 @@ class IndependentPaper(Paper):
 
 
 def hand_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPaper:
-    """Question `number` of a row; it depends on nothing but these and the seed.
-
-    Args:
-        row: kind of question.
-        number: from 0 on.
-        seed: of the exam.
-        fixed: what is not drawn of the machine, see `drawn_setup`.
+    """Question `number` of a row, which these and the seed decide alone; `fixed` is not drawn, see `drawn_setup`.
 
     Raises:
         FFGymError: if there is no such row, or the machine cannot make its motions.
@@ -57,13 +51,33 @@ def hand_out(row: Row, number: int, *, seed: int, **fixed: Any) -> IndependentPa
     key = (_KEY, check_whole("seed", seed, low=0), ROWS.index(row), check_whole("number", number, low=0))
     rng = np.random.default_rng(key)
     setup = drawn_setup(rng, **fixed)
+    hidden, heard = None, 0.0
     if row == "clean":
         (exact,) = simulated(setup, [(setup.numbers, setup.view)])
-        return _paper(row, number, setup, None, 0.0, exact, rng)
-    name, setup = _kind(row, number, seed, setup, rng)
-    hidden, without, exact = _draw_stable(name, setup, rng)
-    error = hidden.size if hidden.kind.of_number else 0.0
-    return _paper(row, number, setup, hidden, loudness(setup, without, exact, error=error), exact, rng)
+    else:
+        name, setup = _kind(row, number, seed, setup, rng)
+        hidden, without, exact = _draw_stable(name, setup, rng)
+        heard = loudness(setup, without, exact, error=hidden.size if hidden.kind.of_number else 0.0)
+    log = logged(
+        setup.robot,
+        exact,
+        columns=setup.columns,
+        noise=setup.noise,
+        started=setup.started,
+        current_offset=setup.current_offset,
+        rng=rng,
+    )
+    return IndependentPaper(
+        row=row,
+        number=number,
+        robot=setup.robot,
+        log=tuple(log),
+        calibration=Calibration.of_share(setup.share),
+        truth=() if hidden is None else (hidden.truth(setup.robot, heard),),
+        clue=None if hidden is None else hidden.clue(setup.robot),
+        conditions=setup.label,
+        setup=setup,
+    )
 
 
 def _draw_stable(
@@ -95,9 +109,10 @@ def _kind(row: Row, number: int, seed: int, setup: Setup, rng: np.random.Generat
     turn, place = divmod(number, len(names))
     order = np.random.default_rng((_KEY, seed, ROWS.index(row), turn)).permutation(len(names))
     name = names[order[place]]
-    setup = replace(setup, columns=_with(setup.columns, KINDS[name].needs))
-    if name not in possible(setup.robot, setup.columns):
-        shown = possible(setup.robot, setup.columns)
+    logged_too = {need: True for need in KINDS[name].needs if need in ("tracker", "temperature")}
+    setup = replace(setup, columns=replace(setup.columns, **logged_too))
+    shown = possible(setup.robot, setup.columns)
+    if name not in shown:
         name = str(rng.choice([other for other in names if other in shown]))
     return name, setup
 
@@ -118,40 +133,3 @@ def _beside(hidden: Concealed, setup: Setup) -> dict[str, float]:
     if hidden.name == "reflector":
         return {f"offset.{axis}": float(x) for axis, x in zip("xyz", setup.view.offset, strict=True)}
     return {}
-
-
-def _with(columns: Columns, needs: tuple[str, ...]) -> Columns:
-    return replace(columns, **{name: True for name in ("tracker", "temperature") if name in needs})
-
-
-def _paper(
-    row: Row,
-    number: int,
-    setup: Setup,
-    hidden: Concealed | None,
-    heard: float,
-    exact: Exact,
-    rng: np.random.Generator,
-) -> IndependentPaper:
-    count, motions = exact.angle.shape[:2]
-    log = logged(
-        setup.robot,
-        exact,
-        columns=setup.columns,
-        noise=setup.noise,
-        started=setup.started,
-        current_offset=setup.current_offset,
-        lengths=[count] * motions,
-        rng=rng,
-    )
-    return IndependentPaper(
-        row=row,
-        number=number,
-        robot=setup.robot,
-        log=tuple(log),
-        calibration=Calibration.of_share(setup.share),
-        truth=() if hidden is None else (hidden.truth(setup.robot, heard),),
-        clue=None if hidden is None else hidden.clue(setup.robot),
-        conditions=setup.label,
-        setup=setup,
-    )

@@ -1,8 +1,5 @@
 """Robots by chance: one to seven axes, heavy and light, rigid and elastic, with motors and servos that fit them."""
 
-from dataclasses import dataclass
-from typing import final
-
 import numpy as np
 
 from ffgym.core.types import Array
@@ -23,17 +20,6 @@ as what they carry."""
 
 _POSES = 8
 """Poses over which the load of a joint is taken."""
-
-
-@final
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Load:
-    """What joints carry, link side, over some poses."""
-
-    inertia: Array
-    """Mean diagonal of the mass matrix [kg m^2], shape (N,)."""
-    holding: Array
-    """Largest torque of gravity [N m], shape (N,)."""
 
 
 def drawn_robot(n: int, *, elastic: bool, rng: np.random.Generator) -> RobotDescription:
@@ -89,17 +75,17 @@ def _motors(
     kinematics: Kinematics, bodies: Links, tool: Tool, home: Array, elastic: bool, rng: np.random.Generator
 ) -> tuple[Drive, LuGreParameters]:
     n = len(home)
-    load = _load(kinematics, bodies, tool, home, rng)
+    carried, holding = _load(kinematics, bodies, tool, home, rng)
     ratio = np.exp(rng.uniform(np.log(40), np.log(160), n)) * rng.choice([-1.0, 1.0, 1.0], n)
-    rotor = np.maximum(load.inertia * rng.uniform(0.4, 2.0, n), _LEAST * load.inertia.max()) / ratio**2
-    lively = kinematics.max_speed * 2 * np.pi * 1.5 * (load.inertia + ratio**2 * rotor)
-    needed = (load.holding + lively) / np.abs(ratio)
+    rotor = np.maximum(carried * rng.uniform(0.4, 2.0, n), _LEAST * carried.max()) / ratio**2
+    lively = kinematics.max_speed * 2 * np.pi * 1.5 * (carried + ratio**2 * rotor)
+    needed = (holding + lively) / np.abs(ratio)
     coulomb = needed * rng.uniform(0.05, 0.2, n)
     fastest = kinematics.max_speed * np.abs(ratio)
     frequency = rng.uniform(9, 20) * np.exp(0.25 * np.arange(n)) if elastic else np.full(n, np.inf)
-    stiffness = (2 * np.pi * frequency) ** 2 * load.inertia
-    damping = 2 * rng.uniform(0.02, 0.08, n) * np.sqrt(np.where(elastic, stiffness, 0.0) * load.inertia)
-    total = rotor + load.inertia / ratio**2
+    stiffness = (2 * np.pi * frequency) ** 2 * carried
+    damping = 2 * rng.uniform(0.02, 0.08, n) * np.sqrt(np.where(elastic, stiffness, 0.0) * carried)
+    total = rotor + carried / ratio**2
     bristle = coulomb / rng.uniform(0.004, 0.012, n)
     drive = Drive(
         gear_ratio=ratio,
@@ -119,27 +105,23 @@ def _motors(
     return drive, friction
 
 
-def _load(kinematics: Kinematics, links: Links, tool: Tool, home: Array, rng: np.random.Generator) -> _Load:
-    n = len(home)
+def _load(
+    kinematics: Kinematics, links: Links, tool: Tool, home: Array, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Mean diagonal of the mass matrix [kg m^2], and largest torque of gravity [N m], over some poses, shape (N,)."""
+    n, one = len(home), np.ones(len(home))
     fake = Drive(
-        gear_ratio=np.ones(n),
-        rotor_inertia=np.ones(n),
-        joint_stiffness=np.full(n, np.inf),
-        joint_damping=np.zeros(n),
-        peak_torque=np.ones(n),
+        gear_ratio=one, rotor_inertia=one, joint_stiffness=one * np.inf, joint_damping=0 * one, peak_torque=one
     )
-    one = np.ones(n)
     friction = LuGreParameters(
         coulomb=one, static=one, viscous=one, stribeck_velocity=one, bristle_stiffness=one, bristle_damping=one
     )
     bodies = bodies_of(_described(kinematics, links, tool, home, fake, friction, rng), _POSES)
     q = home + rng.uniform(-0.6, 0.6, (_POSES, n))
-    matrix, _ = mass_and_bias(bodies, q, np.zeros_like(q))
-    holding = inverse_dynamics(bodies, q, np.zeros_like(q), np.zeros_like(q))
-    return _Load(
-        inertia=np.einsum("bii->bi", matrix).mean(axis=0),
-        holding=np.abs(holding).max(axis=0),
-    )
+    still = np.zeros_like(q)
+    matrix, _ = mass_and_bias(bodies, q, still)
+    holding = inverse_dynamics(bodies, q, still, still)
+    return np.einsum("bii->bi", matrix).mean(axis=0), np.abs(holding).max(axis=0)
 
 
 def _described(

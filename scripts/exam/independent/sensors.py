@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from ffgym.core.types import Array
 from ffgym.recordings import Recording
 from ffgym.robot.description import RobotDescription, log_header
-from scripts.exam.independent.arm import Bodies, Pose, pose_of, tool_of
-from scripts.exam.independent.plant import Course
+from scripts.exam.independent.arm import Bodies, pose_of, tool_of
 
 Noise = Literal["white", "coloured", "quiet"]
 NOISES: tuple[Noise, ...] = get_args(Noise)
@@ -69,12 +68,12 @@ def tracked(bodies: Bodies, q: Array, view: View, dt: float) -> Array:
         t = np.arange(len(q)) * dt
         flat = q.reshape(len(q), -1)
         q = np.stack([np.interp(t - view.latency, t, column) for column in flat.T], axis=1).reshape(q.shape)
-    return np.stack([_seen(bodies, pose_of(bodies, row), view) for row in q])
-
-
-def _seen(bodies: Bodies, pose: Pose, view: View) -> Array:
-    reflector = tool_of(bodies, pose) + pose.rotation[:, -1] @ bodies.tool_rotation @ view.offset
-    return np.asarray(reflector @ Rotation.from_rotvec(view.turn).as_matrix().T + view.shift)
+    turn, found = Rotation.from_rotvec(view.turn).as_matrix().T, []
+    for row in q:
+        pose = pose_of(bodies, row)
+        reflector = tool_of(bodies, pose) + pose.rotation[:, -1] @ bodies.tool_rotation @ view.offset
+        found.append(reflector @ turn + view.shift)
+    return np.stack(found)
 
 
 @final
@@ -86,18 +85,11 @@ class Exact:
     angle: Array
     speed: Array
     torque: Array
-    feedback: Array
     ahead: Array
     set_point: Array
     set_speed: Array
     tool: Array
     temperature: Array
-
-
-def exact_of(course: Course, first: int, **more: Array | float) -> Exact:
-    """Rows of a course from `first` on, with columns that it does not hold."""
-    names = ("angle", "speed", "torque", "feedback")
-    return Exact(**{name: getattr(course, name)[first:] for name in names}, **more)  # type: ignore[arg-type]
 
 
 def logged(
@@ -108,61 +100,42 @@ def logged(
     noise: Noise,
     started: Array,
     current_offset: Array,
-    lengths: list[int],
     rng: np.random.Generator,
 ) -> list[Recording]:
     """Recordings of motions as sensors log them."""
-    return [
-        _recording(robot, exact, m, columns, noise, float(started[m]), current_offset, lengths[m], rng)
-        for m in range(exact.angle.shape[1])
-    ]
-
-
-def _recording(
-    robot: RobotDescription,
-    exact: Exact,
-    m: int,
-    columns: Columns,
-    noise: Noise,
-    started: float,
-    current_offset: Array,
-    length: int,
-    rng: np.random.Generator,
-) -> Recording:
-    """One motion, of which `length` rows are kept."""
-    n, dt, size = robot.n_joints, exact.dt, QUIET if noise == "quiet" else 1.0
+    length, motions, n = exact.angle.shape
+    size, dt = QUIET if noise == "quiet" else 1.0, exact.dt
+    step = 2 * np.pi / (_QUIET_STEPS if noise == "quiet" else 2.0**robot.sensors.encoder_bits)
 
     def noisy(values: Array, sigma: float | Array) -> Array:
         return np.asarray(values + size * sigma * _drawn(values.shape, noise, dt, rng))
 
-    steps = _QUIET_STEPS if noise == "quiet" else 2.0**robot.sensors.encoder_bits
-    step = 2 * np.pi / steps
-    angle = np.round(noisy(exact.angle[:length, m], ANGLE_NOISE) / step) * step
-    torque = noisy(exact.torque[:length, m], TORQUE_NOISE * robot.friction.coulomb) + current_offset
-    tool = noisy(exact.tool[:length, m], TOOL_NOISE)
-    found: dict[str, Array] = {"timestamp": np.arange(length, dtype=np.float64) * dt}
-    found |= _family("motor.position", robot.joints, angle)
-    found |= _family("motor.effort", robot.joints, torque)
-    if columns.speed:
-        found |= _family("motor.velocity", robot.joints, np.gradient(angle, dt, axis=0))
-    if columns.set_points:
-        found |= _family("reference.position", robot.joints, exact.set_point[:length, m])
-        found |= _family("reference.velocity", robot.joints, exact.set_speed[:length, m])
-    if columns.feedback:
-        found |= _family("feedforward.effort", robot.joints, exact.ahead[:length, m])
-        found |= _family("feedback.effort", robot.joints, torque - current_offset - exact.ahead[:length, m])
-    if columns.temperature:
-        warm = exact.temperature[:length, m] + 0.1 * rng.standard_normal((length, n))
-        found |= _family("temperature", robot.joints, warm)
-    if columns.tracker:
-        found |= _family("tcp.position", "xyz", tool)
-    header = log_header(robot, f"motion_{m + 1}", "sampled")
-    header.meta["session_start"] = started
-    return Recording(columns=found, header=header)
-
-
-def _family(name: str, parts: tuple[str, ...] | str, values: Array) -> dict[str, Array]:
-    return {f"{name}.{part}": column for part, column in zip(parts, values.T, strict=True)}
+    recordings = []
+    for m in range(motions):
+        angle = np.round(noisy(exact.angle[:, m], ANGLE_NOISE) / step) * step
+        torque = noisy(exact.torque[:, m], TORQUE_NOISE * robot.friction.coulomb) + current_offset
+        tool = noisy(exact.tool[:, m], TOOL_NOISE)
+        families = {"motor.position": angle, "motor.effort": torque}
+        if columns.speed:
+            families["motor.velocity"] = np.gradient(angle, dt, axis=0)
+        if columns.set_points:
+            families["reference.position"] = exact.set_point[:, m]
+            families["reference.velocity"] = exact.set_speed[:, m]
+        if columns.feedback:
+            families["feedforward.effort"] = exact.ahead[:, m]
+            families["feedback.effort"] = torque - current_offset - exact.ahead[:, m]
+        if columns.temperature:
+            families["temperature"] = exact.temperature[:, m] + 0.1 * rng.standard_normal((length, n))
+        if columns.tracker:
+            families["tcp.position"] = tool
+        found: dict[str, Array] = {"timestamp": np.arange(length, dtype=np.float64) * dt}
+        for name, values in families.items():
+            parts = "xyz" if name == "tcp.position" else robot.joints
+            found |= {f"{name}.{part}": column for part, column in zip(parts, values.T, strict=True)}
+        header = log_header(robot, f"motion_{m + 1}", "sampled")
+        header.meta["session_start"] = float(started[m])
+        recordings.append(Recording(columns=found, header=header))
+    return recordings
 
 
 def _drawn(shape: tuple[int, ...], noise: Noise, dt: float, rng: np.random.Generator) -> Array:

@@ -1,6 +1,6 @@
 """A machine under test: which robot, how it is driven, moved and measured; drawn by seed, without what is hidden."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, final, get_args
 
 import numpy as np
@@ -8,13 +8,12 @@ import numpy as np
 from ffgym.core.types import Array
 from ffgym.robot.description import RobotDescription
 from scripts.exam.independent.arm import bodies_of, inverse_dynamics
-from scripts.exam.independent.friction import Contact
+from scripts.exam.independent.drive import Cascade, Contact, Continuous, Orders, Servo
 from scripts.exam.independent.machine import Numbers, side_by_side, unsure
 from scripts.exam.independent.motions import KINDS, motion
 from scripts.exam.independent.plant import Plant
 from scripts.exam.independent.robots import drawn_robot
-from scripts.exam.independent.sensors import NOISES, Columns, Exact, Noise, View, exact_of, tracked
-from scripts.exam.independent.servo import Cascade, Continuous, Orders, Servo
+from scripts.exam.independent.sensors import NOISES, Columns, Exact, Noise, View, tracked
 
 Control = Literal["documented", "cascade", "early"]
 CONTROLS: tuple[Control, ...] = get_args(Control)
@@ -47,6 +46,9 @@ REFLECTOR = 20e-6
 
 _ROW_DT = (0.001, 0.002, 0.004, 0.005, 0.008, 0.01)
 """Sample periods of logs [s]: those of controllers between 1 kHz and 100 Hz."""
+
+_LOGGED = (0.5, 0.5, 0.4, 0.5, 0.3)
+"""How often tracker, set-points, feedback, speeds and temperatures are logged."""
 
 _PAUSE = (20.0, 120.0)
 """Between motions [s]."""
@@ -108,20 +110,7 @@ def drawn_setup(
     count: int = 6,
     duration: float = 4.0,
 ) -> Setup:
-    """A machine by chance; what is given is not drawn.
-
-    Args:
-        rng: chance.
-        n: joints.
-        elastic: whether joints are.
-        control: see `CONTROLS`.
-        columns: of the log.
-        row_dt: sample period [s].
-        noise: of the sensors.
-        share: how sure the numbers are.
-        count: motions.
-        duration: of each [s].
-    """
+    """A machine of `n` joints by chance, with `count` motions of a `duration` [s]; what is given is not drawn."""
     n = int(rng.choice([1, 1, 2, 2, 3, 4, 6, 6, 7])) if n is None else n
     elastic = bool(rng.random() < 0.6) if elastic is None else elastic
     robot = drawn_robot(n, elastic=elastic, rng=rng)
@@ -134,12 +123,13 @@ def drawn_setup(
     )
     started = np.cumsum(rng.uniform(*_PAUSE, size=count) + duration)
     rise = rng.uniform(3.0, 15.0, n)
+    names = ("tracker", "set_points", "feedback", "speed", "temperature")
     return Setup(
         robot=robot,
         share=share,
         numbers=unsure(robot, share, rng),
         control=control or CONTROLS[int(rng.integers(len(CONTROLS)))],
-        columns=columns or _columns(rng),
+        columns=columns or Columns(**dict(zip(names, (rng.random(5) < _LOGGED).tolist(), strict=True))),
         noise=noise or NOISES[int(rng.integers(len(NOISES)))],
         row_dt=float(rng.choice(_ROW_DT)) if row_dt is None else row_dt,
         motions=motions,
@@ -147,17 +137,6 @@ def drawn_setup(
         warming=rise * (1 - np.exp(-started[:, None] / 600.0)),
         current_offset=_OFFSET * share * robot.friction.coulomb * rng.standard_normal(n),
         view=View(offset=REFLECTOR * rng.standard_normal(3)),
-    )
-
-
-def _columns(rng: np.random.Generator) -> Columns:
-    tracker, set_points, feedback, speed, temperature = rng.random(5) < (0.5, 0.5, 0.4, 0.5, 0.3)
-    return Columns(
-        tracker=bool(tracker),
-        set_points=bool(set_points),
-        feedback=bool(feedback),
-        speed=bool(speed),
-        temperature=bool(temperature),
     )
 
 
@@ -182,37 +161,31 @@ def simulated(setup: Setup, machines: list[tuple[Numbers, View]]) -> list[Exact]
     )
     every = round(setup.row_dt / STEP)
     course = plant.run(q[0], orders, every)
+    # what is logged begins when the arm has come to rest, and set-points may be seen before they come
     first = -(-before // (2 * every))
     rows = slice(2 * every * first, None, 2 * every)
-    ahead_of_time = 2 * round(EARLY / STEP) if setup.control == "early" else 0
-    shown = [_earlier(values, ahead_of_time)[rows] for values in (orders.position, orders.speed)]
+    early = 2 * round(EARLY / STEP) if setup.control == "early" else 0
+    shown = [
+        np.concatenate([values[early:], np.repeat(values[-1:], early, axis=0)])[rows]
+        for values in (orders.position, orders.speed)
+    ]
     found = []
     for k, (machine, view) in enumerate(machines):
         own = slice(k * count, (k + 1) * count)
-        bodies = side_by_side([machine] * count).bodies
-        exact = exact_of(
-            course,
-            first,
+        angle = course.angle[first:, own]
+        exact = Exact(
             dt=setup.row_dt,
-            ahead=orders.ahead[rows],
-            set_point=shown[0],
-            set_speed=shown[1],
-            tool=np.zeros(0),
-            temperature=np.zeros(0),
+            angle=angle,
+            speed=course.speed[first:, own],
+            torque=course.torque[first:, own],
+            ahead=orders.ahead[rows][:, own],
+            set_point=shown[0][:, own],
+            set_speed=shown[1][:, own],
+            tool=tracked(side_by_side([machine] * count).bodies, course.q[first:, own], view, setup.row_dt),
+            temperature=np.broadcast_to(20.0 + setup.warming, angle.shape),
         )
-        picked = {name: getattr(exact, name)[:, own] for name in _PER_MOTION}
-        tool = tracked(bodies, course.q[first:, own], view, setup.row_dt)
-        warm = np.broadcast_to(20.0 + setup.warming, picked["angle"].shape)
-        found.append(replace(exact, tool=tool, temperature=warm, **picked))
+        found.append(exact)
     return found
-
-
-_PER_MOTION = ("angle", "speed", "torque", "feedback", "ahead", "set_point", "set_speed")
-
-
-def _earlier(values: Array, half_steps: int) -> Array:
-    """Values that are seen so much before they come, held at the end."""
-    return np.concatenate([values[half_steps:], np.repeat(values[-1:], half_steps, axis=0)])
 
 
 def _orders(setup: Setup, q: Array, dq: Array, ddq: Array, before: int) -> Orders:

@@ -7,12 +7,11 @@ import pytest
 
 from ffgym.robot import RigidArm, load_robot
 from ffgym.robot.parts import Kinematics
-from scripts.exam.independent.arm import bodies_of, energy, inverse_dynamics, mass_and_bias, pose_of, tool_of
-from scripts.exam.independent.friction import Contact
+from scripts.exam.independent.arm import bodies_of, inverse_dynamics, mass_and_bias, pose_of, tool_of
+from scripts.exam.independent.drive import Cascade, Contact, Continuous, Orders
 from scripts.exam.independent.machine import numbers_of, side_by_side, unsure, with_fault
 from scripts.exam.independent.plant import Plant
 from scripts.exam.independent.robots import drawn_robot
-from scripts.exam.independent.servo import Cascade, Continuous, Orders
 
 
 @pytest.fixture
@@ -97,7 +96,10 @@ def total_energy(numbers, course):
         stretched = q - angle / numbers.gear_ratio
         rotors = 0.5 * np.sum(numbers.rotor * speed**2)
         springs = 0.5 * np.sum(numbers.stiffness * stretched**2)
-        found.append(float(energy(numbers.bodies, q, dq)[0]) + rotors + springs)
+        matrix, _ = mass_and_bias(numbers.bodies, q, dq)
+        kinetic = 0.5 * dq[0] @ matrix[0] @ dq[0]
+        height = pose_of(numbers.bodies, q).centre[0] @ numbers.bodies.gravity @ numbers.bodies.mass[0]
+        found.append(float(kinetic - height) + rotors + springs)
     return np.array(found)
 
 
