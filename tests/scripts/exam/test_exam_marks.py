@@ -9,8 +9,8 @@ from ffgym.diagnosis.result import Cause, Diagnosis, Pattern, Rival, Size
 from ffgym.effects import EFFECTS
 from scripts.exam.draw import draw_case
 from scripts.exam.equations import Clue
-from scripts.exam.equations.joints import TwoWaveCogging
-from scripts.exam.equations.outsiders import FloorVibration, RubbingHose
+from scripts.exam.equations.joints import two_wave_cogging
+from scripts.exam.equations.outsiders import floor_vibration, rubbing_hose
 from scripts.exam.exams import EXAMS
 from scripts.exam.gain import gain_of
 from scripts.exam.hidden import Hidden
@@ -123,7 +123,7 @@ def test_of_a_pair_both_must_be_in_a_tie(paper, load, cogging, listed, outcome):
 
 
 def test_a_variant_is_named_by_the_effect_that_it_is_of(paper, irb4600):
-    hidden = Hidden(effect=TwoWaveCogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
+    hidden = Hidden(effect=two_wave_cogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
     mark = mark_of(paper(hidden), says("named", cause("cogging", "j1", cycles=6.04)))
     assert mark.outcome == "right"
     assert mark.cycles_off == pytest.approx(0.04)
@@ -131,7 +131,7 @@ def test_a_variant_is_named_by_the_effect_that_it_is_of(paper, irb4600):
 
 
 def test_of_two_waves_that_are_named_the_main_one_counts_whichever_comes_first(paper, irb4600):
-    hidden = Hidden(effect=TwoWaveCogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
+    hidden = Hidden(effect=two_wave_cogging.on(irb4600, "j1", amplitude=0.1, cycles=6.0, phase=0.0), joint="j1")
     waves = [
         cause("cogging", "j1", cycles=12.01),
         cause("cogging", "j1", cycles=5.97),
@@ -142,7 +142,7 @@ def test_of_two_waves_that_are_named_the_main_one_counts_whichever_comes_first(p
 
 
 def test_an_effect_outside_the_library_has_no_right_name(paper, irb4600):
-    effect = FloorVibration.on(irb4600, "j2", share=0.1, frequency=17.0, phase=0.0)
+    effect = floor_vibration.on(irb4600, "j2", share=0.1, frequency=17.0, phase=0.0)
     hidden = Hidden(effect=effect, joint="j2")
     named = mark_of(paper(hidden, row="outside"), says("named", OTHER))
     unknown = mark_of(paper(hidden, row="outside"), says("unknown", patterns=(pattern("time", "line", 17.1),)))
@@ -251,7 +251,7 @@ def test_a_poor_log_may_be_a_tie_that_a_proposed_motion_resolves(paper, load):
 def test_the_clue_of_a_cross_axis_effect_is_the_other_joint(irb4600):
     share = [[0.0] * 6 for _ in range(6)]
     share[1][4] = 0.2
-    hidden = Hidden(effect=RubbingHose.on(irb4600, share=share, phase=0.3), joint="j2")
+    hidden = Hidden(effect=rubbing_hose.on(irb4600, share=share, phase=0.3), joint="j2")
     assert hidden.clue(irb4600).joint == "j5"
 
 
