@@ -1,6 +1,5 @@
 """Simulated test bench of an exam: a robot, its motions, and how well they are measured."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -64,10 +63,6 @@ class Bench:
     lacks: tuple[str, ...] = ()
     """Families of columns that the log does not have."""
 
-    def with_protocols(self, protocols: Sequence[Protocol]) -> "Bench":
-        """The same bench with other motions."""
-        return replace(self, protocols=tuple(protocols))
-
     def record(
         self, machine: Machine, *, seed: int, current_offset: Array | None = None, start: float = 0.0
     ) -> list[Recording]:
@@ -82,7 +77,9 @@ class Bench:
         rig = SimulatedRig(arm=self.arm, machine=machine, sensors=self._sensors(current_offset), name="exam")
         motions = plan_session(self.arm, self.protocols, start=start)
         recordings = record(motions, rig, seed=seed, record_dt=self.record_dt, n_threads=1)
-        return [_without(recording, self.lacks) for recording in recordings]
+        left_out = tuple(f"{family}." for family in self.lacks)
+        kept = [{name: one[name] for name in one.columns if not name.startswith(left_out)} for one in recordings]
+        return [Recording(columns=columns, header=one.header) for columns, one in zip(kept, recordings, strict=True)]
 
     def _sensors(self, current_offset: Array | None) -> tuple[Sensor, ...]:
         """Resolvers with noise, the tracker of the description, thermometers, and measured currents."""
@@ -102,11 +99,3 @@ def usual_protocol(arm: RigidArm, *, poor: bool = False) -> Protocol:
     if not poor or area is None:
         return Diagnosis(pause=PAUSE)
     return Circles(positions=(next(iter(area.positions)),), speeds=POOR_SPEEDS, pause=PAUSE)
-
-
-def _without(recording: Recording, families: Sequence[str]) -> Recording:
-    left_out = tuple(f"{family}." for family in families)
-    if not left_out:
-        return recording
-    columns = {name: values for name, values in recording.columns.items() if not name.startswith(left_out)}
-    return Recording(columns=columns, header=recording.header)

@@ -7,11 +7,12 @@ import tempfile
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from contextlib import ExitStack
+from dataclasses import asdict, replace
 from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, final, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, final
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.provenance import versions
@@ -55,6 +56,8 @@ class Exam(ABC):
     """Name of its robot."""
     part: ClassVar[str]
     """Mark of its results on the page, and name of their picture."""
+    prefix: str = ""
+    """Name of the file of marks begins with it."""
 
     @property
     @abstractmethod
@@ -81,9 +84,9 @@ class Exam(ABC):
     def paper(self, row: Row, number: int, seed: int) -> Paper:
         """A question as it is handed out."""
 
-    @abstractmethod
     def file_of(self, seed: int) -> str:
         """Name of the file of marks."""
+        return f"{self.prefix}seed_{seed}.jsonl"
 
     def texts(self, marks: Sequence[Mark]) -> list[str]:
         """Results to be read, paragraph by paragraph."""
@@ -116,25 +119,14 @@ class Exam(ABC):
 
 
 @final
-@dataclass(frozen=True)
 class OwnExam(Exam):
     """Logs of one robot by the project's own simulation."""
 
-    robot: str = ROBOT
-    part: ClassVar[str] = "exam"
-
-    @property
-    def counts(self) -> Mapping[Row, int]:
-        """See base class."""
-        return draw.COUNTS
+    robot, part, counts = ROBOT, "exam", draw.COUNTS
 
     def table(self, marks: Sequence[Mark]) -> list[Line]:
         """See base class."""
         return table(marks)
-
-    def file_of(self, seed: int) -> str:
-        """See base class."""
-        return f"seed_{seed}.jsonl"
 
     def paper(self, row: Row, number: int, seed: int) -> OwnPaper:
         """See base class."""
@@ -155,38 +147,24 @@ class OwnExam(Exam):
         if answer.separating_motion is None:
             return None
         case = paper.case
-        ends = [recording.header.meta["session_start"] + recording.t[-1] for recording in paper.log]
         with tempfile.TemporaryDirectory() as folder:
             place = Path(folder) / "proposed.toml"
             place.write_text(answer.separating_motion.toml, encoding="utf-8")
-            more = case.bench.with_protocols(load_protocols(place)).record(
-                case.complete,
-                seed=int(case.generator(1).integers(2**32)),
-                current_offset=case.current_offset,
-                start=float(max(ends)) + _LATER,
-            )
+            bench = replace(case.bench, protocols=tuple(load_protocols(place)))
+        ends = [recording.header.meta["session_start"] + recording.t[-1] for recording in paper.log]
+        seed = int(case.generator(1).integers(2**32))
+        start = float(max(ends)) + _LATER
+        more = bench.record(case.complete, seed=seed, current_offset=case.current_offset, start=start)
         later = [recording.renamed(f"proposed/{recording.header.segment}") for recording in more]
         both = Paper(row=paper.row, number=paper.number, robot=paper.robot, log=(*paper.log, *later))
         return outcome(self.answer(both), paper.truth)
 
 
 @final
-@dataclass(frozen=True)
 class IndependentExam(Exam):
     """Logs of drawn machines by a plant that shares nothing with the simulation."""
 
-    robot: str = "drawn"
-    part: ClassVar[str] = "independent"
-
-    @property
-    def counts(self) -> Mapping[Row, int]:
-        """See base class."""
-        return question.COUNTS
-
-    @property
-    def fingerprint(self) -> None:
-        """See base class."""
-        return None
+    robot, part, prefix, counts, fingerprint = "drawn", "independent", "independent_", question.COUNTS, None
 
     def table(self, marks: Sequence[Mark]) -> list[Line]:
         """See base class."""
@@ -195,10 +173,6 @@ class IndependentExam(Exam):
     def head(self, seed: int) -> dict[str, Any]:
         """See base class."""
         return {"format": "ffgym-exam", "exam": "independent", "seed": seed, "versions": versions()}
-
-    def file_of(self, seed: int) -> str:
-        """See base class."""
-        return f"independent_seed_{seed}.jsonl"
 
     def paper(self, row: Row, number: int, seed: int) -> Paper:
         """See base class."""
@@ -218,7 +192,6 @@ class IndependentExam(Exam):
 
 
 ExamName = Literal["own", "independent"]
-EXAM_NAMES: tuple[ExamName, ...] = get_args(ExamName)
 
 EXAMS: Mapping[ExamName, Exam] = MappingProxyType({"own": OwnExam(), "independent": IndependentExam()})
 """Exams of the project by name."""
@@ -248,48 +221,33 @@ def examine(question: Question, *, exam: Exam, seed: int) -> Mark:
         began = time.perf_counter()
         answer = exam.answer(paper)
         seconds = time.perf_counter() - began
-        same = _bytes(answer) == _bytes(exam.answer(paper)) if number % REPEATED == 0 else None
+        same = None
+        if number % REPEATED == 0:
+            one, other = (json.dumps(diagnosis_document(each)) for each in (answer, exam.answer(paper)))
+            same = one == other
         extras = exam.extras(paper, answer)
     except FFGymError as error:
         raise FFGymError(f"Question {row}-{number} of seed {seed}: {error}") from error
     return mark_of(paper, answer, seconds=seconds, same_bytes=same, **extras)
 
 
-def _bytes(answer: Diagnosis) -> str:
-    return json.dumps(diagnosis_document(answer))
-
-
 def hold(
     questions: Sequence[Question], *, exam: Exam, seed: int, jobs: int = 1, progress: Progress | None = None
 ) -> Iterator[Mark]:
-    """Marks of questions as they come; their order depends on how long each takes.
-
-    Args:
-        questions: rows and numbers.
-        exam: whose they are.
-        seed: of the exam.
-        jobs: processes.
-        progress: called after each, with how many are done and how many there are.
+    """Marks of questions as they come from so many processes; their order depends on how long each takes.
 
     Raises:
         FFGymError: if one cannot be recorded or diagnosed.
     """
     ask: Callable[[Question], Mark] = partial(examine, exam=exam, seed=seed)
-    if jobs == 1:
-        yield from _counted(map(ask, questions), len(questions), progress)
-        return
-    context = multiprocessing.get_context("spawn")  # what the engine's threads hold is not copied
-    with context.Pool(jobs, initializer=_ignore_interruption) as pool:
-        yield from _counted(pool.imap_unordered(ask, questions), len(questions), progress)
-
-
-def _ignore_interruption() -> None:
-    """Leave an interruption to the process that hands out the questions, which ends the others."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _counted(marks: Iterator[Mark], total: int, progress: Progress | None) -> Iterator[Mark]:
-    for done, mark in enumerate(marks, start=1):
-        yield mark
-        if progress is not None:
-            progress(done, total)
+    with ExitStack() as stack:
+        marks: Iterator[Mark] = map(ask, questions)
+        if jobs > 1:
+            context = multiprocessing.get_context("spawn")  # what the engine's threads hold is not copied
+            # an interruption is left to this process, which ends the others
+            pool = context.Pool(jobs, initializer=signal.signal, initargs=(signal.SIGINT, signal.SIG_IGN))
+            marks = stack.enter_context(pool).imap_unordered(ask, questions)
+        for done, mark in enumerate(marks, start=1):
+            yield mark
+            if progress is not None:
+                progress(done, len(questions))

@@ -1,8 +1,8 @@
 """Results of an exam to be read: figures beside demands, answers by loudness, what went wrong, and a picture."""
 
 from collections import Counter
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, get_args
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, get_args
 
 from ffgym.core.errors import FFGymError
 from ffgym.report.figure import house_style, legend_above, new_figure
@@ -103,33 +103,43 @@ def outcomes_figure(marks: Sequence[Mark]) -> "Figure":
         FFGymError: if there are no marks.
     """
     by_row = {row: [mark for mark in marks if mark.row == row] for row in reversed(ROWS)}
-    rows = [row for row, answers in by_row.items() if answers]
-    if not rows:
-        raise FFGymError("There is nothing to draw: the exam has no marks.")
-    with house_style():
-        figure = new_figure(9.0, 0.62 * len(rows) + 1.3)
-        axes = figure.subplots()
-        for place, row in enumerate(rows):
-            draw_row(axes, place, by_row[row], lambda mark: min(mark.loudness, _LOUDEST))
-        for _, low, _ in BANDS[1:]:
-            axes.axvline(low, color="#888888", linewidth=0.8, linestyle="--")
-        axes.set_xscale("log")
-        axes.set_xlim(0.9, 1.25 * _LOUDEST)
-        axes.set_xlabel("loudness of what is hidden (1: nothing, or nobody could know of it)")
-        axes.set_yticks(range(len(rows)), [f"{row} ({len(by_row[row])})" for row in rows])
-        axes.grid(visible=False, axis="y")
-        legend_above(figure, *answers_in(axes))
+    rows = {f"{row} ({len(answers)})": answers for row, answers in by_row.items() if answers}
+    about = "loudness of what is hidden (1: nothing, or nobody could know of it)"
+    figure = answers_figure(rows, lambda mark: min(mark.loudness, _LOUDEST), about, (0.62, 1.3))
+    (axes,) = figure.axes
+    for _, low, _ in BANDS[1:]:
+        axes.axvline(low, color="#888888", linewidth=0.8, linestyle="--")
+    axes.set_xlim(0.9, 1.25 * _LOUDEST)
     return figure
 
 
-def answers_in(axes: "Axes") -> tuple[list[Any], list[str]]:
-    """Markers and names of the answers that are drawn, for a legend."""
-    known = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    names = [name for name in _LOOKS if name in known]
-    return [known[name] for name in names], names
+def answers_figure(
+    rows: Mapping[str, Sequence[Mark]], x: Callable[[Mark], float], label: str, heights: tuple[float, float]
+) -> "Figure":
+    """A marker for each answer over `x`, row by row from below; `heights` are those of a row and of all else [in].
+
+    Raises:
+        FFGymError: if there are no marks.
+    """
+    rows = {name: answers for name, answers in rows.items() if answers}
+    if not rows:
+        raise FFGymError("There is nothing to draw: the exam has no marks.")
+    with house_style():
+        figure = new_figure(9.0, heights[0] * len(rows) + heights[1])
+        axes = figure.subplots()
+        for place, answers in enumerate(rows.values()):
+            _draw_row(axes, place, answers, x)
+        axes.set_xscale("log")
+        axes.set_xlabel(label)
+        axes.set_yticks(range(len(rows)), list(rows))
+        axes.grid(visible=False, axis="y")
+        known = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+        names = [name for name in _LOOKS if name in known]
+        legend_above(figure, [known[name] for name in names], names)
+    return figure
 
 
-def draw_row(axes: "Axes", place: int, marks: Sequence[Mark], x: Callable[[Mark], float]) -> None:
+def _draw_row(axes: "Axes", place: int, marks: Sequence[Mark], x: Callable[[Mark], float]) -> None:
     """One row of answers at a height `place` over `x`, which is positive; the largest last, wrong ones on top."""
     ends = [0.0] * _LANES
     for mark in sorted(marks, key=x):

@@ -17,13 +17,11 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice, check_number, check_whole
 from ffgym.core.provenance import versions
-from ffgym.core.types import Array
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.diagnosis.excitation import judgeable_kinds
 from ffgym.diagnosis.measured import knows_low_speed
 from ffgym.diagnosis.result import Unjudged
 from ffgym.effects import EFFECTS, Effect
-from ffgym.report.figure import house_style, legend_above, new_figure
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation.plant import Climate, Machine
 from ffgym.simulation.protocols import load_protocols
@@ -34,7 +32,7 @@ from scripts.exam.hidden import drawn
 from scripts.exam.loudness import Listener, OwnPaper, at_most, hand_out
 from scripts.exam.marks import Mark
 from scripts.exam.paper import ROWS, Question, Row, Truth
-from scripts.exam.report import answers_in, draw_row, markdown, misses_text
+from scripts.exam.report import answers_figure, markdown, misses_text
 from scripts.exam.tables import Line
 
 if TYPE_CHECKING:
@@ -75,6 +73,11 @@ class SizesExam(Exam):
     steps: int = STEPS
     """Sizes of each ladder."""
     part: ClassVar[str] = "sizes"
+
+    @property
+    def prefix(self) -> str:  # type: ignore[override]
+        """See base class."""
+        return f"sizes_{Path(self.robot).stem}_"
 
     @property
     def counts(self) -> Mapping[Row, int]:
@@ -123,6 +126,8 @@ class SizesExam(Exam):
 
     def head(self, seed: int) -> dict[str, Any]:
         """See base class."""
+        path = Path(self.protocol or "")  # a file, which may change, or a name
+        motions = repr(bench_of(self).protocols) + (path.read_text(encoding="utf-8") if path.is_file() else "")
         asked = {name: value for name, value in asdict(self).items() if name not in ("effects", "cases")}
         return {
             "format": "ffgym-exam",
@@ -132,12 +137,8 @@ class SizesExam(Exam):
             "asked": asked | {"torque_noise": list(self.torque_noise)},
             "known_effects": len(EFFECTS),
             "physics": self.fingerprint,
-            "motions": _digest(self),
+            "motions": hashlib.sha256(motions.encode()).hexdigest()[:16],
         }
-
-    def file_of(self, seed: int) -> str:
-        """See base class."""
-        return f"sizes_{Path(self.robot).stem}_seed_{seed}.jsonl"
 
     def paper(self, row: Row, number: int, seed: int) -> OwnPaper:
         """See base class."""
@@ -190,25 +191,20 @@ def bench_of(exam: SizesExam) -> Bench:
         check_number("--tracker-noise", exam.tracker_noise, unit="m", low=0.0, high=1.0)
         if robot.sensors.tracker_period == 0 or robot.tool is None:
             raise FFGymError(f"--tracker-noise has no effect: {robot.name!r} has no tracker. Leave it out.")
+    noise = exam.torque_noise
+    if len(noise) not in (0, 1, robot.n_joints):
+        raise FFGymError(f"--torque-noise has {len(noise)} numbers, must have one, or {robot.n_joints}: one per joint.")
+    for value in noise:
+        check_number("--torque-noise", value, unit="N m", low=0.0)
     protocols = [usual_protocol(arm)] if exam.protocol is None else load_protocols(exam.protocol)
     return Bench(
         arm=arm,
         protocols=tuple(protocols),
         resolver_noise=exam.resolver_noise,
-        torque_noise=_torque_noise(exam.torque_noise, robot),
+        torque_noise=np.broadcast_to(np.array(noise, dtype=np.float64), (robot.n_joints,)) if noise else None,
         tracker_noise=exam.tracker_noise,
         record_dt=exam.record_dt,
     )
-
-
-def _torque_noise(given: Sequence[float], robot: RobotDescription) -> Array | None:
-    if not given:
-        return None
-    if len(given) not in (1, robot.n_joints):
-        raise FFGymError(f"--torque-noise has {len(given)} numbers, must have one, or {robot.n_joints}: one per joint.")
-    for value in given:
-        check_number("--torque-noise", value, unit="N m", low=0.0)
-    return np.broadcast_to(np.array(given, dtype=np.float64), (robot.n_joints,))
 
 
 @cache
@@ -240,13 +236,6 @@ def places_of(kind: type[Effect], robot: RobotDescription) -> list[str]:
     return [joint for joint, can in zip(robot.joints, able, strict=True) if can]
 
 
-def _digest(exam: SizesExam) -> str:
-    """Digest of the motions, whose file may change."""
-    path = Path(exam.protocol or "")
-    text = repr(bench_of(exam).protocols) + (path.read_text(encoding="utf-8") if path.is_file() else "")
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
 @final
 @dataclass(frozen=True, kw_only=True)
 class Detectable:
@@ -274,30 +263,30 @@ class Detectable:
 def detectable_sizes(marks: Sequence[Mark], steps: int) -> list[Detectable]:
     """Ladders of an exam, in the order of the library and of the ladders."""
     ladders: dict[tuple[int, int], list[Mark]] = defaultdict(list)
-    for mark in marks:
+    for mark in sorted(marks, key=lambda mark: mark.number):  # the smallest size of a ladder first
         ladder, place = divmod(mark.number // steps, len(EFFECTS))
         ladders[place, ladder].append(mark)
-    return [_detectable(sorted(ladders[key], key=lambda mark: mark.number)) for key in sorted(ladders)]
-
-
-def _detectable(ladder: Sequence[Mark]) -> Detectable:
-    """One ladder, the smallest size first."""
-    found = [mark.outcome in _FOUND for mark in ladder]
-    first = len(ladder) - next((k for k, one in enumerate(reversed(found)) if not one), len(ladder))
-    sizes = [size_of(mark.truth[0]) for mark in ladder]
-    name, unit, largest = sizes[-1]
-    return Detectable(
-        effect=ladder[-1].truth[0].effect,
-        joint=ladder[-1].truth[0].joint,
-        parameter=name,
-        unit=unit,
-        found_from=sizes[first][2] if first < len(ladder) else None,
-        not_found_at=sizes[first - 1][2] if first else None,
-        loudness=ladder[first].loudness if first < len(ladder) else None,
-        largest=largest,
-        found=sum(found),
-        asked=len(ladder),
-    )
+    lines = []
+    for _, answers in sorted(ladders.items()):
+        found = [mark.outcome in _FOUND for mark in answers]
+        first = len(found) - next((k for k, one in enumerate(reversed(found)) if not one), len(found))
+        sizes = [size_of(mark.truth[0]) for mark in answers]
+        (name, unit, largest), is_found = sizes[-1], first < len(found)
+        lines.append(
+            Detectable(
+                effect=answers[-1].truth[0].effect,
+                joint=answers[-1].truth[0].joint,
+                parameter=name,
+                unit=unit,
+                found_from=sizes[first][2] if is_found else None,
+                not_found_at=sizes[first - 1][2] if first else None,
+                loudness=answers[first].loudness if is_found else None,
+                largest=largest,
+                found=sum(found),
+                asked=len(found),
+            )
+        )
+    return lines
 
 
 def size_of(truth: Truth) -> tuple[str, str, float]:
@@ -324,23 +313,12 @@ def share_of_range(mark: Mark) -> float:
 
 def sizes_text(found: Sequence[Detectable]) -> str:
     """Markdown table of the size from which on each effect is found."""
-
-    def text(value: float | None) -> str:
-        return "-" if value is None else f"{value:.3g}"
-
-    body = [
-        [
-            one.effect,
-            one.joint or "machine",
-            one.parameter,
-            one.unit,
-            f"beyond {one.largest:.3g}" if one.found_from is None else text(one.found_from),
-            text(one.not_found_at),
-            text(one.loudness),
-            f"{one.found} of {one.asked}",
-        ]
-        for one in found
-    ]
+    body = []
+    for one in found:
+        first = f"beyond {one.largest:.3g}" if one.found_from is None else f"{one.found_from:.3g}"
+        others = ["-" if value is None else f"{value:.3g}" for value in (one.not_found_at, one.loudness)]
+        place = [one.effect, one.joint or "machine", one.parameter, one.unit]
+        body.append([*place, first, *others, f"{one.found} of {one.asked}"])
     return markdown(["effect", "joint", "size", "unit", "found from", "not at", "loudness", "found"], body)
 
 
@@ -354,17 +332,5 @@ def unjudged_text(others: Sequence[Unjudged]) -> str:
 
 def sizes_figure(marks: Sequence[Mark]) -> "Figure":
     """A marker for each answer, effect by effect, over the size as a share of the largest plausible one."""
-    effects = [name for name in reversed(list(EFFECTS)) if any(mark.truth[0].effect == name for mark in marks)]
-    if not effects:
-        raise FFGymError("There is nothing to draw: the exam has no marks.")
-    with house_style():
-        figure = new_figure(9.0, 0.32 * len(effects) + 1.6)
-        axes = figure.subplots()
-        for place, name in enumerate(effects):
-            draw_row(axes, place, [mark for mark in marks if mark.truth[0].effect == name], share_of_range)
-        axes.set_xscale("log")
-        axes.set_xlabel("size, over the largest that is plausible")
-        axes.set_yticks(range(len(effects)), effects)
-        axes.grid(visible=False, axis="y")
-        legend_above(figure, *answers_in(axes))
-    return figure
+    rows = {name: [mark for mark in marks if mark.truth[0].effect == name] for name in reversed(list(EFFECTS))}
+    return answers_figure(rows, share_of_range, "size, over the largest that is plausible", (0.32, 1.6))

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from scripts.exam.marks import Mark, SizeMark
+from scripts.exam.marks import Gain, Mark, SizeMark
 
 Test = Callable[[Mark], bool]
 
@@ -56,56 +56,65 @@ class Line:
 
 def share(number: int, figure: str, marks: Sequence[Mark], test: Test, least: float) -> Line:
     """Share of answers that pass a test, which must be at least so large."""
-    passed = np.mean([test(mark) for mark in marks]) if marks else np.nan
-    return Line(
-        number=number,
-        figure=figure,
-        demand=f">= {least:.0%}",
-        got=f"{passed:.1%}" if marks else "-",
-        of=len(marks),
-        is_met=bool(passed >= least) if marks else None,
-    )
+    passed = _mean([test(mark) for mark in marks])
+    return _line(number, figure, f">= {least:.0%}", f"{passed:.1%}", len(marks), bool(passed >= least))
 
 
 def none_of(number: int, figure: str, marks: Sequence[Mark], test: Test, most: float = 0.0) -> Line:
     """Number of answers that a test finds, which must be no more than a share of them."""
     count = sum(test(mark) for mark in marks)
-    return Line(
-        number=number,
-        figure=figure,
-        demand=f"<= {most:.0%}" if most else "0",
-        got=f"{count}",
-        of=len(marks),
-        is_met=count <= most * len(marks) if marks else None,
-    )
+    met = count <= most * len(marks) if marks else None
+    demand = f"<= {most:.0%}" if most else "0"
+    return Line(number=number, figure=figure, demand=demand, got=f"{count}", of=len(marks), is_met=met)
 
 
 def _line(number: int, figure: str, demand: str, got: str, of: int, is_met: bool) -> Line:
     """A figure of `of` answers; "-" and neither met nor missed if there are none."""
-    return Line(
-        number=number, figure=figure, demand=demand, got=got if of else "-", of=of, is_met=is_met if of else None
-    )
+    met = is_met if of else None
+    return Line(number=number, figure=figure, demand=demand, got=got if of else "-", of=of, is_met=met)
 
 
 def table(marks: Sequence[Mark]) -> list[Line]:
-    """All figures, in the order of the demands."""
-    singles = [mark for mark in marks if mark.row in ("single", "foreign", "periodic")]
+    """All figures of the first exam, in the order of the demands."""
+    singles = _rows(marks, "single", "foreign", "periodic")
+    loud = _louder(singles, 10.0)
+    foreign = [mark for mark in singles if any(truth.is_foreign for truth in mark.truth)]
+    lines = [none_of(1, "clean logs named", _rows(marks, "clean"), _names)]
+    # one effect: right and wrong names, the loudest first
+    for number, (name, low, high), least, most in ((2, BANDS[3], 0.98, 0.0), (3, BANDS[2], 0.92, 0.01)):
+        band = _louder(singles, low, high)
+        lines.append(share(number, f"one effect, {name}: right effect and joint first", band, _is_right, least))
+        lines.append(none_of(number, f"one effect, {name}: wrong named", band, _is_wrong, most))
+    name, low, high = BANDS[1]
+    faint, outside = _louder(singles, low, high), _louder(_rows(marks, "outside"), 2.0)
+    poor, pairs = _rows(marks, "poor"), _louder(_rows(marks, "pair"), 10.0)
+    ambiguous = [mark for mark in poor if mark.verdict == "ambiguous"]
+    proposed = [mark for mark in ambiguous if mark.outcome == "tie" and mark.then is not None]
+    cycles = [abs(mark.cycles_off) <= _WITHIN for mark in singles if mark.cycles_off is not None]
+    loose = "outside, 2 and more"
     return [
-        none_of(1, "clean logs named", _rows(marks, "clean"), _names),
-        *_by_loudness(singles),
-        share(
-            5,
-            "other equation, 5 and more: right effect and joint",
-            _louder([mark for mark in singles if any(truth.is_foreign for truth in mark.truth)], 5.0),
-            _is_right,
-            0.9,
+        *lines,
+        share(4, f"one effect, {name}: right or in the tie", faint, lambda m: _is_right(m) or _ties(m), 0.75),
+        none_of(4, f"one effect, {name}: wrong named", faint, _is_wrong),
+        share(5, "other equation, 5 and more: right effect and joint", _louder(foreign, 5.0), _is_right, 0.9),
+        share(6, f"{loose}: unknown or partly", outside, lambda m: m.verdict in ("unknown", "partly"), 1.0),
+        none_of(6, f"{loose}: named", outside, lambda m: m.verdict == "named"),
+        share(6, f"{loose}: right variable or frequency", outside, lambda m: m.clue_found is True, 0.8),
+        _line(
+            7,
+            "periodic: cycles per turn",
+            f"all within {_WITHIN}",
+            f"{_mean(cycles):.0%}",
+            len(cycles),
+            all(cycles),
         ),
-        *_outside(_louder(_rows(marks, "outside"), 2.0)),
-        _cycles(singles),
-        *_sizes(_louder(singles, 10.0)),
-        *_poor(marks),
-        *_pairs(_louder(_rows(marks, "pair"), 10.0)),
-        *_gain([mark for mark in _louder(singles, 10.0) if mark.outcome == "right"]),
+        *_sizes([size for mark in loud if mark.outcome == "right" for size in mark.sizes]),
+        none_of(9, "poor logs: wrong named", [*poor, *_rows(marks, "poor_clean")], _poorly_named),
+        share(9, "poor logs: the truth is in the tie", ambiguous, _ties, 0.9),
+        share(9, "poor logs: the proposed motion resolves it", proposed, lambda m: m.then == "right", 0.9),
+        share(10, "pairs, each 10 and more: both named", pairs, lambda m: m.outcome in ("right", "surplus"), 0.8),
+        none_of(10, "pairs, each 10 and more: wrong named", pairs, _is_wrong),
+        *_gain([mark.gain for mark in loud if mark.outcome == "right" and mark.gain is not None]),
         *_run(12, marks, [mark for mark in marks if not mark.row.startswith("poor")], _SECONDS),
         none_of(13, "no tracker: wrong named", _rows(marks, "no_tracker"), _is_wrong),
         none_of(13, "no temperature: wrong named", _rows(marks, "no_temperature"), _is_wrong),
@@ -113,21 +122,22 @@ def table(marks: Sequence[Mark]) -> list[Line]:
 
 
 def independent_table(marks: Sequence[Mark]) -> list[Line]:
-    """All figures, in the order of the demands."""
+    """All figures of the second exam, in the order of the demands."""
     clean, single, outside = (_rows(marks, row) for row in ("clean", "single", "outside"))
+    loud, strange = _louder(single, 10.0), _louder(outside, 10.0)
     return [
         none_of(1, "clean logs named", clean, _names),
         share(1, "clean logs: none", clean, lambda m: m.verdict == "none", 0.95),
         none_of(2, "wrong names", [*single, *outside], _is_wrong, 0.01),
-        share(3, "one effect, 10 and more: right or in the tie", _louder(single, 10.0), _is_found, 0.9),
-        none_of(4, "outside: named", outside, lambda m: m.verdict == "named"),
         share(
-            4,
-            "outside, 10 and more: right variable or frequency",
-            _louder(outside, 10.0),
-            lambda m: m.clue_found is True,
-            0.8,
+            3,
+            "one effect, 10 and more: right or in the tie",
+            loud,
+            lambda m: m.outcome in ("right", "surplus", "tie"),
+            0.9,
         ),
+        none_of(4, "outside: named", outside, lambda m: m.verdict == "named"),
+        share(4, "outside, 10 and more: right variable or frequency", strange, lambda m: m.clue_found is True, 0.8),
         *_covered(single),
         *_run(6, marks, marks, _SECONDS_OF_INDEPENDENT),
     ]
@@ -153,37 +163,12 @@ def _is_wrong(mark: Mark) -> bool:
     return mark.names_wrongly
 
 
-def _by_loudness(singles: Sequence[Mark]) -> list[Line]:
-    """One effect: right and wrong names, the loudest first."""
-    lines = []
-    for number, (name, low, high), least, most in ((2, BANDS[3], 0.98, 0.0), (3, BANDS[2], 0.92, 0.01)):
-        band = _louder(singles, low, high)
-        lines += [
-            share(number, f"one effect, {name}: right effect and joint first", band, _is_right, least),
-            none_of(number, f"one effect, {name}: wrong named", band, _is_wrong, most),
-        ]
-    name, low, high = BANDS[1]
-    faint = _louder(singles, low, high)
-    found = share(4, f"one effect, {name}: right or in the tie", faint, lambda m: _is_right(m) or _ties(m), 0.75)
-    return [*lines, found, none_of(4, f"one effect, {name}: wrong named", faint, _is_wrong)]
+def _poorly_named(mark: Mark) -> bool:
+    return mark.names_wrongly or (not mark.truth and mark.verdict == "named")
 
 
 def _ties(mark: Mark) -> bool:
     return mark.outcome == "tie"
-
-
-def _outside(marks: Sequence[Mark]) -> list[Line]:
-    return [
-        share(6, "outside, 2 and more: unknown or partly", marks, lambda m: m.verdict in ("unknown", "partly"), 1.0),
-        none_of(6, "outside, 2 and more: named", marks, lambda m: m.verdict == "named"),
-        share(6, "outside, 2 and more: right variable or frequency", marks, lambda m: m.clue_found is True, 0.8),
-    ]
-
-
-def _cycles(marks: Sequence[Mark]) -> Line:
-    within = [abs(mark.cycles_off) <= _WITHIN for mark in marks if mark.cycles_off is not None]
-    got = f"{_mean(within):.0%}"
-    return _line(7, "periodic: cycles per turn", f"all within {_WITHIN}", got, len(within), all(within))
 
 
 def _mean(values: Sequence[bool]) -> float:
@@ -194,8 +179,7 @@ def _median(values: Sequence[float]) -> float:
     return float(np.median(values)) if values else np.nan
 
 
-def _sizes(marks: Sequence[Mark]) -> list[Line]:
-    sizes = [size for mark in marks if mark.outcome == "right" for size in mark.sizes]
+def _sizes(sizes: Sequence[SizeMark]) -> list[Line]:
     close, covered = [size.error <= _WITHIN for size in sizes], _mean([size.is_covered for size in sizes])
     got = f"{_mean(close):.1%}, median error {_median([size.error for size in sizes]):.1%}"
     met = 0.8 <= covered <= 0.98
@@ -205,39 +189,14 @@ def _sizes(marks: Sequence[Mark]) -> list[Line]:
     ]
 
 
-def _poor(marks: Sequence[Mark]) -> list[Line]:
-    poor = _rows(marks, "poor")
-    ambiguous = [mark for mark in poor if mark.verdict == "ambiguous"]
-    proposed = [mark for mark in ambiguous if mark.outcome == "tie" and mark.then is not None]
-    return [
-        none_of(9, "poor logs: wrong named", [*poor, *_rows(marks, "poor_clean")], _poorly_named),
-        share(9, "poor logs: the truth is in the tie", ambiguous, _ties, 0.9),
-        share(9, "poor logs: the proposed motion resolves it", proposed, lambda m: m.then == "right", 0.9),
-    ]
-
-
-def _poorly_named(mark: Mark) -> bool:
-    return mark.names_wrongly or (not mark.truth and mark.verdict == "named")
-
-
-def _pairs(marks: Sequence[Mark]) -> list[Line]:
-    both = ("right", "surplus")
-    return [
-        share(10, "pairs, each 10 and more: both named", marks, lambda m: m.outcome in both, 0.8),
-        none_of(10, "pairs, each 10 and more: wrong named", marks, _is_wrong),
-    ]
-
-
-def _gain(marks: Sequence[Mark]) -> list[Line]:
-    gains = [mark.gain for mark in marks if mark.gain is not None]
+def _gain(gains: Sequence[Gain]) -> list[Line]:
     left = [gain.leftover for gain in gains]
     most = max(left, default=np.nan)
     before, after = (1e6 * _median([getattr(gain, when) for gain in gains]) for when in ("before", "after"))
     got, tool = f"median {_median(left):.2f}, largest {most:.2f}", f"{before:.1f} to {after:.1f} micrometres"
+    what, met = "energy left on held-out motions, closed loop", bool(most <= _LEFT)
     return [
-        _line(
-            11, "energy left on held-out motions, closed loop", f"all <= {_LEFT}", got, len(left), bool(most <= _LEFT)
-        ),
+        _line(11, what, f"all <= {_LEFT}", got, len(left), met),
         _line(11, "tool, simulated and true: before and after, median", "reported", tool, len(left), True),
     ]
 
@@ -251,10 +210,6 @@ def _run(number: int, marks: Sequence[Mark], timed: Sequence[Mark], limit: float
         share(number, "the same bytes twice", repeated, lambda m: m.same_bytes is True, 1.0),
         _line(number, "time of a diagnosis", f"<= {limit:.0f} s", got, len(seconds), bool(most <= limit)),
     ]
-
-
-def _is_found(mark: Mark) -> bool:
-    return mark.outcome in ("right", "surplus", "tie")
 
 
 def _covered(single: Sequence[Mark]) -> list[Line]:
@@ -273,14 +228,8 @@ def _covered(single: Sequence[Mark]) -> list[Line]:
     worst = min(shares, key=lambda name: shares[name], default="")
     least, (low, high) = shares.get(worst, np.nan), _COVERED
     each, got = f"the same, effect by effect, from {_ENOUGH} on", f"least {least:.1%}, {worst}"
+    demand, met = f"{low:.0%} to {high:.0%}", low <= covered <= high
     return [
-        _line(
-            5,
-            "90 % interval covers the size",
-            f"{low:.0%} to {high:.0%}",
-            f"{covered:.1%}",
-            len(sizes),
-            low <= covered <= high,
-        ),
+        _line(5, "90 % interval covers the size", demand, f"{covered:.1%}", len(sizes), met),
         _line(5, each, f"all >= {_LEAST:.0%}", got, len(shares), least >= _LEAST),
     ]
