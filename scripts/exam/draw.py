@@ -16,7 +16,7 @@ from ffgym.effects.frames import ToolFrame
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation.plant import Climate, Machine
 from scripts.exam.bench import Bench, usual_protocol
-from scripts.exam.equations import OUTSIDERS, VARIANTS, Variant
+from scripts.exam.equations import OUTSIDERS, VARIANTS
 from scripts.exam.hidden import Hidden, drawn
 from scripts.exam.paper import ROWS, Row
 
@@ -126,13 +126,9 @@ def bench_of_exam(arm: RigidArm, poor: bool, lacks: tuple[str, ...]) -> Bench:
 
 
 def draw_case(row: Row, number: int, *, seed: int, arm: RigidArm | None = None) -> Case:
-    """Question `number` of a row; it depends on nothing but these and the seed.
+    """Question `number` of a row, which these and the seed decide alone.
 
-    Args:
-        row: kind of question.
-        number: from 0 on.
-        seed: of the exam.
-        arm: the nominal robot, if the caller has its dynamics already; None is that of the exam.
+    A caller that has the dynamics of the nominal robot already gives its `arm`.
 
     Raises:
         FFGymError: if there is no such row, or a number is no whole number from 0 on.
@@ -143,6 +139,10 @@ def draw_case(row: Row, number: int, *, seed: int, arm: RigidArm | None = None) 
     arm = arm or RigidArm(load_robot(ROBOT))
     machine, offset = draw_machine(arm.robot, rng)
     hidden = _hidden(row, number, seed, machine.robot, rng)
+    loudness: tuple[float, ...] = ()  # effects of a poor log are as large as they are plausible
+    if row != "poor":
+        low = PAIR_QUIETEST if row == "pair" else QUIETEST
+        loudness = tuple((1 + np.exp(rng.uniform(np.log(low), np.log(LOUDEST), size=len(hidden)))).tolist())
     lacks, poor = _LACKS.get(row, ()), row in ("poor", "poor_clean")
     return Case(
         row=row,
@@ -152,7 +152,7 @@ def draw_case(row: Row, number: int, *, seed: int, arm: RigidArm | None = None) 
         machine=machine,
         current_offset=offset,
         hidden=hidden,
-        loudness=_loudness(row, len(hidden), rng),
+        loudness=loudness,
         noise=key,
     )
 
@@ -228,18 +228,5 @@ def _hidden(row: Row, number: int, seed: int, robot: RobotDescription, rng: np.r
     first = drawn(kinds[order[place]], robot, rng)
     if row != "pair":
         return (first,)
-    others = [kind for kind in kinds if _answer(kind) != first.answer]
+    others = [kind for kind in kinds if getattr(kind, "variant_of", kind.name) != first.answer]
     return first, drawn(others[rng.integers(len(others))], robot, rng)
-
-
-def _answer(kind: type[Effect]) -> str:
-    """Name that a diagnosis should give to an effect of this kind."""
-    return kind.variant_of if issubclass(kind, Variant) else kind.name
-
-
-def _loudness(row: Row, count: int, rng: np.random.Generator) -> tuple[float, ...]:
-    """How loud each effect is to be; those of a poor log are as large as they are plausible."""
-    if row == "poor":
-        return ()
-    low = PAIR_QUIETEST if row == "pair" else QUIETEST
-    return tuple((1 + np.exp(rng.uniform(np.log(low), np.log(LOUDEST), size=count))).tolist())

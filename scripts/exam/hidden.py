@@ -36,16 +36,6 @@ class Hidden:
     """What errors of the description add to its numbers: one number is off by both, and nobody can tell them apart."""
 
     @property
-    def name(self) -> str:
-        """As the exam calls it."""
-        return self.effect.name
-
-    @property
-    def is_foreign(self) -> bool:
-        """Whether its equation is another than that of the library."""
-        return isinstance(self.effect, Variant)
-
-    @property
     def answer(self) -> str:
         """Name of the effect that a diagnosis should give; empty outside the library."""
         effect = self.effect
@@ -75,10 +65,10 @@ class Hidden:
     def truth(self, robot: RobotDescription, loudness: float) -> Truth:
         """What marks need of it."""
         return Truth(
-            effect=self.name,
+            effect=self.effect.name,
             answer=self.answer,
             joint=self.joint,
-            is_foreign=self.is_foreign,
+            is_foreign=isinstance(self.effect, Variant),
             loudness=loudness,
             numbers=self.numbers(robot),
         )
@@ -103,7 +93,9 @@ def drawn(kind: type[Effect], robot: RobotDescription, rng: np.random.Generator,
     known = kind.parameters()
     sizes = [name for name, p in known.items() if p.null is not None]
     chosen = sizes[rng.integers(len(sizes))]
-    places = _places(kind, robot)
+    # losses between joints of the library are those of wrists
+    in_wrist = any(p.per == "pair" for p in known.values()) and not issubclass(kind, Outsider)
+    places = tuple(robot.joints[-_WRIST:] if in_wrist else robot.joints)
     place = str(places[rng.integers(len(places))]) if joint is None else check_choice("joint", joint, robot.joints)
     values: dict[str, Any] = {}
     for name, p in known.items():
@@ -111,16 +103,16 @@ def drawn(kind: type[Effect], robot: RobotDescription, rng: np.random.Generator,
             values[name] = _full(p, robot, rng, place, places)
         elif p.null is not None:
             values[name] = p.null
+        elif kind.name == "damaged_tooth" and name == "place":
+            rest = resting_position(robot)[robot.joints.index(place)]
+            values[name] = float(rest + rng.uniform(-_NEARBY, _NEARBY))
+        elif p.role == "cycles":
+            number = float(np.exp(rng.uniform(np.log(p.low), np.log(p.high))))
+            values[name] = float(round(number)) if p.unit == "1" else number
         elif name not in _AS_DESCRIBED:
-            values[name] = _shape(kind, p, robot, rng, place)
+            values[name] = rng.uniform(p.low, p.high, size=3 if p.per == "vector" else None)
     is_local = any(p.per in ("joint", "pair") for p in known.values())
     return Hidden(effect=kind.on(robot, **values), joint=place if is_local else "")
-
-
-def _places(kind: type[Effect], robot: RobotDescription) -> tuple[str, ...]:
-    """Joints that may have an effect: losses between joints of the library are those of wrists."""
-    in_wrist = any(p.per == "pair" for p in kind.parameters().values()) and not issubclass(kind, Outsider)
-    return tuple(robot.joints[-_WRIST:] if in_wrist else robot.joints)
 
 
 def _full(
@@ -141,14 +133,3 @@ def _full(
     else:
         value[row] = end
     return value
-
-
-def _shape(kind: type[Effect], known: Parameter, robot: RobotDescription, rng: np.random.Generator, joint: str) -> Any:
-    """A shape from its plausible range."""
-    if kind.name == "damaged_tooth" and known.name == "place":
-        rest = resting_position(robot)[robot.joints.index(joint)]
-        return float(rest + rng.uniform(-_NEARBY, _NEARBY))
-    if known.role == "cycles":
-        number = float(np.exp(rng.uniform(np.log(known.low), np.log(known.high))))
-        return float(round(number)) if known.unit == "1" else number
-    return rng.uniform(known.low, known.high, size=3 if known.per == "vector" else None)

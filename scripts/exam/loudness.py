@@ -18,7 +18,7 @@ import numpy as np
 
 from ffgym.core.types import Array, BoolArray
 from ffgym.diagnosis.calibration import BOUND, Calibration, doubts_of
-from ffgym.diagnosis.evidence import Stack, Values, blocks_of, stack_of
+from ffgym.diagnosis.evidence import Stack, blocks_of, stack_of
 from ffgym.diagnosis.log import Log, log_of
 from ffgym.diagnosis.measured import residual_rows, valid_rows
 from ffgym.diagnosis.push import Parts
@@ -61,22 +61,20 @@ class Yardstick:
 
         Without what calibration explains.
         """
-        counts, n_rows = self.stack.blocks.of_row >= 0, int(np.count_nonzero(self.stack.blocks.of_row >= 0))
+        counts = self.stack.blocks.of_row >= 0
         rows = {(channel, c): values[..., [c]] for channel, values in added.items() for c in range(values.shape[2])}
-        sizes, found = self._errors(rows), []
+        # errors of calibration that explain most, in standard deviations
+        n = len(self.calibration)
+        bound = np.full(n, BOUND)
+        priors = Priors(precision=np.ones(n), low=-bound, high=bound)
+        sizes, found = fitted(self.stack.evidence(rows), np.arange(n), priors), []
         for (channel, c), values in rows.items():
             rest = values[..., 0].copy()
             for size, column in zip(sizes, self.calibration, strict=True):
                 rest -= size * column.get((channel, c), 0.0)
-            found.append(float(np.sum((counts * rest / self.rms[channel][:, c]) ** 2)) / n_rows)
+            weighted = counts * rest / self.rms[channel][:, c]
+            found.append(float(np.sum(weighted**2)) / int(np.count_nonzero(counts)))
         return max(found)
-
-    def _errors(self, rows: Values) -> Array:
-        """Errors of calibration that explain most, in standard deviations."""
-        n = len(self.calibration)
-        bound = np.full(n, BOUND)
-        priors = Priors(precision=np.ones(n), low=-bound, high=bound)
-        return fitted(self.stack.evidence(rows), np.arange(n), priors)
 
 
 def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, calibration: Sequence[Parts] = ()) -> Yardstick:
@@ -147,9 +145,7 @@ class OwnPaper(Paper):
 def hand_out(case: Case, listener: Listener | None = None) -> OwnPaper:
     """The log of a question, with effects as loud as they are to be, or as they can be within their plausible size.
 
-    Args:
-        case: the question.
-        listener: to the motions of its log, if it is not that of the exam.
+    The `listener` is one to the motions of its log, if it is not that of the exam.
     """
     sized, heard = tuple[Hidden, ...](), tuple[float, ...]()
     if case.hidden:
@@ -157,9 +153,12 @@ def hand_out(case: Case, listener: Listener | None = None) -> OwnPaper:
         full = [at_most(listener, one) for one in case.hidden]
         sized = tuple(one for one, _ in full)
         if case.loudness:
-            sized = tuple(
-                one.times(_factor(wanted, added)) for (one, added), wanted in zip(full, case.loudness, strict=True)
-            )
+            # energy grows with the square of the size
+            factors = [
+                1.0 if added <= wanted - 1 else float(np.sqrt((wanted - 1) / added))
+                for (_, added), wanted in zip(full, case.loudness, strict=True)
+            ]
+            sized = tuple(one.times(factor) for one, factor in zip(sized, factors, strict=True))
         heard = tuple(1 + listener.energy(one.effect) for one in sized)
     case, robot = replace(case, hidden=sized), case.robot
     log = record_case(case)
@@ -195,8 +194,3 @@ def at_most(listener: Listener, hidden: Hidden) -> tuple[Hidden, float]:
         except FlownAwayError:
             hidden = hidden.times(0.5)
     return hidden, listener.energy(hidden.effect)
-
-
-def _factor(wanted: float, full: float) -> float:
-    """Size at which an effect is as loud as wanted, as a share of the full one; energy grows with its square."""
-    return 1.0 if full <= wanted - 1 else float(np.sqrt((wanted - 1) / full))

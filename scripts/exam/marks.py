@@ -191,17 +191,14 @@ def finds(clue: Clue, patterns: Sequence[Pattern], joint: str, joints: Sequence[
         return False
     pattern = own[0]
     if pattern.kind == "line":
-        return _multiple(pattern.frequency, clue.frequency)
+        said, true = pattern.frequency, clue.frequency
+        if said is None or true is None:
+            return False
+        times = max(1, round(said / true))
+        return times <= _HARMONICS and abs(said / (times * true) - 1) <= _TOLERANCE
     what, _, last = pattern.variable.rpartition(" of ")
     what, whose = (what, last) if last in joints else (pattern.variable, joint)
     return (None if what == "time" else whose) == clue.joint and any(word in what for word in clue.words)
-
-
-def _multiple(said: float | None, true: float | None) -> bool:
-    if said is None or true is None:
-        return False
-    times = max(1, round(said / true))
-    return times <= _HARMONICS and abs(said / (times * true) - 1) <= _TOLERANCE
 
 
 def _causes(hidden: Truth, answer: Diagnosis) -> list[Cause]:
