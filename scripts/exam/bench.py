@@ -76,10 +76,11 @@ class Bench:
         """
         rig = SimulatedRig(arm=self.arm, machine=machine, sensors=self._sensors(current_offset), name="exam")
         motions = plan_session(self.arm, self.protocols, start=start)
-        recordings = record(motions, rig, seed=seed, record_dt=self.record_dt, n_threads=1)
-        left_out = tuple(f"{family}." for family in self.lacks)
-        kept = [{name: one[name] for name in one.columns if not name.startswith(left_out)} for one in recordings]
-        return [Recording(columns=columns, header=one.header) for columns, one in zip(kept, recordings, strict=True)]
+        left_out, found = tuple(f"{family}." for family in self.lacks), []
+        for one in record(motions, rig, seed=seed, record_dt=self.record_dt, n_threads=1):
+            columns = {name: values for name, values in one.columns.items() if not name.startswith(left_out)}
+            found.append(Recording(columns=columns, header=one.header))
+        return found
 
     def _sensors(self, current_offset: Array | None) -> tuple[Sensor, ...]:
         """Resolvers with noise, the tracker of the description, thermometers, and measured currents."""
