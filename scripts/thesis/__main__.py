@@ -40,10 +40,20 @@ class Reproduce:
         """Simulate, write, print."""
         need_extra("The reproduction", "matplotlib", "jinja2", "rich")
         from ffgym.cli.progress import progress_bar
+        from ffgym.report import save_figure
         from scripts.thesis import ITEMS, SEED, Laboratory, as_json, chosen, fingerprints, render_page, reproduce
 
         items = chosen(ITEMS, self.only)
-        self._check_places()
+        # what cannot be written is refused before anything is simulated
+        check_outputs({"--out": self.out, "--json": self.json})
+        if self.figures_dir is not None:
+            try:
+                self.figures_dir.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise FFGymError(
+                    f"{self.figures_dir}: cannot be made a folder: {error.strerror}; choose another place."
+                ) from error
+            check_writable(self.figures_dir / "figure.svg")
         begin = time.monotonic()
         laboratory = Laboratory(n_threads=self.threads, stage=progress_bar)
         results = list(reproduce(items, laboratory))
@@ -59,21 +69,11 @@ class Reproduce:
         if self.json is not None:
             write_json(self.json, as_json(results, info))
         if self.figures_dir is not None:
-            _write_figures(self.figures_dir, results)
+            for figure in (figure for result in results for figure in result.figures):
+                for kind in PICTURES:
+                    save_figure(figure.figure, self.figures_dir / f"{figure.name}.{kind}")
         print(summary(results))
         print(f"page: {self.out}")
-
-    def _check_places(self) -> None:
-        """Refuse what cannot be written before anything is simulated."""
-        check_outputs({"--out": self.out, "--json": self.json})
-        if self.figures_dir is not None:
-            try:
-                self.figures_dir.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise FFGymError(
-                    f"{self.figures_dir}: cannot be made a folder: {error.strerror}; choose another place."
-                ) from error
-            check_writable(self.figures_dir / "figure.svg")
 
 
 def summary(results: "Sequence[Reproduced]") -> str:
@@ -87,14 +87,6 @@ def summary(results: "Sequence[Reproduced]") -> str:
     ]
     counts = ", ".join(f"{n} {verdict}" for verdict, n in count(results).items())
     return "\n".join([*lines, "", f"claims: {counts or 'none'}"])
-
-
-def _write_figures(folder: Path, results: "Sequence[Reproduced]") -> None:
-    from ffgym.report import save_figure
-
-    for figure in (figure for result in results for figure in result.figures):
-        for kind in PICTURES:
-            save_figure(figure.figure, folder / f"{figure.name}.{kind}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,13 +1,18 @@
-"""Claims of the thesis, and how they are judged: by comparing numbers, one verdict each."""
+"""Claims of the thesis as rows of a table, and how they are judged: by comparing numbers measured in results."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from inspect import signature
+from itertools import product
+from typing import Any, Literal
 
+import numpy as np
+
+from ffgym.report import law_styles
 from ffgym.report.circles.comparison import FACTOR as FACTOR
-
-if TYPE_CHECKING:
-    from scripts.thesis.laboratory import Laboratory
+from scripts.thesis import measures
+from scripts.thesis.laboratory import Laboratory
+from scripts.thesis.measures import BEND as BEND
 
 Verdict = Literal["holds", "partly", "does not hold", "not comparable"]
 VERDICTS: tuple[Verdict, ...] = ("holds", "partly", "does not hold", "not comparable")
@@ -40,8 +45,6 @@ BROKEN = 0.7
 GOOD_FIT = 90.0
 """Fit [%] from which a curve is called a good fit; chosen: the difference is then a tenth of the friction's swing."""
 
-BEND = 1.0
-"""Motor speed [rad/s] below which the thesis sees friction's nonlinearity (5.1.1)."""
 INPUT_RANGE = 20.0
 """Largest motor speed [rad/s] at 100 mm/s as thesis 5.1.1 reads it from Figure 5.2."""
 QUICK = 5
@@ -83,11 +86,11 @@ class Claim:
     """What the thesis says, in our words."""
     criterion: str
     """Which numbers decide, and what must be true of them; where nothing can decide, why."""
-    checks: Callable[["Laboratory"], Sequence[Check]]
+    checks: Callable[[Laboratory], Sequence[Check]]
     """The comparisons; none if nothing comparable was published or can be simulated."""
     share: float = EVERY
     """Share of them that must be true."""
-    published: Callable[["Laboratory"], Sequence[Check]] = lambda laboratory: ()
+    published: Callable[[Laboratory], Sequence[Check]] = lambda laboratory: ()
     """The same comparisons of the numbers in a published table, where there is one. They decide nothing here; they say
     whether the thesis' own numbers bear the claim."""
 
@@ -119,8 +122,9 @@ class Judgement:
         if len(self.checks) <= _LISTED:
             return f"{count}: {'; '.join(check.text for check in self.checks)}."
         wrong = [check.text for check in self.checks if not check.true]
-        if not wrong:
-            return f"{count}, the closest {max(self.checks, key=_closeness).text}."
+        if not wrong:  # the one that is nearest to being false
+            closest = max(self.checks, key=lambda check: check.value / check.limit if check.limit > 0 else 1.0)
+            return f"{count}, the closest {closest.text}."
         more = f"; and {len(wrong) - _LISTED} more" if len(wrong) > _LISTED else ""
         return f"{count}; not {'; '.join(wrong[:_LISTED])}{more}."
 
@@ -129,7 +133,7 @@ _LISTED = 3
 """Comparisons that one line has room for."""
 
 
-def judge(claim: Claim, laboratory: "Laboratory") -> Judgement:
+def judge(claim: Claim, laboratory: Laboratory) -> Judgement:
     """Simulate what the claim needs, if that has not been done, and compare."""
     checks = tuple(claim.checks(laboratory))
     published = tuple(claim.published(laboratory))
@@ -144,6 +148,98 @@ def verdict_of(checks: Sequence[Check], share: float = EVERY) -> Verdict:
     return "holds" if true >= share else "partly" if true >= PARTLY else "does not hold"
 
 
-def _closeness(check: Check) -> float:
-    """How near a true comparison is to being false, 1 is nearest."""
-    return check.value / check.limit if check.limit > 0 else 1.0
+Cells = Mapping[str, Any]
+"""Cells of the table by name, e.g. law, position and speed [m/s]; see `claims.toml`."""
+
+RULES = ("kind", "each", "but", "checks", "where", "value", "limit")
+"""Entries of a row that say how to compare; the others are cells."""
+
+
+def compare(row: Cells, cells: Cells, table: Cells, laboratory: Laboratory) -> list[Check]:
+    """Comparisons of a row of the table, in the order of its `each`.
+
+    Args:
+        row: the row, or one of its `checks`.
+        cells: cells that it shares with others.
+        table: the whole table, for its lists and kinds.
+        laboratory: whose results are measured; what it does not have (None) is not compared.
+    """
+    kind = table["kind"].get(row.get("kind"), {})
+    cells = {**_cells(kind), **cells, **_cells(row)}
+    row = {**kind, **row}
+    checks: list[Check] = []
+    for combination in _combinations(row.get("each", {}), table["lists"]):
+        here = {**cells, **combination}
+        if "but" in row and row["but"].items() <= here.items():
+            continue
+        if "checks" in row:
+            for part in row["checks"]:
+                checks += compare(part, here, table, laboratory)
+        else:
+            value, limit = (number(row[side], here, laboratory) for side in ("value", "limit"))
+            if value is None or limit is None:
+                continue
+            where = text(row["where"], here)
+            if np.ndim(value) == np.ndim(limit) == 0:
+                checks.append(Check(where=where, value=float(value), limit=float(limit)))
+                continue
+            for start, (one, other) in enumerate(zip(*np.broadcast_arrays(value, limit), strict=True), start=1):
+                checks.append(Check(where=f"start {start}, {where}", value=float(one), limit=float(other)))
+    return checks
+
+
+def number(entry: Any, cells: Cells, laboratory: Laboratory) -> Any:
+    """Number that an entry of the table stands for, or one per random start; None where nothing can be measured."""
+    if isinstance(entry, str):
+        first, _, second = entry.rpartition(" - ")
+        return _named(first, cells) - _named(second, cells) if first else _named(second, cells)
+    if not isinstance(entry, Mapping):
+        return entry
+    if "apart" in entry:
+        one, other = (number(each, cells, laboratory) for each in entry["apart"])
+        return abs(one - other)
+    found = call(getattr(measures, entry["measure"]), laboratory, {**cells, **entry})
+    return None if found is None else number(entry.get("times", 1.0), cells, laboratory) * found
+
+
+def call(function: Callable[..., Any], laboratory: Laboratory, cells: Cells) -> Any:
+    """Call a function of the laboratory with those of the cells that it asks for."""
+    known = THRESHOLDS | measures.RECORDS | dict(cells)
+    asked = {name: cells[name] for name in signature(function).parameters if name in cells}
+    named = {name: known[value[1:]] for name, value in asked.items() if str(value).startswith("$")}
+    return function(laboratory, **asked | named)
+
+
+def text(template: str, cells: Cells) -> str:
+    """Words of the table, with cells and thresholds in their places."""
+    words = THRESHOLDS | dict(cells)
+    if "law" in cells:
+        words["law"] = law_styles([cells["law"]])[cells["law"]].label
+    if "than" in cells and "law" in cells:
+        by = number(cells.get("by", 0.0), cells, measures.NOTHING)
+        than = law_styles([cells["than"]])[cells["than"]].label
+        words["against"] = f"{words['law']} against {f'{1 - by:.0%} of ' if by else ''}{than}"
+    if "speed" in cells:
+        words["mm_s"] = cells["speed"] * 1e3
+    return template.format(**words)
+
+
+def _cells(row: Cells) -> Cells:
+    return {name: value for name, value in row.items() if name not in RULES}
+
+
+def _combinations(each: Cells, lists: Mapping[str, list[Any]]) -> Iterator[dict[str, Any]]:
+    """Cells of each combination, the first varying slowest; a name such as 'radius, smaller' is of pairs."""
+    values = [lists[value] if isinstance(value, str) else value for value in each.values()]
+    for combination in product(*values):
+        found: dict[str, Any] = {}
+        for name, value in zip(each, combination, strict=True):
+            parts = name.split(", ")
+            found |= {name: value} if len(parts) == 1 else dict(zip(parts, value, strict=True))
+        yield found
+
+
+def _named(name: str, cells: Cells) -> float:
+    """Number of a cell, of a threshold, or as it is written."""
+    value = cells.get(name, THRESHOLDS.get(name, name))
+    return float(number(value, {}, measures.NOTHING) if isinstance(value, str) and value != name else value)

@@ -61,18 +61,13 @@ class MeasuredFriction:
         return {"inertia_error": self.found.inertia_error, "offset": self.found.offset}
 
     def errors_of(self, model: str) -> dict[int, Validation]:
-        """What a model leaves of each record, by number; found once."""
+        """What a model leaves of each record, by number; inertia error and offset count for all alike; found once."""
         if model not in self._errors:
-            self._errors[model] = self.errors(self.model(model))
+            found = self._errors[model] = {}
+            for number, torque in self.records.items():
+                parts = validate(self.model(model), [torque], **self.known)
+                [found[number]] = [part for part in parts if part.joint == self.joint]
         return self._errors[model]
-
-    def errors(self, friction: LuGreParameters) -> dict[int, Validation]:
-        """What parameters leave of each record, by number; inertia error and offset count for all alike."""
-        found = {}
-        for number, torque in self.records.items():
-            parts = validate(friction, [torque], **self.known)
-            [found[number]] = [part for part in parts if part.joint == self.joint]
-        return found
 
 
 def measure_friction(
@@ -86,13 +81,8 @@ def measure_friction(
 ) -> MeasuredFriction:
     """Record ladders and records of Table 6.1 of joints on a machine, and identify their friction.
 
-    Args:
-        rig: the machine under its controller.
-        joints: names; figures show the first.
-        numbers: records that are made; those of set D are used.
-        seed: of sensor noise, random starts and resamples.
-        n_threads: threads of the simulation.
-        progress: is told of seconds of motion.
+    Figures show the first of the `joints`. Of the records, whose `numbers` are made, those of set D are used; `seed` is
+    that of sensor noise, random starts and resamples.
     """
     protocols: list[Protocol] = [SpeedLadder(joints=joints, speeds=speeds, longest=LONGEST) for speeds in LADDERS]
     protocols.append(Table61(joints=joints, records=numbers, least=LEAST, periods=PERIODS))

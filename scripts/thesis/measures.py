@@ -21,7 +21,6 @@ from ffgym.report.circles.comparison import reduction
 from ffgym.report.circles.friction_plot import unlike
 from ffgym.studies import CircleStudy
 from ffgym.studies.one_axis import SETTLED
-from scripts.thesis.claims import BEND
 from scripts.thesis.laboratory import Laboratory
 from scripts.thesis.narx import ESTIMATION, VALIDATION, static_misfit
 
@@ -29,6 +28,8 @@ RECORDS = {"ESTIMATION": ESTIMATION, "VALIDATION": VALIDATION}
 """Names of the two sines of thesis 6.2.2."""
 NOTHING = Laboratory()
 """For numbers that need no results."""
+BEND = 1.0
+"""Motor speed [rad/s] below which the thesis sees friction's nonlinearity (5.1.1)."""
 Joint = int | Sequence[int] | None
 """Joint, from 1, or joints whose mean counts; None is all."""
 
@@ -239,13 +240,13 @@ def _branches(recording: Recording, family: str) -> tuple[Array, Array]:
 
 def left(laboratory: Laboratory, of: str, law: str, what: str, joint: Joint = None, trial: int = -1) -> float:
     """Mean square of 'error' or 'signal' after a trial, over the first one."""
-    return _of_joints(_lefts(laboratory, of, law, what)[trial], joint)
+    return _of_joints(lefts(laboratory, of, law, what)[trial], joint)
 
 
 def fall(laboratory: Laboratory, of: str, law: str, what: str, joint: int, after: int) -> float:
     """Fall of what is left from a trial to the last one."""
-    lefts = _lefts(laboratory, of, law, what)
-    return float(lefts[after, joint - 1] - lefts[-1, joint - 1])
+    found = lefts(laboratory, of, law, what)
+    return float(found[after, joint - 1] - found[-1, joint - 1])
 
 
 def last_fall(laboratory: Laboratory, of: str, law: str) -> float:
@@ -256,7 +257,7 @@ def last_fall(laboratory: Laboratory, of: str, law: str) -> float:
 
 def spread_over_joints(laboratory: Laboratory, of: str, law: str, what: str) -> float:
     """Largest less smallest of what is left at the end."""
-    return float(np.ptp(_lefts(laboratory, of, law, what)[-1]))
+    return float(np.ptp(lefts(laboratory, of, law, what)[-1]))
 
 
 def widest_gap_inside(laboratory: Laboratory) -> float:
@@ -275,7 +276,7 @@ def _gaps() -> list[tuple[float, bool]]:
     return list(zip(gaps, np.abs(knots[:-1] + gaps / 2) < FINE_RANGE, strict=True))
 
 
-def _lefts(laboratory: Laboratory, of: str, law: str, what: str) -> Array:
+def lefts(laboratory: Laboratory, of: str, law: str, what: str) -> Array:
     """Mean squares over those of the first trial, shape (K, N)."""
     squares: Array = getattr(getattr(laboratory, of)[law], what)[:, 0]
     return squares / squares[0]

@@ -153,17 +153,20 @@ def reach_records(friction: LuGreParameters) -> dict[str, Samples]:
 def fit_narx(
     candidate: Candidate, records: Mapping[str, Samples], *, n_starts: int = N_STARTS, seed: int = 0
 ) -> NarxFit:
-    """Fit a candidate from several random starts, and score it on all records.
-
-    Args:
-        candidate: what to fit.
-        records: as `narx_records` gives them, and any more to score on.
-        n_starts: how many.
-        seed: of the first weights.
-    """
+    """Fit a candidate from several random starts, and score it on all records: those of `narx_records`, and any more."""
     check_whole("n_starts", n_starts, low=1)
     names = [ESTIMATION] if candidate.data == "sine" else [record_name(number) for number in ESTIMATION_RECORDS]
-    copies = {name: _copied(samples, n_starts) for name, samples in records.items()}
+    # the same samples for as many motors, so that all starts are fitted and simulated side by side
+    copies = {
+        name: Samples(
+            dt=samples.dt,
+            motor_dq=np.repeat(samples.motor_dq, n_starts, axis=1),
+            torque=np.repeat(samples.torque, n_starts, axis=1),
+            scored=samples.scored,
+            noise=np.repeat(samples.noise, n_starts),
+        )
+        for name, samples in records.items()
+    }
     model = fitted(
         [copies[name] for name in names],
         Structure(regressors=candidate.regressors),
@@ -179,14 +182,3 @@ def static_misfit(friction: LuGreParameters, samples: Samples) -> Misfit:
     """How far the static curve is from the friction of a record: the floor that a network with memory must beat."""
     rows = samples.scored
     return Misfit.of(friction.steady_torque(samples.motor_dq)[rows], samples.torque[rows])
-
-
-def _copied(samples: Samples, n: int) -> Samples:
-    """The same samples for `n` motors, so that all starts are fitted and simulated side by side."""
-    return Samples(
-        dt=samples.dt,
-        motor_dq=np.repeat(samples.motor_dq, n, axis=1),
-        torque=np.repeat(samples.torque, n, axis=1),
-        scored=samples.scored,
-        noise=np.repeat(samples.noise, n),
-    )

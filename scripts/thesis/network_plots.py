@@ -1,17 +1,19 @@
-"""Figures of networks that learn: basis, training, and what the feedback does: thesis Figures 5.2 to 5.18."""
+"""Figures of networks that learn, and of NARX networks: thesis Figures 5.2 to 5.18, 6.10 and 6.11."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ffgym.core.errors import FFGymError, check_shape
 from ffgym.core.types import Array
+from ffgym.diagnosis.identification.narx import Samples
 from ffgym.recordings import Recording
-from ffgym.report.figure import panels
+from ffgym.report.figure import house_style, legend_above, new_figure, panels
+from ffgym.report.laws import law_styles
+from scripts.thesis.narx import ESTIMATION, VALIDATION, NarxFit
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 
@@ -38,34 +40,13 @@ _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _MARKERS = ("o", "s", "^", "D", "v", "P")
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Training:
-    """How one law learned, K trials of N joints; the first trial is before learning."""
-
-    title: str
-    error: Array
-    """Mean square motor position error [rad^2], shape (K, N)."""
-    signal: Array
-    """Mean square learning signal [(N m)^2], shape (K, N)."""
-
-    def __post_init__(self) -> None:
-        error = check_shape(f"error of {self.title!r}", self.error, (None, None))
-        signal = check_shape(f"signal of {self.title!r}", self.signal, error.shape)
-        if not len(error) or np.any(error[0] <= 0) or np.any(signal[0] <= 0):
-            raise FFGymError(f"{self.title!r}: the first trial must have errors above 0, others are relative to it.")
-        object.__setattr__(self, "error", error)
-        object.__setattr__(self, "signal", signal)
-
-    @property
-    def left(self) -> dict[str, Array]:
-        """Mean squares over those of the first trial, of 'error' and of 'signal', shape (K, N) each."""
-        return {"error": self.error / self.error[0], "signal": self.signal / self.signal[0]}
-
+Training = Mapping[str, Array]
+"""Mean squares of motor position 'error' and learning 'signal' over those of the first trial, shape (K, N) each."""
 
 _ROWS = (("error", "position error $e_p$"), ("signal", "learning signal $u_p$"))
 
 
-def training_figure(trainings: Sequence[Training], joints: Sequence[str]) -> "Figure":
+def training_figure(trainings: Mapping[str, Training], joints: Sequence[str]) -> "Figure":
     """Normalised mean squares on a logarithmic scale: two rows, one column per law, one line per joint."""
     with panels(
         2,
@@ -75,31 +56,29 @@ def training_figure(trainings: Sequence[Training], joints: Sequence[str]) -> "Fi
         sharex="col",
         sharey="row",
     ) as (figure, grid):
-        for j, training in enumerate(trainings):
+        for j, (title, training) in enumerate(trainings.items()):
             for i, (name, words) in enumerate(_ROWS):
-                axes, left = grid[i][j], training.left[name]
+                axes, left = grid[i][j], training[name]
                 for k, joint in enumerate(joints):
                     colour, marker = _COLOURS[k % len(_COLOURS)], _MARKERS[k % len(_MARKERS)]
                     axes.plot(left[:, k], color=colour, marker=marker, markersize=3.5, label=joint)
                 axes.set_yscale("log")
                 grid[i][0].set_ylabel(f"mean square of\n{words} / first")
-            grid[0][j].set_title(training.title)
+            grid[0][j].set_title(title)
             grid[1][j].set_xlabel("iteration")
             grid[1][j].xaxis.get_major_locator().set_params(integer=True)
     return figure
 
 
-def training_caption(trainings: Sequence[Training], joints: Sequence[str]) -> str:
+def training_caption(trainings: Mapping[str, Training], joints: Sequence[str]) -> str:
     """What the figure shows, and what is left after the last trial."""
     ends = []
-    for training in trainings:
+    for title, training in trainings.items():
         each = ", ".join(
             f"{joint} {error:.2g} and {signal:.2g}"
-            for joint, error, signal in zip(
-                joints, training.left["error"][-1], training.left["signal"][-1], strict=True
-            )
+            for joint, error, signal in zip(joints, training["error"][-1], training["signal"][-1], strict=True)
         )
-        ends.append(f"{training.title}: {each}")
+        ends.append(f"{title}: {each}")
     return (
         "Mean squares of motor position error and learning signal without standstill, over those of the first trial, "
         "which has no compensation; logarithmic. A joint that no longer improves is locked, so that its line goes on "
@@ -140,4 +119,72 @@ def feedback_parts_figure(recording: Recording, joint: int) -> "Figure":
         axes.plot(recording.t, feedback, color=_TOTAL, label="feedback $u_c$")
         axes.plot(recording.t, proportional, color=_WITHOUT_INTEGRAL, label="without its integral part, $u_p$")
         axes.set(xlabel="time [s]", ylabel=f"torque of {recording.header.joints[joint]} [N m]")
+    return figure
+
+
+SHOWN = 2.0
+"""Length that is drawn [s], the last of each record, where the start is forgotten; a period at 0.5 Hz."""
+_MARGIN = 1.3
+"""Torque axis over the largest friction: networks that run away leave the picture."""
+_APART = 0.15
+"""Between marks of one record, which is 1 wide."""
+_SYMBOLS = "osD^v<>p"
+_TRUE: dict[str, Any] = {"color": "black", "linewidth": 1.8, "label": "LuGre model"}
+
+
+def narx_figure(fit: NarxFit, records: Mapping[str, Samples]) -> "Figure":
+    """Free run over time (left) and over motor speed (right), on estimation (top) and validation data (bottom)."""
+    with house_style():
+        figure = new_figure(9.6, 5.6)
+        grid = figure.subplots(2, 2, sharex="col", sharey="row")
+        for row, name in zip(grid, (ESTIMATION, VALIDATION), strict=True):
+            what = "estimation" if name == ESTIMATION else "validation"
+            _draw_row(row, fit, records[name])
+            row[0].set(title=f"{what}, {name}, over time", ylabel="friction torque [N m]")
+            row[1].set_title(f"{what}, {name}, over speed")
+        grid[1][0].set_xlabel("time [s]")
+        grid[1][1].set_xlabel("motor speed [rad/s]")
+        handles, labels = grid[0][0].get_legend_handles_labels()
+        legend_above(figure, handles, labels)
+    return figure
+
+
+def _draw_row(row: "Sequence[Axes]", fit: NarxFit, samples: Samples) -> None:
+    n_starts = fit.model.n_joints
+    shown = slice(-round(SHOWN / samples.dt) - 1, None)
+    t = samples.dt * np.arange(len(samples.torque))[shown]
+    speed, torque = samples.motor_dq[shown, 0], samples.torque[shown, 0]
+    networks = fit.model.simulated(np.repeat(samples.motor_dq, n_starts, axis=1))[shown]
+    colour = law_styles(["narx"])["narx"].colour
+    for axes, x in zip(row, (t, speed), strict=True):
+        axes.plot(x, torque, **_TRUE)
+        axes.plot(x, networks, color=colour, linewidth=0.6, alpha=0.5)
+        axes.plot(x, networks[:, fit.typical], color=colour, linewidth=1.5, label="network, median start")
+        axes.plot([], [], color=colour, linewidth=0.6, alpha=0.5, label="the other starts")
+        size = _MARGIN * float(np.abs(torque).max())
+        axes.set_ylim(-size, size)
+
+
+def fits_figure(fits: Mapping[str, Array], floor: Array, records: Sequence[str]) -> "Figure":
+    """Fit in free run on each record, one mark per network, with the static curve as floor.
+
+    Args:
+        fits: by label, fit [%] of each start, shape (S, records); marks are medians, bars reach from the worst
+            start to the best.
+        floor: fit of the static curve [%], shape (records,).
+        records: their names.
+    """
+    with house_style():
+        figure = new_figure(9.6, 4.2)
+        axes = figure.subplots()
+        x = np.arange(len(records))
+        axes.plot(x, floor, color="black", linestyle="none", marker="_", markersize=22, label="static curve")
+        for i, (label, values) in enumerate(fits.items()):
+            middle = np.median(values, axis=0)
+            reach = np.abs(np.quantile(values, [0, 1], axis=0) - middle)
+            places = x + _APART * (i - (len(fits) - 1) / 2)
+            axes.errorbar(places, middle, reach, fmt=_SYMBOLS[i], markersize=4, elinewidth=0.8, label=label)
+        axes.set(ylim=(0, 102), ylabel="fit in free run [%]")
+        axes.set_xticks(x, records, rotation=35, ha="right")
+        legend_above(figure, *axes.get_legend_handles_labels())
     return figure

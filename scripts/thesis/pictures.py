@@ -20,14 +20,14 @@ from ffgym.report.learning_plots import agents_figure, learning_figure
 from ffgym.robot import RigidArm
 from ffgym.studies import CircleStudy
 from scripts.thesis.laboratory import Laboratory
-from scripts.thesis.measures import record_share, top_speeds
+from scripts.thesis.measures import lefts, record_share, top_speeds
 from scripts.thesis.narx import ESTIMATION, VALIDATION, record_name
-from scripts.thesis.narx_plot import fits_figure, narx_figure
 from scripts.thesis.network_plots import (
-    Training,
     basis_figure,
     feedback_over_speed_figure,
     feedback_parts_figure,
+    fits_figure,
+    narx_figure,
     training_caption,
     training_figure,
 )
@@ -84,10 +84,10 @@ def joint_friction(laboratory: Laboratory, name: str, of: str, speed: float) -> 
 def training(laboratory: Laboratory, name: str, of: str) -> list[ReportFigure]:
     """Mean squares of error and learning signal of each network over iterations; all learn on one motion."""
     joints = (laboratory.axis if of == "axis_learning" else laboratory.robot).joints
-    found = [
-        Training(title=law_styles([law])[law].label, error=each.error[:, 0], signal=each.signal[:, 0])
-        for law, each in getattr(laboratory, of).items()
-    ]
+    found = {
+        law_styles([law])[law].label: {what: lefts(laboratory, of, law, what) for what in ("error", "signal")}
+        for law in getattr(laboratory, of)
+    }
     title = "Mean squares of error and learning signal over iterations"
     return [ReportFigure(name, title, training_caption(found, joints), training_figure(found, joints))]
 

@@ -6,8 +6,7 @@ import pytest
 
 from scripts.thesis import measures
 from scripts.thesis.catalogue import TABLE
-from scripts.thesis.claims import EVERY, MOST, Check, Claim, judge, verdict_of
-from scripts.thesis.comparisons import RULES, compare
+from scripts.thesis.claims import EVERY, MOST, RULES, Check, Claim, compare, judge, verdict_of
 
 
 def checks(*truths: bool) -> list[Check]:
