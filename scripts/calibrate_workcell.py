@@ -20,11 +20,9 @@ import tyro
 from ffgym.core.files import write_json
 from ffgym.robot import load_robot
 from ffgym.workcell import workcell
-from scripts.workcell.free import FREE, SPREAD, prior_trees
-from scripts.workcell.objective import LAWS, SPEEDS, Objective
-from scripts.workcell.search import Point, search
+from scripts.workcell.free import FREE, SPREAD, prior_trees, write_result
+from scripts.workcell.search import LAWS, SPEEDS, Objective, Point, search
 from scripts.workcell.table import measured_cells, summary, table
-from scripts.workcell.writing import write_result
 
 
 @dataclass(frozen=True)
@@ -45,10 +43,15 @@ class Config:
 
 def main(config: Config) -> dict[str, float]:
     """Calibrate, or print the table; returns what was reached."""
-    return _print_table(config) if config.table else _calibrate(config)
-
-
-def _calibrate(config: Config) -> dict[str, float]:
+    if config.table:
+        cells = measured_cells(workcell("thesis"), config.threads, print)
+        print(table(cells))
+        reached = summary(cells)
+        for name, value in reached.items():
+            print(f"median of |ln(simulated / published)|, {name}: {value:.3f}")
+        if config.json is not None:
+            write_json(config.json, {"summary": reached, "cells": [vars(cell) for cell in cells]})
+        return reached
     nominal = load_robot("irb4600_60_205")
     objective = Objective(nominal, prior_trees(nominal), config.threads)
 
@@ -63,17 +66,6 @@ def _calibrate(config: Config) -> dict[str, float]:
         print(f"  {free.name:40s} {x:7.3f}  ({x / free.spread:5.2f} spreads)")
     write_result(objective.prior, found.x)
     return {"cost": found.cost, "median": float(np.median(np.abs(np.log(found.sizes[0] / objective.published[0]))))}
-
-
-def _print_table(config: Config) -> dict[str, float]:
-    cells = measured_cells(workcell("thesis"), config.threads, print)
-    print(table(cells))
-    reached = summary(cells)
-    for name, value in reached.items():
-        print(f"median of |ln(simulated / published)|, {name}: {value:.3f}")
-    if config.json is not None:
-        write_json(config.json, {"summary": reached, "cells": [vars(cell) for cell in cells]})
-    return reached
 
 
 if __name__ == "__main__":

@@ -153,7 +153,7 @@ def reach_records(friction: LuGreParameters) -> dict[str, Samples]:
 def fit_narx(
     candidate: Candidate, records: Mapping[str, Samples], *, n_starts: int = N_STARTS, seed: int = 0
 ) -> NarxFit:
-    """Fit a candidate from several random starts, and score it on all records: those of `narx_records`, and any more."""
+    """Fit a candidate from several random starts, and score it on all records, as those of `narx_records`."""
     check_whole("n_starts", n_starts, low=1)
     names = [ESTIMATION] if candidate.data == "sine" else [record_name(number) for number in ESTIMATION_RECORDS]
     # the same samples for as many motors, so that all starts are fitted and simulated side by side

@@ -1,4 +1,4 @@
-"""Prior of the calibration and what it may change: the nominal robot and `prior.toml`, moved by `free.toml`."""
+"""Prior of the calibration (the nominal robot, `prior.toml`), what may change (`free.toml`), and its result as files."""
 
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+import tomlkit
 
+from ffgym.core.files import write_text
 from ffgym.core.types import Array
 from ffgym.robot import RobotDescription
 
@@ -19,6 +21,22 @@ Trees = Mapping[File, dict[str, Any]]
 
 _FOLDER = Path(__file__).parent
 _SLIPPING = "effects.slip_elements.level"
+
+MACHINE = Path("ffgym/workcell/data/thesis.toml")
+CONTROLLER = Path("ffgym/robot/parameters/irb4600_60_205_commissioned.toml")
+
+SOURCE = (
+    "scripts/calibrate_workcell.py: path errors of the published robot with no, static LuGre and dynamic LuGre "
+    "compensation at 10 and 40 mm/s"
+)
+
+_DIGITS = 4
+"""Significant digits that are kept: far below what the published errors determine."""
+
+_HEADS: dict[File, str] = {
+    "machine": "# Written by scripts/calibrate_workcell.py from scripts/workcell/prior.toml; for the simulation only.",
+    "controller": "# Written by scripts/calibrate_workcell.py: what the controller of the workcell knows of friction.",
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +113,12 @@ def prior_trees(nominal: RobotDescription) -> dict[File, dict[str, Any]]:
         group, _, name = entry.partition(".")
         if entry in nominal.quantities:  # the others are in the file
             trees[file].setdefault(group, {})[name] = _table(nominal, entry)
-    _without_slip_elements(trees["machine"], nominal)
+    # the LuGre friction carries what slip elements leave, so that their sum is the friction that is known
+    machine = trees["machine"]
+    slipping = np.array(table_at(machine, _SLIPPING)["value"])
+    for name in ("coulomb", "static", "bristle_stiffness", "bristle_damping"):
+        table = machine["friction"][name]
+        table["value"] = (np.array(table["value"]) * (1 - slipping / nominal.friction.coulomb)).tolist()
     return trees
 
 
@@ -111,12 +134,55 @@ def _table(nominal: RobotDescription, entry: str) -> dict[str, Any]:
     }
 
 
-def _without_slip_elements(machine: dict[str, Any], nominal: RobotDescription) -> None:
-    """Take off the LuGre friction what slip elements carry, so that their sum is the friction that is known."""
-    shares = [
-        1 - slip / coulomb
-        for slip, coulomb in zip(table_at(machine, _SLIPPING)["value"], nominal.friction.coulomb, strict=True)
-    ]
-    for name in ("coulomb", "static", "bristle_stiffness", "bristle_damping"):
-        table = machine["friction"][name]
-        table["value"] = [value * share for value, share in zip(table["value"], shares, strict=True)]
+def write_result(prior: Trees, x: Array) -> None:
+    """Write the machine's file and its controller's parameters with the free numbers `x` (K,) in them."""
+    trees = rounded(applied(prior, x))
+    _write(MACHINE, "machine", trees["machine"], prior)
+    parameters = {
+        "robot": "irb4600_60_205",
+        "title": "friction as identified when the robot was commissioned, years ago",
+    }
+    _write(CONTROLLER, "controller", {"parameters": parameters, **trees["controller"]}, prior)
+
+
+def rounded(trees: Trees) -> dict[File, dict[str, Any]]:
+    """The tables with changed numbers as they are written."""
+    out: dict[File, dict[str, Any]] = dict(trees)
+    for file, entry in changed_entries():
+        table = table_at(out[file], entry)
+        table["value"] = _to_digits(table["value"])
+    return out
+
+
+def _to_digits(value: Any) -> Any:
+    if isinstance(value, list):
+        return [_to_digits(entry) for entry in value]
+    return float(f"{value:.{_DIGITS}g}")
+
+
+def _write(path: Path, file: File, tree: Mapping[str, Any], prior: Trees) -> None:
+    for changed_file, entry in changed_entries():
+        if changed_file == file:
+            _mark_fitted(table_at(tree, entry), table_at(prior[file], entry))
+    heads = [key for key in ("parameters", "workcell", "machine") if key in tree]
+    ordered = {key: tree[key] for key in [*heads, *sorted(set(tree) - set(heads))]}
+    write_text(path, f"{_HEADS[file]}\n\n" + tomlkit.dumps(ordered))
+
+
+def _mark_fitted(table: dict[str, Any], before: Mapping[str, Any]) -> None:
+    """Say of a number that it was fitted, and what it was before."""
+    moved = _first_axis(table["value"]) != _first_axis(_to_digits(before["value"]))
+    if not np.any(moved):
+        return
+    if "origin" not in table:  # of an effect or of the surroundings, whose source is one text
+        table["source"] = f"calibrated: {SOURCE}; before: {before['source']}"
+        return
+    origins = before["origin"] * (len(moved) if len(before["origin"]) == 1 else 1)
+    table["origin"] = ["fitted" if m else o for m, o in zip(moved, origins, strict=True)]
+    table |= {"source": SOURCE, "prior": _to_digits(before["value"]), "prior_source": before["source"]}
+
+
+def _first_axis(value: Any) -> Any:
+    """Whether entries differ is asked per joint."""
+    array = np.atleast_1d(np.asarray(value, dtype=np.float64))
+    return array if array.ndim == 1 else array[:, 0]

@@ -8,7 +8,6 @@ import numpy as np
 from ffgym.agents.bspline import ExtendedBSN, StaticBSN
 from ffgym.agents.lffc import thesis_training
 from ffgym.agents.trials import RigTrial, training_motions
-from ffgym.control import FeedForwardLaw
 from ffgym.paths import RADII
 from ffgym.published import METHODS, published_mm
 from ffgym.studies import Cell, circle_study, thesis_laws
@@ -28,22 +27,14 @@ def measured_cells(cell: Workcell, n_threads: int, say: Say) -> list[Cell]:
     Networks are trained on the workcell as in thesis 5.4: at p1, at the speed at which they are judged.
     """
     say("circles with no, static LuGre and dynamic LuGre compensation")
-    cells = _study(cell, thesis_laws(cell.robot), SPEEDS, n_threads)
+    cells = circle_study(cell, laws=thesis_laws(cell.robot), speeds=SPEEDS, n_threads=n_threads).cells
+    trial, n = RigTrial(rig=cell, n_threads=n_threads), cell.robot.n_joints
     for speed in SPEEDS:
         say(f"training both networks at p1, {speed * 1e3:g} mm/s")
-        cells += _study(cell, networks(cell, speed, n_threads), [speed], n_threads)
+        motions = training_motions(cell.arm, speeds=[speed])
+        laws = [thesis_training(n).learn(kind.zero(n), motions, trial).best for kind in (StaticBSN, ExtendedBSN)]
+        cells += circle_study(cell, laws=laws, speeds=[speed], n_threads=n_threads).cells
     return cells
-
-
-def networks(cell: Workcell, speed: float, n_threads: int) -> list[FeedForwardLaw]:
-    """Both B-spline networks, learned on the workcell at p1 at a TCP speed [m/s]."""
-    trial = RigTrial(rig=cell, n_threads=n_threads)
-    n, motions = cell.robot.n_joints, training_motions(cell.arm, speeds=[speed])
-    return [thesis_training(n).learn(kind.zero(n), motions, trial).best for kind in (StaticBSN, ExtendedBSN)]
-
-
-def _study(cell: Workcell, laws: Sequence[FeedForwardLaw], speeds: Sequence[float], n_threads: int) -> list[Cell]:
-    return circle_study(cell, laws=laws, speeds=speeds, n_threads=n_threads).cells
 
 
 def ratio(cell: Cell, statistic: str) -> float:
@@ -59,8 +50,12 @@ def table(cells: Sequence[Cell]) -> str:
     positions = list(dict.fromkeys(cell.position for cell in cells))
     rows = []
     for law, speed, statistic, radius in product(METHODS, SPEEDS, ("rms", "max"), RADII):
-        row = [_found(cells, law, speed, radius, position) for position in positions]
-        pairs = (_pair(cell, statistic) for cell in row)
+        pairs = []
+        for position in positions:
+            key = (law, round(speed * 1e3, 6), round(radius * 1e3, 6), position)
+            cell = next(each for each in cells if (each.agent, each.speed_mm_s, each.radius_mm, each.position) == key)
+            simulated = cell.rms_mm if statistic == "rms" else cell.max_mm
+            pairs.append(f"{simulated:.3f} / {simulated / ratio(cell, statistic):.3g}")
         rows.append((law, f"{speed * 1e3:g}", statistic, f"{radius * 1e3:g}", *pairs))
     return markdown(("law", "mm/s", "", "r [mm]", *positions), rows)
 
@@ -73,13 +68,3 @@ def summary(cells: Sequence[Cell]) -> dict[str, float]:
         for name, fitted in (("fitted", True), ("kept out", False))
     }
     return {name: float(np.median(np.abs(np.log(values)))) for name, values in groups.items() if values}
-
-
-def _found(cells: Sequence[Cell], law: str, speed: float, radius: float, position: str) -> Cell:
-    key = (law, round(speed * 1e3, 6), round(radius * 1e3, 6), position)
-    return next(cell for cell in cells if (cell.agent, cell.speed_mm_s, cell.radius_mm, cell.position) == key)
-
-
-def _pair(cell: Cell, statistic: str) -> str:
-    simulated = cell.rms_mm if statistic == "rms" else cell.max_mm
-    return f"{simulated:.3f} / {simulated / ratio(cell, statistic):.3g}"

@@ -13,13 +13,19 @@ from ffgym.robot import with_parameters
 from ffgym.studies import Cell
 from ffgym.workcell.reading import build
 from scripts.calibrate_workcell import Config, main
-from scripts.workcell import objective as objectives
-from scripts.workcell import writing
-from scripts.workcell.free import FREE, SPREAD, applied, changed_entries, prior_trees, table_at
-from scripts.workcell.objective import Objective
-from scripts.workcell.search import search
+from scripts.workcell import free as files
+from scripts.workcell.free import (
+    FREE,
+    SPREAD,
+    applied,
+    changed_entries,
+    prior_trees,
+    rounded,
+    table_at,
+    write_result,
+)
+from scripts.workcell.search import RMS_SPREAD, Objective, search
 from scripts.workcell.table import SPEEDS, summary, table
-from scripts.workcell.writing import rounded, write_result
 
 
 @pytest.fixture(scope="module")
@@ -60,8 +66,8 @@ def test_a_factor_and_a_shift_change_their_entries_and_joints_alone(prior):
 
 def test_files_that_are_written_are_read_as_what_was_simulated(prior, irb4600, tmp_path, monkeypatch):
     machine, controller = tmp_path / "thesis.toml", tmp_path / "irb4600_60_205_commissioned.toml"
-    monkeypatch.setattr(writing, "MACHINE", machine)
-    monkeypatch.setattr(writing, "CONTROLLER", controller)
+    monkeypatch.setattr(files, "MACHINE", machine)
+    monkeypatch.setattr(files, "CONTROLLER", controller)
     x = 0.5 * SPREAD * np.random.default_rng(0).uniform(-1, 1, len(FREE))
     write_result(prior, x)
     simulated, tree = rounded(applied(prior, x)), tree_of(machine)
@@ -124,15 +130,15 @@ def test_the_objective_pays_for_misfit_and_for_distance_from_the_prior():
     valley = Valley(np.full((2, 3, 2, 4, 3), 0.1))
     exact = valley.residuals(np.zeros(len(FREE)), valley.published)
     assert not exact.any()
-    off = valley.residuals(SPREAD, valley.published * np.exp(objectives.RMS_SPREAD))
+    off = valley.residuals(SPREAD, valley.published * np.exp(RMS_SPREAD))
     assert off[: valley.published.size // 2] == pytest.approx(1.0)
     assert off[valley.published.size :] == pytest.approx(1.0)
 
 
 @pytest.mark.slow
 def test_the_command_line_evaluates_the_prior(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(writing, "MACHINE", tmp_path / "thesis.toml")
-    monkeypatch.setattr(writing, "CONTROLLER", tmp_path / "irb4600_60_205_commissioned.toml")
+    monkeypatch.setattr(files, "MACHINE", tmp_path / "thesis.toml")
+    monkeypatch.setattr(files, "CONTROLLER", tmp_path / "irb4600_60_205_commissioned.toml")
     reached = main(Config(steps=0, state=tmp_path / "state.json", threads=1))
     assert reached["median"] > 0.1
     assert "step 0" in capsys.readouterr().out

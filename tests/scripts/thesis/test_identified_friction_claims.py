@@ -91,6 +91,6 @@ def test_captions_name_speeds_and_errors(with_old):
 
 
 def test_errors_are_those_of_the_joint_in_each_record(measured):
-    errors = measured.errors(measured.found.friction)
+    errors = measured.errors_of("identified")
     assert list(errors) == list(range(1, 16))
     assert all(np.isfinite(each.rms_error) and each.joint == "j1" for each in errors.values())
