@@ -1,4 +1,4 @@
-"""Prior of the calibration (the nominal robot, `prior.toml`), what may change (`free.toml`), and its result as files."""
+"""Prior of the calibration (the nominal robot, `prior.toml`), what is free (`free.toml`), and its result as files."""
 
 import tomllib
 from collections.abc import Iterator, Mapping
