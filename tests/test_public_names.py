@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import ffgym
-from scripts.tables.api import packages
+from scripts.tables.library import packages
 
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -19,7 +19,7 @@ from ffgym.paths.motions.part import entries, is_required
 from ffgym.recordings.schema import FAMILIES
 from ffgym.robot import RigidArm, load_robot
 from ffgym.robot.reading.quantity import OTHER_UNITS
-from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES, Capability
+from ffgym.robot.reading.rules import CAPABILITIES, REQUIRED, RULES
 from ffgym.simulation.protocols import PROTOCOLS, Protocol
 from ffgym.simulation.protocols.load import MotionFile
 from ffgym.simulation.protocols.protocol import settings
@@ -39,22 +39,19 @@ def robot_description() -> Contents:
         units = " or ".join((rule.unit, *OTHER_UNITS.get(rule.unit, {})))
         required = "no" if rule.optional else "yes"
         rows.append((f"`{path}`", shape, units, rule.side or "", required, rule.meaning))
-    functions = [(entry.title, _needs(entry)) for entry in CAPABILITIES]
+    # entries that every function needs the table says once
+    whole, functions = set(REQUIRED), []
+    for entry in CAPABILITIES:
+        needs = [path for path in entry.needs if path not in CAPABILITIES[0].needs] or list(entry.needs)
+        if whole <= set(entry.needs):
+            needs = ["all that are required", *(path for path in entry.needs if path not in whole)]
+        functions.append((entry.title, ", ".join(f"`{path}`" if "." in path else path for path in needs)))
     return Contents(
         parts={
             "entries": markdown(("entry", "shape", "unit", "side", "required", "meaning"), rows),
             "functions": markdown(("function", "entries"), functions),
         }
     )
-
-
-def _needs(entry: Capability) -> str:
-    """Entries that a function needs; those that every function needs the table says once."""
-    whole = set(REQUIRED)
-    needs = [path for path in entry.needs if path not in CAPABILITIES[0].needs] or list(entry.needs)
-    if whole <= set(entry.needs):
-        needs = ["all that are required", *(path for path in entry.needs if path not in whole)]
-    return ", ".join(f"`{path}`" if "." in path else path for path in needs)
 
 
 def robot(name: str) -> Contents:
@@ -160,10 +157,16 @@ def motion_files() -> Contents:
 def protocols() -> Contents:
     """What each protocol serves, how long it takes, and its settings."""
     arms = [RigidArm(load_robot(name)) for name in _ROBOTS]
-    rows = [
-        (f"[`{name}`](#{name})", protocol.purpose, *(_duration(protocol, arm) for arm in arms))
-        for name, protocol in PROTOCOLS.items()
-    ]
+    rows = []
+    for name, protocol in PROTOCOLS.items():
+        durations = []
+        for arm in arms:
+            try:
+                motions = protocol().motions(Stage(arm=arm))
+                durations.append(f"{len(motions)}: {sum(motion.reference.duration for motion in motions):.0f} s")
+            except FFGymError:  # not on this robot
+                durations.append("")
+        rows.append((f"[`{name}`](#{name})", protocol.purpose, *durations))
     kinds: list[type[Protocol]] = [*PROTOCOLS.values(), MotionFile]
     sections = [
         _section(
@@ -176,14 +179,6 @@ def protocols() -> Contents:
     ]
     purposes = markdown(("protocol", "serves", *_ROBOTS.values()), rows)
     return Contents(parts={"purposes": purposes, "settings": "\n\n".join(sections)})
-
-
-def _duration(protocol: type[Protocol], arm: RigidArm) -> str:
-    try:
-        motions = protocol().motions(Stage(arm=arm))
-    except FFGymError:
-        return ""
-    return f"{len(motions)}: {sum(motion.reference.duration for motion in motions):.0f} s"
 
 
 def _section(title: str, summary: str, what: str, entries: Iterable[Field[Any]]) -> str:

@@ -5,7 +5,7 @@ measures them again and again with other noise, identifies every joint each time
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from ffgym.published import ESTIMATION_RECORDS
 from ffgym.recordings import Recording
 from ffgym.robot import ModelOptions, RigidArm, load_robot
 from ffgym.simulation import Resolver, SimulatedRig, TorqueSensor
-from ffgym.simulation.protocols import Protocol, plan_session, record
+from ffgym.simulation.protocols import plan_session, record
 from ffgym.simulation.protocols.one_by_one import SpeedLadder, Table61
 from ffgym.simulation.sensors import measure
 from scripts.tables.page import Contents, markdown
@@ -28,7 +28,6 @@ from scripts.thesis.narx import (
     OTHERS,
     PUBLISHED,
     VALIDATION,
-    NarxFit,
     fit_narx,
     narx_records,
     reach_records,
@@ -50,76 +49,70 @@ REPETITIONS = {"one_axis": 50, "irb4600_60_205": 5}
 """Robots of the page, and the times that noise is drawn anew."""
 
 
-@dataclass(frozen=True)
-class Trial:
-    """An identification with known truth."""
-
-    noise_percent: float = 0.5
-    """White noise of the torque at each sample, in percent of the peak torque."""
-    angle_noise_steps: float = 0.3
-    """White noise of the angle at each sample before it is rounded, in steps of the encoder; as much as rounding adds,
-    so that rounding errors do not repeat from period to period."""
-    inertia_error: float = 0.05
-    """Share of the inertia that the model lacks; the thesis estimates up to 5 %."""
-    physics_dt: float = 6.25e-5
-    """Physics step of the records with reversals [s]; see docs/identification.md."""
-    record_dt: float = 5e-4
-    """Sample time of the records [s], that of the thesis."""
-    resamples: int = 200
-    """Resamples behind each interval."""
-    seed: int = 0
-    """Seed of the noise and the resamples."""
-
-    def exact_recordings(self, arm: RigidArm) -> list[Recording]:
-        """Ladder and sines without noise."""
-
-        def run(protocol: Protocol, physics_dt: float | None) -> list[Recording]:
-            options = ModelOptions(physics_dt=physics_dt, looks=False)
-            rig = SimulatedRig(arm=arm, sensors=(), options=options)
-            return list(record(plan_session(arm, [protocol]), rig, record_dt=self.record_dt))
-
-        sines = Table61(joints=arm.robot.joints, records=ESTIMATION_RECORDS)
-        return run(SpeedLadder(joints=arm.robot.joints), None) + run(sines, self.physics_dt)
-
-    def known_model(self, arm: RigidArm) -> RigidArm:
-        """Model that is known before: less inertia and other friction."""
-        robot, share = arm.robot, 1 - self.inertia_error
-        bodies = replace(robot.bodies, inertia=share * robot.bodies.inertia)
-        drive = replace(robot.drive, rotor_inertia=share * robot.drive.rotor_inertia)
-        return RigidArm(replace(robot, bodies=bodies, drive=drive, friction=robot.friction.scaled(**BEFORE)))
-
-    def repetition(self, model: RigidArm, exact: Sequence[Recording], number: int) -> tuple[Array, Array]:
-        """Parameters found with other noise, (N, 6), and their intervals, (N, 6, 2)."""
-        robot = model.robot
-        bits = robot.sensors.encoder_bits
-        sensors = (
-            Resolver(bits=bits, noise=self.angle_noise_steps * 2 * np.pi / 2**bits),
-            TorqueSensor(noise=self.noise_percent / 100 * robot.drive.peak_torque),
-        )
-        generators = np.random.default_rng([self.seed, number]).spawn(len(exact))
-        recordings = [measure(recording, sensors, rng) for recording, rng in zip(exact, generators, strict=True)]
-        torques = friction_torques(model, recordings)
-        found = identify_friction(torques, joints=robot.joints, seed=number, n_resamples=self.resamples)
-        values = [[estimate.value for estimate in joint.estimates] for joint in found.joints]
-        ends = [[(estimate.low, estimate.high) for estimate in joint.estimates] for joint in found.joints]
-        return np.array(values), np.array(ends)
+NOISE = 0.005
+"""White noise of the torque at each sample, as a share of the peak torque."""
+ANGLE_NOISE = 0.3
+"""White noise of the angle at each sample before it is rounded, in steps of the encoder; as much as rounding adds, so
+that rounding errors do not repeat from period to period."""
+INERTIA_ERROR = 0.05
+"""Share of the inertia that the known model lacks; the thesis estimates up to 5 %."""
+SEED = 0
+"""Of the noise."""
 
 
-def coverage(robots: dict[str, int] = REPETITIONS, trial: Trial = Trial()) -> Contents:
+def coverage(
+    robots: dict[str, int] = REPETITIONS, resamples: int = 200, physics_dt: float = 6.25e-5, record_dt: float = 5e-4
+) -> Contents:
     """How well friction is found again where it is known, and how often its intervals are right.
 
     Args:
         robots: repetitions by robot, built-in or a path to a description.
-        trial: how it is measured.
+        resamples: behind each interval.
+        physics_dt: physics step of the records with reversals [s]; see docs/identification.md.
+        record_dt: sample time of the records [s], by default that of the thesis.
     """
     parts, numbers = {}, {}
     for name, repetitions in robots.items():
         arm = RigidArm(load_robot(name))
-        model, exact = trial.known_model(arm), trial.exact_recordings(arm)
-        found, ends = zip(*(trial.repetition(model, exact, i) for i in range(repetitions)), strict=True)
-        numbers[arm.robot.name] = {"joints": list(arm.robot.joints), **counted(arm, np.stack(found), np.stack(ends))}
-        parts[f"friction of {arm.robot.name}"] = _coverage_table(numbers[arm.robot.name])
+        robot, joints = arm.robot, arm.robot.joints
+        # ladder and sines without noise
+        sines = Table61(joints=joints, records=ESTIMATION_RECORDS)
+        exact: list[Recording] = []
+        for protocol, dt in ((SpeedLadder(joints=joints), None), (sines, physics_dt)):
+            rig = SimulatedRig(arm=arm, sensors=(), options=ModelOptions(physics_dt=dt, looks=False))
+            exact += record(plan_session(arm, [protocol]), rig, record_dt=record_dt)
+        # the model that is known before has less inertia and other friction
+        share = 1 - INERTIA_ERROR
+        bodies = replace(robot.bodies, inertia=share * robot.bodies.inertia)
+        drive = replace(robot.drive, rotor_inertia=share * robot.drive.rotor_inertia)
+        model = RigidArm(replace(robot, bodies=bodies, drive=drive, friction=robot.friction.scaled(**BEFORE)))
+        repeated = (_identified(model, exact, number, resamples) for number in range(repetitions))
+        found, ends = zip(*repeated, strict=True)
+        numbers[robot.name] = {"joints": list(joints), **counted(arm, np.stack(found), np.stack(ends))}
+        # mean error, largest error, and how often the interval holds the truth
+        rows = []
+        for j, joint in enumerate(joints):
+            errors = zip(
+                *(numbers[robot.name][what][j] for what in ("mean_error", "largest_error", "coverage")), strict=True
+            )
+            rows.append((joint, *(f"{mean:+.1%}, {largest:.1%}, {right:.0%}" for mean, largest, right in errors)))
+        head = ("joint", "f_c", "f_s", "f_v", "v_s", "sigma_0", "sigma_1")
+        parts[f"friction of {robot.name}"] = markdown(head, rows)
     return Contents(parts=parts, numbers=numbers)
+
+
+def _identified(model: RigidArm, exact: Sequence[Recording], number: int, resamples: int) -> tuple[Array, Array]:
+    """Parameters found with other noise, (N, 6), and their intervals, (N, 6, 2)."""
+    robot, bits = model.robot, model.robot.sensors.encoder_bits
+    resolver = Resolver(bits=bits, noise=ANGLE_NOISE * 2 * np.pi / 2**bits)
+    sensors = (resolver, TorqueSensor(noise=NOISE * robot.drive.peak_torque))
+    generators = np.random.default_rng([SEED, number]).spawn(len(exact))
+    recordings = [measure(recording, sensors, rng) for recording, rng in zip(exact, generators, strict=True)]
+    torques = friction_torques(model, recordings)
+    found = identify_friction(torques, joints=robot.joints, seed=number, n_resamples=resamples)
+    values = [[estimate.value for estimate in joint.estimates] for joint in found.joints]
+    ends = [[(estimate.low, estimate.high) for estimate in joint.estimates] for joint in found.joints]
+    return np.array(values), np.array(ends)
 
 
 def counted(arm: RigidArm, found: Array, ends: Array) -> dict[str, Any]:
@@ -134,15 +127,6 @@ def counted(arm: RigidArm, found: Array, ends: Array) -> dict[str, Any]:
         "coverage": inside.mean(axis=0).tolist(),
         "repetitions": len(found),
     }
-
-
-def _coverage_table(numbers: dict[str, Any]) -> str:
-    """Mean error, largest error, and how often the interval holds the truth."""
-    rows = []
-    for j, joint in enumerate(numbers["joints"]):
-        errors = zip(*(numbers[what][j] for what in ("mean_error", "largest_error", "coverage")), strict=True)
-        rows.append((joint, *(f"{mean:+.1%}, {largest:.1%}, {share:.0%}" for mean, largest, share in errors)))
-    return markdown(("joint", "f_c", "f_s", "f_v", "v_s", "sigma_0", "sigma_1"), rows)
 
 
 CANDIDATES = {each.name: each for each in (*PUBLISHED, *OTHERS, *EXTENDED)}
@@ -167,15 +151,20 @@ def networks(candidates: Sequence[str] = tuple(CANDIDATES), n_starts: int = N_ST
     far = [("static curve", *(f"{floors[name][0]:.1f}" for name in reach))]
     far += [(fit.candidate.label, *(spread(fit.errors[name].simulation.fit) for name in reach)) for fit in fits]
     head = ("", "f = 1", "f = 0.5", "f = 0.5, one step", "set V, median record", "set V, worst record")
+    numbers = [
+        {
+            "candidate": asdict(fit.candidate),
+            "errors": {
+                name: {
+                    "prediction_rms_nm": each.prediction.rms.tolist(),
+                    "simulation_rms_nm": each.simulation.rms.tolist(),
+                }
+                for name, each in fit.errors.items()
+            },
+        }
+        for fit in fits
+    ]
     return Contents(
         parts={"fits": markdown(head, rows), "reach": markdown(("", *reach), far)},
-        numbers={"config": {"n_starts": n_starts, "seed": seed}, "fits": [_numbers(fit) for fit in fits]},
+        numbers={"config": {"n_starts": n_starts, "seed": seed}, "fits": numbers},
     )
-
-
-def _numbers(fit: NarxFit) -> dict[str, object]:
-    errors = {
-        name: {"prediction_rms_nm": each.prediction.rms.tolist(), "simulation_rms_nm": each.simulation.rms.tolist()}
-        for name, each in fit.errors.items()
-    }
-    return {"candidate": asdict(fit.candidate), "errors": errors}

@@ -53,10 +53,21 @@ def convergence(
     )
     head = ("speed [mm/s]", "metric", "median change [%]", "worst change [%]", "worst law", "largest change")
     changes = [_change(coarse, fine, speed, metric) for speed in speeds for metric in METRICS]
+    errors, drift = lugre_errors(load_robot("one_axis"), steps, duration), energy_drift(described, energy_steps)
+    lugre = [
+        [f"{step * 1e3:g}", f"{dq * 1e3:.4g}", f"{z * 1e6:.4g}", *orders]
+        for step, (dq, z), orders in zip(steps, errors, _orders(errors), strict=True)
+    ]
+    energies = [
+        [f"{step * 1e3:g}", f"{energy:.3g}", f"{100 * energy / swing:.2g}", order]
+        for step, (energy, swing), (order, _) in zip(energy_steps, drift, _orders(drift), strict=True)
+    ]
+    of_lugre = ("speed error [mrad/s]", "bristle error [µrad]", "order (speed)", "order (bristle)")
+    of_energy = ("energy drift [J]", "share of the spring energy [%]", "order")
     return Contents(
         parts={
-            "lugre": _lugre_table(load_robot("one_axis"), steps, duration),
-            "energy": _energy_table(described, energy_steps),
+            "lugre": markdown(("physics_dt [ms]", *of_lugre), lugre),
+            "energy": markdown(("physics_dt [ms]", *of_energy), energies),
             "circles": markdown(head, changes),
         }
     )
@@ -149,25 +160,6 @@ def _energies(plant: Plant, qpos: Array, qvel: Array) -> tuple[Array, Array]:
     deflection = state.link_position - state.motor_position / drive.gear_ratio
     elastic = np.where(drive.is_rigid, 0.0, drive.joint_stiffness)
     return total, 0.5 * (elastic * deflection**2).sum(axis=1)
-
-
-def _lugre_table(robot: RobotDescription, steps: Sequence[float], duration: float) -> str:
-    errors = lugre_errors(robot, steps, duration)
-    rows = [
-        [f"{step * 1e3:g}", f"{dq * 1e3:.4g}", f"{z * 1e6:.4g}", *orders]
-        for step, (dq, z), orders in zip(steps, errors, _orders(errors), strict=True)
-    ]
-    head = ("physics_dt [ms]", "speed error [mrad/s]", "bristle error [µrad]", "order (speed)", "order (bristle)")
-    return markdown(head, rows)
-
-
-def _energy_table(robot: RobotDescription, steps: Sequence[float]) -> str:
-    drift = energy_drift(robot, steps)
-    rows = [
-        [f"{step * 1e3:g}", f"{energy:.3g}", f"{100 * energy / swing:.2g}", order]
-        for step, (energy, swing), (order, _) in zip(steps, drift, _orders(drift), strict=True)
-    ]
-    return markdown(("physics_dt [ms]", "energy drift [J]", "share of the spring energy [%]", "order"), rows)
 
 
 def _change(coarse: CircleStudy, fine: CircleStudy, speed: float, metric: str) -> list[str]:

@@ -130,7 +130,7 @@ ALLOWED = np.array([0.02, 0.02, 0.02, np.inf, 0.1, 0.1])
 
 
 def test_friction_is_found_again_in_one_repetition_on_the_thesis_joint():
-    made = friction.coverage({"one_axis": 1}, friction.Trial(resamples=40, physics_dt=1.25e-4, record_dt=1e-3))
+    made = friction.coverage({"one_axis": 1}, resamples=40, physics_dt=1.25e-4, record_dt=1e-3)
     found = made.numbers["one_axis"]
     assert (np.array(found["largest_error"]) < ALLOWED).all(), found
     assert found["repetitions"] == 1
