@@ -12,7 +12,6 @@ import numpy as np
 import tyro
 
 from ffgym.core.files import write_bytes
-from ffgym.core.types import Array
 from ffgym.diagnosis.nominal import EXAMPLE_ROBOT
 from ffgym.effects.drive import TorqueOffset
 from ffgym.effects.frames import ToolFrame
@@ -75,7 +74,14 @@ def recordings(seed: int, only: Collection[int] | None = None) -> Iterator[Recor
     cell = example_cell(seed)
     motions = plan_session(cell.arm, [Diagnosis()])
     for recording in record(motions, cell, seed=seed, record_dt=SAMPLE_TIME, only=only):
-        yield _slimmed(recording)
+        # columns that stay, in steps where there are any, as single precision holds them
+        columns = {"timestamp": recording.t}
+        for family in KEPT:
+            for name in (name for name in recording.columns if name.startswith(f"{family}.")):
+                values, step = recording[name], STEPS.get(family)
+                rounded = values if step is None else np.round(values / step) * step
+                columns[name] = rounded.astype(np.float32).astype(np.float64)
+        yield Recording(columns, replace(recording.header, provenance={"simulated": True}))
 
 
 def encoded(recording: Recording) -> bytes:
@@ -94,21 +100,6 @@ def main(config: Config) -> list[Path]:
         write_bytes(place, encoded(recording))
         places.append(place)
     return places
-
-
-def _slimmed(recording: Recording) -> Recording:
-    """The recording with the columns that stay, as single precision holds them."""
-    columns = {"timestamp": recording.t}
-    for family in KEPT:
-        names = [name for name in recording.columns if name.startswith(f"{family}.")]
-        columns |= {name: _rounded(recording[name], STEPS.get(family)) for name in names}
-    return Recording(columns, replace(recording.header, provenance={"simulated": True}))
-
-
-def _rounded(values: Array, step: float | None) -> Array:
-    """Values in steps, if there are any, that single precision holds."""
-    rounded = values if step is None else np.round(values / step) * step
-    return rounded.astype(np.float32).astype(np.float64)
 
 
 if __name__ == "__main__":

@@ -47,20 +47,38 @@ def main(config: Config) -> Manifest:
     trainings = {seed: _training(policies[seed], seed, place) for seed, place in places.items()}
     _check_same(policies, config.folder)
     first = next(iter(policies))
-    _check_row(config.name, trainings[first])
-    command = command_of(config.name, trainings[first], list(places))
+    training = trainings[first]
+    algorithm, base, *_ = RESIDUALS[check_choice("row of trained residual policies", config.name, list(RESIDUALS))]
+    if (training.algorithm, training.base) != (algorithm, base):
+        raise FFGymError(
+            f"{config.name} is a row of {algorithm} on {base}, these are of {training.algorithm} on {training.base}. "
+            f"Publish them under another name, or add a row in agents/residual/policy.py."
+        )
+    command = command_of(config.name, training, list(places))
+    files, artefacts = {seed: f"seed_{seed}.npz" for seed in places}, list[Artefact]()
     with made_folder(config.out / config.name / ANYWHERE) as folder:
-        for seed, place in places.items():
-            write_bytes(folder / _file(seed), read_bytes(place))
+        for seed, policy in policies.items():
+            write_bytes(folder / files[seed], read_bytes(places[seed]))
+            entry = described(
+                config.name,
+                f"{ANYWHERE}/{files[seed]}",
+                config.out,
+                seed=seed,
+                plant=ANYWHERE,
+                fingerprint=str(policy.meta["origin"]["physics_fingerprint"]),
+                robot_seconds=0.0,
+                env_steps=int(policy.meta["env_steps"]),
+            )
+            artefacts.append(entry)
         manifest = Manifest(
             name=config.name,
             command=command,
-            artefacts=tuple(_entry(config, seed, policy) for seed, policy in policies.items()),
+            artefacts=tuple(artefacts),
             versions=policies[first].meta["versions"],
             learning_curve=mean_curve([policy.meta["learning_curve"] for policy in policies.values()]),
         )
         write_manifest(manifest, config.out)
-        for gone in {*folder.glob("seed_*.npz")} - {folder / _file(seed) for seed in places}:
+        for gone in {*folder.glob("seed_*.npz")} - {folder / file for file in files.values()}:
             gone.unlink()
     return manifest
 
@@ -128,33 +146,6 @@ def _check_same(policies: Mapping[int, ResidualPolicy], folder: Path) -> None:
                 f"{folder}: seed_{first} and seed_{seed} differ in more than the seed: {', '.join(changes)}. Publish "
                 f"one configuration."
             )
-
-
-def _check_row(name: str, training: Training) -> None:
-    """Refuse a row that the leaderboard does not have, or has of another algorithm or base."""
-    algorithm, base, *_ = RESIDUALS[check_choice("row of trained residual policies", name, list(RESIDUALS))]
-    if (training.algorithm, training.base) != (algorithm, base):
-        raise FFGymError(
-            f"{name} is a row of {algorithm} on {base}, these are of {training.algorithm} on {training.base}. Publish "
-            f"them under another name, or add a row in agents/residual/policy.py."
-        )
-
-
-def _file(seed: int) -> str:
-    return f"seed_{seed}.npz"
-
-
-def _entry(config: Config, seed: int, policy: ResidualPolicy) -> Artefact:
-    return described(
-        config.name,
-        f"{ANYWHERE}/{_file(seed)}",
-        config.out,
-        seed=seed,
-        plant=ANYWHERE,
-        fingerprint=str(policy.meta["origin"]["physics_fingerprint"]),
-        robot_seconds=0.0,
-        env_steps=int(policy.meta["env_steps"]),
-    )
 
 
 if __name__ == "__main__":

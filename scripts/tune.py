@@ -108,7 +108,11 @@ def _tried(config: Tune, folder: Path, number: int, parameters: dict[str, float]
     Raises:
         FFGymError: of such a file.
     """
-    trainings = {_name(each): each for each in (config.tried_with(seed, parameters) for seed in config.seeds)}
+    trainings = {}
+    for seed in config.seeds:  # a folder has the same name for the same training
+        training = config.tried_with(seed, parameters)
+        document = json.dumps(training.document(), sort_keys=True).encode()
+        trainings[sha256(document).hexdigest()[:16]] = training
     failure = None
     try:
         value = objective(config, trainings, folder, f"trial {number + 1} of {config.trials}")
@@ -120,11 +124,6 @@ def _tried(config: Tune, folder: Path, number: int, parameters: dict[str, float]
         failure = str(error)
     value = value if failure is None else FAILED
     return Trial(parameters=parameters, value=value, failure=failure, folders=list(trainings))
-
-
-def _name(training: Training) -> str:
-    """Of a training's folder: the same for the same training."""
-    return sha256(json.dumps(training.document(), sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _of_a_file(error: BaseException | None) -> bool:

@@ -17,6 +17,7 @@ from ffgym.agents.declaration import Setting
 from ffgym.control import CausalLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.provenance import installed
+from ffgym.core.types import Array
 from ffgym.effects import EFFECTS, Effect
 from ffgym.robot import RigidArm, RobotDescription, load_robot
 from ffgym.simulation import Run, simulate
@@ -207,34 +208,23 @@ def decision_ratios(sizes: Sequence[int], repeats: int) -> Iterator[Ratio]:
         assert isinstance(law, CausalLaw)  # all but `none` are
         for size in sizes:
             env = gym.make_vec(ONE_AXIS, num_envs=size, frequencies=[FREQUENCY], preview=law.preview)
+            still = np.zeros(env.action_space.shape or ())
+            agent, (observation, _) = LawAgent.for_env(law, env), env.reset(seed=0)
+            observations = [observation, *(env.step(still)[0] for _ in range(DECISIONS - 1))]
+
+            def decide(agent: LawAgent = agent, observations: list[Any] = observations) -> None:
+                memory = None
+                for seen in observations:
+                    _, memory = agent.predict(seen, memory)
+
+            def step(env: Any = env, still: Array = still) -> None:
+                for _ in range(DECISIONS):
+                    env.step(still)
+
+            rates = rate_of(DECISIONS, decide), rate_of(DECISIONS, step, before=partial(env.reset, seed=0))
             title = f"{law.name} / environment, {size} robot{'s' if size > 1 else ''}"
-            yield take_turns(title, _deciding(law, env), _stepping(env), repeats, unit="steps/s")
+            yield take_turns(title, *rates, repeats, unit="steps/s")
             env.close()
-
-
-def _deciding(law: CausalLaw, env: Any) -> Rate:
-    agent, (observation, _) = LawAgent.for_env(law, env), env.reset(seed=0)
-    observations = []
-    for _ in range(DECISIONS):
-        observations.append(observation)
-        observation = env.step(np.zeros(env.action_space.shape))[0]
-
-    def decide() -> None:
-        memory = None
-        for seen in observations:
-            _, memory = agent.predict(seen, memory)
-
-    return rate_of(DECISIONS, decide)
-
-
-def _stepping(env: Any) -> Rate:
-    action = np.zeros(env.action_space.shape)
-
-    def step() -> None:
-        for _ in range(DECISIONS):
-            env.step(action)
-
-    return rate_of(DECISIONS, step, before=lambda: env.reset(seed=0))
 
 
 # ---- PPO of stable-baselines3 on the native vector environment, against SB3's own vector of single environments
