@@ -1,7 +1,6 @@
 """Simulated test bench of an exam: a robot, its motions, and how well they are measured."""
 
 from dataclasses import dataclass, replace
-from typing import final
 
 import numpy as np
 
@@ -29,7 +28,6 @@ POOR_SPEEDS = (0.010, 0.020, 0.040)
 """Speeds of the small circles that make a poor log [m/s]; those of the thesis' tables, and one between."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CurrentOffset(Sensor):
     """Torque by current sensors that show something of no current."""
@@ -45,7 +43,6 @@ class CurrentOffset(Sensor):
         )
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bench:
     """A robot as it is described, the motions of its log, and its sensors; noise as standard deviations."""

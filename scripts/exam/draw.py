@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
-from typing import final
 
 import numpy as np
 
@@ -77,7 +76,6 @@ COUNTS: Mapping[Row, int] = MappingProxyType({row: count for row, (_, count) in 
 _LACKS: Mapping[Row, tuple[str, ...]] = MappingProxyType({"no_tracker": ("tcp",), "no_temperature": ("temperature",)})
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Case:
     """A machine whose model is wrong as models are, effects that may be hidden in it, and what is recorded of it."""

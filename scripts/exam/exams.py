@@ -12,7 +12,7 @@ from dataclasses import asdict, replace
 from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, final
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.provenance import versions
@@ -118,7 +118,6 @@ class Exam(ABC):
         return {}
 
 
-@final
 class OwnExam(Exam):
     """Logs of one robot by the project's own simulation."""
 
@@ -160,7 +159,6 @@ class OwnExam(Exam):
         return outcome(self.answer(both), paper.truth)
 
 
-@final
 class IndependentExam(Exam):
     """Logs of drawn machines by a plant that shares nothing with the simulation."""
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +24,6 @@ _NEARBY = 0.03
 """How far from where motions are centred a damaged tooth is [rad]; chosen: all motions but the smallest pass it."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Hidden:
     """An effect on one joint of a robot, or on all of it, and how it is to be named."""

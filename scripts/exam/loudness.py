@@ -12,7 +12,6 @@ anybody could know of.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import final
 
 import numpy as np
 
@@ -44,7 +43,6 @@ Rows = Mapping[Channel, Array]
 """Residual by channel (R, M, C); zero in rows that do not count."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Yardstick:
     """What noise and calibration come to in the motions of an exam."""
@@ -85,7 +83,6 @@ def yardstick_of(noise: Rows, valid: BoolArray, row_dt: float, calibration: Sequ
     return Yardstick(rms=rms, calibration=calibration, stack=stack_of(blocks_of(valid, row_dt), calibration, weights))
 
 
-@final
 class Listener:
     """Hears what effects add to the log of a robot that has none."""
 
@@ -133,7 +130,6 @@ def listener_of(bench: Bench) -> Listener:
     return Listener(bench)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OwnPaper(Paper):
     """A question about a machine of the project's own simulation."""

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, final
+from typing import Any, Literal
 
 import numpy as np
 
@@ -35,7 +35,6 @@ _SHAPE = 0.1
 """Relative error of a shape that is chosen beside the size beyond which sizes mean different things."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SizeMark:
     """A size in an answer, and the true one, in the unit of the parameter."""
@@ -58,7 +57,6 @@ class SizeMark:
         return self.interval[0] <= self.true <= self.interval[1]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Said:
     """An effect in an answer."""
@@ -68,7 +66,6 @@ class Said:
     held_out_gain: float
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Gain:
     """What simulation and machine differ by, in full closed loop, on two motions that were not diagnosed."""
@@ -81,7 +78,6 @@ class Gain:
     """The same with the causes."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Mark:
     """An answer beside the truth, as a line of the results."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, final, get_args
+from typing import Literal, get_args
 
 from ffgym.diagnosis.calibration import Calibration
 from ffgym.recordings import Recording
@@ -32,7 +32,6 @@ Question = tuple[Row, int]
 """Row and number within it, from 0 on."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Truth:
     """A hidden effect, as large as in the log."""

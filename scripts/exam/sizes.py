@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, final
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -49,7 +49,6 @@ _FOUND = ("right", "surplus", "tie")
 """Outcomes in which an effect is found: named, or in the tie."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class SizesExam(Exam):
     """Effects at several sizes on one robot; noise as standard deviations."""
@@ -236,7 +235,6 @@ def places_of(kind: type[Effect], robot: RobotDescription) -> list[str]:
     return [joint for joint, can in zip(robot.joints, able, strict=True) if can]
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Detectable:
     """One ladder: from what size on an effect is found on a joint."""

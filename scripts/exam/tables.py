@@ -3,7 +3,6 @@
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -38,7 +37,6 @@ _SECONDS, _SECONDS_OF_INDEPENDENT = 60.0, 120.0
 """Longest time of a diagnosis in either exam [s]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Line:
     """One figure."""

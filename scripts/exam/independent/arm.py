@@ -8,7 +8,6 @@ with accelerations at :math:`\ddot q = 0`.
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import final
 
 import numpy as np
 
@@ -22,7 +21,6 @@ for _i, _j, _k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
     _LEVI_CIVITA[_i, 3 * _k + _j], _LEVI_CIVITA[_i, 3 * _j + _k] = 1.0, -1.0
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bodies:
     """Geometry and masses of B arms of N joints, the tool being part of the last link."""
@@ -73,7 +71,6 @@ class Bodies:
         return skew, skew @ skew
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pose:
     """Where bodies are at joint positions q."""

@@ -10,7 +10,6 @@ from abc import ABC, abstractmethod
 from collections import deque
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import final
 
 import numpy as np
 
@@ -23,7 +22,6 @@ _BLOCKS = 24
 """Blocks in a contact."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Contact:
     """Friction before and after breakaway of (B, N) motors, by bristles or, where there are any, by blocks.
@@ -77,7 +75,6 @@ class Contact:
         return np.minimum(np.maximum(force, -limit), limit)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Orders:
     """Set-points of the motors at every half step, shape (2 K + 1, B, N) each."""
@@ -104,7 +101,6 @@ class Servo(ABC):
         """Feedback torque [N m], and rate of the servo's `state`, at a half step."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Continuous(Servo):
     r"""The documented servo without sample times: :math:`u = K_p e + K_v \dot e + K_i \int e`."""
@@ -119,7 +115,6 @@ class Continuous(Servo):
         return self.position * off + self.speed * (orders.speed[half] - speed) + state, self.integral * off
 
 
-@final
 @dataclass(kw_only=True, eq=False)
 class Cascade(Servo):
     """Position loop around a speed loop, sampled; speed by difference of a quantised angle, and filtered.

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,6 @@ Changed = tuple[Numbers, View]
 """A machine, and how its tracker sees it."""
 
 
-@final
 @dataclass(frozen=True, eq=False)
 class Kind:
     """A kind of effect that may be hidden."""
@@ -45,7 +44,6 @@ class Kind:
     """Whether its size is the relative error of a number that is described."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shape:
     """What of an effect is neither its place nor its size."""
@@ -62,7 +60,6 @@ Full = Callable[[RobotDescription, int, np.random.Generator], float]
 Change = Callable[[Changed, int, float, Shape], Changed]
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Concealed:
     """An effect as it is hidden."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from types import MappingProxyType
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -49,7 +49,6 @@ FAULTS: Mapping[str, str] = MappingProxyType(
 contact, and torques are of the motor side if nothing else is said."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Numbers:
     """Machines of the same joints, B of them side by side; motor side unless said otherwise, shape (B, N) each."""

@@ -8,7 +8,6 @@ Motors of rigid joints move with the arm, and their rotors add :math:`n^2 J` to 
 """
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -37,7 +36,6 @@ Stage = tuple[Array, Array]
 """Rates of the state, (6, B, N), and torque of the servo."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Course:
     """What happened, at every recorded row; shape (T, B, N) each."""
@@ -53,7 +51,6 @@ class Course:
     """Of the motors, as their currents say [N m]."""
 
 
-@final
 class Plant:
     """Machines that follow their set-points; q, dq, angle, speed, servo and lagging torque are rows of the state."""
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, final
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +32,6 @@ _DRAWS = 20
 """Times that an effect is drawn at most until the loop is stable with it; chosen: once is mostly enough."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class IndependentPaper(Paper):
     """A question about a drawn machine."""

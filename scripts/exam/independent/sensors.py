@@ -1,7 +1,7 @@
 """What is logged of a course: encoders, currents and a tracker, with noise of several kinds, in columns by choice."""
 
 from dataclasses import dataclass, field
-from typing import Literal, final, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from scipy.signal import lfilter
@@ -35,7 +35,6 @@ _MEMORY = 0.006
 """Time constant of coloured noise [s]; chosen: filters of drives."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class View:
     """How the tracker sees the tool, other than where it is described; nothing by default."""
@@ -50,7 +49,6 @@ class View:
     """By which positions are old [s]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True)
 class Columns:
     """What a log has beside angles and torques of the motors."""
@@ -76,7 +74,6 @@ def tracked(bodies: Bodies, q: Array, view: View, dt: float) -> Array:
     return np.stack(found)
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Exact:
     """What sensors without noise would log of the motions of one machine; shape (T, M, N), or (T, M, 3) of the tool."""

@@ -1,7 +1,7 @@
 """A machine under test: which robot, how it is driven, moved and measured; drawn by seed, without what is hidden."""
 
 from dataclasses import dataclass
-from typing import Literal, final, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -54,7 +54,6 @@ _PAUSE = (20.0, 120.0)
 """Between motions [s]."""
 
 
-@final
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Setup:
     """How a log comes about, without effects and without noise."""
