@@ -119,7 +119,14 @@ def test_the_command_is_installed():
 
 
 @pytest.mark.parametrize(
-    "file", ["py.typed", "robot/data/irb4600_60_205.toml", "robot/data/one_axis.toml", "published/thesis_tables.json"]
+    "file",
+    [
+        "py.typed",
+        "robot/data/irb4600_60_205.toml",
+        "robot/data/one_axis.toml",
+        "published/thesis_tables.json",
+        "diagnosis/sessions.toml",
+    ],
 )
 def test_the_package_contains_its_data(file):
     assert resources.files("ffgym").joinpath(*file.split("/")).is_file()

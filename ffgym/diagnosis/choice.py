@@ -55,20 +55,18 @@ class Choice:
         setting = self._ready.setting
         rest = without_calibration(setting, fit)
         loud = loudness(setting, rest)
-        if JointStiffness in self._kinds and (far := self._far(loud)):
-            made = made.beside(stiffness_columns(self._ready.run, far))
-            self._sprung.update(far)
+        if JointStiffness in self._kinds:
+            # other springs on elastic joints whose torque is far from what it should be
+            elastic = [j for j in self._ready.run.springs.elastic.tolist() if j not in self._sprung]
+            if far := [j for j in elastic if loud.get(("torque", j), 0.0) > _FAR]:
+                made = made.beside(stiffness_columns(self._ready.run, far))
+                self._sprung.update(far)
         if new := _not_among(self._cycles(fit, rest, loud), self._tried):
             periodic = [kind for kind in self._kinds if repeats(kind)]
             made = made.beside(columns_of(self._ready.run, periodic, new))
             self._tried |= {joint: (*self._tried.get(joint, ()), *cycles) for joint, cycles in new.items()}
         self._made = made
         return made
-
-    def _far(self, loud: Loudness) -> list[int]:
-        """Elastic joints whose torque is far from what it should be, and whose springs were not tried."""
-        elastic = self._ready.run.springs.elastic.tolist()
-        return [j for j in elastic if j not in self._sprung and loud.get(("torque", j), 0.0) > _FAR]
 
     def _cycles(self, fit: Fit, rest: Mapping[Channel, Array], energies: Loudness) -> Cycles:
         """Frequencies per motor turn of each joint that what is left has, the strongest first."""

@@ -11,13 +11,13 @@ import numpy as np
 
 from ffgym.diagnosis.calibration import Calibration, doubts_of
 from ffgym.diagnosis.column import columns_of
-from ffgym.diagnosis.evidence import Blocks, Values, blocks_of, half_folds
+from ffgym.diagnosis.evidence import Values, blocks_of, half_folds
 from ffgym.diagnosis.log import Log
 from ffgym.diagnosis.measured import knows_low_speed, residual_rows, valid_rows
 from ffgym.diagnosis.noise import torque_noise
-from ffgym.diagnosis.replay import Replay, predicted, replay
+from ffgym.diagnosis.replay import predicted, replay
 from ffgym.diagnosis.result import Cause, Pattern, Rival, Unjudged
-from ffgym.diagnosis.search.candidates import Candidates, candidates_of
+from ffgym.diagnosis.search.candidates import candidates_of
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.solving import screen
 from ffgym.effects import EFFECTS, ClockEffect, Effect, ModelEffect, ResolverEffect, TrackerEffect
@@ -111,21 +111,15 @@ def with_leads(
     not_excited: Sequence[Unjudged],
     not_judgeable: Sequence[Unjudged],
 ) -> tuple[Pattern, ...]:
-    """Patterns with the effects that have their form, and why these are no causes."""
-    return tuple(
-        replace(pattern, leads=_leads(pattern, causes, rivals, (*not_judgeable, *not_excited))) for pattern in patterns
-    )
-
-
-def _leads(
-    pattern: Pattern, causes: Sequence[Cause], rivals: Sequence[Rival], unjudged: Sequence[Unjudged]
-) -> tuple[str, ...]:
-    """One sentence for each effect of that form."""
-    return tuple(
-        f"{kind.title}: {_reason(kind.name, pattern.component, causes, rivals, unjudged)}"
-        for kind in effects_of_form(pattern)
-        if kind.side == "motor" or pattern.channel != "servo"
-    )
+    """Patterns with the effects that have their form, and why these are no causes, a sentence for each effect."""
+    unjudged = (*not_judgeable, *not_excited)
+    found = []
+    for pattern in patterns:
+        kinds = [kind for kind in effects_of_form(pattern) if kind.side == "motor" or pattern.channel != "servo"]
+        reasons = [_reason(kind.name, pattern.component, causes, rivals, unjudged) for kind in kinds]
+        leads = tuple(f"{kind.title}: {reason}" for kind, reason in zip(kinds, reasons, strict=True))
+        found.append(replace(pattern, leads=leads))
+    return tuple(found)
 
 
 def effects_of_form(pattern: Pattern) -> list[type[Effect]]:
@@ -190,7 +184,10 @@ def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLoo
     values: Values = {("torque", j): residual[..., j : j + 1] for j in range(residual.shape[2])}
     weights: Values = {("torque", j): 1 / column for j, column in enumerate(torque_noise(run).T)}
     blocks = blocks_of(valid_rows(run.log), log.sampling.row_dt)
-    candidates = _candidates(run, nominal, calibration, blocks, weights)
+    # effects whose columns take no arm
+    kinds, _ = judgeable_kinds(run.log, nominal, calibration)
+    plain = [kind for kind in kinds if kind.side == "motor" and not issubclass(kind, ResolverEffect)]
+    candidates = candidates_of(doubts_of(run, calibration), columns_of(run, plain, {}), blocks, weights)
     if not len(blocks) or not candidates.groups:
         return FirstLook(effect=None, joint="", share=0.0)
     evidence = candidates.stack.evidence(values)
@@ -202,10 +199,3 @@ def first_look(log: Log, nominal: Machine, calibration: Calibration) -> FirstLoo
         return FirstLook(effect=None, joint="", share=max(share, 0.0))
     first = candidates.first(candidates.groups[best])
     return FirstLook(effect=first.effect, joint=first.joint, share=min(share, 1.0))
-
-
-def _candidates(run: Replay, nominal: Machine, calibration: Calibration, blocks: Blocks, weights: Values) -> Candidates:
-    """Effects whose columns take no arm."""
-    kinds, _ = judgeable_kinds(run.log, nominal, calibration)
-    plain = [kind for kind in kinds if kind.side == "motor" and not issubclass(kind, ResolverEffect)]
-    return candidates_of(doubts_of(run, calibration), columns_of(run, plain, {}), blocks, weights)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ffgym.core.errors import FFGymError, check_choice
 from ffgym.core.types import Array
-from ffgym.diagnosis.result import Cause, Diagnosis, Number, Size
+from ffgym.diagnosis.result import Cause, Diagnosis, Number
 from ffgym.effects import EFFECTS, Effect, Origin, Parameter
 from ffgym.recordings import Recording
 from ffgym.robot import RobotDescription
@@ -123,7 +123,8 @@ def effect_of(cause: Cause, robot: RobotDescription) -> Effect:
     for name, value in given.items():
         parameter, place = _place(name, cause, known, robot)
         values[parameter][place] = value
-    if missing := [name for name, p in known.items() if p.null is not None and not _said(name, given)]:
+    said = {name.partition(".")[0] for name in given}
+    if missing := [name for name, p in known.items() if p.null is not None and name not in said]:
         raise FFGymError(f"Cause {cause.effect} on {cause.joint or 'the machine'} does not say {', '.join(missing)}.")
     return kind(**values)
 
@@ -201,10 +202,6 @@ def _place(name: str, cause: Cause, known: Any, robot: RobotDescription) -> tupl
     return parameter, (joint, robot.joints.index(part))
 
 
-def _said(parameter: str, given: Any) -> bool:
-    return any(name.partition(".")[0] == parameter for name in given)
-
-
 def _origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Origin:
     """What the table of a cause says of its numbers."""
     kind = EFFECTS[cause.effect]
@@ -217,7 +214,11 @@ def _origin(cause: Cause, robot: RobotDescription, diagnosis: Diagnosis) -> Orig
             continue
         before = "" if known.null is None else f"; before {known.null:g}"
         sources[name] = f"diagnosed{where} from {logs}; 90 % interval{before}"
-        intervals[name] = _interval(getattr(effect, name), sizes, cause, robot)
+        # numbers that were not diagnosed are as sure as they were said
+        ends = np.stack([getattr(effect, name)] * 2, axis=-1)
+        for size in sizes:
+            ends[_place(size.name, cause, kind.parameters(), robot)[1]] = size.interval
+        intervals[name] = ends
     return Origin(label=cause.joint, sources=sources, intervals=intervals)
 
 
@@ -225,12 +226,3 @@ def _logs(diagnosis: Diagnosis) -> str:
     """The motions that a source names."""
     more = f" and {len(diagnosis.motions) - _NAMED} more" if len(diagnosis.motions) > _NAMED else ""
     return ", ".join(diagnosis.motions[:_NAMED]) + more
-
-
-def _interval(values: Array, sizes: Sequence[Size], cause: Cause, robot: RobotDescription) -> Array:
-    """Ends of all numbers of a parameter; those that were not diagnosed are as sure as they were said."""
-    ends = np.stack([values, values], axis=-1)
-    for size in sizes:
-        _, place = _place(size.name, cause, EFFECTS[cause.effect].parameters(), robot)
-        ends[place] = size.interval
-    return ends

@@ -14,7 +14,7 @@ import numpy as np
 from ffgym.control import FeedForwardLaw
 from ffgym.core.errors import FFGymError
 from ffgym.core.measures import rms
-from ffgym.core.types import Array, BoolArray
+from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.identification.signals import acting_torque
 from ffgym.diagnosis.log import log_of
@@ -77,10 +77,18 @@ def closed_loop_gain(
         raise FFGymError("There is nothing to compare: name recordings that were not diagnosed.")
     robot = nominal.robot
     runs = [_run_again(nominal, recording) for recording in recordings]
-    machines = [[_started(model, recording) for recording in recordings] for model in (nominal, extended)]
-    before, after = (
-        _simulated(runs, each, n_threads, part) for each, part in zip(machines, _halves(progress), strict=True)
-    )
+    starts = [recording.header.meta.get("session_start", 0.0) for recording in recordings]
+    machines = [
+        [model.later(float(start)) if isinstance(start, int | float) else model for start in starts]
+        for model in (nominal, extended)
+    ]
+    halves: tuple[Progress | None, Progress | None] = (None, None)
+    if progress is not None:  # two simulations of as long motions, as an effect may need an engine of its own
+        halves = (
+            lambda done, total: progress(done, 2 * total),
+            lambda done, total: progress(total + done, 2 * total),
+        )
+    before, after = (_simulated(runs, each, n_threads, half) for each, half in zip(machines, halves, strict=True))
     has_tool = robot.tool is not None and all(recording.has("tcp.position") for recording in recordings)
     levels: list[LoopLevel] = []
     for quantity, unit in LOOP_UNITS.items():
@@ -110,13 +118,6 @@ def _simulated(
         return simulate(runs, arm=arm, machine=machines, n_threads=n_threads, progress=progress)
     except FAILED:
         return [None] * len(runs)
-
-
-def _halves(progress: Progress | None) -> tuple[Progress | None, Progress | None]:
-    """Progress of two simulations of as long motions, one after the other: an effect may need an engine of its own."""
-    if progress is None:
-        return None, None
-    return (lambda done, total: progress(done, 2 * total), lambda done, total: progress(total + done, 2 * total))
 
 
 def check_comparable(nominal: Machine, recordings: Sequence[Recording]) -> None:
@@ -157,12 +158,6 @@ def _run_again(nominal: Machine, recording: Recording) -> Run:
     if recording.header.torque_semantics == "link_side":
         added = nominal.robot.drive.motor_torque(added)
     return Run(reference=reference, law=Recorded(added=added))
-
-
-def _started(model: Machine, recording: Recording) -> Machine:
-    """The model at the time of its session at which a recording began."""
-    start = recording.header.meta.get("session_start", 0.0)
-    return model.later(float(start)) if isinstance(start, int | float) else model
 
 
 def _compared(
@@ -242,7 +237,7 @@ def held_out_levels(
             quantity=channel,
             component=name,
             unit=UNITS[channel],
-            measured=rms(_about_mean(measured[channel][..., c], rows)[rows]),
+            measured=rms((values := measured[channel][..., c][rows]) - values.mean()),
             before=rms(rest[0][channel][..., c][rows]),
             after=rms(rest[1][channel][..., c][rows]),
         )
@@ -251,7 +246,3 @@ def held_out_levels(
         if (rows := counting[channel, c]).any()
     ]
     return HeldOut(levels=tuple(levels))
-
-
-def _about_mean(values: Array, rows: BoolArray) -> Array:
-    return values - values[rows].mean()

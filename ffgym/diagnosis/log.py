@@ -20,14 +20,14 @@ from ffgym.robot import RobotDescription
 
 def by_content(recordings: Sequence[Recording]) -> tuple[Recording, ...]:
     """Recordings by the names of their motions, then by their numbers."""
-    return tuple(sorted(recordings, key=lambda recording: (recording.header.segment, _digest(recording))))
 
+    def digest(recording: Recording) -> bytes:
+        found = hashlib.sha256()
+        for name in sorted(recording.columns):
+            found.update(name.encode() + b"\0" + np.ascontiguousarray(recording[name]).tobytes())
+        return found.digest()
 
-def _digest(recording: Recording) -> bytes:
-    digest = hashlib.sha256()
-    for name in sorted(recording.columns):
-        digest.update(name.encode() + b"\0" + np.ascontiguousarray(recording[name]).tobytes())
-    return digest.digest()
+    return tuple(sorted(recordings, key=lambda recording: (recording.header.segment, digest(recording))))
 
 
 _SAME_PERIOD = 0.01
@@ -143,8 +143,14 @@ def log_of(
     sampling = Sampling.of(recordings[0].dt, [len(recording) for recording in recordings], cutoff)
     if like is not None:
         recordings, sampling = [r.slice(end=float(r.t[0]) + like.sampling.span) for r in recordings], like.sampling
-    low_pass, known = sampling.motion_filter, _known(sampling, recordings)
-    motions = [_motion(robot, recording, low_pass) for recording in recordings]
+    low_pass, ends = sampling.motion_filter, sampling.motion_filter.end_rows(sampling.dt)
+    # samples of each record that the filter of the motion knows and that count for any joint
+    known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
+    for i, recording in enumerate(recordings):
+        known[ends : max(ends, len(recording) - ends), i] = True
+        known[: len(recording), i] &= recording.valid.any(axis=1)
+    positions = [joint_motion(robot, recording, low_pass)[0] for recording in recordings]
+    rates = [derivatives(q, recording.dt) for q, recording in zip(positions, recordings, strict=True)]
 
     def beside(of: Sequence[Array], hold: bool = True) -> Array:
         return padded(of, sampling.n_samples, hold)
@@ -152,7 +158,7 @@ def log_of(
     def where_all(family: str, read: Callable[[Recording], Array]) -> Array | None:
         return beside([read(r) for r in recordings]) if all(r.has(family) for r in recordings) else None
 
-    q = beside([q for q, _, _ in motions])
+    q = beside(positions)
     # that of another log, if given, so that what the band does to reversals is the same in both
     trembling = _trembling(robot, recordings, low_pass) if like is None else like.trembling
     found = Log(
@@ -162,8 +168,8 @@ def log_of(
         started=np.array([started(recording.header) for recording in recordings]),
         known=known,
         q=q,
-        dq=beside([dq for _, dq, _ in motions], hold=False),
-        ddq=beside([ddq for _, _, ddq in motions], hold=False),
+        dq=beside([dq for dq, _ in rates], hold=False),
+        ddq=beside([ddq for _, ddq in rates], hold=False),
         trembling=trembling,
         slip_dq=np.gradient(without_trembling(q, trembling), sampling.dt, axis=0),
         torque=beside([acting_torque(robot, recording) for recording in recordings]),
@@ -173,29 +179,12 @@ def log_of(
         reference=reference_columns(robot, recordings, sampling.n_samples),
         temperature=where_all("temperature", temperature_columns),
     )
-    return found if like is None else _with_channels_of(found, like)
-
-
-def _known(sampling: Sampling, recordings: Sequence[Recording]) -> BoolArray:
-    """Samples of each record that the filter of the motion knows and that count for any joint, shape (T, M)."""
-    ends = sampling.motion_filter.end_rows(sampling.dt)
-    known = np.zeros((sampling.n_samples, len(recordings)), dtype=np.bool_)
-    for i, recording in enumerate(recordings):
-        known[ends : max(ends, len(recording) - ends), i] = True
-        known[: len(recording), i] &= recording.valid.any(axis=1)
-    return known
-
-
-def _motion(robot: RobotDescription, recording: Recording, low_pass: LowPass) -> tuple[Array, Array, Array]:
-    """Position, speed and acceleration (T, N) behind the gearbox."""
-    q, _, _ = joint_motion(robot, recording, low_pass)
-    return (q, *derivatives(q, recording.dt))
-
-
-def _with_channels_of(log: Log, like: Log) -> Log:
-    """The log with no more channels than another one has."""
-    missing = {name: None for name in ("tool", "link", "feedback", "reference") if getattr(like, name) is None}
-    return replace(log, temperature=like.temperature, started=like.started, **missing)  # type: ignore[arg-type]
+    if like is None:
+        return found
+    missing: dict[str, Any] = {
+        name: None for name in ("tool", "link", "feedback", "reference") if getattr(like, name) is None
+    }
+    return replace(found, temperature=like.temperature, started=like.started, **missing)
 
 
 def _trembling(robot: RobotDescription, recordings: Sequence[Recording], low_pass: LowPass) -> Array:

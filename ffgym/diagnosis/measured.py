@@ -37,16 +37,12 @@ def judged_rows(log: Log) -> BoolArray:
     slow: what it takes to hold still, between plus and minus the breakaway torque, is not determined by its motion.
     """
     sampling, robot = log.sampling, log.robot
-    slow = np.abs(_speed(log)) < SLOW * robot.kinematics.max_speed
+    # speed of the motor alone, behind the gearbox: what other joints turn it by counts too
+    speed = robot.drive.motor_angle(log.dq) / robot.drive.gear_ratio
+    slow = np.abs(speed) < SLOW * robot.kinematics.max_speed
     near = scipy.ndimage.maximum_filter1d(slow.astype(np.int8), 2 * sampling.half_length + 1, axis=0)[sampling.at] > 0
     judged: BoolArray = knows_low_speed(robot) | ~near
     return judged
-
-
-def _speed(log: Log) -> Array:
-    """Speed behind the gearbox of the motor alone [rad/s], (T, M, N): what other joints turn it by counts too."""
-    drive = log.robot.drive
-    return drive.motor_angle(log.dq) / drive.gear_ratio
 
 
 LEAST = 2.0
@@ -90,7 +86,14 @@ def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
     All valid ones, but those of torque at low speed where the model knows nothing of it, those whose samples the mask
     of a recording leaves out for the joint, and none of an encoder that is not there.
     """
-    valid, judged = valid_rows(log), judged_rows(log) & _unmasked(log)
+    valid, judged = valid_rows(log), judged_rows(log)
+    masks = [recording.valid for recording in log.recordings]
+    if not all(mask.all() for mask in masks):
+        within = np.ones((log.sampling.n_samples, len(masks), log.robot.n_joints), dtype=np.bool_)
+        for i, mask in enumerate(masks):
+            within[: len(mask), i] = mask
+        unmasked = [log.sampling.valid(within[:, :, j]) for j in range(log.robot.n_joints)]
+        judged = judged & np.stack(unmasked, axis=-1)
     found: dict[tuple[Channel, int], BoolArray] = {}
     for channel, rows in measured_rows(log).items():
         for c in range(rows.shape[2]):
@@ -99,17 +102,6 @@ def counting_rows(log: Log) -> dict[tuple[Channel, int], BoolArray]:
         for c in np.flatnonzero(np.isnan(log.link).any(axis=(0, 1))).tolist():
             found["link", c] = np.zeros_like(valid)
     return found
-
-
-def _unmasked(log: Log) -> BoolArray:
-    """Rows none of whose samples is left out for a joint, shape (R, M, N)."""
-    masks = [recording.valid for recording in log.recordings]
-    if all(mask.all() for mask in masks):
-        return np.ones((len(log.sampling.at), len(masks), log.robot.n_joints), dtype=np.bool_)
-    within = np.ones((log.sampling.n_samples, len(masks), log.robot.n_joints), dtype=np.bool_)
-    for i, mask in enumerate(masks):
-        within[: len(mask), i] = mask
-    return np.stack([log.sampling.valid(within[:, :, j]) for j in range(log.robot.n_joints)], axis=-1)
 
 
 def residual_rows(log: Log, prediction: dict[Channel, Array]) -> dict[Channel, Array]:
@@ -157,8 +149,10 @@ def since_move(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
     """
     moving = np.abs(speed) >= REST
     direction = np.sign(np.where(moving, speed, 0.0))
-    before = _last(moving)  # the sample in which the motor last moved, before this one
     samples = np.arange(len(angle)).reshape(-1, *[1] * (angle.ndim - 1))
+    # the sample in which the motor last moved, before this one; -1 if it did not
+    upto = np.maximum.accumulate(np.where(moving, samples, -1), axis=0)
+    before: IntArray = np.concatenate([np.full_like(upto[:1], -1), upto[:-1]])
     standing = dt * (samples - 1 - before)
     came = np.where(before < 0, 0.0, np.take_along_axis(direction, np.maximum(before, 0), axis=0))
     rested = standing >= DWELL
@@ -166,13 +160,6 @@ def since_move(angle: Array, speed: Array, dt: float) -> tuple[Array, Array]:
     began: IntArray = np.maximum.accumulate(np.where(begins, samples, 0), axis=0)
     stood = np.where(begins & rested, standing, 0.0)
     return np.abs(angle - np.take_along_axis(angle, began, axis=0)), np.take_along_axis(stood, began, axis=0)
-
-
-def _last(moving: BoolArray) -> IntArray:
-    """For each sample the last one before it that is true; -1 if none is."""
-    samples = np.arange(len(moving)).reshape(-1, *[1] * (moving.ndim - 1))
-    upto = np.maximum.accumulate(np.where(moving, samples, -1), axis=0)
-    return np.concatenate([np.full_like(upto[:1], -1), upto[:-1]])
 
 
 def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Mapping[Channel, Array]) -> Residual:
@@ -188,6 +175,7 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
     counting = counting_rows(log)
     motor = run.robot.drive.motor_angle
     travel, stood = since_move(motor(run.log.q), motor(run.log.slip_dq), log.dt)
+    states = {f.name: np.broadcast_to(getattr(run.state, f.name), log.q.shape) for f in fields(State)}
     motions = []
     for i, name in enumerate(log.names):
         n = int(np.searchsorted(at, len(log.recordings[i])))
@@ -199,7 +187,7 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
                 valid=valid[:n, i],
                 measured={channel: measured[channel][:n, i] for channel in rest},
                 predicted={channel: measured[channel][:n, i] - rest[channel][:n, i] for channel in rest},
-                state=_state_at(run.state, rows, i, log),
+                state=State(**{name: values[rows, i] for name, values in states.items()}),
                 motor_acceleration=run.robot.drive.motor_angle(run.log.ddq[rows, i]),
                 since_reversal=travel[rows, i],
                 at_rest_for=stood[rows, i],
@@ -215,9 +203,3 @@ def residual_of(log: Log, run: Replay, rest: Mapping[Channel, Array], floor: Map
         floor=dict(floor),
         cutoff=log.sampling.cutoff,
     )
-
-
-def _state_at(state: State, rows: IntArray, i: int, log: Log) -> State:
-    """States at some samples of one motion, (R, N) each."""
-    shape = log.q.shape
-    return State(**{f.name: np.broadcast_to(getattr(state, f.name), shape)[rows, i] for f in fields(State)})

@@ -20,7 +20,6 @@ from ffgym.diagnosis.sampling import Sampling
 from ffgym.recordings import Recording
 from ffgym.recordings.npz import decode
 from ffgym.robot import RobotDescription, RobotDraft
-from ffgym.robot.friction import LuGreParameters
 from ffgym.robot.template.proposals import PRESLIDING
 from ffgym.simulation.plant import Machine
 
@@ -82,20 +81,13 @@ def fitted_nominal(
 
 
 def _completed(robot: RobotDescription | RobotDraft, found: RobotDescription) -> RobotDescription:
-    """What was fitted, with what follows from it where nobody knows it."""
-    if isinstance(robot, RobotDraft) and "friction.bristle_stiffness" not in robot.quantities:
-        return replace(found, friction=_with_stiff_bristles(found))
-    return found
-
-
-def _with_stiff_bristles(robot: RobotDescription) -> LuGreParameters:
-    """Friction of a robot whose presliding nobody knows: bristles bend no further than those of a usual joint.
-
-    Gear ratios that are written as 1, as torque and angles are those of the joints, make no motor of it.
-    """
-    travel = np.minimum(PRESLIDING, _JOINT_PRESLIDING * np.abs(robot.drive.gear_ratio))
-    friction = robot.friction
-    return replace(friction, bristle_stiffness=friction.coulomb / travel, bristle_damping=np.zeros_like(travel))
+    """What was fitted; where nobody knows presliding, bristles bend no further than those of a usual joint."""
+    if not isinstance(robot, RobotDraft) or "friction.bristle_stiffness" in robot.quantities:
+        return found
+    # gear ratios that are written as 1, as torque and angles are those of the joints, make no motor of it
+    travel = np.minimum(PRESLIDING, _JOINT_PRESLIDING * np.abs(found.drive.gear_ratio))
+    stiffness, damping = found.friction.coulomb / travel, np.zeros_like(travel)
+    return replace(found, friction=replace(found.friction, bristle_stiffness=stiffness, bristle_damping=damping))
 
 
 def filtering_for(robot: RobotDescription | RobotDraft, recordings: Sequence[Recording]) -> Filtering:
@@ -112,20 +104,14 @@ def filtering_for(robot: RobotDescription | RobotDraft, recordings: Sequence[Rec
 
 def _calibration(fit: RigidBodyFit) -> Calibration:
     """Standard deviation of the fitted friction, over all joints; bodies and rotors are as sure as that at least."""
+    widths, estimates = fit.intervals.high - fit.intervals.low, np.maximum(np.abs(fit.estimate), 1e-12)
     shares = [
-        _share(fit, label)
-        for label, fitted in zip(fit.labels, fit.fitted, strict=True)
+        float(width) / _NORMAL / float(size)
+        for label, fitted, width, size in zip(fit.labels, fit.fitted, widths, estimates, strict=True)
         if fitted and label.startswith(("coulomb.", "viscous."))
     ]
     share = min(1.0, max(LEAST_SHARE, float(np.median(shares)) if shares else LEAST_SHARE))
     return Calibration(share=share, levels=_LEVELS, torque_constant=_TORQUE_CONSTANT, offset=_OFFSET, base=share)
-
-
-def _share(fit: RigidBodyFit, label: str) -> float:
-    """Standard deviation of a parameter as a share of it."""
-    k = fit.labels.index(label)
-    width = float(fit.intervals.high[k] - fit.intervals.low[k])
-    return width / _NORMAL / max(abs(float(fit.estimate[k])), 1e-12)
 
 
 EXAMPLE_ROBOT = "irb4600_60_205"

@@ -10,7 +10,7 @@ from ffgym.core.types import Array
 from ffgym.diagnosis.as_moved import as_moved
 from ffgym.diagnosis.calibration import BOUND, Calibration, Doubt, doubts_of
 from ffgym.diagnosis.column import Column, columns_of
-from ffgym.diagnosis.evidence import Values, blocks_of
+from ffgym.diagnosis.evidence import blocks_of
 from ffgym.diagnosis.exact import FOREIGN, UNKNOWN, Exact, exact_recordings, has_servo, is_foreign, is_same_motion
 from ffgym.diagnosis.fit.calibrate import calibrate
 from ffgym.diagnosis.fit.fit import evaluated, excess_of, loudness, without_calibration
@@ -21,7 +21,7 @@ from ffgym.diagnosis.measured import counting_rows, residual_rows, valid_rows
 from ffgym.diagnosis.noise import Faultless, encoder_steps, faultless_residuals
 from ffgym.diagnosis.replay import Replay, predicted, replay
 from ffgym.diagnosis.residual import Channel
-from ffgym.diagnosis.search.candidates import Candidates, candidates_of, surrogates
+from ffgym.diagnosis.search.candidates import Candidates, candidates_of
 from ffgym.diagnosis.variant import variants
 from ffgym.diagnosis.weights import bound_outliers, doubt_rows, first_swing, misread_friction, unknown_torque
 from ffgym.effects import Effect, State, TorqueEffect, Torques
@@ -107,7 +107,12 @@ def prepared(
     """
     like = replay(log, nominal)
     known = _known(log, like, calibration, memory)
-    if reason := _without_servo(log, known):
+    reason = ""
+    if log.shows_servo and not has_servo(log.robot):
+        reason = UNKNOWN
+    elif log.shows_servo and not known.simulated and is_foreign(log):
+        reason = FOREIGN
+    if reason:
         bare = replace(log, feedback=None)
         return replace(prepared(bare, nominal, calibration, rng, memory, at), no_servo=reason)
     faultless = faultless_residuals(log, known.run, known.bias, like, rng)
@@ -121,12 +126,15 @@ def prepared(
         blocks=blocks_of(valid_rows(log), log.sampling.row_dt),
         weights=bound_outliers(doubtful, missed),
         calibration=[doubt.per_sigma for doubt in known.doubts],
-        doubts=known.doubts if at is None else _standing(known.doubts, at),
+        doubts=known.doubts,
         like=like,
         bias=known.bias,
         bound=BOUND,
         floor=floor,
     )
+    if at is not None and len(known.doubts) == len(at):  # the slopes of another machine are others
+        doubts = tuple(replace(doubt, at=place) for doubt, place in zip(known.doubts, at.tolist(), strict=True))
+        setting = replace(setting, doubts=doubts)
     setting = replace(setting, weights=doubt_rows(setting.weights, first_swing(setting)))
     return Prepared(setting=setting, run=known.run, faultless=faultless, floor=floor, simulated=known.simulated)
 
@@ -172,22 +180,6 @@ def explains_all(ready: Prepared, numbers: Prepared) -> bool:
     """Tell whether numbers within their calibration are why a machine as it is described leaves more than noise."""
     first, excess = (excess_of(one.setting, evaluated(one.setting, ())) for one in (ready, numbers))
     return excess < first and excess < max(_QUIET, _GONE * first)
-
-
-def _standing(doubts: Sequence[Doubt], at: Array) -> tuple[Doubt, ...]:
-    """Doubts of numbers that stand elsewhere than described; the slopes of another machine are others."""
-    if len(doubts) != len(at):
-        return tuple(doubts)
-    return tuple(replace(doubt, at=place) for doubt, place in zip(doubts, at.tolist(), strict=True))
-
-
-def _without_servo(log: Log, known: NominalRun) -> str:
-    """Why the log's feedback torque is not to be compared; empty if it is, or there is none."""
-    if not log.shows_servo:
-        return ""
-    if not has_servo(log.robot):
-        return UNKNOWN
-    return FOREIGN if not known.simulated and is_foreign(log) else ""
 
 
 def _known(log: Log, like: Replay, calibration: Calibration, memory: Memory | None) -> NominalRun:
@@ -252,7 +244,12 @@ def _key(log: Log, like: Replay, calibration: Calibration) -> bytes:
 def candidates_for(ready: Prepared, kinds: Sequence[type[Effect]], memory: Memory | None = None) -> Candidates:
     """Effects that depend on no frequency, beside calibration errors; what other logs share is remembered."""
     lasting = [kind for kind in kinds if not repeats(kind)]
-    shared = [kind for kind in lasting if memory is not None and _is_shared(kind, ready)]
+    shared = []
+    if memory is not None and ready.simulated:  # columns that are the same at any temperature
+        for kind in lasting:
+            some = next(variants(kind, ready.run.robot, {}), None)
+            if some is None or not reads_temperature(some.effect, ready.run):
+                shared.append(kind)
     known = {} if memory is None else memory.columns
     new = [kind for kind in lasting if kind not in shared or kind.name not in known]
     found: dict[str, list[Column]] = {kind.name: [] for kind in new}
@@ -270,27 +267,12 @@ def repeats(kind: type[Effect]) -> bool:
     return any(p.is_looked_for for p in kind.parameters().values())
 
 
-def _is_shared(kind: type[Effect], ready: Prepared) -> bool:
-    """Tell whether columns of an effect are the same for all logs of the same motions, at any temperature."""
-    if not ready.simulated:
-        return False
-    some = next(variants(kind, ready.run.robot, {}), None)
-    return some is None or not reads_temperature(some.effect, ready.run)
-
-
 def reads_temperature(effect: Effect, run: Replay) -> bool:
     """Tell whether an effect depends on temperature, tried in the middle of a replay."""
     if not isinstance(effect, TorqueEffect):
         return False
     shape = run.state.motor_angle.shape
     middle = State(**{f.name: np.broadcast_to(getattr(run.state, f.name), shape)[shape[0] // 2] for f in fields(State)})
-    here = effect.torques(middle, effect.initial_memory(middle), run.log.dt)[0]
-    warmer = effect.torques(
-        replace(middle, temperature=middle.temperature + _WARMER), effect.initial_memory(middle), run.log.dt
-    )[0]
+    warm, memory = replace(middle, temperature=middle.temperature + _WARMER), effect.initial_memory(middle)
+    here, warmer = (effect.torques(state, memory, run.log.dt)[0] for state in (middle, warm))
     return not all(np.array_equal(getattr(here, f.name), getattr(warmer, f.name)) for f in fields(Torques))
-
-
-def noise_for(ready: Prepared, rng: np.random.Generator) -> Values:
-    """Residuals of faultless logs."""
-    return surrogates(ready.faultless.draws, ready.setting.blocks, ready.setting.calibration, rng)

@@ -23,9 +23,10 @@ from ffgym.diagnosis.log import by_content, log_of
 from ffgym.diagnosis.log_columns import beyond_limits
 from ffgym.diagnosis.measured import check_length, residual_of
 from ffgym.diagnosis.patterns import find_patterns
-from ffgym.diagnosis.prepare import Memory, Prepared, explains_all, noise_for, prepared, within_calibration
+from ffgym.diagnosis.prepare import Memory, Prepared, explains_all, prepared, within_calibration
 from ffgym.diagnosis.residual import Residual
 from ffgym.diagnosis.result import Diagnosis, Miswiring
+from ffgym.diagnosis.search.candidates import surrogates
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.search.search import MOST, Report, search
 from ffgym.diagnosis.search.worth import is_known
@@ -125,10 +126,12 @@ def examine(
         "provenance": {"seed": seed, "versions": versions()},
     }
     wiring = find_wiring(recordings, machine.physical)
-    if wiring.mistakes or (not quality.recordings and recordings):
-        answer = _miswired(wiring, said) if wiring.mistakes else _insufficient(quality.left_out[0], said)
-        rewiring = wiring.rewiring if wiring.mistakes else Rewiring()
-        return Examined(diagnosis=answer, before=None, after=None, machine=machine, nominal=machine, rewiring=rewiring)
+    nothing: dict[str, Any] = {"before": None, "after": None, "machine": machine, "nominal": machine}
+    if wiring.mistakes:
+        return Examined(diagnosis=_miswired(wiring, said), rewiring=wiring.rewiring, **nothing)
+    if not quality.recordings and recordings:
+        sentence = f"These logs do not allow a diagnosis: {quality.left_out[0]}"
+        return Examined(diagnosis=Diagnosis(verdict="insufficient", sentence=sentence, **said), **nothing)
     report("replaying the nominal model", 0.0)
     recordings = quality.recordings
     said["quality"] = (*said["quality"], *beyond_limits(machine.physical, recordings))
@@ -177,14 +180,13 @@ class _Look:
         ready, setting, rng = self.ready, self.ready.setting, self.rng
         kinds = judgeable_kinds(setting.log, setting.nominal, self.calibration, ready.no_servo)[0]
         self.report("computing what each effect would change", 0.1)
-        found = search(setting, Choice(ready, kinds, memory), noise_for(ready, rng), rng, self.report, self.most)
+        faultless = surrogates(ready.faultless.draws, setting.blocks, setting.calibration, rng)
+        found = search(setting, Choice(ready, kinds, memory), faultless, rng, self.report, self.most)
         causes = tuple(one for one in found.whole.fit.hypotheses if not is_known(setting, one))
         model = written(setting, found.final.fit, self.calibration) if found.final.fit.hypotheses else None
         if model is not None and any(one.is_null or is_known(setting, one) for one in model.hypotheses):
-            found, model = (
-                found.without_causes,
-                None,
-            )  # numbers within their calibration do what the causes seemed to do
+            # numbers within their calibration do what the causes seemed to do
+            found, model = found.without_causes, None
         examined = self.conclude(found, model)
         if (named := examined.diagnosis.causes) and not any(is_there(cause) for cause in named):
             examined = self.conclude(found.without_causes, None)
@@ -236,11 +238,6 @@ class _Look:
         )
         extended = self.machine if model is None else model.machine
         return Examined(diagnosis=diagnosis, before=before, after=after, machine=extended, nominal=self.machine)
-
-
-def _insufficient(reason: object, said: Mapping[str, Any]) -> Diagnosis:
-    sentence = f"These logs do not allow a diagnosis: {reason}"
-    return Diagnosis(verdict="insufficient", sentence=sentence, **said)
 
 
 def _miswired(wiring: Wiring, said: Mapping[str, Any]) -> Diagnosis:

@@ -32,7 +32,7 @@ from ffgym.diagnosis.result import SeparatingMotion
 from ffgym.diagnosis.search.found import Found
 from ffgym.diagnosis.sessions import Proposal, proposals
 from ffgym.diagnosis.solving import bounded
-from ffgym.robot import RigidArm, RobotDescription
+from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig
 from ffgym.simulation.plant import Climate, Machine
 from ffgym.simulation.protocols import SessionMotion, plan_session, record
@@ -170,21 +170,17 @@ def separating_motion(
         raise FFGymError(f"It takes two causes to tell apart, got {[cause.label for cause in causes]}.")
     if nominal.climate is None:
         nominal = replace(nominal, climate=WARMING)
-    every = proposals(arm.robot, _joints(causes, arm.robot))
+    # joints that causes act on or come from; all for a cause of the machine as a whole
+    joints = {cause.joint for cause in causes} | {
+        arm.robot.joints[cause.source] for cause in causes if cause.source is not None
+    }
+    every = proposals(arm.robot, [] if "" in joints else [joint for joint in arm.robot.joints if joint in joints])
     advised = [p for p in every if p.is_advised([cause.kind for cause in causes])]
     for some in (advised, [p for p in every if p not in advised]):
         planned = _planned(arm, some)
         if planned and (found := _best(arm, nominal, planned, causes, noise, calibration or Calibration())) is not None:
             return found
     return None
-
-
-def _joints(causes: Sequence[Hypothesis], robot: RobotDescription) -> list[str]:
-    """Joints that causes act on or come from; none is all, for a cause of the machine as a whole."""
-    if any(not cause.joint for cause in causes):
-        return []
-    sources = {robot.joints[cause.source] for cause in causes if cause.source is not None}
-    return [joint for joint in robot.joints if joint in sources | {cause.joint for cause in causes}]
 
 
 def _planned(arm: RigidArm, some: Sequence[Proposal]) -> list[_Planned]:
@@ -209,7 +205,12 @@ def _best(
     calibration: Calibration,
 ) -> SeparatingMotion | None:
     """The fastest of the sessions that are sure; None if none is."""
-    motions = [_named(p, motion) for p in planned for motion in p.motions]
+    # names of motions must differ from those of other sessions
+    motions = [
+        replace(motion, reference=replace(motion.reference, name=f"{p.proposal.name}.{motion.reference.name}"))
+        for p in planned
+        for motion in p.motions
+    ]
     try:
         foreseen = foresee(planned_log(arm, nominal, motions, list(noise)), nominal, causes, noise, calibration)
     except FAILED:
@@ -227,12 +228,6 @@ def _best(
     return SeparatingMotion(
         between=(causes[a].label, causes[b].label), protocol=proposal.name, toml=proposal.toml(), expected=rate
     )
-
-
-def _named(planned: _Planned, motion: SessionMotion) -> SessionMotion:
-    """A motion whose name differs from those of other sessions."""
-    name = f"{planned.proposal.name}.{motion.reference.name}"
-    return replace(motion, reference=replace(motion.reference, name=name))
 
 
 def _hardest(foreseen: Foreseen, motions: Sequence[int], n_causes: int) -> tuple[float, tuple[int, int]]:

@@ -1,10 +1,11 @@
-"""Short sessions that could tell causes apart, as files that `ffgym record --protocol` runs."""
+"""Short sessions that could tell causes apart (`sessions.toml`), as files that `ffgym record` runs."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import resources
 from typing import Any
 
-from ffgym.core.toml import toml_value
+from ffgym.core.toml import parse_toml, toml_value
 from ffgym.effects import Effect
 from ffgym.robot import RobotDescription
 from ffgym.simulation.protocols.load import PROTOCOLS
@@ -40,65 +41,14 @@ class Proposal:
 
 
 def proposals(robot: RobotDescription, joints: Sequence[str]) -> list[Proposal]:
-    """Sessions that move some joints of a robot, or all of them if none is named; each step has another regime.
-
-    Settings are chosen: each session takes about half a minute per joint, and shows its regime in two motions or more,
-    so that what one of them says can be checked on another.
-    """
+    """Sessions that move some joints of a robot, or all of them if none is named; each step has another regime."""
+    text = (resources.files("ffgym.diagnosis") / "sessions.toml").read_text(encoding="utf-8")
     on = {"joints": list(joints)} if joints else {}
-
-    def one(name: str, why: str, protocol: str, *settings: Mapping[str, Any]) -> Proposal:
-        return Proposal(name=name, why=why, steps=tuple({"protocol": protocol, **s, **on} for s in settings))
-
-    sessions = [
-        one("holds", "load, offset and sag at rest, reached from both sides", "holds", {"poses": 4, "rest": 1.0}),
-        one(
-            "loads",
-            "both directions over the same positions, in poses that load the motors differently",
-            "speed_ladder",
-            {"speeds": [0.5, 3.0], "longest": 2.0, "poses": 4},
-        ),
-        one(
-            "loops",
-            "small loops before friction slides, and slow reversals",
-            "slow_triangles",
-            {"sizes": [0.5, 2.0, 8.0], "period": 2.0, "periods": 2},
-        ),
-        one(
-            "speeds",
-            "constant speeds, slow to fast",
-            "speed_ladder",
-            {"speeds": [0.05, 0.4, 3.0], "longest": 2.0},
-            {"speeds": [0.15, 1.0, 10.0], "longest": 2.0},
-        ),
-        one(
-            "rests",
-            "restarts after short and long rests",
-            "dwell_restart",
-            {"rests": [0.3, 1.0, 4.0]},
-            {"rests": [3.0, 0.2, 1.5]},
-        ),
-        one("sums", "large sums of sines: inertia, gravity, stiffness", "excitation", {"count": 2, "periods": 1}),
-        one(
-            "vibrations",
-            "small fast sines, up to the resonances",
-            "excitation",
-            {"count": 2, "base": 1.0, "periods": 8, "reach": 0.01},
-        ),
-        one(
-            "warm_up",
-            "one motion cold, warming up and warm; let the machine work in between",
-            "warm_up",
-            {"times": [0.0, 600.0, 1800.0, 5400.0]},
-        ),
-        one("diagnosis", "every regime in a minute and a half", "diagnosis", {}),
-    ]
-    if robot.work_area is not None and robot.tool is not None:
-        sessions.append(
-            Proposal(
-                name="circles",
-                why="circles of the tool at two speeds",
-                steps=({"protocol": "circles", "radii": [0.003]},),
-            )
-        )
-    return sessions
+    found = []
+    for session in parse_toml(text, "sessions.toml")["session"]:
+        of_tool = session.get("moves") == "tool"
+        if of_tool and (robot.work_area is None or robot.tool is None):
+            continue
+        steps = tuple(step if of_tool else step | on for step in session["steps"])
+        found.append(Proposal(name=session["name"], why=session["why"], steps=steps))
+    return found

@@ -71,35 +71,24 @@ def held_out_gain(setting: Setting, nominal: Fit, found: Fit, calibration: Calib
     """Residuals of both models on motions that were left out of the fit; None if none could be written."""
     before = {channel: rows.copy() for channel, rows in nominal.residual.items()}
     after = {channel: rows.copy() for channel, rows in nominal.residual.items()}
-    for fold in _folds(setting):
+    # groups of motions are left out in turn, or halves of a single one
+    blocks, motions = setting.blocks, np.unique(setting.blocks.motion)
+    folds = half_folds(blocks)
+    if len(motions) > 1:
+        group = np.searchsorted(motions, blocks.motion) % min(FOLDS, len(motions))
+        folds = [Fold(train=group != k, test=group == k) for k in range(int(group.max()) + 1)]
+    for fold in folds:
         trim_heap()
         model = written(setting, found, calibration, fold.train)
         if model is None:
             return None
-        test = _rows_of(setting, fold)
+        test = (blocks.of_row >= 0) & fold.test[np.maximum(blocks.of_row, 0)]
         plain = written(setting, nominal, calibration, fold.train) if calibration.refit is not None else None
         for channel, rows in model.residual.items():
             after[channel][test] = rows[test]
             if plain is not None:
                 before[channel][test] = plain.residual[channel][test]
     return Gain(before=before, after=after, is_better=_energy(setting, after) < _energy(setting, before))
-
-
-def _folds(setting: Setting) -> list[Fold]:
-    """Groups of motions, or halves of a single one."""
-    blocks = setting.blocks
-    motions = np.unique(blocks.motion)
-    if len(motions) < 2:
-        return half_folds(blocks)
-    group = np.searchsorted(motions, blocks.motion) % min(FOLDS, len(motions))
-    return [Fold(train=group != k, test=group == k) for k in range(int(group.max()) + 1)]
-
-
-def _rows_of(setting: Setting, fold: Fold) -> BoolArray:
-    """Rows (R, M) that a fold leaves out."""
-    of_row = setting.blocks.of_row
-    inside: BoolArray = (of_row >= 0) & fold.test[np.maximum(of_row, 0)]
-    return inside
 
 
 def _energy(setting: Setting, residual: Mapping[Channel, Array]) -> float:

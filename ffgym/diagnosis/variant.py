@@ -53,7 +53,9 @@ def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Ite
     known = kind.parameters()
     repeats = any(p.is_looked_for for p in known.values())
     joints = [
-        j for j, joint in enumerate(robot.joints) if _can_have(kind, robot, j) and (cycles.get(joint) or not repeats)
+        j
+        for j, joint in enumerate(robot.joints)
+        if not (kind.needs_elasticity and robot.drive.is_rigid[j]) and (cycles.get(joint) or not repeats)
     ]
     per_joint = any(p.per in ("joint", "pair") for p in known.values() if p.role == "size")
     if per_joint and not joints:
@@ -80,11 +82,6 @@ def variants(kind: type[Effect], robot: RobotDescription, cycles: Cycles) -> Ite
 def with_effect(machine: Machine, effect: Effect) -> Machine:
     """The machine with one more effect."""
     return Machine(robot=machine.robot, effects=(*machine.effects, effect), climate=machine.climate)
-
-
-def _can_have(kind: type[Effect], robot: RobotDescription, joint: int) -> bool:
-    """Whether joint `joint` can have the effect: not one of elasticity on a rigid joint."""
-    return not (kind.needs_elasticity and bool(robot.drive.is_rigid[joint]))
 
 
 def _places(size: Parameter, joints: list[int], part: int | None) -> tuple[int, ...]:
@@ -125,15 +122,11 @@ def _shapes(known: Mapping[str, Parameter], robot: RobotDescription, cycles: Cyc
         if p.role in ("shape", "cycles") and p.tries:
             tried.append([(p.name, value) for value in p.tries])
         if p.is_looked_for:
+            likely = [cycles.get(joint) or (1.0,) for joint in robot.joints]
             count = max((len(cycles.get(joint, ())) for joint in robot.joints), default=0)
-            tried.append([(p.name, _cycles(p, robot, cycles, i)) for i in range(count)])
+            ith = [[own[min(i, len(own) - 1)] for own in likely] for i in range(count)]
+            tried.append([(p.name, np.clip(values, p.minimum, p.maximum)) for values in ith])
     return [dict(combination) for combination in product(*tried)]
-
-
-def _cycles(p: Parameter, robot: RobotDescription, cycles: Cycles, i: int) -> Array:
-    """The i-th frequency of each joint, per motor turn."""
-    likely = [cycles.get(joint) or (1.0,) for joint in robot.joints]
-    return np.clip([own[min(i, len(own) - 1)] for own in likely], p.minimum, p.maximum)
 
 
 def _spans(known: Mapping[str, Parameter], shape: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -143,14 +136,10 @@ def _spans(known: Mapping[str, Parameter], shape: Mapping[str, Any]) -> list[dic
         if p.role == "phase":
             found = [one | {p.name: phase} for one in found for phase in (0.0, np.pi / 2)]
         elif p.role == "span":
-            found = found + [dict(shape) | {p.name: moved} for moved in _moved(p)]
+            step = 0.5 * p.high  # away from its default, in each of its directions
+            moved = [step * np.eye(3)[k] for k in range(3)] if p.per == "vector" else [step]
+            found = found + [dict(shape) | {p.name: value} for value in moved]
     return found
-
-
-def _moved(p: Parameter) -> list[Any]:
-    """A linear shape a step away from its default, in each of its directions."""
-    step = 0.5 * p.high
-    return [step * np.eye(3)[k] for k in range(3)] if p.per == "vector" else [step]
 
 
 def _complete(known: Mapping[str, Parameter], values: Mapping[str, Any], robot: RobotDescription) -> dict[str, Any]:

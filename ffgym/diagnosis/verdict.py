@@ -50,7 +50,9 @@ def judged(setting: Setting, found: Found, loud_before: Loudness, loud_after: Lo
     """
     where = touched(setting, list(found.final.fit.columns))
     share = removed(loud_before, loud_after, where).of_excess if where else 0.0
-    gains = _gains(setting, found)
+    # share that each cause removed of the energy above the noise that was there when it was found
+    then = [found_in(found.rounds, hypothesis) for hypothesis in found.final.fit.hypotheses]
+    gains = tuple(removed_by(setting, one.before, tried).of_excess for one, tried in then)
     worst = max(value - setting.inexact(key) for key, value in loud_after.items())
     stretched = stretched_shapes(setting, found.final.fit)
     verdict: Verdict
@@ -73,12 +75,6 @@ def _is_explained(before: Loudness, after: Loudness) -> bool:
 def stretched_shapes(setting: Setting, fit: Fit) -> tuple[str, ...]:
     """Shapes of causes that the fit has moved to the end of their plausible range, such as 'time of cogging on j1'."""
     return tuple(f"{name} of {hypothesis.label}" for hypothesis, name in stretched(setting, fit))
-
-
-def _gains(setting: Setting, found: Found) -> tuple[float, ...]:
-    """Share that each cause removed of the energy above the noise that was there when it was found."""
-    causes = (found_in(found.rounds, hypothesis) for hypothesis in found.final.fit.hypotheses)
-    return tuple(removed_by(setting, one.before, tried).of_excess for one, tried in causes)
 
 
 def blind_rivals(causes: Sequence[Hypothesis], not_judgeable: Sequence[Unjudged]) -> tuple[Rival, ...]:
@@ -171,8 +167,6 @@ def _all_of(causes: Sequence[Cause]) -> str:
 
 
 def _any_of(rivals: Sequence[Rival]) -> str:
-    return " or ".join(dict.fromkeys(_place(rival.effect, rival.joint) for rival in rivals))
-
-
-def _place(effect: str, joint: str) -> str:
-    return f"{effect.replace('_', ' ')} of {joint}" if joint else effect.replace("_", " ")
+    """Each effect on its joint once."""
+    effects = [(rival.effect.replace("_", " "), rival.joint) for rival in rivals]
+    return " or ".join(dict.fromkeys(f"{effect} of {joint}" if joint else effect for effect, joint in effects))

@@ -1,18 +1,75 @@
-"""What laws leave of the path error on the machine: circles at places and of sizes that no round recorded."""
+"""Feed-forward laws of the model before and after, and what they leave of the path error on the machine.
+
+Circles are at places and of sizes that no round recorded.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from ffgym.agents.elastic import elastic_law
+from ffgym.agents.lugre import dynamic_lugre
+from ffgym.agents.model import model_law
+from ffgym.control import FeedForwardLaw, NoCompensation
 from ffgym.core.errors import FFGymError
-from ffgym.improvement.contenders import BASELINE, Contender
+from ffgym.improvement.rounds import Plan, Round
 from ffgym.paths import RADII, SPEEDS
-from ffgym.robot import RobotDescription
+from ffgym.robot import RigidArm, RobotDescription
 from ffgym.simulation import Rig
 from ffgym.simulation.protocols.mixtures import CIRCLE
 from ffgym.simulation.run import Progress
 from ffgym.studies import CircleStudy, circle_study
+
+BASELINE = "lugre_dynamic"
+"""Law that the gain is told against: dynamic LuGre with nominal parameters."""
+IDENTIFIED = "lugre_identified"
+"""The same with friction that was identified from the first round's recordings."""
+BENT = "elastic_identified"
+"""Elastic feed-forward with that friction."""
+FITTED = "fitted"
+"""The nominal model with all numbers fitted to the first round's recordings, before any diagnosis."""
+MODEL = "model"
+"""Feed-forward from the last extended model; that of an earlier round has its number behind it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contender:
+    """A law, and what it is called here."""
+
+    name: str
+    title: str
+    """Words for readers."""
+    law: FeedForwardLaw
+
+
+def contenders(rig: Rig, plan: Plan, rounds: Sequence[Round], identified: RobotDescription) -> list[Contender]:
+    """All laws, in the order of tables.
+
+    Args:
+        rig: where they will run; its controller is what stays.
+        plan: has the nominal model.
+        rounds: have the extended ones.
+        identified: the nominal robot with friction identified from the same recordings.
+    """
+    nominal, arm = plan.nominal.physical, rig.arm
+    found = [
+        Contender("none", "no compensation", NoCompensation()),
+        Contender(BASELINE, "dynamic LuGre, nominal", dynamic_lugre(nominal)),
+        Contender(IDENTIFIED, "dynamic LuGre, identified friction", dynamic_lugre(identified)),
+        Contender("elastic", "elastic, nominal", elastic_law(RigidArm(nominal), arm)),
+        Contender(BENT, "elastic, identified friction", elastic_law(RigidArm(identified), arm, BENT)),
+    ]
+    if plan.fit:
+        found.append(Contender(FITTED, "all numbers fitted", model_law(rounds[0].before, arm, FITTED)))
+    grown = [each for each in rounds if each.diagnosis.causes] or rounds[-1:]
+    for each in grown:
+        name = MODEL if each is grown[-1] else f"{MODEL}_{each.number}"
+        law = model_law(each.machine, arm, name)
+        found.append(Contender(name, f"extended model of round {each.number}", law))
+    return found
+
 
 HELD_OUT_RADII = tuple(radius for radius in RADII if radius != CIRCLE)
 """Radii of the thesis [m] without that of the circles that the diagnosis protocol records."""
@@ -97,22 +154,19 @@ def gain_on(
             radii=radii,
             seed=seed,
             n_threads=n_threads,
-            progress=None if progress is None else _part(progress, i, len(laws)),
+            progress=None if progress is None else partial(_report_part, progress, i, len(laws)),
         )
         studies.append(study.renamed(each.law.name, each.name))
     study = studies[0]
     for other in studies[1:]:
         study = study.joined(other)
-    return Gain(study=study, scores=tuple(_score(study, each, v) for each in laws for v in _speeds(study)))
+    tested = dict.fromkeys(cell.speed_mm_s for cell in study.cells)
+    return Gain(study=study, scores=tuple(_score(study, each, speed) for each in laws for speed in tested))
 
 
-def _part(progress: Progress, i: int, n: int) -> Progress:
-    """Progress of the i-th of n equal parts."""
-    return lambda done, total: progress(i * total + done, n * total)
-
-
-def _speeds(study: CircleStudy) -> list[float]:
-    return list(dict.fromkeys(cell.speed_mm_s for cell in study.cells))
+def _report_part(progress: Progress, i: int, n: int, done: float, total: float) -> None:
+    """Report progress of the i-th of n equal parts."""
+    progress(i * total + done, n * total)
 
 
 def _score(study: CircleStudy, law: Contender, speed_mm_s: float) -> Score:

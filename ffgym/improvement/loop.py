@@ -1,17 +1,19 @@
 """All of it: rounds on a machine, laws of what they found, and what these leave on circles that no round recorded."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ffgym.core.claims import claimed
 from ffgym.core.files import made_folder
 from ffgym.diagnosis.document import diagnosis_document
-from ffgym.improvement.contenders import contenders, identified_robot
-from ffgym.improvement.gain import HELD_OUT_RADII, Gain, gain_on, held_out_positions
+from ffgym.diagnosis.identification import friction_torques, identify_friction
+from ffgym.improvement.gain import HELD_OUT_RADII, Gain, contenders, gain_on, held_out_positions
 from ffgym.improvement.rounds import Diagnose, Plan, Round, Stage, improved
 from ffgym.paths import SPEEDS
+from ffgym.recordings.io import read_folder
+from ffgym.robot import RigidArm
 from ffgym.simulation import Rig
 
 
@@ -39,7 +41,17 @@ class Improvement:
         return {
             "rig": self.rig.name,
             "ended": self.ended,
-            "rounds": [_round(each) for each in self.rounds],
+            "rounds": [
+                {
+                    "round": each.number,
+                    "protocols": list(each.protocols),
+                    "seconds": each.seconds,
+                    "logs": str(each.logs),
+                    "model": str(each.model),
+                    "diagnosis": diagnosis_document(each.diagnosis),
+                }
+                for each in self.rounds
+            ],
             "scores": [asdict(score) for score in self.gain.scores],
             "circles": [asdict(cell) for cell in self.gain.study.cells],
         }
@@ -74,9 +86,12 @@ def improve(
     places = held_out_positions(rig.robot) if positions is None else positions
     with made_folder(folder), claimed(folder):
         rounds = improved(rig, plan, folder, diagnose, stage)
+    # the nominal robot with friction identified from the recordings of the first round
+    nominal = plan.nominal.physical
     with stage("identifying friction", "joints") as progress:
-        identified = identified_robot(plan, rounds[0], progress)
-    laws = contenders(rig, plan, rounds, identified)
+        torques = friction_torques(RigidArm(nominal), read_folder(rounds[0].logs))
+        found = identify_friction(torques, seed=plan.seed, progress=progress)
+    laws = contenders(rig, plan, rounds, replace(nominal, friction=found.friction))
     with stage("comparing laws", "s") as progress:
         gain = gain_on(
             rig,
@@ -89,14 +104,3 @@ def improve(
             progress=progress,
         )
     return Improvement(rig=rig, plan=plan, rounds=tuple(rounds), gain=gain)
-
-
-def _round(each: Round) -> dict[str, Any]:
-    return {
-        "round": each.number,
-        "protocols": list(each.protocols),
-        "seconds": each.seconds,
-        "logs": str(each.logs),
-        "model": str(each.model),
-        "diagnosis": diagnosis_document(each.diagnosis),
-    }

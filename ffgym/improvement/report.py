@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from ffgym.improvement.contenders import BASELINE, MODEL
-from ffgym.improvement.gain import Score
+from ffgym.improvement.gain import BASELINE, MODEL, Score
 from ffgym.improvement.loop import Improvement
 from ffgym.improvement.rounds import Round
 from ffgym.report import Column, Note, Page, ReportFigure, Section, Table, filled
@@ -106,16 +105,12 @@ def _scores(improvement: Improvement, *, with_largest: bool) -> Table:
             columns.append(Column("RMS (largest)", errors, unit="um", group=group))
         else:
             columns.append(Column("um", [score.rms_um for score in scores], ".1f", group=group))
-        columns.append(Column("change", [_change(score, with_count=with_largest) for score in scores], group=group))
+        counts = [f", {score.better_on}/{score.circles}" if with_largest else "" for score in scores]
+        changes = [percent(score.against) if score.against else "the same" for score in scores]
+        texts = [change + count for change, count in zip(changes, counts, strict=True)]
+        own = ["" if score.law == BASELINE else text for score, text in zip(scores, texts, strict=True)]
+        columns.append(Column("change", own, group=group))
     return Table(columns=columns, name="scores")
-
-
-def _change(score: Score, *, with_count: bool) -> str:
-    """What a law takes off the error of the baseline, and on how many circles it is better."""
-    if score.law == BASELINE:
-        return ""
-    count = f", {score.better_on}/{score.circles}" if with_count else ""
-    return (percent(score.against) if score.against else "the same") + count
 
 
 def _by_law(improvement: Improvement) -> dict[str, list[Score]]:

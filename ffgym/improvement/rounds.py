@@ -24,7 +24,7 @@ from ffgym.robot import ModelOptions
 from ffgym.simulation import Rig
 from ffgym.simulation.plant import Machine, load_machine, save_machine
 from ffgym.simulation.plant.machine_file import origins_of
-from ffgym.simulation.protocols import Protocol, SessionMotion, load_protocols, plan_session, record_into
+from ffgym.simulation.protocols import Protocol, load_protocols, plan_session, record_into
 from ffgym.simulation.run import Progress
 
 PAUSE = 60.0
@@ -122,7 +122,10 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
         place = folder / f"round_{number}"
         protocols = [protocol for name in plan.protocols for protocol in load_protocols(name)]
         motions = plan_session(rig.arm, [*protocols, *proposed], start=clock)
-        recordings = _recorded(rig, plan, motions, place / "logs", number, stage)
+        with stage(f"recording, round {number}", "s") as progress:
+            seed, origin, logs = plan.seed + number - 1, {"round": number}, place / "logs"
+            record_into(logs, motions, rig, seed=seed, origin=origin, n_threads=plan.n_threads, progress=progress)
+        recordings = read_folder(logs)
         if plan.fit and not rounds:
             machine, calibration = _fitted(place / "fitted", machine, plan, recordings, stage), _FITTED
         before = machine
@@ -137,13 +140,16 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
         model = place / "extended.toml"
         machine = save_extended(model, diagnosis, machine, robot=plan.robot, origins=origins, recordings=recordings)
         origins, clock = origins_of(model), motions[-1].end + PAUSE
-        proposed = _proposed(diagnosis, place)
+        proposed = []
+        if diagnosis.separating_motion is not None:
+            write_text(place / "next.toml", diagnosis.separating_motion.toml)
+            proposed = load_protocols(place / "next.toml")
         rounds.append(
             Round(
                 number=number,
                 protocols=tuple(dict.fromkeys(motion.protocol for motion in motions)),
                 seconds=sum(motion.reference.duration for motion in motions),
-                logs=place / "logs",
+                logs=logs,
                 before=before,
                 diagnosis=diagnosis,
                 machine=machine,
@@ -151,15 +157,6 @@ def improved(rig: Rig, plan: Plan, folder: Path, diagnose: Diagnose, stage: Stag
             )
         )
     return rounds
-
-
-def _recorded(
-    rig: Rig, plan: Plan, motions: list[SessionMotion], folder: Path, number: int, stage: Stage
-) -> list[Recording]:
-    with stage(f"recording, round {number}", "s") as progress:
-        seed, origin = plan.seed + number - 1, {"round": number}
-        record_into(folder, motions, rig, seed=seed, origin=origin, n_threads=plan.n_threads, progress=progress)
-    return read_folder(folder)
 
 
 def _fitted(place: Path, machine: Machine, plan: Plan, recordings: Sequence[Recording], stage: Stage) -> Machine:
@@ -209,12 +206,3 @@ def _json(path: Path) -> Any:
         return json.loads(read_text(path))
     except ValueError:  # damaged or empty: the diagnosis is made again
         return None
-
-
-def _proposed(diagnosis: Diagnosis, place: Path) -> list[Protocol]:
-    """What a diagnosis wants to be recorded next, also as a file beside it."""
-    if diagnosis.separating_motion is None:
-        return []
-    file = place / "next.toml"
-    write_text(file, diagnosis.separating_motion.toml)
-    return load_protocols(file)

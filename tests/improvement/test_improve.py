@@ -12,7 +12,7 @@ from ffgym.core.errors import FFGymError
 from ffgym.diagnosis.result import Diagnosis, SeparatingMotion
 from ffgym.effects import EFFECTS
 from ffgym.improvement import Plan, format_improvement, improve, render_improvement
-from ffgym.improvement.contenders import BASELINE, MODEL
+from ffgym.improvement.gain import BASELINE, MODEL
 from ffgym.improvement.rounds import improved
 from ffgym.robot import RigidArm
 from ffgym.simulation import SimulatedRig, sensors_of

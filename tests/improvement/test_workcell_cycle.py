@@ -5,7 +5,7 @@ import json
 import pytest
 
 from ffgym.cli.main import main
-from ffgym.improvement.contenders import BASELINE, FITTED, MODEL
+from ffgym.improvement.gain import BASELINE, FITTED, MODEL
 
 
 @pytest.mark.slow

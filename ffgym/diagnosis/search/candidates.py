@@ -79,13 +79,19 @@ class Candidates:
         return [self.columns[int(i) - len(self.doubts)] for i in group.columns]
 
     def beside(self, columns: Sequence[Column]) -> "Candidates":
-        """These, and those that other columns make."""
+        """These, and those that other columns make, which are adopted together."""
+        groups = []
+        for places in together(columns):
+            first = columns[places[0]]
+            p = first.effect.parameters()[first.parameter]
+            one_sided = len(places) == 1 and p.minimum == p.null
+            groups.append(Candidate(columns=np.array(places) + len(self.scale), one_sided=one_sided))
         scale = np.array([abs(step_of(c.effect.parameters()[c.parameter])) for c in columns])
         wide, endless = np.full(len(columns), _WIDE**-2), np.full(len(columns), np.inf)
         return Candidates(
             doubts=self.doubts,
             columns=(*self.columns, *(replace(column, parts={}) for column in columns)),  # the stack has their rows
-            groups=(*self.groups, *_groups(columns, len(self.scale))),
+            groups=(*self.groups, *groups),
             scale=np.concatenate([self.scale, scale]),
             priors=Priors(
                 precision=np.concatenate([self.priors.precision, wide]),
@@ -112,13 +118,3 @@ def candidates_of(doubts: Sequence[Doubt], columns: Sequence[Column], blocks: Bl
         stack=stack_of(blocks, [doubt.column.parts for doubt in doubts], weights, sigma),
     )
     return none.beside(columns)
-
-
-def _groups(columns: Sequence[Column], n: int) -> list[Candidate]:
-    """Columns that are adopted together, which lie behind `n` others."""
-    groups = []
-    for places in together(columns):
-        first = columns[places[0]]
-        p = first.effect.parameters()[first.parameter]
-        groups.append(Candidate(columns=np.array(places) + n, one_sided=len(places) == 1 and p.minimum == p.null))
-    return groups

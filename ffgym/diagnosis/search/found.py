@@ -117,7 +117,11 @@ _THERE = 1e-6
 
 def slimmed(setting: Setting, tried: Tried, like: Fit | None = None) -> Tried:
     """The newest hypothesis without sizes whose absence leaves less on rows that were left out."""
-    while len(sizes := _sizes(tried)) > 1:
+    while True:
+        known = tried.hypothesis.kind.parameters()
+        sizes = list(dict.fromkeys(f.name for f in tried.hypothesis.free() if known[f.name].role == "size"))
+        if len(sizes) < 2:
+            break
         left = {size: _left_without(setting, tried.fit, size) for size in sizes}
         least = min(left, key=left.__getitem__)
         if left[least] >= tried.total:
@@ -131,12 +135,6 @@ def slimmed(setting: Setting, tried: Tried, like: Fit | None = None) -> Tried:
             break
         tried = fewer
     return tried
-
-
-def _sizes(tried: Tried) -> list[str]:
-    """Sizes of the newest hypothesis that are fitted."""
-    known = tried.hypothesis.kind.parameters()
-    return list(dict.fromkeys(free.name for free in tried.hypothesis.free() if known[free.name].role == "size"))
 
 
 def _left_without(setting: Setting, fit: Fit, size: str) -> float:

@@ -30,30 +30,26 @@ def hypothesis_of(columns: Sequence[Column], sizes: Array, robot: RobotDescripti
     values: dict[str, Array] = {}
     for p in kind.parameters().values():
         own = [(c, float(x)) for c, x in zip(columns, sizes, strict=True) if c.parameter == p.name]
-        if p.role == "size":
-            values[p.name] = _size(p, own)
-        else:
+        if p.role != "size":
             values[p.name] = _shape(p, columns, sizes)
+        elif p.per == "vector":
+            moved = np.array([sum(x for c, x in own if c.part == k) for k in range(3)])
+            values[p.name] = np.clip(p.neutral + moved, p.minimum, p.maximum)
+        else:
+            spans_phase = len([c for c, _ in own if "phase" in c.shape]) == 2
+            total = math.hypot(*(x for _, x in own)) if spans_phase else sum(x for _, x in own)
+            low, high = (p.low, p.high) if p.unit == "1" else (p.minimum, p.maximum)
+            values[p.name] = np.array(np.clip(p.neutral + total, low, high))
     if not values:
         raise FFGymError(f"Effect {kind.name} has no parameters.")
     source = columns[0].part if kind.parameters()[columns[0].parameter].per == "pair" else None
     return Hypothesis(kind=kind, joint=joint, source=source, values=values)
 
 
-def _size(p: Parameter, own: list[tuple[Column, float]]) -> Array:
-    if p.per == "vector":
-        moved = np.array([sum(x for c, x in own if c.part == k) for k in range(3)])
-        return np.clip(p.neutral + moved, p.minimum, p.maximum)
-    phases = [c.shape["phase"] for c, _ in own if "phase" in c.shape]
-    sizes = [x for _, x in own]
-    total = math.hypot(*sizes) if len(phases) == 2 else sum(sizes)
-    low, high = (p.low, p.high) if p.unit == "1" else (p.minimum, p.maximum)
-    return np.array(np.clip(p.neutral + total, low, high))
-
-
 def _shape(p: Parameter, columns: Sequence[Column], sizes: Array) -> Array:
     """Value of a shape parameter: chosen, or what the fit says of the values that span it."""
-    neutral = np.full(3, _default(p)) if p.per == "vector" else np.array(_default(p))
+    default = p.neutral if p.default is None else p.default
+    neutral = np.full(3, default) if p.per == "vector" else np.array(default)
     if p.role == "phase":
         return np.array(float(np.arctan2(sizes[1], sizes[0]))) if len(sizes) == 2 else neutral
     known = [np.asarray(c.shape.get(p.name, neutral), dtype=np.float64) for c in columns]
@@ -64,10 +60,6 @@ def _shape(p: Parameter, columns: Sequence[Column], sizes: Array) -> Array:
         return neutral
     mean = sum(x * value for x, value in zip(sizes, known, strict=True)) / total
     return np.clip(mean, p.low, p.high)
-
-
-def _default(p: Parameter) -> float:
-    return p.default if p.default is not None else p.neutral
 
 
 _RIDGE = 1e-4

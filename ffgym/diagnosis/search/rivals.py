@@ -4,11 +4,11 @@ A reader who expects one of them sees that it was looked at, and how much less i
 """
 
 from collections.abc import Container, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
-from ffgym.core.types import Array
 from ffgym.diagnosis.computing import FAILED
 from ffgym.diagnosis.fit.fit import loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis, Place
@@ -131,7 +131,8 @@ def _against(
     if best.hypothesis.kind.name in other.hypothesis.kind.generalises:
         tied = False  # it was fitted beside it, explains no more, and has more numbers
     elif others and (tied or share >= NEAR):  # what further causes explain may have hidden the difference
-        instead = _instead(setting, (*others, other.hypothesis), fitted)
+        with suppress(*FAILED):  # no machine may be able to be so
+            instead = judged_with(setting, (*others, other.hypothesis), fitted.fit)
         tied = instead is not None and _is_tied(setting, nominal, fitted, instead, rng)
     elif tied and len(other.fit.hypotheses) == 1:
         instead = other
@@ -148,14 +149,6 @@ def _against(
     )
 
 
-def _instead(setting: Setting, hypotheses: Sequence[Hypothesis], fitted: Tried) -> Tried | None:
-    """A rival beside the other causes; None if no machine can be so."""
-    try:
-        return judged_with(setting, hypotheses, fitted.fit)
-    except FAILED:
-        return None
-
-
 def _share(setting: Setting, before: Tried, best: Tried, other: Tried) -> float:
     """What a rival removes where the best acts, as a share of what that removes there."""
     loud, by_best, by_other = (
@@ -168,7 +161,10 @@ def _share(setting: Setting, before: Tried, best: Tried, other: Tried) -> float:
 
 def _is_tied(setting: Setting, before: Tried, best: Tried, other: Tried, rng: np.random.Generator) -> bool:
     """Whether another explanation is as good, by resamples or as good as an inexact equation can tell."""
-    if _ties(best.left, other.left, rng):
+    # resamples of what it leaves more in each block
+    more = other.left - best.left
+    picks = rng.integers(len(more), size=(RESAMPLES, len(more)))
+    if np.quantile(more[picks].sum(axis=1), TIED) <= 0:
         return True
     allowed = ALIKE * (before.total - best.total)
     if _numbers(other) == _numbers(best):
@@ -190,13 +186,6 @@ def _numbers(tried: Tried) -> int:
     return sum(len(hypothesis.free()) for hypothesis in tried.fit.hypotheses)
 
 
-def _ties(best: Array, other: Array, rng: np.random.Generator) -> bool:
-    """Whether `other` may be as good: resamples of what it leaves more in each block."""
-    more = other - best
-    picks = rng.integers(len(more), size=(RESAMPLES, len(more)))
-    return bool(np.quantile(more[picks].sum(axis=1), TIED) <= 0)
-
-
 def tied_among(hypotheses: Sequence[Hypothesis], rivals: Sequence[Rival]) -> list[Hypothesis]:
     """Hypotheses that a rival cannot be told from."""
     against = {rival.against for rival in rivals if rival.tied}
@@ -205,24 +194,22 @@ def tied_among(hypotheses: Sequence[Hypothesis], rivals: Sequence[Rival]) -> lis
 
 def as_rivals(unsure: Sequence[Hypothesis], rivals: Sequence[Rival], rounds: Sequence[Round]) -> tuple[Rival, ...]:
     """Causes that were dropped because a rival cannot be told from them, as rivals of that one."""
-    gains = {rival.against: rival for rival in rivals if rival.tied}
-    return tuple(
-        Rival(
-            effect=one.kind.name,
-            joint=one.joint,
-            held_out_gain=_gain(one, rounds),
-            tied=True,
-            against=label_of(gains[one.label].effect, gains[one.label].joint),
-            reason=ALIKE_TEXT,
+    against = {rival.against: label_of(rival.effect, rival.joint) for rival in rivals if rival.tied}
+    found = []
+    for one in unsure:
+        then, tried = found_in(rounds, one)
+        gain = 1.0 - tried.total / then.before.total  # share that it removed in the round in which it was found
+        found.append(
+            Rival(
+                effect=one.kind.name,
+                joint=one.joint,
+                held_out_gain=gain,
+                tied=True,
+                against=against[one.label],
+                reason=ALIKE_TEXT,
+            )
         )
-        for one in unsure
-    )
-
-
-def _gain(hypothesis: Hypothesis, rounds: Sequence[Round]) -> float:
-    """Share of the energy that a cause removed in the round in which it was found."""
-    one, tried = found_in(rounds, hypothesis)
-    return 1.0 - tried.total / one.before.total
+    return tuple(found)
 
 
 def lookalikes(

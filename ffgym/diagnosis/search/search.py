@@ -186,12 +186,13 @@ def _tried(
             tried.append(slimmed(setting, judged_with(setting, (*fixed, start), now.fit), now.fit))
         except FAILED:
             continue  # what cannot be computed loses
-    return sorted(tried, key=lambda one: one.total + SLACK * len(one.hypothesis.free()) * _price(now, one))
 
+    def price(one: Tried) -> float:
+        """Energy that is left, and what each number costs: a share of that, or of what is removed if that is less."""
+        share = max(0.0, min(one.total, now.total - one.total))
+        return one.total + SLACK * len(one.hypothesis.free()) * share
 
-def _price(before: Tried, after: Tried) -> float:
-    """What each number must be a share of: the energy that is left, or that is removed if that is less."""
-    return max(0.0, min(after.total, before.total - after.total))
+    return sorted(tried, key=price)
 
 
 def _possible(setting: Setting, others: Sequence[Hypothesis], start: Hypothesis) -> Hypothesis | None:

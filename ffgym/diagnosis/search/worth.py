@@ -6,7 +6,6 @@ from ffgym.diagnosis.calibration import BOUND
 from ffgym.diagnosis.fit.fit import Fit, Loudness, Removed, loudness, removed, touched, without_calibration
 from ffgym.diagnosis.fit.hypothesis import Hypothesis
 from ffgym.diagnosis.fit.setting import Setting, is_number_of
-from ffgym.diagnosis.push import Parts
 from ffgym.diagnosis.residual import Channel
 from ffgym.diagnosis.search.found import Tried
 
@@ -26,15 +25,12 @@ def stretched(setting: Setting, fit: Fit) -> tuple[tuple[Hypothesis, str], ...]:
             at += 1
             near = _AT_END * (p.high - p.low)
             is_shape = p.role == "shape" or (p.role == "cycles" and not p.is_looked_for)
-            is_at_end = is_shape and not p.low + near < free.value < p.high - near
-            if is_at_end and free.value != p.default and _energy(setting, column) > _SEEN:
+            if not is_shape or p.low + near < free.value < p.high - near or free.value == p.default:
+                continue
+            # energy of the column, in energies of the noise of a row
+            if sum(float(np.sum((setting.weights[key] * rows) ** 2)) for key, rows in column.items()) > _SEEN:
                 found.append((hypothesis, free.name))
     return tuple(found)
-
-
-def _energy(setting: Setting, column: Parts) -> float:
-    """Of a column, in energies of the noise of a row."""
-    return sum(float(np.sum((setting.weights[key] * rows) ** 2)) for key, rows in column.items())
 
 
 EXPLAINS = 0.25
@@ -106,7 +102,10 @@ def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | N
     if nominal is not None:
         first = loudness(setting, without_calibration(setting, nominal.fit))
         is_wave = any(known.place == after.hypothesis.place for known in before.fit.hypotheses)
-        inexact, leaks = 0.0 if is_wave else INEXACT, _leaks(loud)
+        inexact = 0.0 if is_wave else INEXACT
+        leaks: dict[Channel, float] = {}  # what the loudest component of a channel may leave in any other
+        for (channel, _), value in loud.items():
+            leaks[channel] = max(leaks.get(channel, 0.0), LEAKS * (value - 1.0))
         allowed = {
             key: max(inexact * (first[key] - value), leaks[key[0]], setting.inexact(key)) for key, value in loud.items()
         }
@@ -121,14 +120,6 @@ def removed_by(setting: Setting, before: Tried, after: Tried, nominal: Tried | N
 def _is_heard(loud: Loudness, where: set[tuple[Channel, int]], allowed: Loudness) -> bool:
     """Whether any of some components has more above the noise than is allowed for."""
     return any(loud[key] - 1.0 > allowed[key] for key in where)
-
-
-def _leaks(loud: Loudness) -> dict[Channel, float]:
-    """By channel, what the loudest component may leave in any other."""
-    loudest: dict[Channel, float] = {}
-    for (channel, _), value in loud.items():
-        loudest[channel] = max(loudest.get(channel, 0.0), LEAKS * (value - 1.0))
-    return loudest
 
 
 def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried, chance: float) -> bool:
@@ -146,17 +137,13 @@ def is_worth(setting: Setting, nominal: Tried, before: Tried, after: Tried, chan
     gone, held_out = removed_by(setting, before, after, nominal), before.total - after.total
     witnesses = 1 if after.hypothesis.joint else max(gone.heard, 1)
     explains = gone.of_excess > EXPLAINS / np.sqrt(witnesses) and gone.of_all > FLOOR
-    is_clear = _is_clear(after, gone.of_all, held_out, chance)
+    # below the noise floor it must stand out by its share of all, and on rows left out
+    is_clear = (held_out > CLEAR * chance and gone.of_all > MOSTLY) or (
+        len(after.hypothesis.free()) == 1 and held_out > CLEARER * chance and gone.of_all > EXPLAINS
+    )
     is_heard = gone.excess > FLOOR or (is_clear and _is_certain(setting, after) and is_sizeable(after.hypothesis))
     holds = held_out > max(HOLDS * (before.fit.left - after.fit.left), 0.0)
     return holds and explains and is_heard and not _imitates(setting, before, after)
-
-
-def _is_clear(after: Tried, of_all: float, held_out: float, chance: float) -> bool:
-    """Tell whether the newest cause stands out below the noise floor: by its share of all, and on rows left out."""
-    if held_out > CLEAR * chance and of_all > MOSTLY:
-        return True
-    return len(after.hypothesis.free()) == 1 and held_out > CLEARER * chance and of_all > EXPLAINS
 
 
 def _is_certain(setting: Setting, after: Tried) -> bool:
